@@ -8,7 +8,7 @@ from pathlib import Path
 
 from readings.figures import reading_figures
 from readings.tables import READINGS
-from visuohaptic.studies.files import make_study_block
+from visuohaptic.studies.measuring import make_study_block
 from visuohaptic.studies.study import Given
 from visuohaptic.whole_files import write_whole
 

@@ -115,7 +115,7 @@ def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
 def test_a_budget_is_a_number_of_viewpoints(visuohaptic, small, tmp_path, monkeypatch):
     from visuohaptic.studies.cost import budgets
 
-    held = {"balanced": budgets.Budget("balanced", 3, 0.1, 0.1)}
+    held = {"balanced": {"viewpoints": 3}}
     monkeypatch.setattr(budgets, "budgets", lambda: held)
     ended = visuohaptic(
         "touch", ring(tmp_path / "ring.obj"), *small, "--budget", "balanced", "--json"

@@ -1,6 +1,7 @@
 """A condition changes what it names, from as late a table as it allows, and breaks alone."""
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
 import pyarrow as pa
@@ -15,18 +16,14 @@ from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences
 from visuohaptic.studies import measuring
 from visuohaptic.studies.ablations import ABLATIONS, ALONE
-from visuohaptic.studies.conditions import (
-    Plan,
-    describe_conditions,
-    plan_study,
-    with_changes,
-)
+from visuohaptic.studies.conditions import describe_conditions, plan_study, with_changes
 from visuohaptic.studies.figures import cells_of
-from visuohaptic.studies.files import make_study_block, make_study_features, read_study_features
 from visuohaptic.studies.measuring import (
-    Memory,
     Sources,
-    measure_condition,
+    features_by_key,
+    make_study_block,
+    make_study_features,
+    measure_conditions,
     recompute_features,
 )
 from visuohaptic.studies.study import Condition, Study
@@ -86,10 +83,8 @@ def mine(*conditions):
     return plan_study(Study("mine", "Mine", lambda _: conditions), RUN)
 
 
-def cells(planned, features, memory=None):
-    return cells_of(
-        pa.concat_tables(measure_condition("mine", planned, features, RUN.seed, memory))
-    )
+def cells(features, *planned):
+    return cells_of(pa.concat_tables(measure_conditions("mine", planned, features, RUN.seed)))
 
 
 @pytest.mark.slow
@@ -99,7 +94,7 @@ def test_accuracies_are_those_of_earlier_studies(ablations, name, pipeline):
     planned = next(one for one in plan.conditions if one.condition.name == name)
     # The earlier studies had no classifier of bags.
     parameters = with_changes(planned.parameters, {"recognition.best.bags": ()})
-    found = cells(replace(planned, parameters=parameters), made[planned.key])
+    found = cells(made[planned.key], replace(planned, parameters=parameters))
     key = (name, pipeline, "fixation", "support_vector_machine")
     assert np.round(found[key].accuracy, 4).tolist() == EARLIER[name, pipeline]
 
@@ -147,23 +142,18 @@ def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
     tables = recognition.run_pipeline(SYNTHETIC, one.parameters.recognition, RUN.seed, pipeline)
     (figures,) = recognition.summarise(*tables)["results"][pipeline]["fixation"].values()
     for planned, figure in ((one, "accuracy"), (every, "object_accuracy")):
-        (cell,) = cells(planned, SYNTHETIC).values()
+        (cell,) = cells(SYNTHETIC, planned).values()
         mean = np.average(cell.accuracy, weights=cell.weights)
         assert mean == pytest.approx(figures[figure]["mean"])
 
 
-def test_conditions_that_differ_in_the_vote_alone_train_once(monkeypatch):
-    calls = []
-    predict_objects = measuring.predict_objects
-    monkeypatch.setattr(
-        measuring, "predict_objects", lambda *given: calls.append(given) or predict_objects(*given)
-    )
+def test_conditions_that_differ_in_the_vote_alone_train_once():
     changes = {**ALONE, "recognition.pipelines": ["paper"]}
     planned = mine(*(Condition(f"{votes}", changes, votes=votes) for votes in (1, 2, 4))).conditions
-    memory = Memory()
-    for one in planned:
-        cells(one, SYNTHETIC, memory)
-    assert len(calls) == 1
+    with patch.object(measuring, "predict_objects", wraps=measuring.predict_objects) as predicting:
+        found = cells(SYNTHETIC, *planned)
+    assert predicting.call_count == 1
+    assert [key[0] for key in found] == ["1", "2", "4"]
 
 
 def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatch):
@@ -182,7 +172,7 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     for key, recomputation in plan.recomputations.items():
         made[key] = tmp_path / f"{key}.parquet"
         make_study_features(recomputation, sources, made[key])
-        assert isinstance(read_study_features(made[key]), str)
+    assert isinstance(features_by_key([], made, None)(key), str)
     block = tmp_path / "block.parquet"
     make_study_block("mine", describe_conditions(plan.conditions), [features], made, block, RUN)
     rows = read_table(STUDY, block).to_pylist()
@@ -198,7 +188,7 @@ def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
 
     monkeypatch.setattr(measuring, "predict_objects", fault)
     with pytest.raises(ZeroDivisionError):
-        cells(mine(Condition("c", ALONE)).conditions[0], SYNTHETIC)
+        cells(SYNTHETIC, *mine(Condition("c", ALONE)).conditions)
 
 
 @pytest.mark.slow
@@ -207,7 +197,7 @@ def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
         Condition(f"{penalty}", {**ALONE, "recognition.classifier.svm_penalty": penalty})
         for penalty in (1.0, 2.0, 4.0)
     ]
-    plan: Plan = mine(*conditions)
+    plan = mine(*conditions)
 
     def rows(name, chosen):
         path = tmp_path / name
@@ -244,10 +234,10 @@ def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protoco
         "recognition.protocol.protocol": protocol,
     }
     (planned,) = mine(Condition("c", changes, votes=votes)).conditions
-    (found,) = cells(planned, short).values()
+    (found,) = cells(short, planned).values()
     assert found.error is None
     assert len(found.objects) == 9
-    (same,) = cells(planned, whole_sequences(short, 3)[0]).values()
+    (same,) = cells(whole_sequences(short, 3)[0], planned).values()
     np.testing.assert_array_equal(found.accuracy, same.accuracy)
     assert (found.accuracy <= 1).all()
 
@@ -276,5 +266,5 @@ def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, change
     sources, _ = write_sources(tmp_path, small_surfaces() | {"ring/hair": hair})
     plan = mine(Condition("c", changes | ALONE | {"recognition.pipelines": ["paper"]}))
     (recomputation,) = plan.recomputations.values()
-    (found,) = cells(plan.conditions[0], recompute_features(recomputation, sources)).values()
+    (found,) = cells(recompute_features(recomputation, sources), *plan.conditions).values()
     assert len(found.objects) == len(small_surfaces())

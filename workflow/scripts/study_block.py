@@ -1,7 +1,7 @@
 """Measure a block of a study's conditions."""
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.files import make_study_block
+from visuohaptic.studies.measuring import make_study_block
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -3,8 +3,7 @@
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import Recomputation
-from visuohaptic.studies.files import make_study_features
-from visuohaptic.studies.measuring import Sources
+from visuohaptic.studies.measuring import Sources, make_study_features
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -325,7 +325,7 @@ def _viewpoints(viewpoints: int | None, budget: str | None) -> int | None:
         )
     from visuohaptic.studies.cost.budgets import budgets
 
-    return budgets()[budget].viewpoints
+    return budgets()[budget]["viewpoints"]
 
 
 def _explore(

@@ -10,8 +10,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
-from operator import itemgetter
+from itertools import accumulate, groupby, pairwise
 from typing import Any
 
 from pydantic import BaseModel
@@ -103,18 +102,18 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
     """
     own = _upstream(run)
     planned: list[Planned] = []
-    needs: dict[str, list[tuple[str, ExperimentParameters]]] = {}
+    needs: dict[str, list[Recomputation]] = {}
     for condition in study.conditions(run):
         parameters = with_changes(run, condition.changes, f"{source}: {condition.name}")
         upstream = _upstream(parameters)
         phase = next((name for name in _ORDER if upstream[name] != own[name]), None)
         if _asks_for_more(parameters, run):
-            phase = "views"
+            phase = _ORDER[0]
         key = None
         if phase is not None:
             text = json.dumps(upstream, sort_keys=True)
             key = hashlib.sha256(text.encode()).hexdigest()[:12]
-            needs.setdefault(key, []).append((phase, parameters))
+            needs.setdefault(key, []).append(Recomputation(phase, parameters))
         planned.append(Planned(condition, parameters, key))
     return Plan(tuple(planned), {key: _merge(found) for key, found in needs.items()})
 
@@ -122,26 +121,25 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
 def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
     """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
 
-    A block has `conditions_per_job` conditions, or some more; without it an eighth of them, at most
-    25, but as many as are worth a job.
+    A block has `conditions_per_job` conditions, or some more, so that conditions that differ in the
+    vote alone are trained once; without it an eighth of them, at most 25, but as many as are worth a job.
     """
     step = conditions_per_job or _conditions_a_block(plan)
-
-    # Conditions that differ in the vote alone are trained once, by one job.
-    trained: dict[tuple[str, str], list[Planned]] = {}
-    for one in plan.conditions:
-        trained.setdefault((one.key or "", one.parameters.model_dump_json()), []).append(one)
-    blocks: list[list[Planned]] = [[]]
-    for _, alike in sorted(trained.items(), key=itemgetter(0)):
-        if len(blocks[-1]) >= step:
+    blocks: list[list[Planned]] = []
+    for _, alike in groupby(sorted(plan.conditions, key=trained_alike), key=trained_alike):
+        if not blocks or len(blocks[-1]) >= step:
             blocks.append([])
         blocks[-1] += alike
-    blocks = [block for block in blocks if block]
     ends = [0, *accumulate(map(len, blocks))]
     return {
         f"{start:04d}-{end - 1:04d}": block
-        for start, end, block in zip(ends, ends[1:], blocks, strict=False)
+        for (start, end), block in zip(pairwise(ends), blocks, strict=True)
     }
+
+
+def trained_alike(planned: Planned) -> tuple[str, str]:
+    """Give what conditions have in common of which one training serves all: features and parameters."""
+    return planned.key or "", planned.parameters.model_dump_json()
 
 
 def _conditions_a_block(plan: Plan) -> int:
@@ -222,16 +220,14 @@ def _asks_for_more(parameters: ExperimentParameters, run: ExperimentParameters) 
     return bool(strategies) or touches_needed(parameters) > run.attention.fixations
 
 
-def _merge(found: Sequence[tuple[str, ExperimentParameters]]) -> Recomputation:
-    phase = min((phase for phase, _ in found), key=_ORDER.index)
-    wanted = [parameters for _, parameters in found]
+def _merge(found: Sequence[Recomputation]) -> Recomputation:
+    """Give one recomputation that serves all: the first phase, the most touches, and every strategy."""
+    first, wanted = found[0].parameters, [one.parameters for one in found]
+    fixations = max(map(touches_needed, wanted))
     strategies = dict.fromkeys(name for one in wanted for name in one.probing.strategies)
-    merged = {
-        "attention": {"fixations": max(map(touches_needed, wanted))},
-        "probing": {"strategies": tuple(strategies)},
-    }
     update = {
-        section: getattr(wanted[0], section).model_copy(update=values)
-        for section, values in merged.items()
+        "attention": first.attention.model_copy(update={"fixations": fixations}),
+        "probing": first.probing.model_copy(update={"strategies": tuple(strategies)}),
     }
-    return Recomputation(phase, wanted[0].model_copy(update=update))
+    phase = min((one.phase for one in found), key=_ORDER.index)
+    return Recomputation(phase, first.model_copy(update=update))

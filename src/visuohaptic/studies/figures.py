@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 from typing import Any
@@ -41,11 +42,10 @@ LEADER = "fixation"
 
 @dataclass(frozen=True)
 class Cell:
-    """One condition, pipeline, strategy and classifier, an object each.
+    """One condition, pipeline, strategy and classifier: o objects, pairs of class and name, sorted.
 
-    `objects` are o pairs of class and name, sorted; there is none where it could not be run, for
-    the reason in `error`. The mean of `accuracy` (o,) by `weights` (o,) is the mean over splits.
-    `seconds` are those of training and testing.
+    There is none where it could not be run, for the reason in `error`. The mean of `accuracy` (o,) by
+    `weights` (o,) is the mean over splits. `seconds` are those of training and testing.
     """
 
     objects: tuple[tuple[str, str], ...]
@@ -56,14 +56,9 @@ class Cell:
 
 
 def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
-    """Average each object's accuracy over the splits that tested it, one file at a time.
-
-    A file of `tables.STUDY` holds all rows of its conditions.
-    """
-    found: dict[CellKey, Cell] = {}
-    for part in parts:
-        found |= cells_of(read_table(STUDY, part))
-    return found
+    """Read cells from files of `tables.STUDY`, each of which holds all rows of its conditions."""
+    tables = (read_table(STUDY, part) for part in parts)
+    return {key: cell for table in tables for key, cell in cells_of(table).items()}
 
 
 def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
@@ -92,12 +87,11 @@ def study_figures(
     intervals: IntervalParameters,
     seed: int,
 ) -> pa.Table:
-    """Sum up a study: `tables.STUDY_FIGURES`.
+    """Sum up a study, as `conditions.describe_study` gives it: `tables.STUDY_FIGURES`.
 
-    The study has a ``name``, a ``title`` and ``conditions`` in order, each with ``name``,
-    ``compared_with`` (a name; None for the first one's) and ``recomputed``. A condition that was
-    tested on other objects than the one that it is compared with has no difference. A row of
-    another strategy than `LEADER` says how far that one is ahead in the same condition.
+    A condition that was tested on other objects than the one that it is compared with has no
+    difference. A row of another strategy than `LEADER` says how far that one is ahead in the same
+    condition.
     """
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}
@@ -106,17 +100,18 @@ def study_figures(
         condition = conditions[order[key[0]]]
         other = condition["compared_with"] or conditions[0]["name"]
         leader = cells.get((key[0], key[1], LEADER, key[3]))
-        row: Row = {
-            "study": study["name"],
-            "title": study["title"],
-            **dict(zip(CELL, key, strict=True)),
-            "place": order[key[0]],
-            "recomputed": condition["recomputed"],
-            "compared_with": None if other == key[0] else other,
-            **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
-            **paired("lead", "lead_p", compare(leader, cells[key], intervals, seed)),
-        }
-        rows.append(row)
+        rows.append(
+            {
+                "study": study["name"],
+                "title": study["title"],
+                **dict(zip(CELL, key, strict=True)),
+                "place": order[key[0]],
+                "recomputed": condition["recomputed"],
+                "compared_with": None if other == key[0] else other,
+                **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
+                **paired("lead", "lead_p", compare(leader, cells[key], intervals, seed)),
+            }
+        )
     _adjust(rows)
     return build_rows(STUDY_FIGURES, rows)
 
@@ -139,7 +134,7 @@ def make_study_figures(
 
 def nested(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, Any]:
     """Nest rows by some of their columns; what identifies a row and seconds are left out."""
-    figures: dict[str, Any] = {}
+    figures: Row = {}
     for row in rows:
         inner = figures
         for key in keys:
@@ -163,10 +158,7 @@ def _cell(rows: pa.Table) -> Cell:
 
 
 def average_objects(rows: pa.Table, counted: str) -> tuple[Cell, NDArray[np.float64]]:
-    """Average column `accuracy` of each object over the splits and repeats that tested it.
-
-    Gives a cell without seconds, and each row's share of its split by the number in column `counted`.
-    """
+    """Average each object's `accuracy` over the splits and repeats that tested it; also each row's share of its split."""
     owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
     places = {owner: place for place, owner in enumerate(objects)}
@@ -214,9 +206,8 @@ def ends(name: str, prefix: str, interval: Interval | None) -> Row:
 
 
 def _adjust(rows: Sequence[Row]) -> None:
-    """Adjust p values for their number, in each pipeline, strategy and classifier."""
-    of_cell = itemgetter(*CELL[1:])
-    for key in dict.fromkeys(map(of_cell, rows)):
-        compared = [row for row in rows if of_cell(row) == key and row["p_value"] is not None]
+    """Adjust p values for their number, in each pipeline, strategy and classifier, in which rows are neighbours."""
+    for _, of_cell in groupby(rows, key=itemgetter(*CELL[1:])):
+        compared = [row for row in of_cell if row["p_value"] is not None]
         for row, value in zip(compared, holm([row["p_value"] for row in compared]), strict=True):
             row["adjusted_p"] = value

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, lru_cache, partial
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from contourlets.errors import ContourletError
@@ -25,9 +27,16 @@ from visuohaptic.recognition.experiment import answer_splits, gather_pipeline, s
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.pooling import Ballots, spread_choices
 from visuohaptic.recognition.sequences import take_strategy
-from visuohaptic.studies.conditions import Planned, Recomputation, touches_needed
+from visuohaptic.studies.conditions import (
+    Planned,
+    Recomputation,
+    touches_needed,
+    trained_alike,
+    with_changes,
+)
+from visuohaptic.studies.study import Condition
 from visuohaptic.tables.phases import FEATURES, of_objects
-from visuohaptic.tables.schema import build_table, read_table
+from visuohaptic.tables.schema import build_table, join_parts, read_table, write_table
 from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
@@ -41,7 +50,7 @@ REFUSALS = (VisuohapticError, AttentionError, ContourletError)
 
 Paths = Sequence[str | Path]
 
-_REMEMBERED = 4
+_ERROR = b"error"
 
 
 @dataclass(frozen=True)
@@ -73,29 +82,19 @@ class Predictions:
     seconds: float
 
 
-class Memory:
-    """The latest predictions, and maps of the paper's pipeline, so that what conditions share is trained once."""
-
-    def __init__(self) -> None:
-        self.maps = FitMemory(1000)
-        self._predictions: dict[Hashable, Predictions] = {}
-
-    def recall(self, key: Hashable, predict: Callable[[], Predictions]) -> Predictions:
-        """Give what is known of a key; call `predict` where it is new."""
-        found = self._predictions.pop(key, None) or predict()
-        self._predictions[key] = found
-        if len(self._predictions) > _REMEMBERED:
-            del self._predictions[next(iter(self._predictions))]
-        return found
+def make_study_features(recomputation: Recomputation, sources: Sources, output: str | Path) -> None:
+    """Write features that conditions share; where they are refused, an empty table with the reason."""
+    try:
+        table = recompute_features(recomputation, sources)
+    except REFUSALS as refusal:
+        table = FEATURES.arrow.empty_table().replace_schema_metadata({_ERROR: str(refusal)})
+    write_table(FEATURES, table, output)
 
 
 def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
-    """Recompute features, from as late a table of the run as the changes allow: `tables.FEATURES`.
-
-    They are of the strategies that the parameters name.
-    """
+    """Recompute features of the strategies that the parameters name: `tables.FEATURES`."""
     parts = [FEATURES.arrow.empty_table(), *_recomputed_parts(recomputation, sources)]
-    return pa.concat_tables(parts).sort_by([(key, "ascending") for key in FEATURES.keys])
+    return join_parts(FEATURES, parts)
 
 
 def _recomputed_parts(recomputation: Recomputation, sources: Sources) -> Iterator[pa.Table]:
@@ -115,48 +114,96 @@ def _recomputed_parts(recomputation: Recomputation, sources: Sources) -> Iterato
             yield run(subject, parameters, known)["features"]
 
 
-def condition_features(planned: Planned, features: pa.Table, strategy: str) -> pa.Table:
+def make_study_block(
+    study: str,
+    conditions: Sequence[Mapping[str, Any]],
+    features: Paths,
+    made: Mapping[str, str | Path],
+    output: str | Path,
+    run: ExperimentParameters,
+    objects: Collection[str] | None = None,
+) -> None:
+    """Measure a block of a study's conditions: `tables.STUDY`.
+
+    `conditions` are as `describe_conditions` gives them; the others are as `features_by_key` has them.
+    """
+    planned = [
+        Planned(
+            Condition(row["name"], row["changes"], votes=row["votes"]),
+            with_changes(run, row["changes"]),
+            row["key"],
+        )
+        for row in conditions
+    ]
+    maps, of_key = FitMemory(1000), features_by_key(features, made, objects)
+    parts: list[pa.Table] = []
+    for (key, _), alike in groupby(planned, key=trained_alike):
+        parts += measure_conditions(study, list(alike), of_key(key or None), run.seed, maps)
+    write_table(STUDY, pa.concat_tables(parts), output)
+
+
+def features_by_key(
+    features: Paths, made: Mapping[str, str | Path], objects: Collection[str] | None
+) -> Callable[[str | None], pa.Table | str]:
+    """Read features as conditions name them: those of the run (None), or made for some conditions.
+
+    `objects`, ``class/name``, are those of the run's features that count; None for all. Where features
+    were refused, the reason is given. One table is held at a time, as conditions with the same
+    features are neighbours.
+    """
+
+    @lru_cache(maxsize=1)
+    def read(key: str | None) -> pa.Table | str:
+        if key is None:
+            return of_objects(read_table(FEATURES, features), objects)
+        error = (pq.read_schema(made[key]).metadata or {}).get(_ERROR)
+        return read_table(FEATURES, made[key]) if error is None else error.decode("utf-8")
+
+    return read
+
+
+def condition_features(planned: Planned, features: pa.Table | str, strategy: str) -> pa.Table:
     """Take a condition's rows, of one strategy, of features that others share.
 
     Viewpoints without a whole sequence by every strategy of the condition, and classes with a
-    single object, are left out. Raises `RecognitionError` if no row is left.
+    single object, are left out. Raises `RecognitionError` if no row is left, or the features are the
+    sentence by which they were refused.
     """
+    if isinstance(features, str):
+        raise RecognitionError(features)
     parameters = planned.parameters
     compared = _of_strategies(features, {strategy, *parameters.probing.strategies})
     made = pc.less(compared.column("touch"), touches_needed(parameters))
     return take_strategy(compared.filter(made), strategy, parameters.recognition.touches)[0]
 
 
-def measure_condition(
+def measure_conditions(
     study: str,
-    planned: Planned,
+    alike: Sequence[Planned],
     features: pa.Table | str,
     seed: int,
-    memory: Memory | None = None,
+    maps: FitMemory | None = None,
 ) -> Iterator[pa.Table]:
-    """Train and test a condition; what can't be run has one row with the reason.
+    """Train once, and test conditions that differ in their votes alone; what can't be run has one row with the reason.
 
-    `features` may be the sentence by which they were refused. `memory` holds what conditions before
-    it predicted from the same tables; it changes no number. Yields `tables.STUDY` of each pipeline and
-    strategy.
+    `features` may be the sentence by which they were refused. Yields `tables.STUDY` of each pipeline,
+    strategy and condition.
     """
-    memory = memory or Memory()
-    recognition = planned.parameters.recognition
+    first = alike[0]
+    recognition = first.parameters.recognition
     for pipeline in recognition.pipelines:
-        for strategy in planned.parameters.probing.strategies:
-            key = (study, planned.condition.name, pipeline, strategy)
-            try:
-                if isinstance(features, str):
-                    raise RecognitionError(features)
-                known = (planned.key, planned.parameters.model_dump_json(), pipeline, strategy)
-                predict = partial(
-                    _predict_condition, planned, features, strategy, pipeline, seed, memory.maps
-                )
-                predictions = memory.recall(known, predict)
-                yield from cell_rows(key, predictions, planned.condition.votes)
-            except REFUSALS as refusal:
-                names = classifiers_of(planned.parameters, pipeline)
-                yield error_rows(key, names, str(refusal))
+        for strategy in first.parameters.probing.strategies:
+            predict = cache(
+                partial(_predict_condition, first, features, strategy, pipeline, seed, maps)
+            )
+            for one in alike:
+                key = (study, one.condition.name, pipeline, strategy)
+                try:
+                    yield from cell_rows(key, predict(), one.condition.votes)
+                except REFUSALS as refusal:
+                    paper = pipeline == "paper"
+                    names = recognition.classifiers if paper else recognition.best.classifiers
+                    yield error_rows(key, names, str(refusal))
 
 
 def predict_objects(
@@ -172,19 +219,13 @@ def predict_objects(
     return Predictions(sequences, answers, time.process_time() - started)
 
 
-def classifiers_of(parameters: ExperimentParameters, pipeline: str) -> tuple[str, ...]:
-    """Give the classifiers that a pipeline compares."""
-    recognition = parameters.recognition
-    return recognition.classifiers if pipeline == "paper" else recognition.best.classifiers
-
-
 def _predict_condition(
     planned: Planned,
-    features: pa.Table,
+    features: pa.Table | str,
     strategy: str,
     pipeline: str,
     seed: int,
-    maps: FitMemory,
+    maps: FitMemory | None,
 ) -> Predictions:
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
@@ -194,7 +235,7 @@ def _predict_condition(
 
 
 Key = tuple[str, str, str, str]
-"""Study, condition, pipeline and strategy."""
+_KEY = ("study", "condition", "pipeline", "strategy")
 
 
 def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> Iterator[pa.Table]:
@@ -220,7 +261,7 @@ def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> I
         yield build_table(
             STUDY,
             {
-                **dict(zip(("study", "condition", "pipeline", "strategy"), key, strict=True)),
+                **dict(zip(_KEY, key, strict=True)),
                 "classifier": classifier,
                 "class": objects[owners, 0],
                 "object": objects[owners, 1],
@@ -240,7 +281,7 @@ def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
     return build_table(
         STUDY,
         {
-            **dict(zip(("study", "condition", "pipeline", "strategy"), key, strict=True)),
+            **dict(zip(_KEY, key, strict=True)),
             "classifier": list(classifiers),
             **{name: [None] * len(classifiers) for name in empty},
             "error": error,

@@ -23,7 +23,6 @@ USUAL: Changes = {
 
 MOST_CONDITIONS = 20_000
 LONGEST_NAME = 100
-MOST_LISTED = 20
 
 
 class StudyFile(BaseModel):
@@ -43,12 +42,8 @@ class StudyFile(BaseModel):
     @classmethod
     def _names(cls, conditions: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
         for name in conditions:
-            if (
-                not name.strip()
-                or len(name) > LONGEST_NAME
-                or not name.isprintable()
-                or name == AS_RUN
-            ):
+            is_plain = name.strip() and len(name) <= LONGEST_NAME and name.isprintable()
+            if not is_plain or name == AS_RUN:
                 raise ValueError(
                     f"{name[:100]!r} is no name of a condition; up to 100 printable characters are "
                     f"allowed, and {AS_RUN!r} is taken"
@@ -72,7 +67,7 @@ def read_study(path: str | Path, run: ExperimentParameters) -> Study:
     found = _read(path)
     common = {**USUAL, **found.common}
     named = {AS_RUN: {}, **found.conditions}
-    for name, changes in _combinations(found.grid):
+    for name, changes in _combinations(found.grid) if found.grid else ():
         if name in named:
             raise ParameterError(f"{path}: two conditions have the name {name!r}; one is allowed.")
         named[name] = changes
@@ -84,7 +79,7 @@ def read_study(path: str | Path, run: ExperimentParameters) -> Study:
     if unknown:
         raise ParameterError(
             f"{path}: compared_with: {min(unknown)!r} is no condition of the study; "
-            f"{', '.join(itertools.islice(named, MOST_LISTED))} are allowed."
+            f"{', '.join(itertools.islice(named, 20))} are allowed."
         )
     conditions = tuple(
         Condition(name, {**common, **changes}, found.compared_with.get(name))
@@ -114,8 +109,6 @@ def _read(path: Path) -> StudyFile:
 
 def _combinations(grid: Mapping[str, list[Any]]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Give every combination of a grid's values with a name such as ``touches 1, neighbours 3``."""
-    if not grid:
-        return
     short = [path.rpartition(".")[2] for path in grid]
     names = short if len(set(short)) == len(short) else list(grid)
     for place, values in enumerate(itertools.product(*grid.values())):

@@ -101,10 +101,8 @@ def _files(folders: Iterable[Path]) -> dict[str, Path]:
         named: dict[str, Path] = {}
         for one in sorted(one for kind in _KINDS for one in folder.glob(kind)):
             name = one.parent.name if one.name == "study.py" else one.stem
-            if name in named:
-                raise ParameterError(
-                    f"{named[name]} and {one} are studies of one name; one is allowed."
-                )
-            named[name] = one
+            other = named.setdefault(name, one)
+            if other is not one:
+                raise ParameterError(f"{other} and {one} are studies of one name; one is allowed.")
         found = {**named, **found}
     return {name: found[name] for name in sorted(found) if name != "dvc"}

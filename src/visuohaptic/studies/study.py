@@ -150,7 +150,7 @@ class Study:
     is_on_request : bool
         Whether later runs leave it as it is, until its own target is asked for.
     is_coded : bool
-        Whether it comes with the package or as Python: it has a rule ``<name>_all``, too.
+        Whether it comes with the package or as Python, and so has a rule ``<name>_all``, too.
     """
 
     name: str

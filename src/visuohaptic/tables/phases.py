@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of, share
+from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, count, names_of, share
 
 OBJECT_KEYS = (
     Column("class", TEXT, "class of the object"),
@@ -51,19 +51,18 @@ def owner_columns(key: str) -> dict[str, object]:
 
 def owners_of(table: pa.Table) -> list[tuple[str, str]]:
     """Give the object of each row as (class, name)."""
-    names = (table.column(column.name).to_pylist() for column in OBJECT_KEYS)
-    return list(zip(*names, strict=True))
+    return list(zip(table["class"].to_pylist(), table["object"].to_pylist(), strict=True))
 
 
 VIEW_KEYS = (
     *OBJECT_KEYS,
-    Column("viewpoint", COUNT, "number of the viewpoint, or of the random sequence", minimum=0),
+    count("viewpoint", "number of the viewpoint, or of the random sequence"),
 )
 
 TOUCH_KEYS = (
     *VIEW_KEYS,
     Column("strategy", TEXT, "how the probing locations were chosen"),
-    Column("touch", COUNT, "place in the sequence, 0 first", minimum=0),
+    count("touch", "place in the sequence, 0 first"),
 )
 
 
@@ -93,9 +92,7 @@ VIEWS = Schema(
     "views",
     VIEW_KEYS,
     (
-        Column("eye_x", REAL, "camera centre, x", "object frame"),
-        Column("eye_y", REAL, "camera centre, y", "object frame"),
-        Column("eye_z", REAL, "camera centre, z", "object frame"),
+        *(Column(f"eye_{axis}", REAL, f"camera centre, {axis}", "object frame") for axis in "xyz"),
         Column("view", pa.binary(), "the rendered view, PNG"),
         Column(
             "saliency", pa.binary(), "the saliency map, 8-bit grey PNG, the view's maximum white"
@@ -104,9 +101,7 @@ VIEWS = Schema(
             "conspicuity", pa.map_(TEXT, pa.binary()), "conspicuity map of each channel that ran"
         ),
         Column("skipped", pa.map_(TEXT, TEXT), "reason for each channel that did not run"),
-        Column(
-            "distinct_fixations", COUNT, "fixations found before the view was exhausted", minimum=0
-        ),
+        count("distinct_fixations", "fixations found before the view was exhausted"),
     ),
 )
 
@@ -123,7 +118,7 @@ FIXATIONS = Schema(
         ),
         *POINT,
         *NORMAL,
-        Column("face", COUNT, "triangle of the object's mesh", minimum=0),
+        count("face", "triangle of the object's mesh"),
         Column(
             "saliency",
             REAL,
@@ -158,12 +153,10 @@ TOUCHES = Schema(
         SENSOR_SIZE,
         CONTACT_STATE,
         Column("penetration", REAL, "deepest penetration left", "object radii", 0),
-        Column(
+        count(
             "rank",
-            COUNT,
             "its place among the view's probing locations, 0 first; more than touch by those passed over, "
             "which are out of reach",
-            minimum=0,
         ),
         *POINT,
         *NORMAL,
@@ -175,7 +168,7 @@ EFFECTS = Schema(
     "effects",
     (
         *OBJECT_KEYS,
-        Column("first_viewpoint", COUNT, "first viewpoint of the job", minimum=0),
+        count("first_viewpoint", "first viewpoint of the job"),
         Column("effect", TEXT, "what may be simulated"),
     ),
     (
@@ -184,9 +177,9 @@ EFFECTS = Schema(
         ),
         Column("mode", TEXT, "auto, always or never"),
         Column("reason", TEXT, "why it was needed, or why not"),
-        Column("touches", COUNT, "touches of the job; views, for effects of the view", minimum=0),
-        Column("needed", COUNT, "touches or views that needed it", minimum=0),
-        Column("runs", COUNT, "touches or views that it was simulated for", minimum=0),
+        count("touches", "touches of the job; views, for effects of the view"),
+        count("needed", "touches or views that needed it"),
+        count("runs", "touches or views that it was simulated for"),
         Column("seconds", REAL, "time spent on it; differs from run to run", "s of processor", 0),
     ),
 )
@@ -235,8 +228,8 @@ CELL_KEYS = (
 
 SCORE_KEYS = (
     *CELL_KEYS,
-    Column("split", COUNT, "number of the train and test split", minimum=0),
-    Column("seed", COUNT, "repeat of everything that is random in training", minimum=0),
+    count("split", "number of the train and test split"),
+    count("seed", "repeat of everything that is random in training"),
 )
 
 SCORES = Schema(
@@ -245,7 +238,7 @@ SCORES = Schema(
     (
         share("accuracy", "share of test sequences correctly classified"),
         share("object_accuracy", "share of test objects correctly classified by vote"),
-        Column("sequences", COUNT, "test sequences", minimum=1),
+        count("sequences", "test sequences", 1),
         Column(
             "note",
             TEXT,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pyarrow as pa
 
 from visuohaptic.tables.phases import OBJECT_KEYS
-from visuohaptic.tables.schema import COUNT, TEXT, Column, Schema
+from visuohaptic.tables.schema import COUNT, TEXT, Column, Schema, count
 
 _OF_VIEWS = pa.map_(COUNT, pa.binary())
 
@@ -18,9 +18,9 @@ PICTURES = Schema(
         Column("imprints", _OF_VIEWS, "imprints of strategy fixation by viewpoint, side by side in order, WebP"),
         Column("sheets", pa.map_(TEXT, pa.binary()), "imprints by strategy, a row a viewpoint and a column a touch, lossy WebP"),
         Column("model", pa.binary(), "thinned mesh and touches as `report.models.PackedModel` has them, gzip; missing without a mesh", nullable=True),
-        Column("vertices", COUNT, "vertices of the thinned mesh", minimum=0, nullable=True),
-        Column("faces", COUNT, "its faces", minimum=0, nullable=True),
-        Column("touches", COUNT, "touches packed with it", minimum=0, nullable=True),
-        Column("original_faces", COUNT, "faces of the object's mesh", minimum=0, nullable=True),
+        count("vertices", "vertices of the thinned mesh", nullable=True),
+        count("faces", "its faces", nullable=True),
+        count("touches", "touches packed with it", nullable=True),
+        count("original_faces", "faces of the object's mesh", nullable=True),
     ),
 )  # fmt: skip

@@ -83,6 +83,11 @@ def share(name: str, description: str, *, nullable: bool = False) -> Column:
     return Column(name, REAL, description, "1", 0, 1, nullable)
 
 
+def count(name: str, description: str, minimum: int = 0, *, nullable: bool = False) -> Column:
+    """Make a column of whole numbers."""
+    return Column(name, COUNT, description, "", minimum, None, nullable)
+
+
 def difference(name: str, description: str) -> tuple[Column, ...]:
     """Make the columns of a difference of two shares and of its interval's ends, which may be missing."""
     texts = {
@@ -99,10 +104,9 @@ def names_of(columns: Iterable[Column]) -> tuple[str, ...]:
 
 
 def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
-    """Make a checked table of a schema from arrays, one a column, all of one length.
+    """Make a checked table of a schema from arrays, one a column; a scalar string or number is repeated.
 
-    A scalar string or number is repeated; two-dimensional arrays become lists. Raises `TableError`
-    if the columns break the schema.
+    Two-dimensional arrays become lists. Raises `TableError` if the columns break the schema.
     """
     expected = {column.name for column in schema.columns}
     if expected != set(columns):
@@ -125,20 +129,13 @@ def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
 
 
 def build_rows(schema: Schema, rows: Sequence[Mapping[str, object]]) -> pa.Table:
-    """Make a checked table of a schema from rows, which hold all columns at least.
-
-    Raises `TableError` if the rows break the schema.
-    """
+    """Make a checked table of a schema from rows, which hold all columns at least, as `build_table` does."""
     names = names_of(schema.columns)
     return build_table(schema, {name: [row[name] for row in rows] for name in names})
 
 
 def check_table(schema: Schema, table: pa.Table) -> None:
-    """Refuse a table that breaks its schema.
-
-    Raises `TableError` if columns, types, missing values, ranges or keys are not as declared; NaN
-    and infinite numbers count as out of range.
-    """
+    """Raise `TableError` if columns, types, missing values, ranges or keys are not as declared, or a number is not finite."""
     if not table.schema.equals(schema.arrow):
         raise TableError(
             f"table {schema.name}: columns are {_signature(table.schema)}; "
@@ -191,11 +188,7 @@ def matrix(table: pa.Table, names: Sequence[str]) -> np.ndarray:
 
 
 def images(table: pa.Table, name: str = "image") -> np.ndarray:
-    """Give a column of square images, lists of n² numbers, as one array.
-
-    Shape (m, n, n), in the column's own float type; n is 0 where m is. Raises `TableError` if the
-    lists differ in length, or their length is no square.
-    """
+    """Give a column of square images, lists of n² numbers, as (m, n, n) in its own float type; n is 0 where m is."""
     column = table.column(name).combine_chunks()
     lengths = np.unique(pc.list_value_length(column).to_numpy(zero_copy_only=False))
     if not len(lengths):

@@ -7,15 +7,7 @@ from dataclasses import replace
 import pyarrow as pa
 
 from visuohaptic.tables.phases import CELL_KEYS, OBJECT_KEYS
-from visuohaptic.tables.schema import (
-    COUNT,
-    REAL,
-    TEXT,
-    Column,
-    Schema,
-    difference,
-    share,
-)
+from visuohaptic.tables.schema import REAL, TEXT, Column, Schema, count, difference, share
 
 EFFECT_INFLUENCE = Schema(
     "effect_influence",
@@ -26,8 +18,8 @@ EFFECT_INFLUENCE = Schema(
         Column("effect", TEXT, "what may be simulated"),
     ),
     (
-        Column("touches", COUNT, "touches measured; views, for effects of the view", minimum=1),
-        Column("needed", COUNT, "of them, those that needed the effect", minimum=0),
+        count("touches", "touches measured; views, for effects of the view", 1),
+        count("needed", "of them, those that needed the effect"),
         Column("seconds", REAL, "time spent on it under the scene's own mode", "s of processor", 0),
         Column("seconds_always", REAL, "time spent on it under always", "s of processor", 0),
         share("image_shift", "mean change of a pixel of the image without it"),
@@ -50,20 +42,19 @@ ERROR = Column("error", TEXT, "why the condition could not be run", nullable=Tru
 SECONDS = Column(
     "seconds", REAL, "training and testing all splits", "s of processor", 0, nullable=True
 )
-
-TESTED_KEYS = (
-    *(replace(column, nullable=True) for column in OBJECT_KEYS),
-    Column("split", COUNT, "number of the train and test split", minimum=0, nullable=True),
-    Column("repeat", COUNT, "repeat with another seed", minimum=0, nullable=True),
-)
+_OBJECTS = count("objects", "objects tested", 1, nullable=True)
+_P_VALUE = share("p_value", "two-sided, sign changes over objects", nullable=True)
 
 STUDY = Schema(
     "study",
-    (*STUDY_KEYS, *TESTED_KEYS),
     (
-        Column(
-            "sequences", COUNT, "test sequences; 1 where viewpoints vote", minimum=1, nullable=True
-        ),
+        *STUDY_KEYS,
+        *(replace(column, nullable=True) for column in OBJECT_KEYS),
+        count("split", "number of the train and test split", nullable=True),
+        count("repeat", "repeat with another seed", nullable=True),
+    ),
+    (
+        count("sequences", "test sequences; 1 where viewpoints vote", 1, nullable=True),
         share("accuracy", "share of them that is correctly classified", nullable=True),
         SECONDS,
         ERROR,
@@ -75,19 +66,19 @@ STUDY_FIGURES = Schema(
     STUDY_KEYS,
     (
         Column("title", TEXT, "what the study is about"),
-        Column("place", COUNT, "place of the condition in its study", minimum=0),
+        count("place", "place of the condition in its study"),
         share("accuracy", "share of test sequences correctly classified", nullable=True),
         share("low", "lower end of its interval over objects", nullable=True),
         share("high", "upper end of its interval over objects", nullable=True),
         Column("compared_with", TEXT, "the condition that it is compared with", nullable=True),
         *difference("difference", "accuracy less that of the other"),
-        share("p_value", "two-sided, sign changes over objects", nullable=True),
+        _P_VALUE,
         share("adjusted_p", "p value adjusted by Holm for the study's conditions", nullable=True),
         *difference(
             "lead", "accuracy by fixation, in the same condition, less that by this strategy"
         ),
-        share("lead_p", "two-sided, sign changes over objects", nullable=True),
-        Column("objects", COUNT, "objects tested", minimum=1, nullable=True),
+        replace(_P_VALUE, name="lead_p"),
+        _OBJECTS,
         Column("recomputed", TEXT, "first phase that is recomputed, or recognition"),
         SECONDS,
         ERROR,
@@ -99,54 +90,54 @@ TOUCHES_NEEDED = Schema(
     CELL_KEYS,
     (
         share("level", "the accuracy to be reached"),
-        Column(
-            "touches",
-            COUNT,
-            "touches from which on accuracy stays at it; missing if never",
-            minimum=1,
-            nullable=True,
+        *(
+            count(
+                name,
+                f"touches from which on {what} stays at it; missing if never",
+                1,
+                nullable=True,
+            )
+            for name, what in (
+                ("touches", "accuracy"),
+                ("touches_low", "its interval's upper end"),
+                ("touches_high", "its interval's lower end"),
+            )
         ),
-        Column(
-            "touches_low",
-            COUNT,
-            "touches from which on its interval's upper end stays at it; missing if never",
-            minimum=1,
-            nullable=True,
-        ),
-        Column(
-            "touches_high",
-            COUNT,
-            "touches from which on its interval's lower end stays at it; missing if never",
-            minimum=1,
-            nullable=True,
-        ),
-        Column("most_touches", COUNT, "touches at the curve's end", minimum=1),
+        count("most_touches", "touches at the curve's end", 1),
         Column("area", REAL, "area under the curve", "of accuracy 1 throughout", 0, 1),
         share("area_low", "lower end of its interval over objects"),
         share("area_high", "upper end of its interval over objects"),
         *difference("gain", "area under fixation's curve less this one"),
-        share("p_value", "two-sided, sign changes over objects", nullable=True),
-        Column("objects", COUNT, "objects compared", minimum=1),
+        _P_VALUE,
+        count("objects", "objects compared", 1),
     ),
 )
 
 STATED_COVERAGES = tuple(range(50, 100, 5))
 """Coverages at which prediction sets are measured, percent."""
 
+_CLASSIFIED_BY = Column("classifier", TEXT, "classifier of pipeline best")
+_VIEWS = count("views", "viewpoints from which it is classified", 1)
+_ANSWER = (
+    Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
+    Column("correct", pa.bool_(), "whether the likeliest class is its own"),
+    Column("covered", pa.bool_(), "whether the prediction set holds its class"),
+)
+_CANDIDATES = count("candidates", "classes in the prediction set")
+_UNKNOWN = Column("unknown", pa.bool_(), "whether the object is called unknown")
+
 CERTAINTY = Schema(
     "certainty",
     (
         Column("strategy", TEXT, "whose touches"),
-        Column("classifier", TEXT, "classifier of pipeline best"),
+        _CLASSIFIED_BY,
         Column("left_out", TEXT, "the class that the model does not know"),
         Column("class", TEXT, "class of the tested object"),
         Column("object", TEXT, "name of the tested object"),
-        Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
+        _VIEWS,
     ),
     (
-        Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
-        Column("correct", pa.bool_(), "whether the likeliest class is its own"),
-        Column("covered", pa.bool_(), "whether the prediction set holds its class"),
+        *_ANSWER,
         Column(
             "covered_at",
             pa.list_(pa.int32()),
@@ -155,10 +146,10 @@ CERTAINTY = Schema(
             STATED_COVERAGES[0],
             STATED_COVERAGES[-1],
         ),
-        Column("candidates", COUNT, "classes in the prediction set", minimum=0),
+        _CANDIDATES,
         share("strangeness", "share of known objects that are less strange"),
         Column("evidence", REAL, "by which objects are compared: larger is stranger"),
-        Column("unknown", pa.bool_(), "whether the object is called unknown"),
+        _UNKNOWN,
     ),
 )
 
@@ -175,7 +166,7 @@ LOOKING = Schema(
             "by which senses: the view, the outline, touch, product or side by side of view and touch, or stopping: the product where the rule stops",
         ),
         Column("strategy", TEXT, "how the places to touch were chosen; none without touches"),
-        Column("touches", COUNT, "touches of a trial, at most", minimum=0),
+        count("touches", "touches of a trial, at most"),
         Column(
             "budget",
             REAL,
@@ -185,11 +176,11 @@ LOOKING = Schema(
             nullable=True,
         ),
         *OBJECT_KEYS,
-        Column("split", COUNT, "number of the split", minimum=0),
-        Column("repeat", COUNT, "number of the repeat", minimum=0),
+        count("split", "number of the split"),
+        count("repeat", "number of the repeat"),
     ),
     (
-        Column("trials", COUNT, "viewpoints that were tested", minimum=1),
+        count("trials", "viewpoints that were tested", 1),
         share("accuracy", "share of them that is correctly classified"),
         Column("seconds", REAL, "mean time that the robot took, without computing", "s", 0),
         Column(
@@ -204,20 +195,18 @@ EVALUATION = Schema(
     "evaluation",
     (
         Column("strategy", TEXT, "whose touches, those that the model learnt from"),
-        Column("classifier", TEXT, "classifier of pipeline best"),
+        _CLASSIFIED_BY,
         Column("class", TEXT, "class of the object"),
         Column("object", TEXT, "name of the object, which the model has not learnt"),
-        Column("views", COUNT, "viewpoints from which it is classified", minimum=1),
-        Column("bag", COUNT, "which of the evenly spread choices of so many viewpoints", minimum=0),
+        _VIEWS,
+        count("bag", "which of the evenly spread choices of so many viewpoints"),
     ),
     (
-        Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
-        Column("correct", pa.bool_(), "whether the likeliest class is its own"),
-        Column("covered", pa.bool_(), "whether the prediction set holds its class"),
-        Column("candidates", COUNT, "classes in the prediction set", minimum=0),
-        Column("unknown", pa.bool_(), "whether the object is called unknown"),
+        *_ANSWER,
+        _CANDIDATES,
+        _UNKNOWN,
         share("stated", "stated coverage of the prediction set"),
-        Column("learnt", COUNT, "objects that the model learnt", minimum=2),
+        count("learnt", "objects that the model learnt", 2),
     ),
 )
 
@@ -236,15 +225,13 @@ COST_PARTS = (
     ("seconds_cast", "of touching: casting rays"),
 )
 
-COST_TIMED = (
-    *COST_KEYS,
-    Column("object", TEXT, "class and name of the object, with a slash between"),
-    Column("turn", COUNT, "the settings' turn; each sees the object from another side", minimum=0),
-)
-
 COST_SECONDS = Schema(
     "cost_seconds",
-    COST_TIMED,
+    (
+        *COST_KEYS,
+        Column("object", TEXT, "class and name of the object, with a slash between"),
+        count("turn", "the settings' turn; each sees the object from another side"),
+    ),
     (
         Column("seconds", REAL, "run time of one recognition", "s", 0),
         *(Column(name, REAL, text, "s", 0) for name, text in COST_PARTS),
@@ -255,12 +242,10 @@ COST = Schema(
     "cost",
     COST_KEYS,
     (
-        Column("place", COUNT, "place along the family's line", minimum=0),
-        Column("touches", COUNT, "touches from each viewpoint", minimum=1),
-        Column("viewpoints", COUNT, "viewpoints that vote", minimum=1),
-        Column(
-            "looks", COUNT, "views that must be looked at; none for a blind strategy", minimum=0
-        ),
+        count("place", "place along the family's line"),
+        count("touches", "touches from each viewpoint", 1),
+        count("viewpoints", "viewpoints that vote", 1),
+        count("looks", "views that must be looked at; none for a blind strategy"),
         Column("strategy", TEXT, "how the probing locations were chosen"),
         Column("pipeline", TEXT, "how features become an answer"),
         Column("classifier", TEXT, "the classifier"),
@@ -273,7 +258,7 @@ COST = Schema(
             nullable=True,
         ),
         *difference("lost", "error rate less that of the run's own setting from one viewpoint"),
-        Column("objects", COUNT, "objects that were tested", minimum=1, nullable=True),
+        count("objects", "objects that were tested", 1, nullable=True),
         Column("failed", TEXT, "why it could not be run", nullable=True),
         Column("seconds", REAL, "run time of a recognition, median of all", "s", 0, nullable=True),
         Column("seconds_low", REAL, "its lower quartile", "s", 0, nullable=True),
@@ -282,7 +267,7 @@ COST = Schema(
             Column(name, REAL, f"{text}, median", "s", 0, nullable=True)
             for name, text in COST_PARTS
         ),
-        Column("recognitions", COUNT, "recognitions that were timed", minimum=1, nullable=True),
+        count("recognitions", "recognitions that were timed", 1, nullable=True),
         Column(
             "as_quick", pa.bool_(), "whether it is not significantly slower than the quickest one"
         ),

@@ -5,44 +5,37 @@ from unittest.mock import patch
 import pytest
 from studies.surfaces import RUN, small_surfaces, write_sources
 
-from visuohaptic.studies.conditions import Plan, describe_conditions, plan_study
+from visuohaptic.studies.conditions import describe_conditions, plan_study
 from visuohaptic.studies.cost import seconds, settings
 from visuohaptic.studies.cost.front import make_cost, read_costs
-from visuohaptic.studies.cost.seconds import make_cost_seconds
-from visuohaptic.studies.files import make_study_block, make_study_features
+from visuohaptic.studies.measuring import make_study_block, make_study_features
 from visuohaptic.studies.study import Given
 
 
-@pytest.fixture
-def made(tmp_path, monkeypatch):
-    kept = ("viewpoints", "imprint", "render")
+@pytest.mark.slow
+def test_every_setting_has_a_row_in_the_order_of_its_line(tmp_path, monkeypatch):
     families = settings.cost_families(RUN)
-    monkeypatch.setitem(
-        settings.FAMILIES, "cost", lambda _: {name: families[name] for name in kept}
-    )
+    kept = {name: families[name] for name in ("viewpoints", "imprint", "render")}
+    monkeypatch.setitem(settings.FAMILIES, "cost", lambda _: kept)
     sources, features = write_sources(tmp_path, small_surfaces())
-    plan: Plan = plan_study(settings.COST_STUDY, RUN)
+    plan = plan_study(settings.COST_STUDY, RUN)
     files = {key: tmp_path / f"{key}.parquet" for key in plan.recomputations}
     for key, recomputation in plan.recomputations.items():
         make_study_features(recomputation, sources, files[key])
     conditions = describe_conditions(plan.conditions)
-    make_study_block("cost", conditions, [features], files, tmp_path / "block", RUN)
+    made = [tmp_path / name for name in ("block", "seconds", "cost.parquet")]
+    make_study_block("cost", conditions, [features], files, made[0], RUN)
+    inputs = {"meshes": sources.meshes[:2], "features": [features]}
     with patch.object(seconds, "fit_model", wraps=seconds.fit_model) as fitting:
-        inputs = {"meshes": sources.meshes[:2], "features": [features]}
-        make_cost_seconds(Given("cost", inputs, [tmp_path / "seconds"], RUN, made=files))
+        seconds.make_cost_seconds(Given("cost", inputs, made[1:2], RUN, made=files))
     # One model serves all numbers of viewpoints, and the sizes that are the run's own.
     assert fitting.call_count == 3
-    inputs = {"blocks": [tmp_path / "block"], "tables": [tmp_path / "seconds"]}
-    make_cost(Given("cost", inputs, [tmp_path / "cost.parquet"], RUN))
-    return read_costs(tmp_path / "cost.parquet")
-
-
-@pytest.mark.slow
-def test_every_setting_has_a_row_in_the_order_of_its_line(made):
-    assert [(row["family"], row["setting"]) for row in made] == [
+    make_cost(Given("cost", {"blocks": made[:1], "tables": made[1:2]}, made[2:], RUN))
+    rows = read_costs(made[2])
+    assert [(row["family"], row["setting"]) for row in rows] == [
         ("viewpoints", "1 viewpoint"), ("viewpoints", "2 viewpoints"), ("viewpoints", "4 viewpoints"),
         ("imprint", "8 × 8"), ("imprint", "16 × 16"), ("render", "24 × 24"), ("render", "48 × 48"),
     ]  # fmt: skip
-    for row in made:
+    for row in rows:
         assert (row["seconds"] is None) == (row["error"] is None) == (row["failed"] is not None)
         assert row["failed"] is not None or row["on_front"] != row["dominated"]

@@ -12,8 +12,6 @@ from visuohaptic.studies.cost.front import (
     first_step,
     front_rows,
     mark_front,
-    mark_quicker,
-    mark_steps,
     more_accurate,
     on_robot,
     pareto_front,
@@ -30,6 +28,7 @@ from visuohaptic.tables.schema import build_rows, names_of
 from visuohaptic.tables.studies import COST, COST_SECONDS
 
 SAME = {
+    **dict.fromkeys(names_of(COST.columns)),
     "family": "touches", "touches": 5, "viewpoints": 1, "looks": 1, "strategy": "fixation",
     "pipeline": "best", "classifier": "naive_bayes", "changes": "{}",
 }  # fmt: skip
@@ -37,27 +36,23 @@ SAME = {
 
 def cost_rows(points, failed=()):
     """Give rows of (setting, seconds, error, other columns), then of the names of failed settings."""
+    first = min((time for _, time, *_ in points), default=None)
     rows = []
     for place, (name, time, error, *others) in enumerate(points):
-        row = {"setting": name, "place": place, "objects": 12}
-        row |= {"error": error, "error_low": error / 2, "error_high": min(1.0, 2 * error + 0.1)}
         times = time * np.array([0.8, 0.9, 1.1, 1.3])[:, None, None] * np.array([1, *[0.25] * 7])
+        row = {"setting": name, "place": place, "objects": 12, "quicker": time < 0.1}
+        row |= {"error": error, "error_low": error / 2, "error_high": min(1.0, 2 * error + 0.1)}
+        row |= dict.fromkeys(("as_quick", "step"), time == first)
         rows.append({**SAME, **row, **time_quantiles(times), **dict(*others)})
     for place, name in enumerate(failed):
-        row = {"family": "imprint", "setting": name, "place": place}
-        rows.append({**SAME, **row, "failed": "images are too small."})
-    first = min(range(len(points)), key=lambda place: points[place][1], default=None)
-    empty = dict.fromkeys(names_of(COST.columns))
-    marks = [
-        dict(zip(("as_quick", "step"), [place == first] * 2, strict=True))
-        for place in range(len(rows))
-    ]
-    return mark_front(
-        [
-            {**empty, **row, **mark, "quicker": row.get("seconds", 1.0) < 0.1}
-            for row, mark in zip(rows, marks, strict=True)
-        ]
-    )
+        row = {
+            "family": "imprint",
+            "setting": name,
+            "place": place,
+            "failed": "images are too small.",
+        }
+        rows.append({**SAME, **row, **dict.fromkeys(("quicker", "as_quick", "step"), False)})
+    return mark_front(rows)
 
 
 def cost_table(points, failed=()):
@@ -105,29 +100,8 @@ BOTH = ExperimentParameters.from_mapping(
     {**RUN.model_dump(), "probing": {"strategies": ["fixation", "random"]}}
 )
 SETTINGS = make_settings(BOTH, "frontier")
+LIMIT = exact_limit(12, 0.95)
 OWN = [one.name for one in SETTINGS].index("2 touches, 1 viewpoint")
-
-
-def losses(own, other):
-    """Give the rows of the run's own setting and of the one before it, and all rows."""
-    accuracies = {OWN: own, OWN - 1: other}
-    cells = [cell(accuracies.get(place, [1.0] * 12)) for place in range(len(SETTINGS))]
-    rows = setting_rows(SETTINGS, cells, np.ones((len(SETTINGS), 2, 1, 8)), BOTH)
-    return rows[OWN], rows[OWN - 1], rows
-
-
-def test_a_setting_loses_what_the_reference_has_more():
-    own, quick, rows = losses([0.9] * 12, [0.4, 0.8] * 6)
-    assert (own["family"], own["lost_low"], own["lost_high"]) == ("fixation", 0, 0)
-    assert quick["lost"] == pytest.approx(0.3)
-    assert 0.1 < quick["lost_low"] < 0.3 < quick["lost_high"] < 0.5
-    assert reference_row(rows[::-1]) is own
-
-
-def test_equal_figures_of_few_objects_leave_their_difference_open():
-    _, other, _ = losses([1.0] * 12, [1.0] * 12)
-    limit = exact_limit(12, 0.95)
-    assert (other["lost"], other["lost_low"], other["lost_high"]) == (0, -limit, limit)
 
 
 NOISE = np.random.default_rng(1).uniform(-0.04, 0.04, (9, 12))
@@ -135,15 +109,35 @@ FACTORS = np.array([0.2, 0.9, 1.0, 3.0])
 AROUND = [0.095, 0.11, 0.1, 0.101]
 
 
-def marked(levels, times, noise=NOISE):
-    """Mark settings by accuracies, a level each, and seconds of four objects that differ a lot."""
-    settings = [Setting("touches", str(place), place, 2) for place in range(len(levels))]
-    cells = [cell(level + own) for level, own in zip(levels, noise, strict=False)]
+def rows_of(settings, accuracies, times):
+    """Give rows of settings by the accuracies of objects, and by seconds of four objects that differ a lot."""
     taken = np.stack([np.multiply(time, FACTORS) for time in times])
-    rows = setting_rows(settings, cells, np.tile(taken[..., None, None], 8), BOTH)
-    slower = slower_settings(np.log(taken[..., None]), 0.95)
-    mark_steps(rows, cells, slower, BOTH)
-    return rows
+    return setting_rows(
+        settings, list(map(cell, accuracies)), np.tile(taken[..., None, None], 8), BOTH
+    )
+
+
+@pytest.mark.parametrize(
+    ("own", "other", "mean", "low", "high"),
+    [
+        ([0.9] * 12, [0.4, 0.8] * 6, 0.3, (0.1, 0.3), (0.3, 0.5)),
+        # So many equal objects leave open that others differ.
+        ([1.0] * 12, [1.0] * 12, 0, *([end, end] for end in (-LIMIT, LIMIT))),
+    ],
+)
+def test_a_setting_loses_what_the_reference_has_more(own, other, mean, low, high):
+    accuracies = {OWN: own, OWN - 1: other}
+    every = [accuracies.get(place, [1.0] * 12) for place in range(len(SETTINGS))]
+    rows = rows_of(SETTINGS, every, [0.1] * len(SETTINGS))
+    assert (rows[OWN]["family"], rows[OWN]["lost_low"], rows[OWN]["lost_high"]) == (
+        "fixation",
+        0,
+        0,
+    )
+    assert rows[OWN - 1]["lost"] == pytest.approx(mean)
+    assert low[0] <= rows[OWN - 1]["lost_low"] <= low[1]
+    assert high[0] <= rows[OWN - 1]["lost_high"] <= high[1]
+    assert reference_row(rows[::-1]) is rows[OWN]
 
 
 @pytest.mark.parametrize(
@@ -166,10 +160,19 @@ def marked(levels, times, noise=NOISE):
     ],
 )
 def test_steps_are_worth_their_time(levels, times, quick, steps):
-    rows = marked(levels, times)
-    assert [row["setting"] for row in rows if row["as_quick"]] == list(map(str, quick))
-    assert [row["setting"] for row in rows if row["step"]] == list(map(str, steps))
+    settings = [Setting("touches", str(place), place, 2) for place in range(len(levels))]
+    rows = rows_of(settings, np.array(levels)[:, None] + NOISE[: len(levels)], times)
+    assert [row["place"] for row in rows if row["as_quick"]] == quick
+    assert [row["place"] for row in rows if row["step"]] == steps
     assert first_step(rows) is rows[steps[0]]
+
+
+@pytest.mark.parametrize(("touches", "quicker"), [(2, [1]), (1, [])])
+def test_a_setting_is_quicker_than_the_runs_own_where_it_is_on_each_object(touches, quicker):
+    settings = [Setting("touches", "own", 0, touches)]
+    settings += [Setting("touches", name, 1, 1) for name in ("quick", "as quick")]
+    rows = rows_of(settings, [[0.5] * 12] * 3, [0.1, 0.08, AROUND])
+    assert [place for place, row in enumerate(rows) if row["quicker"]] == quicker
 
 
 def test_a_gain_that_is_significant_alone_is_not_among_many():
@@ -178,16 +181,6 @@ def test_a_gain_that_is_significant_alone_is_not_among_many():
     assert more_accurate([better], last, BOTH) == [0]
     assert more_accurate([better] * 2, last, BOTH) == []
     assert more_accurate([last, cell([0.6] * 5)], last, BOTH) == []
-
-
-def test_a_setting_is_quicker_than_the_runs_own_where_it_is_on_each_object():
-    taken = np.stack([np.multiply(time, FACTORS) for time in (0.1, 0.08, AROUND)])
-    slower = slower_settings(np.log(taken[..., None]), 0.95)
-    rows = [{"lost_low": lost, "lost_high": lost} for lost in (0.0, 0.1, 0.1)]
-    mark_quicker(rows, slower)
-    assert [row["quicker"] for row in rows] == [False, True, False]
-    mark_quicker(rows[1:], slower[1:, 1:])
-    assert not any(row["quicker"] for row in rows[1:])
 
 
 def test_a_time_of_one_object_alone_says_nothing_of_which_is_slower():

@@ -20,7 +20,7 @@ from readings.tables import READINGS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import Plan, describe_conditions, plan_study
-from visuohaptic.studies.files import make_study_block
+from visuohaptic.studies.measuring import make_study_block
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import (
     CONTOURLET_FEATURES,

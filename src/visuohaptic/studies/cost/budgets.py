@@ -17,7 +17,6 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -27,43 +26,33 @@ BudgetName = Literal["fast", "balanced", "accurate"]
 BUDGETS: tuple[BudgetName, ...] = get_args(BudgetName)
 
 FAMILY = "viewpoints"
-KEPT = ("setting", "viewpoints", "objects", "seconds", "error", "error_low", "error_high")
-_VALUES = ("viewpoints", "seconds", "error")
+_KEPT = ("setting", "viewpoints", "objects", "seconds", "error", "error_low", "error_high")
 
-
-@dataclass(frozen=True)
-class Budget:
-    """A preset: viewpoints that vote, and seconds and error rate of a recognition where it was measured."""
-
-    name: BudgetName
-    viewpoints: int
-    seconds: float
-    error: float
+Row = Mapping[str, Any]
 
 
 @cache
-def budgets() -> dict[str, Budget]:
-    """Give the presets, the quickest first."""
+def budgets() -> dict[str, dict[str, Any]]:
+    """Give the presets, the quickest first: ``viewpoints`` that vote, and ``seconds`` and ``error`` as measured."""
     held = json.loads(files("visuohaptic.studies.cost").joinpath("budgets.json").read_text("utf-8"))
-    return {name: Budget(name, **held["budgets"][name]) for name in BUDGETS}
+    return {name: held["budgets"][name] for name in BUDGETS}
 
 
-def choose_budgets(line: Sequence[Mapping[str, Any]]) -> dict[BudgetName, Budget]:
+def choose_budgets(line: Sequence[Row]) -> dict[str, dict[str, Any]]:
     """Apply the rule to a family's settings that did not fail: presets, the quickest first."""
     import numpy as np
 
-    from visuohaptic.studies.cost.front import pareto_front
+    from visuohaptic.studies.cost.front import mark_front
 
     line = sorted(line, key=lambda row: float(row["seconds"]))
-    points = np.array([(row["seconds"], row["error"]) for row in line], dtype=np.float64)
-    on_front = np.flatnonzero(pareto_front(*points.T))
-    errors = points[on_front, 1]
+    front = [row for row in mark_front(line) if row["on_front"]]
+    errors = np.array([row["error"] for row in front])
     errors = np.maximum(errors, errors[errors > 0].min(initial=1.0) / 2)
     middle = np.sqrt(errors[0] * errors[-1]) * (1 + 1e-9)
-    places = (on_front[0], on_front[np.argmax(errors <= middle)], on_front[-1])
-    chosen = zip(BUDGETS, (line[place] for place in places), strict=True)
+    chosen = (front[0], front[np.argmax(errors <= middle)], front[-1])
     return {
-        name: Budget(name, row["viewpoints"], row["seconds"], row["error"]) for name, row in chosen
+        name: {key: row[key] for key in ("viewpoints", "seconds", "error")}
+        for name, row in zip(BUDGETS, chosen, strict=True)
     }
 
 
@@ -73,13 +62,11 @@ def write_budgets(cost: str | Path, output: str | Path, measured_on: str) -> Non
     from visuohaptic.studies.cost.front import read_costs
 
     line = [
-        round_numbers({name: row[name] for name in KEPT})
+        round_numbers({name: row[name] for name in _KEPT})
         for row in read_costs(cost)
         if row["family"] == FAMILY and row["failed"] is None
     ]
-    named = choose_budgets(line).items()
-    chosen = {name: {key: vars(one)[key] for key in _VALUES} for name, one in named}
-    values = {"measured_on": measured_on, "line": line, "budgets": chosen}
+    values = {"measured_on": measured_on, "line": line, "budgets": choose_budgets(line)}
     Path(output).write_text(json.dumps(values, indent=2) + "\n", encoding="utf-8")
 
 

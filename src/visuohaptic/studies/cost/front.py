@@ -13,9 +13,9 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
-from visuohaptic.recognition.intervals import Interval, compare_paired, difference_interval, holm
+from visuohaptic.recognition.intervals import Interval, PairedComparison, compare_paired, holm
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.cost.settings import ORDER, Setting, is_reference, make_settings
+from visuohaptic.studies.cost.settings import ORDER, Setting, make_settings
 from visuohaptic.studies.figures import Cell, condition_interval, ends, read_cells
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, names_of, read_table, write_table
@@ -39,22 +39,7 @@ def make_cost(given: Given) -> None:
     ]
     times = setting_times(settings, read_table(COST_SECONDS, given.inputs["tables"]))
     rows = setting_rows(settings, cells, times, run)
-    slower = slower_settings(np.log(times[..., 0]), run.recognition.intervals.confidence)
-    mark_steps(rows, cells, slower, run)
-    mark_quicker(rows, slower)
     write_table(COST, build_rows(COST, rows), given.outputs[0])
-
-
-def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which points no other beats: at most as slow, at most as wrong, and one of both less.
-
-    Shape (n,) each; a point with a NaN is never on the front.
-    """
-    no_slower = seconds[None, :] <= seconds[:, None]
-    no_worse = errors[None, :] <= errors[:, None]
-    better = (seconds[None, :] < seconds[:, None]) | (errors[None, :] < errors[:, None])
-    beaten = (no_slower & no_worse & better).any(axis=1)
-    return ~beaten & np.isfinite(seconds) & np.isfinite(errors)
 
 
 def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> NDArray[np.float64]:
@@ -79,29 +64,26 @@ def setting_rows(
     times: NDArray[np.float64],
     run: ExperimentParameters,
 ) -> list[Row]:
-    """Give each setting with its error rate, its seconds, and whether it is on the front.
+    """Give each setting with its error rate and seconds, and mark the front and the steps.
 
-    No row is a step, or quicker than the run's own setting, before `mark_steps` and `mark_quicker`.
+    Errors are compared with those of the first setting that is the run's own, from one viewpoint.
     """
-    reference = next(
-        (cell for one, cell in zip(settings, cells, strict=True) if is_reference(one, run)), None
-    )
+    own = next((place for place, one in enumerate(settings) if one.is_own(run)), None)
+    slower = slower_settings(np.log(times[..., 0]), run.recognition.intervals.confidence)
     rows = [
         {
             **dict.fromkeys(names_of(COST.columns)),
             **{name: getattr(setting, name) for name in _OF_SETTING},
             "setting": setting.name,
             "changes": setting.written_changes,
-            **error_rate(cell, run),
-            **ends("lost", "lost_", _loss(reference, cell, run)),
-            **time_quantiles(own),
-            "as_quick": False,
-            "step": False,
-            "quicker": False,
+            **error_rate(cells[place], run),
+            **ends("lost", "lost_", _loss(cells, own, place, run)),
+            **time_quantiles(times[place]),
+            "quicker": own is not None and bool(slower[place, own]),
         }
-        for setting, cell, own in zip(settings, cells, times, strict=True)
+        for place, setting in enumerate(settings)
     ]
-    return mark_front(rows)
+    return mark_front(mark_steps(rows, cells, slower, run))
 
 
 def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
@@ -114,6 +96,24 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
     return {**ends("error", "error_", clipped), "objects": len(cell.objects)}
 
 
+def _loss(
+    cells: Sequence[Cell], own: int | None, place: int, run: ExperimentParameters
+) -> Interval | None:
+    if place == own:
+        return Interval(0.0, 0.0, 0.0)
+    found = None if own is None else _compare(cells[own], cells[place], run)
+    return found and found.difference
+
+
+def _compare(first: Cell, second: Cell, run: ExperimentParameters) -> PairedComparison | None:
+    """Compare cells that name the same objects; all with the same draws, so that equal ones stay equal."""
+    if not first.objects or first.objects != second.objects:
+        return None
+    draws = spawn_generator(run.seed, "studies")
+    intervals = run.recognition.intervals
+    return compare_paired(first.accuracy, second.accuracy, second.weights, intervals, draws)
+
+
 def time_quantiles(times: NDArray[np.float64]) -> Row:
     """Give the median and quartiles of a setting's seconds, and its parts' medians: of (o, t, p)."""
     known = times[np.isfinite(times[..., 0])]
@@ -123,42 +123,6 @@ def time_quantiles(times: NDArray[np.float64]) -> Row:
     values = (median, *np.median(known[:, 1:], axis=0).tolist(), low, high, len(known))
     names = (*_TIMES, "seconds_low", "seconds_high", "recognitions")
     return dict(zip(names, values, strict=True))
-
-
-def mark_steps(
-    rows: Sequence[Row],
-    cells: Sequence[Cell],
-    slower: NDArray[np.bool_],
-    run: ExperimentParameters,
-) -> None:
-    """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
-
-    The first step is the most accurate of the settings that are as quick as the quickest. Each
-    further step is significantly slower and significantly more accurate than the step before: of
-    those that are as quick as the quickest such setting, it is the most accurate.
-    """
-
-    def as_quick(places: Sequence[int]) -> list[int]:
-        quickest = min(places, key=lambda place: float(rows[place]["seconds"]), default=0)
-        return [place for place in places if not slower[quickest, place]]
-
-    known = [place for place, row in enumerate(rows) if is_known(row)]
-    quick = as_quick(known)
-    for place in quick:
-        rows[place]["as_quick"] = True
-    while quick:
-        step = min(quick, key=lambda place: float(rows[place]["error"]))
-        rows[step]["step"] = True
-        later = [place for place in known if slower[step, place]]
-        better = more_accurate([cells[place] for place in later], cells[step], run)
-        quick = as_quick([later[place] for place in better])
-
-
-def mark_quicker(rows: Sequence[Row], slower: NDArray[np.bool_]) -> None:
-    """Mark the settings that are significantly quicker than the run's own; `slower` is as for `mark_steps`."""
-    own = next((place for place, row in enumerate(rows) if _is_own(row)), None)
-    for place, row in enumerate(rows):
-        row["quicker"] = own is not None and bool(slower[place, own])
 
 
 def slower_settings(logarithms: NDArray[np.float64], confidence: float) -> NDArray[np.bool_]:
@@ -176,38 +140,75 @@ def slower_settings(logarithms: NDArray[np.float64], confidence: float) -> NDArr
     return (np.ma.filled(ratios.mean(axis=2) - reach, 0) > 0) & (objects > 1)
 
 
+def mark_steps(
+    rows: Sequence[Row],
+    cells: Sequence[Cell],
+    slower: NDArray[np.bool_],
+    run: ExperimentParameters,
+) -> Sequence[Row]:
+    """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
+
+    The first step is the most accurate of the settings that are as quick as the quickest. Each
+    further step is significantly slower and significantly more accurate than the step before: of
+    those that are as quick as the quickest such setting, it is the most accurate.
+    """
+
+    def as_quick(places: Sequence[int]) -> list[int]:
+        quickest = min(places, key=lambda place: float(rows[place]["seconds"]), default=0)
+        return [place for place in places if not slower[quickest, place]]
+
+    known = [place for place, row in enumerate(rows) if _is_known(row)]
+    quick = as_quick(known)
+    for place, row in enumerate(rows):
+        row |= {"as_quick": place in quick, "step": False}
+    while quick:
+        step = min(quick, key=lambda place: float(rows[place]["error"]))
+        rows[step]["step"] = True
+        later = [place for place in known if slower[step, place]]
+        better = more_accurate([cells[place] for place in later], cells[step], run)
+        quick = as_quick([later[place] for place in better])
+    return rows
+
+
 def more_accurate(cells: Sequence[Cell], last: Cell, run: ExperimentParameters) -> list[int]:
     """Give the places of the settings that are significantly more accurate than the last step.
 
     By the sign-change test over objects; p values are adjusted for the number of settings (Holm).
     """
-    intervals = run.recognition.intervals
-    places = [place for place, cell in enumerate(cells) if _same_objects(cell, last)]
-    found = [
-        compare_paired(
-            cells[place].accuracy, last.accuracy, last.weights, intervals, _draw_objects(run)
-        )
-        for place in places
-    ]
-    adjusted = holm([one.p_value for one in found])
+    compared = [(place, _compare(cell, last, run)) for place, cell in enumerate(cells)]
+    found = [(place, one) for place, one in compared if one]
+    adjusted = holm([one.p_value for _, one in found])
     return [
         place
-        for place, one, p_value in zip(places, found, adjusted, strict=True)
-        if one.difference.mean > 0 and p_value <= 1 - intervals.confidence
+        for (place, one), p_value in zip(found, adjusted, strict=True)
+        if one.difference.mean > 0 and p_value <= 1 - run.recognition.intervals.confidence
     ]
 
 
-def is_known(row: Row) -> bool:
-    """Tell whether a setting could be both run and timed."""
+def mark_front(rows: Sequence[Row]) -> list[Row]:
+    """Mark which rows are on the front, which are dominated, and which, without figures, are neither."""
+    points = [[row[name] for row in rows] for name in ("seconds", "error")]
+    on_front = pareto_front(*np.array(points, dtype=float)).tolist()
+    return [
+        {**row, "on_front": on, "dominated": _is_known(row) and not on}
+        for row, on in zip(rows, on_front, strict=True)
+    ]
+
+
+def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Tell which points no other beats: at most as slow, at most as wrong, and one of both less.
+
+    Shape (n,) each; a point with a NaN is never on the front.
+    """
+    no_slower = seconds[None, :] <= seconds[:, None]
+    no_worse = errors[None, :] <= errors[:, None]
+    better = (seconds[None, :] < seconds[:, None]) | (errors[None, :] < errors[:, None])
+    beaten = (no_slower & no_worse & better).any(axis=1)
+    return ~beaten & np.isfinite(seconds) & np.isfinite(errors)
+
+
+def _is_known(row: Row) -> bool:
     return row["seconds"] is not None and row["error"] is not None
-
-
-def accuracy_gain(first: Cell, second: Cell, run: ExperimentParameters) -> Interval | None:
-    """Give how much more accurate the first is, where both name the same objects."""
-    if not _same_objects(first, second):
-        return None
-    intervals, draws = run.recognition.intervals, _draw_objects(run)
-    return difference_interval(first.accuracy, second.accuracy, second.weights, intervals, draws)
 
 
 def read_costs(path: str | Path) -> list[Row]:
@@ -219,10 +220,8 @@ def read_costs(path: str | Path) -> list[Row]:
 def front_rows(rows: Sequence[Row]) -> list[Row]:
     """Give the rows on the front, the fastest first; of rows that are equal, the first alone."""
     front = sorted((row for row in rows if row["on_front"]), key=lambda row: float(row["seconds"]))
-    kept: dict[tuple[float, float], Row] = {}
-    for row in front:
-        kept.setdefault((row["seconds"], row["error"]), row)
-    return list(kept.values())
+    # Of rows that are as fast, those on the front have one error rate.
+    return list({row["seconds"]: row for row in reversed(front)}.values())[::-1]
 
 
 def first_step(rows: Sequence[Row]) -> Row | None:
@@ -232,11 +231,7 @@ def first_step(rows: Sequence[Row]) -> Row | None:
 
 def reference_row(rows: Sequence[Row]) -> Row | None:
     """Give the row of the run's own setting from one viewpoint, if it is among the rows."""
-    return next((row for row in rows if _is_own(row)), None)
-
-
-def _is_own(row: Row) -> bool:
-    return bool(row["lost_low"] == 0 == row["lost_high"])
+    return next((row for row in rows if row["lost_low"] == 0 == row["lost_high"]), None)
 
 
 def all_touches(row: Row) -> int:
@@ -251,12 +246,11 @@ def find_savings(rows: Sequence[Row]) -> list[Row]:
     significantly quicker; the largest saving first.
     """
     own = reference_row(rows)
-    if own is None or own["seconds"] is None:
-        return []
     found = [
         {**row, "saved": 1 - row["seconds"] / own["seconds"]}
         for row in rows
-        if row["quicker"]
+        if own
+        and row["quicker"]
         and row["lost_high"] is not None
         and row["changes"] != "{}"
         and not any(name.startswith("recognition.") for name in json.loads(row["changes"]))
@@ -274,26 +268,3 @@ def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
         return {**row, **{name: row[name] + price for name in names if row[name] is not None}}
 
     return mark_front([moved(row) for row in rows])
-
-
-def mark_front(rows: list[Row]) -> list[Row]:
-    """Mark which rows are on the front, which are dominated, and which, without figures, are neither."""
-    points = [[row[name] for row in rows] for name in ("seconds", "error")]
-    for row, on in zip(rows, pareto_front(*np.array(points, dtype=float)).tolist(), strict=True):
-        row |= {"on_front": on, "dominated": is_known(row) and not on}
-    return rows
-
-
-def _loss(reference: Cell | None, cell: Cell, run: ExperimentParameters) -> Interval | None:
-    if cell is reference:
-        return Interval(0.0, 0.0, 0.0)
-    return None if reference is None else accuracy_gain(reference, cell, run)
-
-
-def _same_objects(first: Cell, second: Cell) -> bool:
-    return bool(first.objects) and first.objects == second.objects
-
-
-def _draw_objects(run: ExperimentParameters) -> np.random.Generator:
-    """Give the same draws of objects for all, so that equal figures have equal intervals."""
-    return spawn_generator(run.seed, "studies")

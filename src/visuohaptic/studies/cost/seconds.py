@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import time
 from collections import defaultdict
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,12 +23,10 @@ from visuohaptic.one_phase import Tables
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, passed_on
 from visuohaptic.recognition.model import RecognitionModel, fit_model
-from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.studies.conditions import Planned, plan_study
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER, Setting, make_settings
-from visuohaptic.studies.files import features_by_key
-from visuohaptic.studies.measuring import REFUSALS, condition_features
+from visuohaptic.studies.measuring import REFUSALS, condition_features, features_by_key
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_SECONDS
@@ -40,8 +38,8 @@ PHASES = (*(str(phase.verb) for phase in OF_OBJECT), "classify")
 PARTS = ("render", "attend", "cast")
 """Parts of looking, the first two, and of touching."""
 
-ROUNDS = {FRONTIER.name: 2}
-"""Rounds of timing where they are not `cost.rounds`: the frontier is a part of every run."""
+FRONTIER_ROUNDS = 2
+"""Instead of `cost.rounds`, as the frontier is a part of every run."""
 
 
 @dataclass(frozen=True)
@@ -77,13 +75,13 @@ def make_cost_seconds(given: Given) -> None:
     fitted = _fitted(given)
     meshes = usable_meshes(given.inputs["meshes"]) if fitted else ()
     surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
-    rounds = ROUNDS.get(given.study, given.run.cost.rounds)
+    rounds = FRONTIER_ROUNDS if given.study == FRONTIER.name else given.run.cost.rounds
     write_table(COST_SECONDS, measure_seconds(surfaces, fitted, rounds), given.outputs[0])
 
 
 def _fitted(given: Given) -> list[FittedSetting]:
     """Train each setting that can be; one model where settings differ in the viewpoints alone."""
-    run, study = given.run, {one.name: one for one in (FRONTIER, COST_STUDY)}[given.study]
+    run, study = given.run, FRONTIER if given.study == FRONTIER.name else COST_STUDY
     features = features_by_key(given.inputs["features"], given.made, given.objects)
     found: list[FittedSetting] = []
     trained: dict[Hashable, RecognitionModel | None] = {}
@@ -102,12 +100,15 @@ def fit_setting(
     setting: Setting, planned: Planned, features: pa.Table | str, seed: int
 ) -> RecognitionModel | None:
     """Train a model that answers as quickly as a setting's own; None where that is refused."""
-    if isinstance(features, str):
-        return None
-    recognition = _quickly_fitted(planned.parameters.recognition)
+    # The time of an answer follows from sizes: of the descriptors, the projection and the classifier,
+    # and of the training that new objects are compared with. Neither the number of folds that
+    # calibrate the answer nor classifiers of shorter sequences change one.
+    recognition = planned.parameters.recognition
+    best = recognition.best.model_copy(update={"calibration_folds": 2, "short_touches": ()})
+    quick = recognition.model_copy(update={"best": best})
     try:
         rows = condition_features(planned, features, setting.strategy)
-        return fit_model(rows, setting.pipeline, setting.classifier, recognition, seed)
+        return fit_model(rows, setting.pipeline, setting.classifier, quick, seed)
     except REFUSALS:
         return None
 
@@ -125,7 +126,7 @@ class ObjectRound:
     """One object in one round, where what several settings have in common is done and timed once.
 
     That is preparing the surface, and each phase from the same viewpoints by the same parameters, of
-    this phase and of those before it. Its seconds count for every such setting.
+    this phase and of those before it.
     """
 
     def __init__(self, key: str, surface: Surface) -> None:
@@ -139,11 +140,10 @@ class ObjectRound:
         self._prepared = Done(caster, {}, seconds)
 
     def recognise(self, viewpoints: Sequence[int], fitted: FittedSetting) -> dict[str, float]:
-        """Recognise the object once, from its surface in memory to its class.
+        """Recognise the object once: the processor seconds of each of `PHASES` and `PARTS`.
 
-        Gives the processor seconds of each of `PHASES` and `PARTS`; on one thread of an idle machine
-        they equal the clock's. Preparing the surface for rays is a part of ``look``. The object's
-        key is for the random generators, not for the prediction.
+        Preparing the surface for rays is a part of ``look``. The object's key is for the random
+        generators, not for the prediction.
         """
         done, asked, parts = self._prepared, tuple[Hashable, ...](), list[pa.Table]()
         subject = Subject(self.key, lambda: self._prepared.caster, viewpoints)
@@ -186,30 +186,22 @@ def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
     seconds[name] += time.process_time() - start
 
 
-def _quickly_fitted(parameters: RecognitionParameters) -> RecognitionParameters:
-    """Make fitting quicker, and leave the run time of an answer."""
-    # That follows from sizes: of the descriptors, the projection and the classifier, and of the
-    # touches and objects of the training that new ones are compared with. Neither the number of
-    # folds that calibrate the answer nor classifiers of shorter sequences change one.
-    best = parameters.best.model_copy(update={"calibration_folds": 2, "short_touches": ()})
-    return parameters.model_copy(update={"best": best})
-
-
 def measure_seconds(
-    surfaces: Mapping[str, Surface],
-    settings: Sequence[FittedSetting],
-    rounds: int,
+    surfaces: Mapping[str, Surface], settings: Sequence[FittedSetting], rounds: int
 ) -> pa.Table:
     """Time settings on the same objects: `tables.COST_SECONDS`, a row a recognition.
 
     The settings take turns, so other work on the machine affects all equally. Where a setting finds
     too few places to touch there is no row.
     """
+    import cv2
     from threadpoolctl import threadpool_limits
 
     distinct = {one.setting.written_changes: one for one in settings}.values()
     rows: list[Row] = []
-    with threadpool_limits(limits=1), _one_thread():
+    with threadpool_limits(limits=1), ExitStack() as afterwards:
+        afterwards.callback(cv2.setNumThreads, cv2.getNumThreads())
+        cv2.setNumThreads(1)
         # What is made once for all, and once for a surface, is made here.
         for key, surface in surfaces.items():
             _time_all(distinct, ObjectRound(key, surface), 0)
@@ -218,13 +210,13 @@ def measure_seconds(
     return build_rows(COST_SECONDS, rows)
 
 
-def _time_all(settings: Iterable[FittedSetting], once: ObjectRound, turn: int) -> list[Row]:
+def _time_all(settings: Collection[FittedSetting], once: ObjectRound, turn: int) -> list[Row]:
     """Time one recognition by each setting in turn."""
     # All phases are gone through before any answer counts. An answer right after a phase takes a quarter
     # longer, with none of its code in the processor's cache, and not every setting has a phase to itself.
-    for fitted in settings:
-        _time(fitted, once, turn)
-    return [row for fitted in settings for row in _time(fitted, once, turn)]
+    for _ in range(2):
+        rows = [row for fitted in settings for row in _time(fitted, once, turn)]
+    return rows
 
 
 def _time(fitted: FittedSetting, once: ObjectRound, turn: int) -> list[Row]:
@@ -240,16 +232,3 @@ def _time(fitted: FittedSetting, once: ObjectRound, turn: int) -> list[Row]:
     parts = {f"seconds_{name}": value for name, value in taken.items()}
     own = {"family": setting.family, "setting": setting.name, "object": once.key, "turn": turn}
     return [{**own, "seconds": sum(taken[phase] for phase in PHASES), **parts}]
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Keep OpenCV to one thread meanwhile."""
-    import cv2
-
-    threads = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(threads)

@@ -62,6 +62,10 @@ class Setting:
         """The changes as JSON, sorted by name."""
         return json.dumps(dict(self.changes), sort_keys=True)
 
+    def is_own(self, run: ExperimentParameters) -> bool:
+        """Tell whether it is what others are compared with: the run's own, from one viewpoint."""
+        return self == Setting(self.family, self.name, self.place, touches_of_run(run))
+
     @property
     def condition(self) -> Condition:
         """The setting as a condition of the study."""
@@ -86,12 +90,6 @@ def make_settings(run: ExperimentParameters, study: str) -> list[Setting]:
     ]
 
 
-def is_reference(setting: Setting, run: ExperimentParameters) -> bool:
-    """Tell whether a setting is what others are compared with: the run's own, from one viewpoint."""
-    own = Setting(setting.family, setting.name, setting.place, touches_of_run(run))
-    return setting == own
-
-
 Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
 """By family and name, the fields in which a setting differs from the run's own."""
 
@@ -104,7 +102,7 @@ def frontier_families(run: ExperimentParameters) -> Families:
     viewpoints = _within(run.cost.frontier_viewpoints, run.viewpoints.total)
     probed = {
         strategy: {
-            f"{_touches(count)}, {_viewpoints(views)}": {
+            f"{_count(count, 'touch', 'es')}, {_count(views, 'viewpoint')}": {
                 "touches": count,
                 "viewpoints": views,
                 "strategy": strategy,
@@ -117,10 +115,11 @@ def frontier_families(run: ExperimentParameters) -> Families:
     if STRATEGY not in probed:
         return probed
     small = _unless_own(run, "sensor.resolution", run.cost.lean_imprint_resolution)
+    own = _count(touches_of_run(run), "touch", "es")
     mapless = _unless_own(run, "recognition.self_organising_map.output", "none")
     return {
         **probed,
-        "small_imprint": {_touches(touches_of_run(run)): small} if small["changes"] else {},
+        "small_imprint": {own: small} if small["changes"] else {},
         "cues": _cues(run),
         "paper": {
             "with its map": {"pipeline": "paper"},
@@ -138,20 +137,13 @@ def cost_families(run: ExperimentParameters) -> Families:
         for kept in (CLASSIC_CHANNELS, [name for name, weight in weights.items() if weight])
     )
     lean = {"rendering.resolution": cost.lean_view_resolution, "attention.weights": classic}
-    sizes = {
-        "imprint": ("sensor.resolution", cost.imprint_resolutions),
-        "render": ("rendering.resolution", cost.view_resolutions),
-    }
+    views = {_count(count, "viewpoint"): {"viewpoints": count} for count in cost.viewpoints}
     return {
-        "touches": {_touches(count): {"touches": count} for count in cost.touches},
-        "viewpoints": {_viewpoints(count): {"viewpoints": count} for count in cost.viewpoints},
-        "lean_viewpoints": {
-            _viewpoints(count): {"viewpoints": count, "changes": lean} for count in cost.viewpoints
-        },
-        **{
-            family: {f"{size} × {size}": _unless_own(run, path, size) for size in varied}
-            for family, (path, varied) in sizes.items()
-        },
+        "touches": {_count(count, "touch", "es"): {"touches": count} for count in cost.touches},
+        "viewpoints": views,
+        "lean_viewpoints": {name: {**values, "changes": lean} for name, values in views.items()},
+        "imprint": _sizes(run, "sensor.resolution", cost.imprint_resolutions),
+        "render": _sizes(run, "rendering.resolution", cost.view_resolutions),
         "channels": {
             f"{sum(map(bool, kept.values()))} channels": _unless_own(run, "attention.weights", kept)
             for kept in (classic, own)
@@ -183,8 +175,12 @@ ORDER = (
 """The families of both studies, as they are shown."""
 
 
-def _cues(run: ExperimentParameters) -> Mapping[str, Mapping[str, Any]]:
+def _cues(run: ExperimentParameters) -> dict[str, dict[str, Any]]:
     return {name: _unless_own(run, "recognition.best.cues", cues) for name, cues in CUES.items()}
+
+
+def _sizes(run: ExperimentParameters, path: str, sizes: Iterable[int]) -> dict[str, dict[str, Any]]:
+    return {f"{size} × {size}": _unless_own(run, path, size) for size in sizes}
 
 
 def _unless_own(run: ExperimentParameters, path: str, value: object) -> dict[str, Any]:
@@ -196,12 +192,8 @@ def _within(values: Iterable[int], most: int) -> list[int]:
     return sorted({min(value, most) for value in values})
 
 
-def _touches(count: int) -> str:
-    return f"{count} touch{'es' * (count != 1)}"
-
-
-def _viewpoints(count: int) -> str:
-    return f"{count} viewpoint{'s' * (count != 1)}"
+def _count(number: int, name: str, plural: str = "s") -> str:
+    return f"{number} {name}{plural * (number != 1)}"
 
 
 def _study(name: str, title: str, *, is_part_of_run: bool) -> Study:

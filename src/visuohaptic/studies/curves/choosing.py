@@ -7,7 +7,7 @@ objects of each class gave each kind of imprint.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from visuohaptic.errors import RecognitionError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import LEAST_SIZE, POSE
-from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
+from visuohaptic.recognition.encoding import fit_standardiser
 from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.recognition.pooling import best_temperature
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
@@ -39,10 +39,6 @@ SMALLEST_OUTCOME = 1e-300
 
 REHEARSED_TOUCHES = 5
 """Length of the random sequences of training objects that set the temperature."""
-
-
-ReadImprints = Callable[[NDArray[np.int64]], NDArray[np.int64]]
-"""Touches candidates and gives the words of their imprints."""
 
 
 @dataclass(frozen=True)
@@ -75,42 +71,21 @@ class Candidates:
 
 
 @dataclass(frozen=True)
-class TactileWords:
-    """Kinds of imprint, as m centres among training touches, (m, q).
-
-    `columns` are the q columns of a touch's features that the skin gives, scaled by `scaling`; of
-    those that are `logarithmic`, (q,), the logarithm is taken.
-    """
-
-    scaling: Standardiser
-    columns: NDArray[np.int64]
-    logarithmic: NDArray[np.bool_]
-    centres: NDArray[np.float64]
-
-    def read(self, features: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Give the nearest kind of each touch: (n, k) to (n,)."""
-        values = self.scaling.apply(_skin(features, self.columns, self.logarithmic))
-        products = np.einsum("nq,mq->nm", values, self.centres)
-        return np.argmin(np.einsum("mq,mq->m", self.centres, self.centres) - 2 * products, axis=1)
-
-
-@dataclass(frozen=True)
 class TouchModel:
     """Likelihood of imprints by pose and class, from t training touches only.
 
-    `poses` (t, 6) are scaled by `normal_weight` and `wave_length`, as the kernel needs them;
-    `kinds` (t,) and `owner` (t,) are words and objects of the touches. `class_of_owner` (o,) has
-    the classes of the training objects; others are not looked at.
+    `poses` (t, 6) are scaled as the kernel needs them; `kinds` (t,), below `words`, and `owner` (t,)
+    are words and objects of the touches. `class_of_owner` (o,) has the classes of the training
+    objects; others are not looked at.
     """
 
-    words: TactileWords
     poses: NDArray[np.float64]
     kinds: NDArray[np.int64]
+    words: int
     owner: NDArray[np.int64]
     class_of_owner: NDArray[np.int64]
     classes: int
-    normal_weight: float
-    wave_length: float
+    parameters: BestParameters
 
     def log_likelihood(self, poses: NDArray[np.float64], left_out: int) -> NDArray[np.float64]:
         """Give the log likelihood of each word at each pose, by class: (n, 6) to (n, m, c).
@@ -118,15 +93,15 @@ class TouchModel:
         A training object, `left_out`, is ignored, for its own touches must not predict its imprints;
         -1 for none. The only object of a class is kept.
         """
-        scaled = scale_poses(poses, self.normal_weight, self.wave_length)
+        scaled = scale_poses(poses, self.parameters)
         squares = np.einsum("nd,nd->n", scaled, scaled)[:, None]
         squares = squares + np.einsum("td,td->t", self.poses, self.poses)
         kernel = np.exp(-0.5 * np.maximum(squares - 2 * scaled @ self.poses.T, 0))
         weights = self._weights(left_out)
-        found = np.zeros((len(poses), len(self.words.centres), self.classes))
+        found = np.zeros((len(poses), self.words, self.classes))
         for category in range(self.classes):
             rows = np.flatnonzero(self.class_of_owner[self.owner] == category)
-            member = np.zeros((len(rows), len(self.words.centres)))
+            member = np.zeros((len(rows), self.words))
             member[np.arange(len(rows)), self.kinds[rows]] = weights[rows]
             found[:, :, category] = kernel[:, rows] @ member
         common = found.mean(axis=2, keepdims=True)
@@ -136,17 +111,11 @@ class TouchModel:
     def _weights(self, left_out: int) -> NDArray[np.float64]:
         """Weigh touches so that all objects of a class have the same weight."""
         objects = np.unique(self.owner)
-        kept = objects[objects != left_out]
         classes = self.class_of_owner[objects]
-        alone = ~np.isin(classes, self.class_of_owner[kept])
-        members = np.bincount(
-            np.concatenate([self.class_of_owner[kept], classes[alone]]), minlength=self.classes
-        )
-        weight = 1.0 / np.maximum(members[self.class_of_owner], 1)
-        touches = np.bincount(self.owner, minlength=len(weight))
-        weight = weight / np.maximum(touches, 1)
-        out = (self.owner == left_out) & ~np.isin(self.owner, objects[alone])
-        return np.where(out, 0.0, weight[self.owner])
+        kept = objects[(objects != left_out) | (np.bincount(classes)[classes] == 1)]
+        members = np.bincount(self.class_of_owner[kept])[self.class_of_owner[self.owner]]
+        weight = 1.0 / members / np.bincount(self.owner)[self.owner]
+        return np.where(np.isin(self.owner, kept), weight, 0.0)
 
 
 def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
@@ -192,12 +161,10 @@ def choose_sequences(
 
     The model is fitted on the split's training objects; sequences of these are chosen by it
     without the object itself. Of a test object only the poses of the candidates and the
-    imprints of touches already made are looked at. No two touches are closer than `focus_radius`
-    (object radii) while there is another place. The generator starts the words, and draws the
+    imprints of touches already made are looked at. The generator starts the words, and draws the
     sequences that set the temperature.
     """
-    model = fit_touch_model(candidates, split, parameters, generator)
-    words = model.words.read(candidates.features)
+    model, words = fit_touch_model(candidates, split, parameters, generator)
     training = np.unique(candidates.sequences.object_index[split.train])
     plans = {}
     for place in range(len(candidates.sequences.objects)):
@@ -214,7 +181,7 @@ def choose_sequences(
             seen,
             np.searchsorted(members, candidates.sequence[rows]),
             likelihood / temperature,
-            words[rows].__getitem__,
+            words[rows],
             touches,
             focus_radius,
         )
@@ -236,7 +203,7 @@ def choose_touches(
     pose_number: NDArray[np.int64],
     view: NDArray[np.int64],
     log_likelihood: NDArray[np.float64],
-    read_imprints: ReadImprints,
+    kinds: NDArray[np.int64],
     touches: int,
     focus_radius: float,
 ) -> NDArray[np.int64]:
@@ -250,9 +217,9 @@ def choose_touches(
 
     `poses` are those of all candidates, (n, 6); equal ones have one `pose_number`, (n,), below u.
     `view` is the viewpoint of each, (n,), ascending from 0 without a gap. `log_likelihood` is that
-    of each word under each class, tempered, (u, m, c). `read_imprints` gets only the chosen
-    candidates. No two touches are closer than `focus_radius` while there is another place; once all
-    places are closed, all but those touched are open again, and at last all.
+    of each word under each class, tempered, (u, m, c). Of `kinds`, the words (n,), only those of
+    chosen candidates are looked at. No two touches are closer than `focus_radius` while there is
+    another place; once all places are closed, all but those touched are open again, and at last all.
     """
     views = int(view[-1]) + 1
     predicted = log_likelihood - _log_sum(log_likelihood)
@@ -265,8 +232,7 @@ def choose_touches(
         # Lowest first among the least shut: open ones, then near ones, then touched ones.
         order = np.lexsort((left, shut, view))
         chosen[:, turn] = order[starts]
-        kinds = read_imprints(chosen[:, turn])
-        belief += log_likelihood[pose_number[chosen[:, turn]], kinds]
+        belief += log_likelihood[pose_number[chosen[:, turn]], kinds[chosen[:, turn]]]
         steps = poses[:, :3] - poses[chosen[view, turn], :3]
         near = np.einsum("nd,nd->n", steps, steps) <= focus_radius**2
         shut = np.maximum(shut, near)
@@ -302,66 +268,54 @@ def fit_touch_model(
     split: Split,
     parameters: BestParameters,
     generator: np.random.Generator,
-) -> TouchModel:
-    """Fit the touch model on the candidates of a split's training objects, each place once.
+) -> tuple[TouchModel, NDArray[np.int64]]:
+    """Fit the touch model on the candidates of a split's training objects, each place once; also give all words, (n,).
 
     The generator starts the words' centres.
     """
-    sequences = candidates.sequences
+    sequences, owner = candidates.sequences, candidates.owner
     rows = np.flatnonzero(np.isin(candidates.sequence, split.train))
-    poses, owner = candidates.poses[rows], candidates.owner[rows]
-    _, first = np.unique(np.column_stack([owner, poses]), axis=0, return_index=True)
-    rows = rows[np.sort(first)]
-    words = fit_words(candidates.features[rows], candidates.names, generator)
-    poses = scale_poses(candidates.poses[rows], parameters.normal_weight, parameters.wave_length)
+    places = np.column_stack([owner[rows], candidates.poses[rows]])
+    rows = rows[np.sort(np.unique(places, axis=0, return_index=True)[1])]
+    kinds, words = imprint_words(candidates, rows, generator)
     classes = np.full(len(sequences.objects), -1)
     training = np.unique(sequences.object_index[split.train])
     classes[training] = sequences.class_of_object[training]
-    return TouchModel(
-        words,
-        poses,
-        words.read(candidates.features[rows]),
-        candidates.owner[rows],
-        classes,
-        len(sequences.classes),
-        parameters.normal_weight,
-        parameters.wave_length,
-    )
+    poses = scale_poses(candidates.poses[rows], parameters)
+    of_training = (poses, kinds[rows], words, owner[rows], classes)
+    return TouchModel(*of_training, len(sequences.classes), parameters), kinds
 
 
-def fit_words(
-    features: NDArray[np.float64], names: Sequence[str], generator: np.random.Generator
-) -> TactileWords:
-    """Find at most `WORDS` kinds of imprint among touches (n, k) by k-means.
+def imprint_words(
+    candidates: Candidates, rows: NDArray[np.int64], generator: np.random.Generator
+) -> tuple[NDArray[np.int64], int]:
+    """Find at most `WORDS` kinds of imprint among some rows by k-means: the kind of each candidate, (n,), and their number.
 
     All columns but the pose and the contact's states are the skin's. The generator starts the
     centres.
     """
     from sklearn.cluster import KMeans
 
-    columns = np.array(
-        [
-            place
-            for place, name in enumerate(names)
-            if name.startswith(("contourlet_", "imprint_")) or name == "sensor_size"
-        ],
-        dtype=np.int64,
-    )
-    logarithmic = np.array([names[place] == "sensor_size" for place in columns])
-    values = _skin(features, columns, logarithmic)
-    scaling = fit_standardiser(values, "standardise")
-    scaled = scaling.apply(values)
-    count = min(WORDS, len(np.unique(scaled, axis=0)))
-    means = KMeans(count, n_init=1, random_state=int(generator.integers(2**31))).fit(scaled)
-    return TactileWords(scaling, columns, logarithmic, means.cluster_centers_)
+    columns = [
+        place
+        for place, name in enumerate(candidates.names)
+        if name.startswith(("contourlet_", "imprint_")) or name == "sensor_size"
+    ]
+    values = candidates.features[:, columns]
+    logarithmic = [candidates.names[place] == "sensor_size" for place in columns]
+    values[:, logarithmic] = np.log(np.maximum(values[:, logarithmic], LEAST_SIZE))
+    scaled = fit_standardiser(values[rows], "standardise").apply(values)
+    count = min(WORDS, len(np.unique(scaled[rows], axis=0)))
+    start = int(generator.integers(2**31))
+    centres = KMeans(count, n_init=1, random_state=start).fit(scaled[rows]).cluster_centers_
+    products = np.einsum("nq,mq->nm", scaled, centres)
+    return np.argmin(np.einsum("mq,mq->m", centres, centres) - 2 * products, axis=1), count
 
 
-def scale_poses(
-    poses: NDArray[np.float64], normal_weight: float, wave_length: float
-) -> NDArray[np.float64]:
+def scale_poses(poses: NDArray[np.float64], parameters: BestParameters) -> NDArray[np.float64]:
     """Scale poses for a Gaussian kernel of unit width, left and right being alike: (n, 6) both."""
-    scaled = poses / wave_length
-    scaled[:, 3:] *= normal_weight
+    scaled = poses / parameters.wave_length
+    scaled[:, 3:] *= parameters.normal_weight
     scaled[:, [0, 3]] = np.abs(scaled[:, [0, 3]])
     return scaled
 
@@ -371,14 +325,6 @@ def _log_sum(logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
     largest = logarithms.max(axis=1, keepdims=True)
     sums: NDArray[np.float64] = np.exp(logarithms - largest).sum(axis=1, keepdims=True)
     return largest + np.log(sums)
-
-
-def _skin(
-    features: NDArray[np.float64], columns: NDArray[np.int64], logarithmic: NDArray[np.bool_]
-) -> NDArray[np.float64]:
-    values = features[:, columns].copy()
-    values[:, logarithmic] = np.log(np.maximum(values[:, logarithmic], LEAST_SIZE))
-    return values
 
 
 def _fit_temperature(

@@ -63,10 +63,8 @@ def _cell(rows: pa.Table) -> LookingCell:
     trials, seconds = matrix(rows, ["trials", "seconds"]).T
     gaps = np.abs(np.sum(rows.column("gaps").to_pylist(), axis=0))
     return LookingCell(
-        cell.objects,
-        cell.accuracy,
-        cell.weights,
-        float(share @ seconds / share.sum()),
+        *(cell.objects, cell.accuracy, cell.weights),
+        seconds=float(share @ seconds / share.sum()),
         calibration_error=float(gaps.sum() / trials.sum()),
     )
 
@@ -83,11 +81,11 @@ def sum_up_looking(
     """
     summary = _Summary(cells_of(table), cost, touches, intervals, seed)
     return {
-        "prices": {**cost.model_dump(include={"look_seconds", "touch_seconds", "budgets"})},
+        "prices": cost.model_dump(include={"look_seconds", "touch_seconds", "budgets"}),
         "touches": touches,
         "objects": len(set(owners_of(table))),
         "sights": [summary.sight(sight) for sight in SIGHTS],
-        "curves": list(summary.curves()),
+        "curves": summary.curves(),
         "budgets": [row for budget in cost.budgets for row in summary.at_budget(budget)],
         "worth": [summary.worth(sight) for sight in SIGHTS],
     }
@@ -101,12 +99,17 @@ class _Summary:
     intervals: IntervalParameters
     seed: int
 
-    def key(self, sight: str, answer: str, strategy: str = STRATEGIES[0], touches: int = -1) -> Key:
+    def key(self, sight: str, answer: str, strategy: str = STRATEGIES[0], touches: int = 0) -> Key:
         """Give a key; a cue needs no touch, and touch no sight."""
         if answer in CUES:
             return (sight, answer, "none", 0, None)
-        count = self.touches if touches < 0 else touches
-        return (CLEAN if answer == TOUCH else sight, answer, strategy, count, None)
+        return (
+            CLEAN if answer == TOUCH else sight,
+            answer,
+            strategy,
+            touches or self.touches,
+            None,
+        )
 
     def row(self, key: Key) -> Row:
         """Give accuracy with its interval, time and calibration error."""
@@ -140,11 +143,10 @@ class _Summary:
             },
         }
 
-    def curves(self) -> Iterator[Row]:
+    def curves(self) -> list[Row]:
         """Give accuracy against time of every strategy in clean sight, touch alone and both."""
-        for key in sorted(self.cells, key=str):
-            if key[0] == CLEAN and key[1] in {LOOK, TOUCH, CHECKED}:
-                yield self._named(key)
+        keys = (key for key in self.cells if key[0] == CLEAN and key[1] in {LOOK, TOUCH, CHECKED})
+        return [self._named(key) for key in sorted(keys, key=str)]
 
     def at_budget(self, budget: float) -> Iterator[Row]:
         """Give what is reached within a budget: of a fixed number of touches, and by the rule on average."""

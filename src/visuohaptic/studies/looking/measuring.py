@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
@@ -93,8 +92,12 @@ def measure_looking(sensed: Sensed, run: ExperimentParameters, processes: int) -
     run = with_changes(run, {"recognition.best.classifiers": (CLASSIFIER,)})
     trials = list(draw_splits(sensed.sequences, run.recognition, run.seed))
     answers = _answer_all(sensed, trials, run, processes)
-    found = _measured(answers, sensed.sequences, run)
-    parts = [part for one in found for part in _columns(one, trials, sensed.sequences)]
+    parts = [
+        part
+        for key, paid in _paid_answers(answers, sensed.sequences, run)
+        for trial, (tested, seconds) in zip(trials, paid, strict=True)
+        for part in _columns(key, trial, tested, seconds, sensed.sequences)
+    ]
     columns = {name: list(chain(*(part[name] for part in parts))) for name in parts[0]}
     return build_table(LOOKING, columns)
 
@@ -111,83 +114,75 @@ def _answer_all(
             delayed(choose_features)(sensed.candidates, split, most_touches(run), run)
             for split, _ in trials
         )
-    tasks: dict[object, _Task] = {cue: _Task(sensed.seen[cue]) for cue in CUES}
-    tasks[SIDE_BY_SIDE] = _Task(sensed.seen[LOOK], touched[STRATEGIES[0]], touches_of_run(run))
+    tasks: dict[object, dict[str, Any]] = {cue: {"seen": sensed.seen[cue]} for cue in CUES}
+    side_by_side = {"touched": touched[STRATEGIES[0]], "touches": touches_of_run(run)}
+    tasks[SIDE_BY_SIDE] = {**tasks[LOOK], **side_by_side}
     for strategy, features in touched.items():
         for touches in range(1, most_touches(run) + 1):
-            tasks[strategy, touches] = _Task(None, features, touches)
+            tasks[strategy, touches] = {"touched": features, "touches": touches}
     found = Parallel(processes)(
-        delayed(_run_task)(task, trials, sensed.sequences, run) for task in tasks.values()
+        delayed(_answer)(trials, sensed.sequences, run, **task) for task in tasks.values()
     )
     return dict(zip(tasks, found, strict=True))
 
 
-@dataclass(frozen=True)
-class _Task:
-    """What is described: views, (s, sights, d), or the first touches of a trial's features, or both."""
-
-    seen: NDArray[np.float32] | None
-    touched: Sequence[NDArray[np.float64]] = ()
-    touches: int = 0
-
-
-def _run_task(
-    task: _Task, trials: Sequence[Trial], sequences: TouchSequences, run: ExperimentParameters
+def _answer(
+    trials: Sequence[Trial], sequences: TouchSequences, run: ExperimentParameters, **task: Any
 ) -> list[Answered]:
-    described = _describe(task, len(trials), sequences.feature_names, run)
+    described = _describe(len(trials), sequences.feature_names, run, **task)
     return answer_trials(trials, described, sequences, run.recognition, run.seed)
 
 
 def _describe(
-    task: _Task, trials: int, names: Sequence[str], run: ExperimentParameters
+    trials: int,
+    names: Sequence[str],
+    run: ExperimentParameters,
+    seen: NDArray[np.float32] | None = None,
+    touched: Sequence[NDArray[np.float64]] = (),
+    touches: int = 0,
 ) -> Iterator[Sequence[Descriptors]]:
-    """Give the descriptors of each trial in each condition of its test."""
-    views = [] if task.seen is None else list(np.moveaxis(task.seen, 1, 0))
-    if not task.touched:
+    """Describe views, (s, sights, d), or the first touches of each trial, or both, in each condition of its test."""
+    views = [] if seen is None else list(np.moveaxis(seen, 1, 0))
+    if not touched:
         yield from [views] * trials
         return
     best = run.recognition.best
     waves = draw_waves(best, spawn_generator(run.seed, "recognition", "waves"))
     of: NDArray[np.float64] | None = None
-    for features in task.touched:
+    for features in touched:
         if features is not of:
-            touches = describe_sequences(features[:, : task.touches], names, waves, best)
-            of = features
-        yield [np.concatenate([touches, view], axis=1) for view in views] or [touches]
+            felt, of = describe_sequences(features[:, :touches], names, waves, best), features
+        yield [np.concatenate([felt, view], axis=1) for view in views] or [felt]
 
 
-_Paid = tuple[NDArray[np.float64], NDArray[np.float64] | float]
+Key = Mapping[str, object]
+"""Of `tables.LOOKING`: answer, strategy, touches and budget."""
+
+Paid = tuple[NDArray[np.float64], NDArray[np.float64] | float]
 """A trial's answers in the first k sights, (k, n, c), and the seconds that each took, (k, n)."""
 
 
-@dataclass(frozen=True)
-class _Measured:
-    """One answer, strategy, number of touches and budget: every trial."""
-
-    answer: str
-    strategy: str
-    touches: int
-    trials: Sequence[_Paid]
-    budget: float | None = None
-
-
-def _measured(
+def _paid_answers(
     answers: Mapping[object, Sequence[Answered]],
     sequences: TouchSequences,
     run: ExperimentParameters,
-) -> Iterator[_Measured]:
-    look = run.cost.look_seconds
+) -> Iterator[tuple[Key, list[Paid]]]:
+    """Give every answer with the robot's time, trial by trial."""
+    look, touches = run.cost.look_seconds, touches_of_run(run)
     for cue in CUES:
-        yield _Measured(cue, "none", 0, _paid(answers[cue], look))
-    both, touches = answers[SIDE_BY_SIDE], touches_of_run(run)
+        yield _key(cue, "none", 0), _paid(answers[cue], look)
     seconds = look + run.cost.touch_seconds * touches
-    yield _Measured(SIDE_BY_SIDE, STRATEGIES[0], touches, _paid(both, seconds))
+    yield _key(SIDE_BY_SIDE, STRATEGIES[0], touches), _paid(answers[SIDE_BY_SIDE], seconds)
     for strategy in compared(run.cost):
         felt = [answers[strategy, count] for count in range(1, most_touches(run) + 1)]
         yield from _of_strategy(strategy, answers[LOOK], felt, sequences, run.cost)
 
 
-def _paid(answered: Sequence[Answered], seconds: float) -> list[_Paid]:
+def _key(answer: str, strategy: str, touches: int, budget: float | None = None) -> Key:
+    return {"answer": answer, "strategy": strategy, "touches": touches, "budget": budget}
+
+
+def _paid(answered: Sequence[Answered], seconds: float) -> list[Paid]:
     return [(one.tested, seconds) for one in answered]
 
 
@@ -197,28 +192,30 @@ def _of_strategy(
     felt: Sequence[Sequence[Answered]],
     sequences: TouchSequences,
     cost: CostParameters,
-) -> Iterator[_Measured]:
+) -> Iterator[tuple[Key, list[Paid]]]:
     """Give a strategy after each touch: touch alone, with a look, and under the rule that stops."""
-
-    def with_touch(seen: Sequence[Answered], touched: Sequence[Answered]) -> list[Answered]:
-        of_all = (sequences.labels, sequences.object_index)
-        return [multiply(*pair, *of_all) for pair in zip(seen, touched, strict=True)]
-
-    look, checked = cost.look_seconds, [[ask_if_familiar(one) for one in looked]]
+    checked = [[ask_if_familiar(one) for one in looked]]
     for touches, touched in enumerate(felt, start=1):
-        seconds = cost.touch_seconds * touches
-        alone = (0.0 if strategy == BLIND else look) + seconds
-        yield _Measured(TOUCH, strategy, touches, _paid(touched, alone))
-        products = with_touch(looked, touched)
-        yield _Measured(PRODUCT, strategy, touches, _paid(products, look + seconds))
-        checked.append(with_touch(checked[0], touched))
-        yield _Measured(CHECKED, strategy, touches, _paid(checked[-1], look + seconds))
+        products, certain = (
+            [
+                multiply(*pair, sequences.labels, sequences.object_index)
+                for pair in zip(seen, touched, strict=True)
+            ]
+            for seen in (looked, checked[0])
+        )
+        checked.append(certain)
+        touching = cost.touch_seconds * touches
+        both = cost.look_seconds + touching
+        yield (
+            _key(TOUCH, strategy, touches),
+            _paid(touched, touching if strategy == BLIND else both),
+        )
+        yield _key(PRODUCT, strategy, touches), _paid(products, both)
+        yield _key(CHECKED, strategy, touches), _paid(certain, both)
     for budget in cost.budgets:
-        stopped = [
-            _stop(by_touches, sequences.labels, budget, cost)
-            for by_touches in zip(*checked, strict=True)
-        ]
-        yield _Measured(STOPPING, strategy, len(felt), stopped, budget)
+        trials = zip(*checked, strict=True)
+        stopped = [_stop(one, sequences.labels, budget, cost) for one in trials]
+        yield _key(STOPPING, strategy, len(felt), budget), stopped
 
 
 def _stop(
@@ -226,7 +223,7 @@ def _stop(
     labels: NDArray[np.int64],
     budget: float,
     cost: CostParameters,
-) -> _Paid:
+) -> Paid:
     """Answer a trial under the rule of a budget, which is learnt on its training objects."""
     rehearsed = np.stack([one.held_out for one in by_touches])
     confidence = rehearsed.max(axis=2)
@@ -241,31 +238,31 @@ def _stop(
 
 
 def _columns(
-    one: _Measured, trials: Sequence[Trial], sequences: TouchSequences
-) -> Iterator[Mapping[str, Sequence[object] | NDArray[np.generic]]]:
-    """Give columns of `tables.LOOKING` of each trial and sight: a row an object."""
-    for (split, repeat), (tested, seconds) in zip(trials, one.trials, strict=True):
-        owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
-        objects, count = np.array(sequences.objects, dtype=object)[owners], np.bincount(row)
-        taken = np.broadcast_to(seconds, tested.shape[:2])
-        # Touch alone is tested in clean sight, which is the first.
-        for sight, answers, spent in zip(SIGHTS, tested, taken, strict=False):
-            correct = answers.argmax(axis=1) == sequences.labels[split.test]
-            confidence = answers.max(axis=1)
-            bins = np.minimum((confidence * CONFIDENCE_BINS).astype(int), CONFIDENCE_BINS - 1)
-            gaps = np.zeros((len(owners), CONFIDENCE_BINS))
-            np.add.at(gaps, (row, bins), correct - confidence)
-            same = {
-                "sight": sight, "answer": one.answer, "strategy": one.strategy,
-                "touches": one.touches, "budget": one.budget,
-                "split": split.number, "repeat": repeat,
-            }  # fmt: skip
-            yield {
-                **{name: [value] * len(owners) for name, value in same.items()},
-                "class": objects[:, 0],
-                "object": objects[:, 1],
-                "trials": count,
-                "accuracy": np.bincount(row, weights=correct) / count,
-                "seconds": np.bincount(row, weights=spent) / count,
-                "gaps": list(gaps),
-            }
+    key: Key,
+    trial: Trial,
+    tested: NDArray[np.float64],
+    seconds: NDArray[np.float64] | float,
+    sequences: TouchSequences,
+) -> Iterator[dict[str, Any]]:
+    """Give columns of `tables.LOOKING` of a trial in each sight: a row an object."""
+    split, repeat = trial
+    owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
+    objects, count = np.array(sequences.objects, dtype=object)[owners], np.bincount(row)
+    taken = np.broadcast_to(seconds, tested.shape[:2])
+    # Touch alone is tested in clean sight, which is the first.
+    for sight, answers, spent in zip(SIGHTS, tested, taken, strict=False):
+        correct = answers.argmax(axis=1) == sequences.labels[split.test]
+        confidence = answers.max(axis=1)
+        bins = np.minimum((confidence * CONFIDENCE_BINS).astype(int), CONFIDENCE_BINS - 1)
+        gaps = np.zeros((len(owners), CONFIDENCE_BINS))
+        np.add.at(gaps, (row, bins), correct - confidence)
+        same = {**key, "sight": sight, "split": split.number, "repeat": repeat}
+        yield {
+            **{name: [value] * len(owners) for name, value in same.items()},
+            "class": objects[:, 0],
+            "object": objects[:, 1],
+            "trials": count,
+            "accuracy": np.bincount(row, weights=correct) / count,
+            "seconds": np.bincount(row, weights=spent) / count,
+            "gaps": list(gaps),
+        }

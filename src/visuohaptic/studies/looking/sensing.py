@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -42,8 +42,8 @@ class Sensed:
     """What is known of s viewpoints of all objects.
 
     `sequences` have the objects and classes, and the names of k features. `seen` has by cue (s,
-    sights, d), float32; `touched` by strategy (s, t, k), the features of t touches. `candidates`
-    are where `ADAPTIVE` may touch; None where it is not compared.
+    sights, d); `touched` by strategy the features of t touches, (s, t, k). `candidates` are where
+    `ADAPTIVE` may touch, if it is compared.
     """
 
     sequences: TouchSequences
@@ -101,25 +101,14 @@ def sense_all(
     """Look at and touch all objects.
 
     Viewpoints from which a strategy has no place to touch are left out for all, and classes with a
-    single object. `candidates` are rows of `tables.FEATURES` of strategy `ADAPTIVE`, if it is
-    compared.
+    single object. `candidates` are as `make_candidates` writes them.
     """
     from joblib import Parallel, delayed
 
-    usable = usable_meshes(meshes)
+    usable, touches = usable_meshes(meshes), most_touches(run)
     sensed = Parallel(processes)(delayed(sense_object)(mesh, run) for mesh in usable)
     views = {object_of(mesh): one[1] for mesh, one in zip(usable, sensed, strict=True)}
-    return gather_sensed(pa.concat_tables([one[0] for one in sensed]), views, candidates, run)
-
-
-def gather_sensed(
-    rows: pa.Table,
-    views: Mapping[str, dict[str, NDArray[np.float32]]],
-    candidates: pa.Table | None,
-    run: ExperimentParameters,
-) -> Sensed:
-    """Gather what `sense_object` gave of all objects, their views by `class/name`."""
-    touches = most_touches(run)
+    rows = pa.concat_tables([one[0] for one in sensed])
     whole = classes_of_two(whole_sequences(rows, touches)[0])
     if candidates is not None:
         whole, candidates = _both(whole, candidates), _both(candidates, whole)
@@ -133,9 +122,8 @@ def gather_sensed(
     places = list(zip(keys, sequences.viewpoint, strict=True))
     seen = {cue: np.stack([views[key][cue][view] for key, view in places]) for cue in CUES}
     touched = {strategy: one.features for strategy, one in gathered.items()}
-    chosen = None
-    if candidates is not None:
-        chosen = gather_candidates(candidates, sequences.feature_names)
+    names = sequences.feature_names
+    chosen = None if candidates is None else gather_candidates(candidates, names)
     return Sensed(sequences, seen, touched, chosen)
 
 

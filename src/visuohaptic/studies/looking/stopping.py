@@ -6,6 +6,8 @@ probability of a correct answer that a second must bring.
 
 from __future__ import annotations
 
+from bisect import bisect_left
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,10 +18,9 @@ def learn_pace(
     """Learn which share of the doubt a second of touching removes, from n rehearsals on training objects.
 
     `correct` and `confidence` say after 0 to k touches whether the likeliest class is right, and its
-    probability: (k + 1, n) to (k + 1,), the last 0. The doubt is one less the confidence. What
-    further touches, of `touch_seconds` each, gain is the rise in the share that is right, over all
-    rehearsals, as a share of the doubt; of all numbers of further touches, the one with the highest
-    gain a second counts.
+    probability: (k + 1, n) to (k + 1,), the last 0. The doubt is one less the confidence. Touches, of
+    `touch_seconds` each, gain the rise in the share that is right, over all rehearsals, as a share of
+    the doubt; of all numbers of further touches, the one with the highest gain a second counts.
     """
     right = correct.sum(axis=1)
     doubt = np.maximum((1 - confidence).sum(axis=1), np.finfo(np.float64).tiny)
@@ -50,11 +51,7 @@ def worth_of_budget(gain: NDArray[np.float64], most_touches: float) -> float:
     """
     worths = np.unique([0.0, *gain.ravel()])
     # The larger the worth, the earlier every rehearsal stops.
-    low, high = 0, len(worths) - 1
-    while low < high:
-        middle = (low + high) // 2
-        if touches_made(worths[middle], gain).mean() <= most_touches:
-            high = middle
-        else:
-            low = middle + 1
-    return float(worths[low])
+    enough = bisect_left(
+        worths, x=True, key=lambda worth: touches_made(worth, gain).mean() <= most_touches
+    )
+    return float(worths[enough])
