@@ -56,9 +56,9 @@ def render_page(run: Run) -> str:
     }
     has_models = any(page.model is not None for page in context.pages)
     script = f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}"
-    plotly = plotly_library() if has_models else None
+    library, packed = plotly_library() if has_models else (b"", "")
     return environment.get_template("page.html.jinja").render(
-        policy=content_policy(script, *([plotly.source] if plotly else [])),
+        policy=content_policy(script, *([library] if has_models else [])),
         chapters=_chapters(environment, context),
         objects=len(run.objects),
         classes=len({key.split("/")[0] for key in run.objects}),
@@ -76,7 +76,7 @@ def render_page(run: Run) -> str:
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=script,
-        plotly=plotly.packed if plotly else "",
+        plotly=packed,
     )
 
 

@@ -17,7 +17,7 @@ PICTURES = Schema(
         Column("saliency", _OF_VIEWS, "saliency map of each viewpoint at half the size, lossy WebP"),
         Column("imprints", _OF_VIEWS, "imprints of strategy fixation by viewpoint, side by side in order, WebP"),
         Column("sheets", pa.map_(TEXT, pa.binary()), "imprints by strategy, a row a viewpoint and a column a touch, lossy WebP"),
-        Column("model", pa.binary(), "thinned mesh and touches as `report.models.PackedModel` has them, gzip; missing without a mesh", nullable=True),
+        Column("model", pa.binary(), "thinned mesh and touches as `report.models.pack_model` has them, gzip; missing without a mesh", nullable=True),
         Column("vertices", COUNT, "vertices of the thinned mesh", minimum=0, nullable=True),
         Column("faces", COUNT, "its faces", minimum=0, nullable=True),
         Column("touches", COUNT, "touches packed with it", minimum=0, nullable=True),
