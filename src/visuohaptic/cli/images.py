@@ -62,10 +62,8 @@ def images(
         "features": table.num_columns - 2,
         "out": out,
     }
-    lines = [
-        f"{out}: {count} images of {rows} × {columns} taxels, {values['classes']} classes, "
-        f"{values['features']} features"
-    ]
+    said = f"{out}: {count} images of {rows} × {columns} taxels"
+    lines = [f"{said}, {values['classes']} classes, {values['features']} features"]
     if splits:
         generator = np.random.default_rng(seed)
         found = split_accuracies(groups, read.classes, splits, train_share, generator)
