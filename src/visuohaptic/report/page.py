@@ -68,7 +68,7 @@ def render_page(run: Run) -> str:
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
         sources={
-            section.name: list(find_sources(section.tables(run), run, context.explaining))
+            section.name: list(find_sources(section, run, context.explaining))
             for sections in CHAPTERS.values()
             for section in sections
         },
@@ -90,7 +90,7 @@ def _chapters(
             values = section.values(context)
             if values is not None:
                 body = environment.get_template(f"{section.name}.html.jinja").render(values)
-                title = section.titled(context.run)
+                title = values.get("title", section.title)
                 chapters.setdefault(chapter, []).append((section.name, title, body))
     return chapters
 
