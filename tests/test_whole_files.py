@@ -2,7 +2,7 @@
 
 import pytest
 
-from visuohaptic.whole_files import remove_unfinished, whole_file
+from visuohaptic.whole_files import remove_unfinished, unfinished_folder, whole_file
 
 
 def test_the_old_file_stays_where_writing_fails(tmp_path):
@@ -15,8 +15,10 @@ def test_the_old_file_stays_where_writing_fails(tmp_path):
 def test_what_is_being_written_can_be_removed_before_the_process_ends_at_once(tmp_path):
     with whole_file(tmp_path / "done.txt"):
         pass
-    with whole_file(tmp_path / "a.txt") as unfinished:
+    with unfinished_folder(tmp_path) as waiting, whole_file(tmp_path / "a.txt") as unfinished:
+        (waiting / "b.txt").touch()
         remove_unfinished()
         left = [file.name for file in tmp_path.iterdir()]
+        waiting.mkdir()
         unfinished.touch()
     assert left == ["done.txt"]

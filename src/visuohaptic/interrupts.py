@@ -1,35 +1,38 @@
-"""Ctrl-C taken by a thread of its own, as commands do."""
+"""What Ctrl-C does to commands and jobs."""
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable
 
 STOPPED = 130
 """Status of a command that the user stopped, as shells have it: 128 + SIGINT."""
 
-CLEAR_LINE = "\r\033[K"
-"""What a terminal needs before a line that may follow a progress bar."""
+_CLEAR_LINE = "\r\033[K"  # of a progress bar
 
 
-def act_at_interrupt(act: Callable[[], None]) -> None:
-    """Let another thread take the first Ctrl-C, in place of the main thread, which sees nothing of it.
+def end_at_interrupt(tidy_up: Callable[[], None]) -> None:
+    """Let Ctrl-C end this process at once, with one line and status `STOPPED`.
 
-    Processes that are started from now on take no interrupt.
+    An exception may be swallowed, or printed where nothing can catch it; so there is none. Processes
+    that are started from now on take no interrupt, and end with this one.
     """
-    interrupts, notes = os.pipe()
-    os.set_blocking(notes, False)
-    signal.signal(signal.SIGINT, lambda *_: None)
-    # Python notes each signal there at once, whichever thread received it.
-    signal.set_wakeup_fd(notes, warn_on_full_buffer=False)
-    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
 
-    def wait_and_act() -> None:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
-        while os.read(interrupts, 1) != bytes([signal.SIGINT]):
-            pass
-        act()
+    def end(*_: object) -> None:
+        tidy_up()
+        clear = _CLEAR_LINE if sys.stderr.isatty() else ""
+        os.write(2, f"{clear}stopped.\n".encode())
+        os._exit(STOPPED)
 
-    threading.Thread(target=wait_and_act, name="ctrl-c", daemon=True).start()
+    def hand_on() -> None:
+        signal.sigwait([signal.SIGINT])
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR2)
+
+    signal.signal(signal.SIGINT, end)
+    if sys.platform != "win32":
+        signal.signal(signal.SIGUSR2, end)
+        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        threading.Thread(target=hand_on, name="ctrl-c", daemon=True).start()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 _unfinished: set[Path] = set()
 
@@ -34,10 +36,21 @@ def whole_file(path: str | Path) -> Iterator[Path]:
         _unfinished.discard(unfinished)
 
 
+@contextmanager
+def unfinished_folder(place: Path) -> Iterator[Path]:
+    """Give a hidden folder in a place, for files that leave it once all are written; then it is removed."""
+    with TemporaryDirectory(dir=place, prefix=".visuohaptic-") as name:
+        _unfinished.add(Path(name))
+        yield Path(name)
+
+
 def remove_unfinished() -> None:
-    """Remove the files that are being written in this process, before it ends at once."""
+    """Remove what is being written in this process, before it ends at once."""
     for unfinished in list(_unfinished):
-        unfinished.unlink(missing_ok=True)
+        if unfinished.is_dir():
+            shutil.rmtree(unfinished)
+        else:
+            unfinished.unlink(missing_ok=True)
 
 
 def write_whole(path: str | Path, text: str) -> None:

@@ -1,15 +1,14 @@
 """Features of tactile images of any size."""
 
 import numpy as np
-import pyarrow.parquet as pq
 import pytest
 from features.pressed_images import pressed, written
 
 from visuohaptic.cli.tactile_images import (
+    TactileImages,
     describe_tactile_images,
-    name_features,
     read_tactile_images,
-    write_tactile_features,
+    tabulate,
 )
 from visuohaptic.errors import RecognitionError
 
@@ -42,11 +41,7 @@ def test_a_folder_without_images_or_with_broken_or_unlike_ones_is_refused(tmp_pa
 def test_images_of_any_size_have_the_same_finite_features(size):
     images = np.random.default_rng(0).random((3, *size))
     groups = describe_tactile_images(images)
-    assert (
-        len(name_features(groups))
-        == sum(len(one[0]) for one in groups.values())
-        == 28 + 4 + 16 + 18 + 276
-    )
+    assert [one.shape for one in groups.values()] == [(3, k) for k in (28, 4, 16, 18, 276)]
     assert all(np.isfinite(values).all() for values in groups.values())
 
 
@@ -74,12 +69,8 @@ def test_levels_set_the_number_of_bands():
         assert found.shape == (2, sum(2**level for level in levels))
 
 
-def test_features_are_written_with_class_and_name(tmp_path):
-    for number in range(2):
-        written(tmp_path / "in", "ball", f"{number}.png", pressed((9, 10 + number), 4))
-    read = read_tactile_images(tmp_path / "in")
-    groups = describe_tactile_images(read.images)
-    write_tactile_features(read, groups, tmp_path / "out.parquet")
-    table = pq.read_table(tmp_path / "out.parquet")
+def test_a_table_has_class_and_name_before_the_features():
+    read = TactileImages(np.zeros((2, 8, 8)), ("ball", "cup"), ("0.png", "1.png"))
+    table = tabulate(read, describe_tactile_images(read.images))
     assert table.column_names[:3] == ["class", "image", "contourlet_01"]
     assert table.column("image").to_pylist() == ["0.png", "1.png"]

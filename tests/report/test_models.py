@@ -1,13 +1,13 @@
 """Models of the page are thin, alike, and come back from their bytes."""
 
-import base64
 import gzip
-import itertools
 
 import numpy as np
+import pytest
 from report.synthetic import ball
 
 from visuohaptic.report.models import COORDINATE_STEPS, pack_model, plotly_library, thin
+from visuohaptic.report.shown import faces_of_model
 
 
 def test_a_thin_ball_is_still_a_ball_with_its_colours():
@@ -33,28 +33,32 @@ def test_a_packed_model_reads_back():
     surface = ball(6)
     touches = np.random.default_rng(0).uniform(-1, 1, (7, 10))
     packed = pack_model(surface, touches, 1000)
-    data = gzip.decompress(base64.b64decode(packed.text))
-    sizes = [6 * packed.vertices, 20 * packed.touches, 12 * packed.faces, 3 * packed.faces]
-    assert len(data) == sum(sizes)
-    bounds = np.cumsum([0, *sizes])
-    parts = [data[start:end] for start, end in itertools.pairwise(bounds)]
-    vertices = np.frombuffer(parts[0], "<i2").reshape(-1, 3) / COORDINATE_STEPS
-    corners = np.frombuffer(parts[2], "<u4").reshape(-1, 3)
-    np.testing.assert_allclose(vertices[corners], surface.triangles, atol=1 / COORDINATE_STEPS)
-    np.testing.assert_allclose(
-        np.frombuffer(parts[1], "<i2").reshape(-1, 10) / COORDINATE_STEPS,
-        touches,
-        atol=1 / COORDINATE_STEPS,
-    )
-    np.testing.assert_array_equal(
-        np.frombuffer(parts[3], "u1").reshape(-1, 3), surface.face_colours
-    )
+    counts = [3 * packed["vertices"], 10 * packed["touches"], *2 * [3 * packed["faces"]]]
+    kinds = [np.dtype(kind) for kind in ("<i2", "<i2", "<u4", "u1")]
+    data, parts = gzip.decompress(packed["model"]), []
+    for kind, count in zip(kinds, counts, strict=True):
+        parts.append(np.frombuffer(data, kind, count))
+        data = data[kind.itemsize * count :]
+    assert data == b""
+    vertices, poses, corners, colours = parts
+    corner_places = vertices.reshape(-1, 3)[corners.reshape(-1, 3)] / COORDINATE_STEPS
+    np.testing.assert_allclose(corner_places, surface.triangles, atol=1 / COORDINATE_STEPS)
+    found = poses.reshape(-1, 10) / COORDINATE_STEPS
+    np.testing.assert_allclose(found, touches, atol=1 / COORDINATE_STEPS)
+    np.testing.assert_array_equal(colours.reshape(-1, 3), surface.face_colours)
 
 
 def test_the_pages_parts_fit_their_budgets():
     """12 objects of 16 views within 10 MB: the library once, a model each, 12 kB a view."""
-    model = pack_model(ball(60), np.random.default_rng(0).uniform(-1, 1, (160, 10)), 4000)
-    library = len(plotly_library().packed)
-    assert library + 12 * (len(model.text) + 16 * 12_000) < 10_000_000
+    packed = pack_model(ball(60), np.random.default_rng(0).uniform(-1, 1, (160, 10)), 4000)
+    model, library = 4 / 3 * len(packed["model"]), len(plotly_library()[1])
+    assert library + 12 * (model + 16 * 12_000) < 10_000_000
     assert library + 142 * 60_000 < 25_000_000
-    assert len(model.text) < 120_000
+    assert model < 120_000
+
+
+@pytest.mark.parametrize(
+    ("objects", "faces"), [(0, 4000), (1, 4000), (30, 4000), (60, 2000), (500, 1200)]
+)
+def test_models_share_the_faces_of_the_page(objects, faces):
+    assert faces_of_model(objects) == faces

@@ -3,6 +3,7 @@
 import io
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from PIL import Image
 from report.synthetic import png
@@ -12,10 +13,9 @@ from visuohaptic.report.pictures import (
     imprint_sheet,
     imprint_strip,
     picture_size,
-    project,
     shrink_picture,
-    square_corners,
 )
+from visuohaptic.report.projecting import project, squares_in_view
 
 
 def decoded(data):
@@ -31,15 +31,17 @@ def test_projecting_undoes_casting(projection):
     np.testing.assert_allclose(places, np.column_stack([columns, rows]) + 0.5, atol=1e-9)
 
 
-def test_squares_have_the_size_of_the_sensor():
-    points = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
-    columns = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
-    rows = np.array([[0.0, -1.0, 0.0], [0.0, -1.0, 0.0]])
-    corners = square_corners(points, columns, rows, np.array([0.3, 0.02]))
-    edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
-    np.testing.assert_allclose(edges, [[0.3] * 4, [0.02] * 4])
-    np.testing.assert_allclose(corners.mean(axis=1), points, atol=1e-12)
-    np.testing.assert_allclose(corners[0, 0], [-0.15, 0.15, 1.0])
+def test_squares_have_the_size_of_the_sensor_and_lie_around_their_touch():
+    camera = Camera(0.0, 0.0, 3.0, 40.0, "orthographic")
+    columns = {"x": 0.1, "y": 0.2, "z": 0.9, "normal_x": 0.0, "normal_y": 0.0, "normal_z": 1.0}
+    columns |= {"tangent_x": 1.0, "tangent_y": 0.0, "tangent_z": 0.0, "sensor_size": 0.3}
+    touch = pa.table({name: [value] for name, value in columns.items()})
+    (corners,) = squares_in_view(camera, touch, 100)
+    unit = 100 / (2 * np.tan(np.radians(20)) * 3.0)
+    edges = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    np.testing.assert_allclose(edges, 4 * [0.3 * unit])
+    np.testing.assert_allclose(corners.mean(axis=0), [50 + 0.1 * unit, 50 - 0.2 * unit])
+    np.testing.assert_allclose(corners[0], [50 - 0.05 * unit, 50 - 0.35 * unit])
 
 
 def test_imprints_lie_side_by_side_without_loss():

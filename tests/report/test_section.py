@@ -87,7 +87,7 @@ def run(folder):
 def sources_of(run):
     """Give what each section that reads tables of the run has read."""
     sections = [section for chapter in CHAPTERS.values() for section in chapter]
-    found = {one.name: list(find_sources(one.tables(run), run, SHOWN)) for one in sections}
+    found = {one.name: list(find_sources(one, run, SHOWN)) for one in sections}
     return {name: sources for name, sources in found.items() if sources}
 
 

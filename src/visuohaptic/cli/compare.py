@@ -43,11 +43,10 @@ def compare(
 
     sources = [*(runs or ()), *(list_experiments() if experiments else ())]
     found = compare_runs([read_measured_run(source) for source in sources])
-    out.mkdir(parents=True, exist_ok=True)
     page = out / PAGE
     write_whole(page, render_comparison(found))
     if as_json:
-        say_json(found.as_values() | {"page": page})
+        say_json(vars(found) | {"page": page})
         return
     for sentence in found.verdicts:
         say(sentence)

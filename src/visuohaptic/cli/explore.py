@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -13,7 +13,6 @@ from visuohaptic.cli.printing import (
     JsonOption,
     file_to_read,
     folder_to_write,
-    one_of,
     printable,
     say,
     say_error,
@@ -21,42 +20,18 @@ from visuohaptic.cli.printing import (
     show_progress,
 )
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
-from visuohaptic.exploration.units import UNITS
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.plugins import load_installed
-from visuohaptic.studies.cost.budgets import BUDGETS
+from visuohaptic.studies.cost.budgets import BudgetName
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, Recognition
     from visuohaptic.parameters import ExperimentParameters
 
-Made = TypeVar("Made")
-
 _TOUCH_COLUMNS = [
     *("viewpoint", "touch", "x", "y", "z", "normal_x", "normal_y", "normal_z"),
     *("sensor_size", "contact_state"),
 ]
-
-
-def _with_plug_ins(parameters: Path | None) -> Path | None:
-    """Load plug-ins before a name of theirs is looked up."""
-    if parameters is None:
-        load_installed()
-    else:
-        from visuohaptic.parameters import read_parameters
-
-        read_parameters(parameters)
-    return parameters
-
-
-def _strategy(name: str) -> str:
-    if name in STRATEGIES.names:
-        return name
-    why = ", for it is for curves only (`curves_all`)" if name == "adaptive" else ""
-    raise typer.BadParameter(
-        f"{name!r} is no strategy of touch{why}; {', '.join(STRATEGIES.names)} are allowed."
-    )
-
 
 MeshesArgument = Annotated[
     list[Path],
@@ -67,7 +42,6 @@ MeshesArgument = Annotated[
 StrategyOption = Annotated[
     str,
     typer.Option(
-        parser=_strategy,
         metavar=f"[{'|'.join(STRATEGIES.names)}]",
         autocompletion=lambda: list(STRATEGIES.names),
         help="How to choose where to touch.",
@@ -77,20 +51,23 @@ ViewpointsOption = Annotated[
     int | None, typer.Option(min=1, help="Viewpoints around the object.", show_default="16")
 ]
 UpOption = Annotated[
-    str | None,
+    Literal["y", "z", "auto"] | None,
     typer.Option(
         "--up",
-        **one_of(("y", "z", "auto")),
         help="Axis of the file that points up; auto takes the one on which the object stands steadier.",
         show_default="y",
     ),
 ]
-BudgetOption = Annotated[
-    str | None,
+UnitOption = Annotated[
+    Literal["mm", "cm", "m", "in"] | None,
     typer.Option(
-        "--budget",
-        **one_of(BUDGETS),
-        help="Viewpoints for the time that you have, instead of --viewpoints.",
+        "--unit", help="The files' unit of length: effects then know the objects' real size."
+    ),
+]
+BudgetOption = Annotated[
+    BudgetName | None,
+    typer.Option(
+        "--budget", help="Viewpoints for the time that you have, instead of --viewpoints."
     ),
 ]
 
@@ -101,20 +78,12 @@ def touch(
     budget: BudgetOption = None,
     strategy: StrategyOption = "fixation",
     up: UpOption = None,
-    unit: Annotated[
-        str | None,
-        typer.Option(
-            **one_of([*UNITS]),
-            help="The files' unit of length: effects then know the objects' real size.",
-        ),
-    ] = None,
+    unit: UnitOption = None,
     parameters: Annotated[
         Path | None,
         typer.Option(
             "--params",
             parser=file_to_read,
-            is_eager=True,
-            callback=_with_plug_ins,
             help="All other parameters, as in params.yaml; the plug-ins that it names are run.",
         ),
     ] = None,
@@ -132,39 +101,34 @@ def touch(
     from visuohaptic.parameters import ExperimentParameters, read_parameters
 
     folders = _folders(meshes, out)
+    load_installed()
     chosen = ExperimentParameters() if parameters is None else read_parameters(parameters)
+    _check_strategy(strategy)
     viewpoints = _viewpoints(viewpoints, budget)
 
-    def touch_one(mesh: Path) -> tuple[Exploration, list[Path]]:
+    def touch_one(mesh: Path) -> tuple[Mapping[str, object], list[str]]:
         found = _explore(mesh, up, unit, viewpoints, strategy, chosen)
-        return found, found.save(folders[mesh])
-
-    def say_one(mesh: Path, made: tuple[Exploration, list[Path]]) -> None:
-        found, files = made
+        files = found.save(folders[mesh])
         touches, views = found.touches.num_rows, found.views.num_rows
-        say(
-            f"{mesh}: {touches} touches from {views} viewpoints by {found.strategy}, "
-            f"{_seconds(found.seconds)}"
-        )
-        _say_up(up, found)
-        for file in files:
-            say(f"  {file}")
-
-    def values(mesh: Path, made: tuple[Exploration, list[Path]]) -> dict[str, object]:
-        found, files = made
-        return {
+        values = {
             "mesh": mesh,
             "strategy": found.strategy,
-            "viewpoints": found.views.num_rows,
-            "touches": found.touches.num_rows,
+            "viewpoints": views,
+            "touches": touches,
             "features": found.features.drop_columns(["class", "object", "strategy"]).to_pylist(),
             "seconds": dict(found.seconds),
             "up": found.frame.up_axis,
             "out": folders[mesh],
             "files": files,
         }
+        said = f"{mesh}: {touches} touches from {views} viewpoints by {found.strategy}"
+        return values, [
+            f"{said}, {_seconds(found.seconds)}",
+            *_line_on_up(up, found),
+            *(f"  {file}" for file in files),
+        ]
 
-    _each(meshes, touch_one, values if as_json else None, say_one)
+    _each(meshes, touch_one, as_json=as_json)
 
 
 def recognise(
@@ -196,22 +160,10 @@ def recognise(
     recogniser = read_recogniser(chosen_model)
     strategy, chosen = recogniser.model.strategy, recogniser.parameters
 
-    def recognise_one(mesh: Path) -> Recognition:
-        return _explore(mesh, up, None, viewpoints, strategy, chosen).recognise(recogniser)
-
-    def say_one(mesh: Path, found: Recognition) -> None:
-        say(_answer_line(mesh, found))
-        for name, value in found.probabilities.items():
-            say(f"  {name:<20} {100 * value:5.1f} %")
-        _say_up(up, found.exploration)
-        views = found.exploration.views.num_rows
-        say(
-            f"{found.touches} touches from {views} viewpoints by {strategy}, {_seconds(found.seconds)}"
-        )
-
-    def values(mesh: Path, found: Recognition) -> dict[str, object]:
-        made = found.exploration
-        return {
+    def recognise_one(mesh: Path) -> tuple[Mapping[str, object], list[str]]:
+        made = _explore(mesh, up, None, viewpoints, strategy, chosen)
+        found, views = made.recognise(recogniser), made.views.num_rows
+        values = {
             "mesh": mesh,
             "model": chosen_model,
             "class": found.name,
@@ -221,32 +173,38 @@ def recognise(
             "unknown": found.unknown,
             "strangeness": found.strangeness,
             "strategy": made.strategy,
-            "viewpoints": made.views.num_rows,
+            "viewpoints": views,
             "touches": found.touches,
             "touched": made.touches.select(_TOUCH_COLUMNS).to_pylist(),
             "seconds": dict(found.seconds),
         }
+        said = f"{found.touches} touches from {views} viewpoints by {strategy}"
+        return values, [
+            _answer_line(mesh, found),
+            *(f"  {name:<20} {100 * value:5.1f} %" for name, value in found.probabilities.items()),
+            *_line_on_up(up, made),
+            f"{said}, {_seconds(found.seconds)}",
+        ]
 
-    _each(meshes, recognise_one, values if as_json else None, say_one)
+    _each(meshes, recognise_one, as_json=as_json)
     if not as_json:
         learnt, classes = len(recogniser.model.objects), len(recogniser.model.classes)
         classifier = recogniser.model.classifier.replace("_", " ")
+        limits = (
+            "an object of another class is classified as one of these all the same"
+            if recogniser.model.calibration is None
+            else "an object that is stranger than nearly all of these is called unknown, and sets "
+            "hold the class as often as stated for objects like these"
+        )
         say(
-            f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; "
-            + (
-                "an object of another class is classified as one of these all the same"
-                if recogniser.model.calibration is None
-                else "an object that is stranger than nearly all of these is called unknown, and sets "
-                "hold the class as often as stated for objects like these"
-            )
+            f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; {limits}"
         )
 
 
-def _say_up(up: str | None, found: Exploration) -> None:
-    if up == "auto":
-        say(
-            f"  {found.frame.up_axis} is taken as up, as the object stands steadier so; --up says otherwise"
-        )
+def _line_on_up(up: str | None, found: Exploration) -> list[str]:
+    axis = found.frame.up_axis
+    said = f"  {axis} is taken as up, as the object stands steadier so; --up says otherwise"
+    return [said] if up == "auto" else []
 
 
 def _answer_line(mesh: Path, found: Recognition) -> str:
@@ -265,32 +223,29 @@ def _answer_line(mesh: Path, found: Recognition) -> str:
 
 def _each(
     meshes: list[Path],
-    work: Callable[[Path], Made],
-    values: Callable[[Path, Made], dict[str, object]] | None,
-    say_one: Callable[[Path, Made], None],
+    work: Callable[[Path], tuple[Mapping[str, object], list[str]]],
+    *,
+    as_json: bool,
 ) -> None:
-    """Work on one mesh after the other, and say each or print all values as JSON; one of several may fail."""
+    """Work on one mesh after the other, and print its lines, or all values as JSON; one of several may fail."""
     from visuohaptic.errors import VisuohapticError
     from visuohaptic.optional_packages import keep_pandas_out
 
     keep_pandas_out()
-    found: list[Path] = []
-    printed: list[dict[str, object]] = []
+    found: list[Mapping[str, object]] = []
     for mesh in meshes:
         try:
-            made = work(mesh)
+            values, lines = work(mesh)
         except VisuohapticError as error:
             if len(meshes) == 1:
                 raise
             say_error(error)
             continue
-        found.append(mesh)
-        if values is None:
-            say_one(mesh, made)
-        else:
-            printed.append(values(mesh, made))
-    if values is not None:
-        say_json(printed[0] if len(meshes) == 1 else printed)
+        found.append(values)
+        for line in () if as_json else lines:
+            say(line)
+    if as_json:
+        say_json(found[0] if len(meshes) == 1 else found)
     if len(found) < len(meshes):
         raise typer.Exit(1)
 
@@ -299,22 +254,30 @@ def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
     """Give each mesh its folder: `out` for one alone, else one below it, named as the mesh."""
     if len(meshes) == 1:
         return {meshes[0]: out}
-    folders: dict[Path, Path] = {}
+    owners: dict[Path, Path] = {}
     for mesh in meshes:
         # A name such as `...obj` has the stem `..`, which is another folder.
         folder = out / (mesh.name if mesh.stem.startswith(".") else mesh.stem)
-        other = next((one for one, taken in folders.items() if taken == folder), None)
-        if other is not None:
+        if folder in owners:
             raise typer.BadParameter(
-                f"{printable(str(other))} and {printable(str(mesh))} would both be written to "
+                f"{printable(str(owners[folder]))} and {printable(str(mesh))} would both be written to "
                 f"{printable(str(folder))}; touch them one by one.",
                 param_hint="MESH",
             )
-        folders[mesh] = folder
-    return folders
+        owners[folder] = mesh
+    return {mesh: folder for folder, mesh in owners.items()}
 
 
-def _viewpoints(viewpoints: int | None, budget: str | None) -> int | None:
+def _check_strategy(name: str) -> None:
+    if name not in STRATEGIES.names:
+        why = ", for it is for curves only (`curves_all`)" if name == "adaptive" else ""
+        raise typer.BadParameter(
+            f"{name!r} is no strategy of touch{why}; {', '.join(STRATEGIES.names)} are allowed.",
+            param_hint="--strategy",
+        )
+
+
+def _viewpoints(viewpoints: int | None, budget: BudgetName | None) -> int | None:
     """Give the number of viewpoints that was asked for, in one way or the other."""
     if budget is None:
         return viewpoints
@@ -344,6 +307,6 @@ def _explore(
     return ready.touch(viewpoints, strategy, parameters, track)
 
 
-def _seconds(seconds: Any) -> str:
+def _seconds(seconds: Mapping[str, float]) -> str:
     parts = ", ".join(f"{phase} {value:.2f}" for phase, value in seconds.items())
     return f"{sum(seconds.values()):.2f} s ({parts})"

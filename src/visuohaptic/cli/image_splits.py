@@ -29,8 +29,7 @@ def split_accuracies(
     """Give the share (splits,) of test images that a support vector machine classifies correctly.
 
     Of the n images of `classes`, `groups` hold features (n, k) each, which count alike, whatever their
-    width; `train_share` of each class's images trains. Raises `RecognitionError` if there is one class,
-    or one has too few images to train and to test.
+    width; `train_share` of each class's images trains.
     """
     from threadpoolctl import threadpool_limits
 

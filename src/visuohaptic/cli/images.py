@@ -36,35 +36,34 @@ def images(
     import time
 
     import numpy as np
+    import pyarrow.parquet as pq
 
     from visuohaptic.cli.image_splits import split_accuracies
     from visuohaptic.cli.tactile_images import (
         describe_tactile_images,
-        name_features,
         read_tactile_images,
-        write_tactile_features,
+        tabulate,
     )
+    from visuohaptic.whole_files import whole_file
 
     chosen = _levels(levels)
     started = time.perf_counter()
     read = read_tactile_images(folder)
     groups = describe_tactile_images(read.images, chosen)
-    write_tactile_features(read, groups, out)
+    table = tabulate(read, groups)
+    with whole_file(out) as unfinished:
+        pq.write_table(table, unfinished)
     count, rows, columns = read.images.shape
     values: dict[str, object] = {
         "images": count,
         "classes": len(set(read.classes)),
         "rows": rows,
         "columns": columns,
-        "features": len(name_features(groups)),
+        "features": table.num_columns - 2,
         "out": out,
     }
-    lines = [
-        (
-            f"{out}: {count} images of {rows} × {columns} taxels, {values['classes']} classes, "
-            f"{values['features']} features"
-        )
-    ]
+    said = f"{out}: {count} images of {rows} × {columns} taxels"
+    lines = [f"{said}, {values['classes']} classes, {values['features']} features"]
     if splits:
         generator = np.random.default_rng(seed)
         found = split_accuracies(groups, read.classes, splits, train_share, generator)

@@ -7,12 +7,14 @@ import sys
 from contextlib import suppress
 
 from visuohaptic.cli import DEBUG
-from visuohaptic.cli.stopping import stop_at_ctrl_c
+from visuohaptic.interrupts import end_at_interrupt
+from visuohaptic.whole_files import remove_unfinished
 
 
 def main() -> None:
     """Run the command, and then end the process, which Ctrl-C may do before, with status 130."""
-    stop_at_ctrl_c(lambda: run(sys.argv[1:]))
+    end_at_interrupt(remove_unfinished)
+    run(sys.argv[1:])
 
 
 def run(arguments: list[str]) -> None:

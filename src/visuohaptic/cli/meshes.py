@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -11,22 +10,12 @@ import typer
 
 from visuohaptic.cli.printing import JsonOption, say, say_json, show_progress
 from visuohaptic.errors import MeshError
-from visuohaptic.meshes.catalogue import Model, find_own_models, models_of_set
+from visuohaptic.meshes.catalogue import Model, ObjectSet, find_own_models, models_of_set
 
 app = typer.Typer(help="The models that objects come from.", no_args_is_help=True)
 
 
-class SetName(StrEnum):
-    """The sets of the catalogue."""
-
-    PAPER = "paper"
-    BENCHMARK = "benchmark"
-    OUTSIDE = "outside"
-    HARD = "hard"
-    ODD = "odd"
-
-
-SetOption = Annotated[SetName, typer.Option("--set", help="Which objects of the catalogue.")]
+SetOption = Annotated[ObjectSet, typer.Option("--set", help="Which objects of the catalogue.")]
 FolderOption = Annotated[
     Path, typer.Option("--meshes", help="Folder with catalogue.csv, paper/, own/ and downloaded/.")
 ]
@@ -34,7 +23,7 @@ FolderOption = Annotated[
 
 @app.command()
 def fetch(
-    object_set: SetOption = SetName.BENCHMARK,
+    object_set: SetOption = "benchmark",
     meshes: FolderOption = Path("meshes"),
     cache: Annotated[Path, typer.Option(help="Where archives are kept.")] = Path(".cache/models"),
     jobs: Annotated[int, typer.Option(min=1, help="Processes that pack models.")] = 2,
@@ -47,7 +36,7 @@ def fetch(
     """
     from visuohaptic.meshes.downloads import fetch_models, write_credits
 
-    models = models_of_set(meshes / "catalogue.csv", object_set.value)
+    models = models_of_set(meshes / "catalogue.csv", object_set)
     missing = [model for model in models if not (meshes / "paper" / _packed(model)).exists()]
     fetch_models(missing, meshes / "downloaded", cache, jobs)
     write_credits(missing, meshes / "downloaded" / "credits.csv")
@@ -56,7 +45,7 @@ def fetch(
 
 @app.command()
 def check(
-    object_set: SetOption = SetName.PAPER,
+    object_set: SetOption = "paper",
     meshes: FolderOption = Path("meshes"),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
@@ -69,13 +58,13 @@ def check(
     from visuohaptic.meshes.parameters import MeshParameters
     from visuohaptic.meshes.preparing import prepare_object
 
-    models = models_of_set(meshes / "catalogue.csv", object_set.value)
+    models = models_of_set(meshes / "catalogue.csv", object_set)
     files = {model: _model_file(model, meshes) for model in models}
     missing = [model.key for model, file in files.items() if not file.exists()]
     if missing:
         raise MeshError(
-            f"{len(missing)} models of set {object_set.value} are not there, such as {missing[0]}; "
-            f"run `make meshes SET={object_set.value}`."
+            f"{len(missing)} models of set {object_set} are not there, such as {missing[0]}; "
+            f"run `make meshes SET={object_set}`."
         )
     own = find_own_models(meshes / "own", {model.key for model in models})
     files |= own.models
@@ -102,7 +91,7 @@ def check(
 
 @app.command(name="credits")
 def show_credits(
-    object_set: SetOption = SetName.PAPER,
+    object_set: SetOption = "paper",
     meshes: FolderOption = Path("meshes"),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
@@ -110,7 +99,7 @@ def show_credits(
 
     Example: visuohaptic meshes credits --set benchmark
     """
-    models = models_of_set(meshes / "catalogue.csv", object_set.value)
+    models = models_of_set(meshes / "catalogue.csv", object_set)
     named = {model.key: asdict(model.credit) for model in models if model.credit is not None}
     if as_json:
         say_json(named)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
-from visuohaptic.cli.printing import file_to_read, folder_to_write, one_of, say
-from visuohaptic.exploration.units import UNITS
+from visuohaptic.cli.printing import file_to_read, folder_to_write, say
 
 
 def press(
@@ -35,8 +34,8 @@ def press(
         str | None, typer.Option(help="What is simulated: ideal, fsr400 or worn_fsr.")
     ] = None,
     unit: Annotated[
-        str | None,
-        typer.Option(**one_of([*UNITS]), help="The mesh's unit of length, for a scene."),
+        Literal["mm", "cm", "m", "in"] | None,
+        typer.Option(help="The mesh's unit of length, for a scene."),
     ] = None,
     out: Annotated[
         Path, typer.Option(parser=folder_to_write, help="Folder for the imprints and the picture.")

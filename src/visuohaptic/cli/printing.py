@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, TypeVar
 
 import typer
 
@@ -58,18 +58,6 @@ def folder_to_write(name: str) -> Path:
             return folder
     except OSError as error:
         raise typer.BadParameter(f"{printable(name)} can't be written: {error.strerror}.") from None
-
-
-def one_of(names: Sequence[str]) -> dict[str, Any]:
-    """Give what lets an option take one of some names."""
-
-    def take(name: str) -> str:
-        if name not in names:
-            raise typer.BadParameter(f"{name!r} is not one of {', '.join(map(repr, names))}.")
-        return name
-
-    shown = f"[{'|'.join(names)}]"
-    return {"parser": take, "metavar": shown, "autocompletion": lambda: [*names]}
 
 
 def file_to_read(name: str) -> Path:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
@@ -42,10 +43,7 @@ class TactileImages:
 
 
 def read_tactile_images(folder: str | Path) -> TactileImages:
-    """Read grey images, `folder/<class>/<image>`, of 8 or 16 bit, sorted by class and name.
-
-    Raises `RecognitionError` if there is no image, one can't be read, or two differ in size.
-    """
+    """Read grey images, `folder/<class>/<image>`, of 8 or 16 bit and one size, sorted by class and name."""
     folder = Path(folder)
     files = sorted(path for path in folder.glob("*/*") if path.suffix.lower() in FORMATS)
     if not files:
@@ -69,14 +67,9 @@ def read_tactile_images(folder: str | Path) -> TactileImages:
 def describe_tactile_images(
     images: NDArray[np.float64], levels: Sequence[int] = LEVELS
 ) -> Mapping[str, NDArray[np.float64]]:
-    """Describe images (n, rows, columns) in [0, 1] by groups of features (n, k).
+    """Describe images (n, rows, columns) in [0, 1] by groups of features (n, k), each image by itself.
 
-    Each row depends on its own image alone: `contourlet`, deviations of the bands of `levels`, l of
-    every pyramid level, the coarsest first; `pressure`, mean, deviation, peak and share of touched
-    taxels; `ordered`, the largest, … smallest value at 16 ranks; `shape`, total, principal extents and
-    moments of the pressure, and its sums over 12 rings around its centre; `spectrum`, logarithms of the
-    amplitudes of the lowest 12 × 12 frequencies of either sign. Raises `LevelsError` if the levels are
-    not allowed.
+    `levels` are those of the contourlet bands, the coarsest first; `LevelsError` if they are not allowed.
     """
     from contourlets import Contourlet, band_deviations
 
@@ -91,29 +84,14 @@ def describe_tactile_images(
     }
 
 
-def name_features(groups: Mapping[str, NDArray[np.float64]]) -> list[str]:
-    """Name the columns of all groups, such as `pressure_02`."""
-    return [
-        f"{group}_{place:02d}"
+def tabulate(read: TactileImages, groups: Mapping[str, NDArray[np.float64]]) -> pa.Table:
+    """Give columns `class`, `image` and one a feature, such as `pressure_02`, a row an image."""
+    columns = {
+        f"{group}_{place:02d}": column
         for group, values in groups.items()
-        for place in range(1, values.shape[1] + 1)
-    ]
-
-
-def write_tactile_features(
-    read: TactileImages, groups: Mapping[str, NDArray[np.float64]], path: str | Path
-) -> None:
-    """Write columns `class`, `image` and those of `name_features`, a row an image, as Parquet."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    from visuohaptic.whole_files import whole_file
-
-    values = np.concatenate(list(groups.values()), axis=1)
-    columns = dict(zip(name_features(groups), values.T, strict=True))
-    table = pa.table({"class": read.classes, "image": read.names, **columns})
-    with whole_file(path) as unfinished:
-        pq.write_table(table, unfinished)
+        for place, column in enumerate(values.T, 1)
+    }
+    return pa.table({"class": read.classes, "image": read.names, **columns})
 
 
 def _read_image(file: Path) -> NDArray[np.float64]:
@@ -140,18 +118,21 @@ def _pad(images: NDArray[np.float64], multiple: int) -> NDArray[np.float64]:
 
 
 def _pressure(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give mean, deviation, peak and share of touched taxels."""
     flat = images.reshape(len(images), -1)
     touched = (flat > CONTACT).mean(axis=1)
     return np.column_stack([flat.mean(axis=1), flat.std(axis=1), flat.max(axis=1), touched])
 
 
 def _ordered(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give the largest, … smallest value at so many ranks."""
     flat = np.sort(images.reshape(len(images), -1), axis=1)[:, ::-1]
     ranks = np.geomspace(1, flat.shape[1], ORDERED).astype(int) - 1
     return flat[:, ranks]
 
 
 def _shape(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give total, principal extents and moments of the pressure, and its sums over rings around its centre."""
     count, rows, columns = images.shape
     y, x = np.mgrid[:rows, :columns]
     total = images.sum(axis=(1, 2)) + 1e-9
@@ -170,6 +151,7 @@ def _shape(images: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _spectrum(images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Give logarithms of the amplitudes of the lowest frequencies of either sign."""
     _, rows, columns = images.shape
     size = (max(rows, 2 * FREQUENCIES), max(columns, 2 * FREQUENCIES))
     amplitudes = np.log1p(np.abs(np.fft.rfft2(images, size)))

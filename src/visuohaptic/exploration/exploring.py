@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -41,6 +40,7 @@ from visuohaptic.parameters import (
     check_run,
 )
 from visuohaptic.tables.schema import images, write_table
+from visuohaptic.whole_files import unfinished_folder
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -301,8 +301,7 @@ class Exploration:
         poses = ["poses.csv"] if self.frame.has_way_back else []
         names = [*(f"{name}.parquet" for name in SCHEMAS), *poses, "picture.png"]
         there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
-        with tempfile.TemporaryDirectory(dir=there, prefix=".visuohaptic-") as temporary:
-            waiting = Path(temporary)
+        with unfinished_folder(there) as waiting:
             for name, schema in SCHEMAS.items():
                 write_table(schema, self.tables[name], waiting / f"{name}.parquet")
             for name in poses:

@@ -15,9 +15,8 @@ from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.pictures import project, square_corners
-from visuohaptic.sensor.frames import row_axes
-from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES
+from visuohaptic.report.projecting import project, squares_in_view
+from visuohaptic.tables.phases import POINT_NAMES
 from visuohaptic.tables.schema import images, matrix
 
 VIEW_PIXELS = 320
@@ -54,10 +53,8 @@ def draw_exploration(
 
 
 def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table) -> None:
-    points, tangents = matrix(touches, POINT_NAMES), matrix(touches, TANGENT_NAMES)
-    rows = row_axes(matrix(touches, NORMAL_NAMES), tangents)
-    corners = square_corners(points, tangents, rows, touches.column("sensor_size").to_numpy())
-    outlines = project(camera, corners.reshape(-1, 3), VIEW_PIXELS).reshape(-1, 4, 2)
+    points = matrix(touches, POINT_NAMES)
+    outlines = squares_in_view(camera, touches, VIEW_PIXELS)
     places = project(camera, points, VIEW_PIXELS)
     visible = sees(caster, camera, points)
     draw = ImageDraw.Draw(view)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from pydantic import BaseModel, ValidationError
 
 from visuohaptic.errors import ReportError
 from visuohaptic.report.provenance import (
@@ -17,59 +17,44 @@ from visuohaptic.report.provenance import (
 )
 from visuohaptic.report.run import Run
 
-FORM = 1
-"""Raised where an older reader would misread what is written."""
-
 _SUMMARY = re.compile(r'<script type="application/json" id="run-summary">(.*?)</script>', re.DOTALL)
 
 
-@dataclass(frozen=True)
-class Archive:
-    """A run as its report carries it: whole `metrics.json` and `params.yaml`, and what `provenance` found."""
+class Archive(BaseModel):
+    """A run as its report carries it: whole `metrics.json` and `params.yaml`, and what `provenance` found.
 
-    metrics: Mapping[str, Any]
-    parameters: Mapping[str, Any]
+    `form` is raised where an older reader would misread what is written.
+    """
+
+    form: Literal[1] = 1
+    metrics: dict[str, Any]
+    parameters: dict[str, Any]
     seconds: tuple[PhaseSeconds, ...]
     commit: str
-    machine: Mapping[str, str]
-    versions: Mapping[str, str]
+    machine: dict[str, str]
+    versions: dict[str, str]
 
 
 def summarise_run(run: Run, seconds: Sequence[PhaseSeconds]) -> dict[str, Any]:
     """Give what the page carries, JSON-able."""
-    archive = Archive(
-        metrics=run.metrics,
+    return Archive(
+        metrics=dict(run.metrics),
         parameters=run.parameters.model_dump(mode="json", exclude={"workflow"}),
         seconds=tuple(seconds),
         commit=find_commit(),
         machine=dict(describe_machine()),
         versions=dict(find_versions()),
-    )
-    return {"form": FORM, **asdict(archive)}
+    ).model_dump(mode="json")
 
 
 def read_archive(page: str, source: str) -> Archive:
-    """Read what a page carries.
-
-    Raises `ReportError` if it is no report of this workflow, or of another version's form.
-    """
-    from pydantic import TypeAdapter
-
+    """Read what a page carries; `ReportError` if it is no report of this workflow, or of another form."""
     found = _SUMMARY.search(page)
-    if found is None:
-        raise ReportError(
-            f"{source} carries no run; a report that `visuohaptic report` or `snakemake -j2` "
-            "wrote is needed."
-        )
     try:
-        values = json.loads(found[1])
-        if values["form"] != FORM:
-            raise ReportError(
-                f"{source} is of form {values['form']}, and form {FORM} is read here; write the "
-                "report again."
-            )
-        return TypeAdapter(Archive).validate_python(values)
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        return Archive.model_validate_json(found[1] if found else "")
+    except ValidationError as error:
+        (fault, *_) = error.errors()
         raise ReportError(
-            f"{source} carries a run that can't be read ({error!r}); write the report again."
+            f"{source} carries no run that can be read ({'.'.join(map(str, fault['loc']))}: {fault['msg']}); "
+            "a report that `visuohaptic report` or `snakemake -j2` wrote is needed."
         ) from error

@@ -23,17 +23,24 @@ _MOST_REASONS = 20
 
 def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
     """List in sentences what was left out, fell short or failed."""
-    failed = [log for phase in seconds for log in phase.unfinished]
+    guards, stability = run.file_of("guards"), run.stability
+    broken = [describe_checks(stability.checks)] if stability and stability.broken else []
+    unfinished = [log for phase in seconds for log in phase.unfinished]
+    meshless = [key for key in run.objects if key not in run.meshes]
+    no_mesh = f"No mesh was found of {listed_in_short(meshless)}: no model to turn is shown there."
     return [
-        *_failed_guards(run),
+        *(
+            f"The figures can't be trusted. {one}"
+            for one in (failed_guards(guards) if guards else [])
+        ),
         *_objects_left_out(run),
         *_poor_views(run),
         *_short_sequences(run),
         *_unfitted_classifiers(run),
-        *_missing_models(run),
-        *_broken_tolerances(run),
+        *([no_mesh] if meshless else []),
+        *(f"{sentence} See the section on numerical stability." for sentence in broken),
         *(earlier_study(run, name) for name in sorted(run.files.earlier_studies)),
-        *_warned(failed, "job", "did not finish; the reason is in"),
+        *_warned(unfinished, "job", "did not finish; the reason is in"),
     ]
 
 
@@ -84,13 +91,19 @@ def _objects_left_out(run: Run) -> Iterator[str]:
     )
 
 
+def _views(run: Run) -> dict[tuple[str, int], int]:
+    """Count the distinct fixations of each view, by object and viewpoint."""
+    columns = ["class", "object", "viewpoint", "distinct_fixations"]
+    rows = run.views.select(columns).to_pylist()
+    return {(key_of(row), row["viewpoint"]): row["distinct_fixations"] for row in rows}
+
+
 def _poor_views(run: Run) -> list[str]:
     asked = run.parameters.attention.fixations
-    columns = run.views.select(["class", "object", "viewpoint", "distinct_fixations"])
-    poor = [row for row in columns.to_pylist() if row["distinct_fixations"] < asked]
+    poor = [view for view, distinct in _views(run).items() if distinct < asked]
     owners: dict[str, list[str]] = {}
-    for row in poor:
-        owners.setdefault(key_of(row), []).append(str(row["viewpoint"]))
+    for key, viewpoint in poor:
+        owners.setdefault(key, []).append(str(viewpoint))
     places = [f"{key} (view {listed(views)})" for key, views in sorted(owners.items())]
     found = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
     return [f"{found}, {_TOO_FEW}: {listed_in_short(places)}."] if poor else []
@@ -102,15 +115,11 @@ def _short_sequences(run: Run) -> list[str]:
     sequence = ["class", "object", "viewpoint", "strategy"]
     counts = run.touches.group_by(sequence).aggregate([([], "count_all")]).to_pylist()
     made = {(key_of(row), row["viewpoint"], row["strategy"]): row["count_all"] for row in counts}
-    views = run.views.select(["class", "object", "viewpoint", "distinct_fixations"]).to_pylist()
-    enough = {
-        (key_of(row), row["viewpoint"]) for row in views if row["distinct_fixations"] >= asked
-    }
     short = [
         f"{key} (view {viewpoint}, {strategy})"
-        for key, viewpoint in sorted(enough)
+        for (key, viewpoint), distinct in sorted(_views(run).items())
         for strategy in sorted(run.parameters.probing.strategies)
-        if made.get((key, viewpoint, strategy), 0) < asked
+        if distinct >= asked > made.get((key, viewpoint, strategy), 0)
     ]
     return _warned(short, "sequence", f"with fewer than {asked} places in reach, {_TOO_FEW}:")
 
@@ -125,22 +134,3 @@ def _unfitted_classifiers(run: Run) -> Iterator[str]:
             "classifier",
             f"of pipeline {pipeline} left out, for the training sequences at hand don't allow a fit:",
         )
-
-
-def _missing_models(run: Run) -> list[str]:
-    missing = [key for key in run.objects if key not in run.meshes]
-    if not missing:
-        return []
-    return [f"No mesh was found of {listed_in_short(missing)}: no model to turn is shown there."]
-
-
-def _failed_guards(run: Run) -> list[str]:
-    path = run.file_of("guards")
-    failed = failed_guards(path) if path else []
-    return [f"The figures can't be trusted. {sentence}" for sentence in failed]
-
-
-def _broken_tolerances(run: Run) -> list[str]:
-    if run.stability is None or not run.stability.broken:
-        return []
-    return [f"{describe_checks(run.stability.checks)} See the section on numerical stability."]

@@ -42,18 +42,16 @@ _ORDER = ("fixation", "random")
 
 @dataclass(frozen=True)
 class Comparison:
-    """Fixations against another strategy, over the same objects; p is adjusted over the table's classifiers."""
+    """Fixations against another strategy, over the same objects; p is adjusted over the table's classifiers.
+
+    `signs` says which combinations of signs were tried.
+    """
 
     difference: Figure
     p_value: float
     adjusted_p: float
     objects: int
-    exact: bool
-
-    @property
-    def signs(self) -> str:
-        """Which combinations of signs were tried."""
-        return "all" if self.exact else "drawn at random"
+    signs: str
 
 
 @dataclass(frozen=True)
@@ -118,8 +116,12 @@ def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
     merged: dict[str, list[float]] = {}
     for note in notes:
         words, _, last = note.rpartition(" ")
-        numbers = merged.setdefault(words if _is_number(last) else note, [])
-        numbers += [float(last)] if _is_number(last) else []
+        try:
+            number = float(last)
+        except ValueError:
+            merged[note] = []
+        else:
+            merged.setdefault(words, []).append(number)
     return tuple(
         spaced(f"{words} {' or '.join(f'{value:g}' for value in sorted(numbers))}".rstrip())
         for words, numbers in sorted(merged.items())
@@ -159,7 +161,9 @@ def _pipeline_table(
 ) -> PipelineTable:
     strategies = _sorted(results, _ORDER)
     keys = _sorted({key for cells in results.values() for key in cells}, tuple(TABLE_1))
-    adjusted = _adjusted(compared)
+    pairs = [(key, strategy) for key in sorted(compared) for strategy in sorted(compared[key])]
+    found = holm([compared[key][strategy]["p_value"] for key, strategy in pairs])
+    adjusted = dict(zip(pairs, found, strict=True))
     cell = next(iter(results[strategies[0]].values()))
     return PipelineTable(
         name,
@@ -182,13 +186,15 @@ def _row(
     adjusted: Mapping[tuple[str, str], float],
 ) -> ClassifierRow:
     cells = {strategy: found[key] for strategy, found in results.items() if key in found}
+    accuracy, by_vote = (
+        {strategy: Figure(**cell[name]) for strategy, cell in cells.items()}
+        for name in ("accuracy", "object_accuracy")
+    )
     return ClassifierRow(
         key=key,
         name=classifier_name(key),
-        accuracy={strategy: Figure(**cell["accuracy"]) for strategy, cell in cells.items()},
-        object_accuracy={
-            strategy: Figure(**cell["object_accuracy"]) for strategy, cell in cells.items()
-        },
+        accuracy=accuracy,
+        object_accuracy=by_vote,
         class_accuracy={
             strategy: {name: Figure(**figure) for name, figure in cell["class_accuracy"].items()}
             for strategy, cell in cells.items()
@@ -200,19 +206,9 @@ def _row(
                 found["p_value"],
                 adjusted[key, strategy],
                 found["objects"],
-                found["exact"],
+                "all" if found["exact"] else "drawn at random",
             )
             for strategy, found in compared.items()
         },
         notes=merge_notes({note for cell in cells.values() for note in cell["notes"]}),
     )
-
-
-def _is_number(text: str) -> bool:
-    return text.replace(".", "", 1).replace("e-", "", 1).isdigit()
-
-
-def _adjusted(compared: Mapping[str, Any]) -> dict[tuple[str, str], float]:
-    keys = [(key, strategy) for key in sorted(compared) for strategy in sorted(compared[key])]
-    found = holm([compared[key][strategy]["p_value"] for key, strategy in keys])
-    return dict(zip(keys, found, strict=True))

@@ -113,14 +113,13 @@ def cost_verdict(rows: Sequence[Row]) -> Answer | None:
     if first is None:
         return None
     last = min(front_rows(rows), key=lambda row: float(row["error"]))
-    error, best = percent(first["error"]), first["error"] <= last["error"]
-    named = f"{_named(first)}, {pipeline_name(first['pipeline'])}"
+    best = first["error"] <= last["error"]
+    rate = f"{percent(first['error'])} ({_named(first)}, {pipeline_name(first['pipeline'])})"
+    lowest = f"the lowest, {percent(last['error'])}, takes {duration(last['seconds'])}."
     sentence = (
-        f"of computing, error rate {error} ({named}): the quickest setting has the lowest error "
-        "rate, too."
+        f"of computing, error rate {rate}: the quickest setting has the lowest error rate, too."
         if best
-        else f"of computing for an error rate of {error} ({named}); the lowest, "
-        f"{percent(last['error'])}, takes {duration(last['seconds'])}."
+        else f"of computing for an error rate of {rate}; {lowest}"
     )
     seconds = Figure(first["seconds"], first["seconds_low"], first["seconds_high"])
     return Answer(
@@ -132,23 +131,11 @@ def cost_verdict(rows: Sequence[Row]) -> Answer | None:
     )
 
 
-@dataclass(frozen=True)
-class TimePart:
-    """A part of a recognition: median seconds of all its units, such as views."""
+def time_parts(row: Row | None) -> list[Row]:
+    """Say where the time of a recognition goes, by a row of `tables.COST`; empty if it was not timed.
 
-    name: str
-    seconds: float
-    units: int
-    unit: str
-
-    @property
-    def each(self) -> str:
-        """Its time for one unit, in words."""
-        return f"{duration(self.seconds / self.units)} a {self.unit}"
-
-
-def time_parts(row: Row | None) -> list[TimePart]:
-    """Say where the time of a recognition goes, by a row of `tables.COST`; empty if it was not timed."""
+    A part has its ``name``, its median ``seconds``, and in ``each`` the time of one unit, such as a view.
+    """
     if row is None or row["seconds"] is None:
         return []
     whole, views = (1, "recognition"), (row["looks"], "view")
@@ -164,7 +151,11 @@ def time_parts(row: Row | None) -> list[TimePart]:
         ("classification", row["seconds_classify"], whole),
     )
     # Medians of parts need not add up.
-    return [TimePart(name, max(seconds, 0.0), *units) for name, seconds, units in parts if units[0]]
+    found = [(name, max(seconds, 0.0), *units) for name, seconds, units in parts if units[0]]
+    return [
+        {"name": name, "seconds": seconds, "each": f"{duration(seconds / units)} a {unit}"}
+        for name, seconds, units, unit in found
+    ]
 
 
 def cue_sentences(rows: Sequence[Row]) -> list[str]:
@@ -208,9 +199,8 @@ def _with_ends(row: Row, name: str, scale: float, form: str, limit: str = "") ->
 def _verdict(row: Row) -> str:
     if row["failed"]:
         return f"failed: {row['failed']}"
-    if row["on_front"]:
-        return "on the front"
-    return "dominated" if row["dominated"] else "not timed"
+    not_on_front = "dominated" if row["dominated"] else "not timed"
+    return "on the front" if row["on_front"] else not_on_front
 
 
 def _saving_row(row: Row) -> Row:

@@ -54,7 +54,6 @@ _STYLE = {
     "lines.linewidth": 1.5,
     "lines.markersize": 5.5,
     "svg.fonttype": "none",
-    "svg.hashsalt": "visuohaptic",
     "xtick.color": COLOURS["quiet"],
     "xtick.labelsize": 9.5,
     "xtick.major.size": 0,
@@ -63,13 +62,14 @@ _STYLE = {
     "ytick.major.size": 0,
 }
 # Whatever a reader's matplotlibrc says, the same tables give the same chart; a backend is not chosen here.
-_WHOLE_STYLE: dict[Any, Any] = {
-    name: rcParamsDefault[name] for name in rcParamsDefault if name != "backend"
-} | _STYLE
+_WHOLE_STYLE: dict[Any, Any] = {**rcParamsDefault, **_STYLE}
+_WHOLE_STYLE.pop("backend")
 
-_NAMES = {colour: name for name, colour in COLOURS.items()}
-_PARTS_OF_A_FILE = re.compile(r"<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL)
-_WITHOUT_EFFECT = re.compile(r"<g/>| transform=\"rotate\(-?0 [^\"]*\"|<defs>\s*</defs>")
+_DROPPED = re.compile(
+    r"<metadata>.*?</metadata>|<defs>\s*<style.*?</style>\s*</defs>|<g/>"
+    r'| transform="rotate\(-?0 [^"]*"| id="[^"_]+_\d+"',
+    re.DOTALL,
+)
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
 
 
@@ -101,49 +101,24 @@ def new_chart(height: float, width: float = 360) -> tuple[Chart, Axes]:
     return chart, axes
 
 
-def write_svg(figure: Figure) -> str:
-    """Write a figure as SVG: the same bytes for the same figure, text as text."""
+def write_svg(figure: Figure, salt: str = "visuohaptic") -> str:
+    """Write a figure as SVG: the same bytes for the same figure, text as text, ids by the salt."""
     stored = io.StringIO()
-    with style():
+    with style(), rc_context({"svg.hashsalt": salt}):
         figure.savefig(stored, format="svg", metadata={"Date": None})
     return stored.getvalue()
 
 
 def inline_svg(figure: Figure, name: str, text: str) -> Markup:
-    """Give a figure as an element of a page, whose ids begin with `name`, described by `text`.
+    """Give a figure as an element of a page, described by `text`; other names have other ids.
 
-    It is as wide as its place, has the page's font, and the page's colours of the names in `COLOURS`.
+    It is as wide as its place, and has the page's colours of the names in `COLOURS`.
     """
-    svg = _PARTS_OF_A_FILE.sub("", write_svg(figure))
-    svg = svg[svg.index("<svg") :].replace("xlink:href", "href")
-    view = re.search(r'viewBox="[^"]*"', svg)
-    inner = svg[svg.index(">") + 1 :]
-    inner = _WITHOUT_EFFECT.sub("", inner)
-    inner = re.sub(r"font(-family)?: [^;\"]*'[^;\"]*", _without_font, inner)
+    svg = _DROPPED.sub("", write_svg(figure, name)).replace("xlink:href", "href")
+    start, view = svg.index("<svg"), re.search(r'viewBox="[^"]*"', svg)
+    inner = svg[svg.index(">", start) + 1 :]
     inner = _LONG_NUMBER.sub(lambda number: f"{float(number[0]):.2f}", inner)
-    inner = re.sub(r"#[0-9a-f]{6}\b", lambda found: _variable(found[0]), inner)
-    for identifier in dict.fromkeys(re.findall(r'\bid="([^"]*)"', inner)):
-        inner = _renamed(inner, identifier, name)
+    for colour, value in COLOURS.items():
+        inner = inner.replace(value, f"var(--{colour})")
     opening = f'<svg role="img" {view[0] if view else ""} aria-label="{escape(text)}">'
     return Markup(re.sub(r"\s*\n\s*", "\n", opening + inner))  # noqa: S704 - Matplotlib escapes its texts
-
-
-def _without_font(found: re.Match[str]) -> str:
-    """Keep the size alone, so that the font is the page's."""
-    size = re.search(r"[\d.]+px", found[0])
-    return f"font-size: {size[0]}" if size else "font-family: inherit"
-
-
-def _variable(colour: str) -> str:
-    return f"var(--{_NAMES[colour]})" if colour in _NAMES else colour
-
-
-def _renamed(svg: str, identifier: str, name: str) -> str:
-    """Put a name before an id that is used; drop one that is not."""
-    used = f'href="#{identifier}"', f"url(#{identifier})"
-    if not any(one in svg for one in used):
-        return svg.replace(f' id="{identifier}"', "")
-    svg = svg.replace(f' id="{identifier}"', f' id="{name}-{identifier}"')
-    return svg.replace(used[0], f'href="#{name}-{identifier}"').replace(
-        used[1], f"url(#{name}-{identifier})"
-    )

@@ -110,15 +110,17 @@ def touches_needed(table: Rows) -> Figure:
     """Draw accuracy against touches by strategy: rows of study ``curves``, of one pipeline and classifier."""
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
     strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
-    chart, axes = new_chart(215 + _legend_height(strategies))
+    lines, intervals = {}, {}
     for number, strategy in enumerate(strategies):
         own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
         aside = 0.06 * (number - (len(strategies) - 1) / 2)
         touches = np.array([_place_in_study(row) + 1 for row in own]) + aside
-        low, high = ([_end(row, end) for row in own] for end in ("low", "high"))
+        lines[strategy] = touches, [row["accuracy"] for row in own]
+        intervals[strategy] = [[_end(row, end) for row in own] for end in ("low", "high")]
+    chart, axes = _draw_lines(lines, 215)
+    for strategy, ends in intervals.items():
         colour, _ = look(strategy_place(strategy))
-        axes.vlines(touches, low, high, colors=colour, linewidth=0.8, alpha=0.6)
-        _draw_line(axes, strategy, touches, [row["accuracy"] for row in own])
+        axes.vlines(lines[strategy][0], *ends, colors=colour, linewidth=0.8, alpha=0.6)
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
@@ -134,11 +136,15 @@ def coverage(table: pa.Table) -> Figure:
     Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn.
     """
     most = select(table, views=max(table.column("views").to_pylist()), known=True)
-    strategies = list(dict.fromkeys(most.column("strategy").to_pylist()))
     stated = np.array(STATED_COVERAGES) / 100
-    chart, axes = new_chart(190 + _legend_height([*strategies, "as stated"]))
-    for strategy in strategies:
-        _draw_line(axes, strategy, stated, covered_shares(most, strategy))
+    lines = {}
+    for strategy in dict.fromkeys(most.column("strategy").to_pylist()):
+        held = select(most, strategy=strategy).column("covered_at").to_pylist()
+        lines[strategy] = (
+            stated,
+            [np.mean([one in sets for sets in held]) for one in STATED_COVERAGES],
+        )
+    chart, axes = _draw_lines(lines, 190, "as stated")
     ends = [stated[0], 1]
     axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
     axes.set_ylim(0, 1.02)
@@ -155,13 +161,14 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     strategy; the time is logarithmic.
     """
     looks = [row for row in curves if row["answer"] == LOOK]
-    both = [row for row in curves if row["answer"] == CHECKED]
-    strategies = list(dict.fromkeys(row["strategy"] for row in both))
-    chart, axes = new_chart(190 + _legend_height(strategies))
-    for strategy in strategies:
-        line = [*looks, *(row for row in both if row["strategy"] == strategy)]
-        points = sorted((row["seconds"], row["accuracy"]) for row in line)
-        _draw_line(axes, strategy, *zip(*points, strict=True))
+    lines: dict[str, Any] = {}
+    for row in (row for row in curves if row["answer"] == CHECKED):
+        lines.setdefault(row["strategy"], [*looks]).append(row)
+    places = {
+        strategy: zip(*sorted((row["seconds"], row["accuracy"]) for row in line), strict=True)
+        for strategy, line in lines.items()
+    }
+    chart, axes = _draw_lines(places, 190)
     axes.set_xscale("log")
     _name_axes(axes, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole)
     _legend(chart, axes)
@@ -193,9 +200,8 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
             axes.plot(*places, markersize=4.5, linewidth=1, **drawn)
         axes.plot([], [], label=strategy_name(family), **drawn)
     _draw_front(axes, [row for row in rows if row["on_front"]], families)
-    axes.plot(
-        [], [], linestyle="", marker="o", color=COLOURS["quiet"], label="filled: on the front"
-    )
+    filled: dict[str, Any] = {"linestyle": "", "marker": "o", "color": COLOURS["quiet"]}
+    axes.plot([], [], label="filled: on the front", **filled)
     seconds = log_ticks([row[name] for row in rows for name in ("seconds_low", "seconds_high")])
     flawless = any(row["error"] == 0 for row in rows)
     shown = [0.0, *errors] if flawless else errors
@@ -214,17 +220,15 @@ def parts_of_time(table: Rows) -> Figure:
     """Draw where the time of a recognition by the run's own setting goes: rows of `tables.COST`."""
     parts = time_parts(reference_row([dict(row) for row in _rows(table)]))
     chart, axes = new_chart(_AROUND + 20 * len(parts))
-    seconds = [part.seconds for part in parts]
-    axes.barh([part.name for part in parts], seconds, height=0.6, color=look(0)[0])
+    seconds = [part["seconds"] for part in parts]
+    axes.barh([part["name"] for part in parts], seconds, height=0.6, color=look(0)[0])
     for row, part in enumerate(parts):
-        axes.annotate(
-            part.each, (part.seconds, row), (3, 0), textcoords="offset points", va="center"
-        )
+        place = part["seconds"], row
+        axes.annotate(part["each"], place, (3, 0), textcoords="offset points", va="center")
     axes.invert_yaxis()
     axes.set_xlim(0, 1.6 * max(seconds))
-    _name_axes(
-        axes, "median time in one recognition", "part", across_as=lambda tick, _: duration(tick)
-    )
+    across = "median time in one recognition"
+    _name_axes(axes, across, "part", across_as=lambda tick, _: duration(tick))
     axes.grid(visible=False)
     return chart
 
@@ -244,10 +248,11 @@ def stability(table: pa.Table) -> Figure:
         axes.barh(row, max(shares), height=0.4, color=colour, alpha=0.3)
         axes.vlines(shares, row - 0.3, row + 0.3, colors=colour, linewidth=1.5)
     axes.axvline(1, color=COLOURS["bad"], linestyle="--", linewidth=1.2)
-    axes.set_yticks(
-        range(len(families)),
-        [_family_label(family, checks) for family, checks in families.items()],
-    )
+    labels = [
+        f"{titled(spaced(family))},\n{counted(sum(check.cases for check in checks), 'case')}"
+        for family, checks in families.items()
+    ]
+    axes.set_yticks(range(len(families)), labels)
     axes.invert_yaxis()
     axes.set_xlim(0, LARGEST_SHARE)
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "tolerance"])
@@ -291,12 +296,6 @@ def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
             lines.append([])
         lines[-1].append(row)
     return lines
-
-
-def covered_shares(table: pa.Table, strategy: str) -> list[float]:
-    """Give the share of objects whose class is in the set, at each of `STATED_COVERAGES`."""
-    held = select(table, strategy=strategy).column("covered_at").to_pylist()
-    return [sum(stated in sets for sets in held) / len(held) for stated in STATED_COVERAGES]
 
 
 def log_ticks(values: Sequence[float]) -> list[float]:
@@ -354,9 +353,14 @@ def _draw_intervals(
     return chart
 
 
-def _draw_line(axes: Axes, strategy: str, across: Any, up: Any) -> None:
-    colour, mark = look(strategy_place(strategy))
-    axes.plot(across, up, color=colour, marker=mark, markersize=4, label=strategy_name(strategy))
+def _draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
+    """Begin a chart with a line a strategy, of places across and up; its legend also has `more`."""
+    chart, axes = new_chart(height + _legend_height([*lines, *more]))
+    for strategy, places in lines.items():
+        colour, mark = look(strategy_place(strategy))
+        name = strategy_name(strategy)
+        axes.plot(*places, color=colour, marker=mark, markersize=4, label=name)
+    return chart, axes
 
 
 def _draw_series(axes: Axes, series: Series, offset: float) -> None:
@@ -433,7 +437,3 @@ def _place_in_study(row: Mapping[str, Any]) -> int:
 def _end(row: Mapping[str, Any], end: str) -> float:
     """Give the end of an interval; one object alone has none."""
     return float(row["accuracy"] if row[end] is None else row[end])
-
-
-def _family_label(family: str, checks: Sequence[Any]) -> str:
-    return f"{titled(spaced(family))},\n{counted(sum(check.cases for check in checks), 'case')}"

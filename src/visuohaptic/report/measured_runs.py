@@ -33,12 +33,15 @@ class CellFigures(BaseModel):
     by_object: dict[str, tuple[float, float]]
 
 
+class _Metrics(BaseModel):
+    results: dict[str, dict[str, dict[str, CellFigures]]]
+
+
 @dataclass(frozen=True)
 class MeasuredRun:
     """One run's figures by cell, and where they and its parameters were read from.
 
-    `parameters` are as in ``params.yaml``, None where unknown; `archive` is what the run's report
-    carries, None where no report of these figures is at hand.
+    `parameters` are as in ``params.yaml``, and `archive` what the run's report carries; None where unknown.
     """
 
     source: str
@@ -46,10 +49,6 @@ class MeasuredRun:
     parameters_source: str
     cells: Mapping[Cell, CellFigures]
     archive: Archive | None = None
-
-    def figure(self, measure: str, cell: Cell) -> Figure | None:
-        """Give one of `MEASURES` of a cell; None where it is missing."""
-        return getattr(self.cells.get(cell), measure, None)
 
 
 def read_measured_run(source: str | Path) -> MeasuredRun:
@@ -64,22 +63,23 @@ def read_measured_run(source: str | Path) -> MeasuredRun:
     path = Path(source)
     if not path.exists() and not path.suffix:
         return _read_experiment(str(source))
-    file = _metrics_file(path)
+    if path.is_dir():
+        of_reports = path / Path(METRICS).name
+        path = of_reports if of_reports.is_file() else path / METRICS
     try:
-        content = file.read_bytes()
+        content = path.read_bytes()
     except OSError as error:
         raise ReportError(
-            f"{file} can't be read: {error.strerror}; `snakemake -j2` makes a run's metrics."
+            f"{path} can't be read: {error.strerror}; `snakemake -j2` makes a run's metrics."
         ) from error
-    if file.suffix == ".html":
-        archive = read_archive(content.decode("utf-8", "replace"), str(file))
-        carried = json.dumps(archive.metrics)
-        return _measured(str(file), carried, archive.parameters, f"{file}: report", archive)
-    found = _find_parameters(file)
+    if path.suffix == ".html":
+        return _of_report(content.decode("utf-8", "replace"), str(path))
+    report, folder = path.parent / _REPORT, path.resolve().parent
+    beside = (folder / PARAMETERS, folder.parent / PARAMETERS)
+    found = next((file for file in beside if file.is_file()), None)
     values = None if found is None else _yaml(found.read_bytes(), str(found))
-    report = file.parent / _REPORT
     page = report.read_text("utf-8", "replace") if report.is_file() else ""
-    return _beside(str(file), content, values, str(found), page)
+    return _beside(MeasuredRun(str(path), values, str(found), _cells(content, str(path))), page)
 
 
 def list_experiments() -> list[str]:
@@ -102,80 +102,52 @@ def _read_experiment(name: str) -> MeasuredRun:
     import dvc.api
     from dvc.exceptions import DvcException
 
-    try:
-        metrics, parameters = (
-            dvc.api.read(path, rev=name).encode() for path in (METRICS, PARAMETERS)
-        )
     # DVC and the Git libraries below it raise many types; the cause is a wrong name.
-    except (DvcException, OSError, ValueError, KeyError) as error:
+    failures = (DvcException, OSError, ValueError, KeyError)
+    try:
+        metrics, parameters = (dvc.api.read(path, rev=name) for path in (METRICS, PARAMETERS))
+    except failures as error:
         raise ReportError(
             f"{name} is no file, and no experiment of this repository that has {METRICS} "
             f"({error}); `dvc exp show` lists the experiments."
         ) from error
-    source = f"{name}:{PARAMETERS}"
     try:
         page = dvc.api.read(f"reports/{_REPORT}", rev=name)
-    except (DvcException, OSError, ValueError, KeyError):
+    except failures:
         page = ""  # kept by DVC, and perhaps not at hand
-    return _beside(name, metrics, _yaml(parameters, source), source, page)
+    source = f"{name}:{PARAMETERS}"
+    run = MeasuredRun(name, _yaml(parameters.encode(), source), source, _cells(metrics, name))
+    return _beside(run, page)
 
 
-def _beside(
-    source: str,
-    metrics: bytes,
-    parameters: Mapping[str, Any] | None,
-    parameters_source: str,
-    page: str,
-) -> MeasuredRun:
+def _beside(run: MeasuredRun, page: str) -> MeasuredRun:
     """Take the report beside a metrics file, unless it is missing or of other figures."""
-    alone = _measured(source, metrics, parameters, parameters_source)
     try:
-        archive = read_archive(page, source)
-        carried = json.dumps(archive.metrics)
-        found = _measured(source, carried, archive.parameters, f"{source}: report", archive)
+        found = _of_report(page, run.source)
     except ReportError:
-        return alone
-    return found if found.cells == alone.cells else alone
+        return run
+    return found if found.cells == run.cells else run
 
 
-class _Metrics(BaseModel):
-    results: dict[str, dict[str, dict[str, CellFigures]]]
+def _of_report(page: str, source: str) -> MeasuredRun:
+    archive = read_archive(page, source)
+    cells = _cells(json.dumps(archive.metrics), source)
+    return MeasuredRun(source, archive.parameters, f"{source}: report", cells, archive)
 
 
-def _measured(
-    source: str,
-    metrics: bytes | str,
-    parameters: Mapping[str, Any] | None,
-    parameters_source: str,
-    archive: Archive | None = None,
-) -> MeasuredRun:
+def _cells(metrics: bytes | str, source: str) -> dict[Cell, CellFigures]:
     try:
         results = _Metrics.model_validate_json(metrics).results
     except ValidationError as error:
         raise ReportError(
             f"{source} holds no metrics of this workflow; {METRICS} of a run is needed."
         ) from error
-    cells = {
+    return {
         (pipeline, strategy, classifier): cell
         for pipeline, strategies in results.items()
         for strategy, classifiers in strategies.items()
         for classifier, cell in classifiers.items()
     }
-    return MeasuredRun(source, parameters, parameters_source, cells, archive)
-
-
-def _metrics_file(path: Path) -> Path:
-    """Find the file of a run that was named by its folder or by the folder of its reports."""
-    if not path.is_dir():
-        return path
-    of_reports = path / Path(METRICS).name
-    return of_reports if of_reports.is_file() else path / METRICS
-
-
-def _find_parameters(file: Path) -> Path | None:
-    folder = file.resolve().parent
-    beside = (folder / PARAMETERS, folder.parent / PARAMETERS)
-    return next((path for path in beside if path.is_file()), None)
 
 
 def _yaml(text: bytes, source: str) -> dict[str, Any]:

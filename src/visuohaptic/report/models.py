@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import gzip
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
@@ -15,27 +14,6 @@ from visuohaptic.geometry.surface import Surface
 
 # Coordinates lie within the unit sphere; a step is 1/16384 of the object's radius.
 COORDINATE_STEPS = 16384
-
-
-@dataclass(frozen=True)
-class PackedModel:
-    """A thinned model and its touches as one block of bytes, compressed.
-
-    The bytes of `model` are, little-endian and in this order: `vertices` × 3 int16 coordinates in steps of
-    1 / `COORDINATE_STEPS`, `touches` × 10 int16 (point, normal, column axis, size; same steps), `faces` × 3
-    uint32 corners, `faces` × 3 uint8 sRGB.
-    """
-
-    model: bytes
-    vertices: int
-    faces: int
-    touches: int
-    original_faces: int
-
-    @property
-    def text(self) -> str:
-        """The compressed bytes in base64."""
-        return base64.b64encode(self.model).decode("ascii")
 
 
 def thin(surface: Surface, faces: int) -> Surface:
@@ -56,40 +34,37 @@ def thin(surface: Surface, faces: int) -> Surface:
     return Surface(vertices, corners, _nearest_colours(surface, vertices[corners].mean(axis=1)))
 
 
-def pack_model(surface: Surface, touches: NDArray[np.float64], faces: int) -> PackedModel:
-    """Thin a model and pack it with its touches (n, 10): point, normal, column axis and size."""
+def pack_model(
+    surface: Surface, touches: NDArray[np.float64], faces: int
+) -> dict[str, bytes | int]:
+    """Thin a model and pack it with its touches (n, 10): point, normal, column axis and size.
+
+    Gives columns of `tables.PICTURES`. The unpacked bytes of ``model`` are, little-endian and in this order:
+    ``vertices`` × 3 int16 coordinates in steps of 1 / `COORDINATE_STEPS`, ``touches`` × 10 int16 in the same
+    steps, ``faces`` × 3 uint32 corners, ``faces`` × 3 uint8 sRGB.
+    """
     thinned = thin(surface, faces)
     used, corners = np.unique(thinned.faces, return_inverse=True)
-    vertices = thinned.vertices[used]
     parts = (
-        _steps(vertices),
+        _steps(thinned.vertices[used]),
         _steps(touches),
         corners.astype("<u4"),
         thinned.face_colours.astype(np.uint8),
     )
-    return PackedModel(
-        gzip.compress(b"".join(part.tobytes() for part in parts), 9, mtime=0),
-        len(vertices),
-        len(thinned.faces),
-        len(touches),
-        len(surface.faces),
-    )
-
-
-@dataclass(frozen=True)
-class Library:
-    """A script: its source, and the same as gzip in base64, a third of its size."""
-
-    source: bytes
-    packed: str
+    return {
+        "model": gzip.compress(b"".join(part.tobytes() for part in parts), 9, mtime=0),
+        "vertices": len(used),
+        "faces": len(thinned.faces),
+        "touches": len(touches),
+        "original_faces": len(surface.faces),
+    }
 
 
 @cache
-def plotly_library() -> Library:
-    """Give plotly.js; the page unpacks it only when a model is asked for."""
+def plotly_library() -> tuple[bytes, str]:
+    """Give plotly.js, and the same as gzip in base64; the page unpacks it only when a model is asked for."""
     source = files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
-    packed = base64.b64encode(gzip.compress(source, 6, mtime=0)).decode("ascii")
-    return Library(source, packed)
+    return source, base64.b64encode(gzip.compress(source, 6, mtime=0)).decode("ascii")
 
 
 def _steps(values: NDArray[np.float64]) -> NDArray[np.int16]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from visuohaptic.geometry.surface import read_surface
-from visuohaptic.report.models import PackedModel, pack_model
+from visuohaptic.report.models import pack_model
 from visuohaptic.report.pictures import imprint_sheet, imprint_strip, shrink_picture
 from visuohaptic.tables.phases import (
     NORMAL_NAMES,
@@ -26,6 +25,9 @@ from visuohaptic.tables.phases import (
 from visuohaptic.tables.pictures import PICTURES
 from visuohaptic.tables.schema import build_rows, images, matrix, read_table, write_table
 from visuohaptic.tables.stability import STABILITY
+
+MODEL = ("model", "vertices", "faces", "touches", "original_faces")
+"""Columns of `tables.PICTURES` that are None without a mesh."""
 
 _PACKED = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
 
@@ -46,7 +48,7 @@ def make_pictures(
     rows = [
         {
             **{name: seen.column(name)[0].as_py() for name in ("class", "object")},
-            **_pictures_of_views(seen, _chosen(felt.get(key, untouched), "strategy", "fixation")),
+            **_pictures_of_views(seen, _chosen(felt.get(key, untouched), strategy="fixation")),
             **_model(meshes.get(key), felt.get(key, untouched), faces),
         }
         for key, seen in by_object(read_table(VIEWS, views))
@@ -64,34 +66,31 @@ def _broken(checks: pa.Table) -> list[str]:
 def _pictures_of_views(seen: pa.Table, fixated: pa.Table) -> dict[str, Any]:
     viewpoints = seen.column("viewpoint").to_pylist()
     views, maps = (seen.column(name).to_pylist() for name in ("view", "saliency"))
+    felt = {viewpoint: _chosen(fixated, viewpoint=viewpoint) for viewpoint in viewpoints}
     return {
-        "views": list(zip(viewpoints, map(shrink_picture, views), strict=True)),
+        "views": [*zip(viewpoints, map(shrink_picture, views), strict=True)],
         "saliency": [
-            (viewpoint, shrink_picture(one, factor=2))
-            for viewpoint, one in zip(viewpoints, maps, strict=True)
+            *zip(viewpoints, [shrink_picture(one, factor=2) for one in maps], strict=True)
         ],
-        "imprints": [
-            (viewpoint, imprint_strip(images(own)))
-            for viewpoint in viewpoints
-            if (own := _chosen(fixated, "viewpoint", viewpoint)).num_rows
-        ],
+        "imprints": [(at, imprint_strip(images(own))) for at, own in felt.items() if own.num_rows],
     }
 
 
 def _model(mesh: str | Path | None, felt: pa.Table, faces: int) -> dict[str, Any]:
     """Give the thinned model, and the imprints that it shows."""
     if mesh is None:
-        return {**dict.fromkeys(one.name for one in fields(PackedModel)), "sheets": []}
+        return {"sheets": [], **dict.fromkeys(MODEL)}
     model = pack_model(read_surface(mesh), matrix(felt, _PACKED), faces)
-    return {**vars(model), "sheets": list(_sheets(felt))}
+    return {"sheets": list(_sheets(felt)), **model}
 
 
 def _sheets(felt: pa.Table) -> Iterator[tuple[str, bytes]]:
     for strategy in sorted(set(felt.column("strategy").to_pylist())):
-        own = _chosen(felt, "strategy", strategy)
+        own = _chosen(felt, strategy=strategy)
         cells = (own.column(name).to_numpy().astype(np.int64) for name in ("viewpoint", "touch"))
         yield strategy, imprint_sheet(images(own), *cells)
 
 
-def _chosen(table: pa.Table, column: str, value: object) -> pa.Table:
-    return table.filter(pc.field(column) == pc.scalar(value))
+def _chosen(table: pa.Table, **value: object) -> pa.Table:
+    ((column, wanted),) = value.items()
+    return table.filter(pc.field(column) == pc.scalar(wanted))

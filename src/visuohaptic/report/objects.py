@@ -2,40 +2,27 @@
 
 from __future__ import annotations
 
+import base64
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 from markupsafe import Markup
-from numpy.typing import NDArray
 
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.estimates import Row
-from visuohaptic.report.models import PackedModel
-from visuohaptic.report.pictures import (
-    data_uri,
-    picture_size,
-    project,
-    square_corners,
-    webp_address,
-)
+from visuohaptic.report.object_pictures import MODEL
+from visuohaptic.report.pictures import data_uri, picture_size, webp_address
+from visuohaptic.report.projecting import squares_in_view
 from visuohaptic.report.run import Run
 from visuohaptic.report.shown import OBJECTS_AT_MOST
 from visuohaptic.report.wording import anchor_of, place_in_view
-from visuohaptic.sensor.frames import row_axes
-from visuohaptic.tables.phases import (
-    NORMAL_NAMES,
-    POINT_NAMES,
-    TANGENT_NAMES,
-    by_object,
-    key_of,
-    keys_of,
-)
-from visuohaptic.tables.schema import images, matrix
+from visuohaptic.tables.phases import by_object, key_of, keys_of
+from visuohaptic.tables.schema import images
 
 PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 """How often each class was predicted, by strategy and viewpoint."""
@@ -48,8 +35,7 @@ class ViewPage:
     A row of `marks` is a fixation: its ``number`` from 1, ``column`` and ``row`` in pixels, its ``place``
     in words, and the corners of the sensor's ``square`` around it. A row of `touches` has ``number``
     from 1, ``size`` in object radii, contact ``state``, and the share of the square nearly touched,
-    ``near``. `distinct` counts the distinct fixations; `right` is the share of its tests that were
-    correctly classified, by strategy.
+    ``near``. `right` is the share of its tests that were correctly classified, by strategy.
     """
 
     viewpoint: int
@@ -75,34 +61,26 @@ class ViewPage:
 class ObjectPage:
     """All that the page shows of one object, `class/name`.
 
-    One view is `shown` large; `conspicuity` has channel and picture of each of its maps, `skipped` the channels that did
-    not run, and why. By strategy, `predicted` gives the share of its test sequences for which each class
-    was predicted, `median_size` the median edge of the square in object radii, and `sheets` a picture of
-    the touches' imprints, a row a viewpoint and a column a touch. `model` is None where the object's mesh
-    is not at hand; `touch_keys` are strategy, viewpoint, number from 1 and contact state of each touch of
-    it.
+    One view is `shown` large; `conspicuity` has channel and picture of each of its maps, `skipped` the
+    channels that did not run, and why. By strategy, `predicted` gives the share of its test sequences for
+    which each class was predicted, `median_size` the median edge of the square in object radii, and `sheets`
+    a picture of the touches' imprints, a row a viewpoint and a column a touch. `model` has columns of
+    `tables.PICTURES`, and ``text``, its bytes in base64; None without a mesh. `touch_keys` are strategy,
+    viewpoint, number from 1 and contact state of each touch of it.
     """
 
     key: str
+    category: str
+    name: str
     views: tuple[ViewPage, ...]
     shown: ViewPage
-    conspicuity: tuple[tuple[str, str], ...]
-    skipped: tuple[tuple[str, str], ...]
+    conspicuity: list[tuple[str, str]]
+    skipped: list[tuple[str, str]]
     predicted: Mapping[str, Mapping[str, float]]
     median_size: Mapping[str, float]
-    model: PackedModel | None
+    model: Row | None
     touch_keys: list[tuple[str, int, int, str]]
     sheets: Mapping[str, str]
-
-    @property
-    def category(self) -> str:
-        """Its class."""
-        return self.key.split("/", 1)[0]
-
-    @property
-    def name(self) -> str:
-        """What it is called within its class."""
-        return self.key.split("/", 1)[1]
 
     @property
     def anchor(self) -> str:
@@ -151,13 +129,13 @@ def describe_objects(run: Run) -> list[ObjectPage]:
     cameras = place_cameras(run.parameters.viewpoints)
     answers = _answers(run)
     pictures = {key_of(row): row for row in run.pictures.to_pylist()}
-    tables = (run.views, run.fixations, run.touches)
-    parts = [dict(by_object(table)) for table in tables]
+    parts = [
+        (dict(by_object(one)), one.slice(0, 0)) for one in (run.views, run.fixations, run.touches)
+    ]
     return [
         _describe(
-            key,
             pictures[key],
-            [of.get(key, table.slice(0, 0)) for of, table in zip(parts, tables, strict=True)],
+            [own.get(key, empty) for own, empty in parts],
             cameras,
             answers.get(key, {}),
         )
@@ -177,51 +155,49 @@ def _variety(sizes: Sequence[float]) -> tuple[int, float]:
 
 
 def _describe(
-    key: str,
-    pictures: Row,
-    tables: Sequence[pa.Table],
-    cameras: Sequence[Camera],
-    answers: PredictionCounts,
+    pictures: Row, tables: Sequence[pa.Table], cameras: Sequence[Camera], answers: PredictionCounts
 ) -> ObjectPage:
     seen, fixations, touches = tables
     rows = seen.drop_columns(["view", "saliency", "conspicuity"]).to_pylist()
     looked, fixated = (select(table, strategy="fixation") for table in (fixations, touches))
-    stored = [dict(pictures[name]) for name in ("views", "saliency", "imprints")]
-    views = tuple(_view_page(key, row, stored, looked, fixated, cameras, answers) for row in rows)
+    stored = {name: dict(pictures[name]) for name in ("views", "saliency", "imprints")}
+    views = tuple(_view_page(row, stored, looked, fixated, cameras, answers) for row in rows)
     # From 45 degrees most is seen.
     shown = min(views, key=lambda one: (abs((one.azimuth - 45 + 180) % 360 - 180), one.viewpoint))
     maps = select(seen, viewpoint=shown.viewpoint)["conspicuity"][0].as_py()
-    strategies = sorted(set(touches.column("strategy").to_pylist()))
-    felt = {strategy: select(touches, strategy=strategy) for strategy in strategies}
-    keys = ("strategy", "viewpoint", "touch", "contact_state")
+    model, felt = (
+        pictures["model"],
+        touches.select(["strategy", "viewpoint", "touch", "contact_state"]),
+    )
     return ObjectPage(
-        key=key,
+        key=key_of(pictures),
+        category=pictures["class"],
+        name=pictures["object"],
         views=views,
         shown=shown,
-        conspicuity=tuple((channel, data_uri(png, "image/png")) for channel, png in maps),
+        conspicuity=[(channel, data_uri(png, "image/png")) for channel, png in maps],
         skipped=_skipped(rows),
         predicted=_predicted(answers),
-        median_size={name: float(np.median(own["sensor_size"])) for name, own in felt.items()},
-        model=_model(pictures),
+        median_size={
+            strategy: float(np.median(select(touches, strategy=strategy)["sensor_size"]))
+            for strategy in sorted(set(touches.column("strategy").to_pylist()))
+        },
+        model=model
+        and {
+            **{name: pictures[name] for name in MODEL},
+            "text": base64.b64encode(model).decode("ascii"),
+        },
         touch_keys=[
-            (strategy, viewpoint, touch + 1, state)
-            for strategy, viewpoint, touch, state in zip(
-                *(touches[name].to_pylist() for name in keys), strict=True
-            )
+            (row["strategy"], row["viewpoint"], row["touch"] + 1, row["contact_state"])
+            for row in felt.to_pylist()
         ],
         sheets={strategy: webp_address(sheet) for strategy, sheet in pictures["sheets"]},
     )
 
 
-def _model(pictures: Row) -> PackedModel | None:
-    stored = {one.name: pictures[one.name] for one in fields(PackedModel)}
-    return None if stored["model"] is None else PackedModel(**stored)
-
-
 def _view_page(
-    key: str,
     row: Row,
-    pictures: Sequence[Mapping[int, bytes]],
+    pictures: Mapping[str, Mapping[int, bytes]],
     fixations: pa.Table,
     touches: pa.Table,
     cameras: Sequence[Camera],
@@ -229,21 +205,28 @@ def _view_page(
 ) -> ViewPage:
     viewpoint = row["viewpoint"]
     felt, looked = (select(table, viewpoint=viewpoint) for table in (touches, fixations))
-    camera = cameras[viewpoint] if viewpoint < len(cameras) else None
     imprints = images(felt) if felt.num_rows else np.zeros((0, 1, 1), dtype=np.float32)
     eye = np.array([row["eye_x"], row["eye_y"], row["eye_z"]], dtype=np.float64)
-    views, maps, strips = pictures
-    height, width = picture_size(views[viewpoint])
+    stored = {name: found.get(viewpoint) for name, found in pictures.items()}
+    height, width = picture_size(pictures["views"][viewpoint])
+    squares = (
+        squares_in_view(cameras[viewpoint], felt, height).tolist()
+        if viewpoint < len(cameras)
+        else []
+    )
     return ViewPage(
         viewpoint=viewpoint,
         azimuth=float(np.degrees(np.arctan2(eye[0], eye[2]))) % 360.0,
         elevation=float(np.degrees(np.arcsin(eye[1] / np.linalg.norm(eye)))),
         rows=height,
         columns=width,
-        view=webp_address(views[viewpoint]),
-        saliency=webp_address(maps[viewpoint]),
-        imprints=webp_address(strips[viewpoint]) if viewpoint in strips else "",
-        marks=_marks(looked, _squares(felt, camera, height), height, width),
+        **{
+            name if name != "views" else "view": webp_address(one) if one else ""
+            for name, one in stored.items()
+        },
+        marks=_marks(
+            looked, dict(zip(felt["touch"].to_pylist(), squares, strict=False)), height, width
+        ),
         touches=[
             {"number": touch + 1, "size": size, "state": state, "near": near}
             for touch, size, state, near in zip(
@@ -254,7 +237,7 @@ def _view_page(
         ],
         distinct=row["distinct_fixations"],
         right={
-            strategy: counts[key.split("/", 1)[0]] / counts.total()
+            strategy: counts[row["class"]] / counts.total()
             for (strategy, number), counts in answers.items()
             if number == viewpoint
         },
@@ -277,21 +260,6 @@ def _marks(looked: pa.Table, squares: Mapping[int, Any], height: int, width: int
         for row in rows
         if row["pixel_row"] is not None and row["pixel_column"] is not None
     ]
-
-
-def _squares(felt: pa.Table, camera: Camera | None, resolution: int) -> dict[int, Any]:
-    """Give the corners of each touch's square in a view, in pixels, shape (4, 2)."""
-    if camera is None or not felt.num_rows:
-        return {}
-    flat = project(camera, _corners(felt).reshape(-1, 3), resolution).reshape(-1, 4, 2)
-    return dict(zip(felt["touch"].to_pylist(), flat.tolist(), strict=True))
-
-
-def _corners(touches: pa.Table) -> NDArray[np.float64]:
-    columns = matrix(touches, TANGENT_NAMES)
-    rows = row_axes(matrix(touches, NORMAL_NAMES), columns)
-    sizes = touches.column("sensor_size").to_numpy()
-    return square_corners(matrix(touches, POINT_NAMES), columns, rows, sizes)
 
 
 def _answers(run: Run) -> dict[str, dict[tuple[str, int], Counter[str]]]:
@@ -319,9 +287,9 @@ def _predicted(answers: PredictionCounts) -> dict[str, dict[str, float]]:
     }
 
 
-def _skipped(rows: Sequence[Mapping[str, Any]]) -> tuple[tuple[str, str], ...]:
+def _skipped(rows: Sequence[Row]) -> list[tuple[str, str]]:
     reasons = Counter((channel, reason) for row in rows for channel, reason in row["skipped"])
-    return tuple(
+    return [
         (channel, reason if count == len(rows) else f"{reason} ({count} of {len(rows)} views)")
         for (channel, reason), count in sorted(reasons.items())
-    )
+    ]

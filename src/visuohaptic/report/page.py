@@ -56,9 +56,9 @@ def render_page(run: Run) -> str:
     }
     has_models = any(page.model is not None for page in context.pages)
     script = f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}"
-    plotly = plotly_library() if has_models else None
+    library, packed = plotly_library() if has_models else (b"", "")
     return environment.get_template("page.html.jinja").render(
-        policy=content_policy(script, *([plotly.source] if plotly else [])),
+        policy=content_policy(script, *([library] if has_models else [])),
         chapters=_chapters(environment, context),
         objects=len(run.objects),
         classes=len({key.split("/")[0] for key in run.objects}),
@@ -68,7 +68,7 @@ def render_page(run: Run) -> str:
         warnings=find_warnings(run, seconds),
         earlier=earlier_by_section(run),
         sources={
-            section.name: list(find_sources(section.tables(run), run, context.explaining))
+            section.name: list(find_sources(section, run, context.explaining))
             for sections in CHAPTERS.values()
             for section in sections
         },
@@ -76,7 +76,7 @@ def render_page(run: Run) -> str:
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=script,
-        plotly=plotly.packed if plotly else "",
+        plotly=packed,
     )
 
 
@@ -90,7 +90,7 @@ def _chapters(
             values = section.values(context)
             if values is not None:
                 body = environment.get_template(f"{section.name}.html.jinja").render(values)
-                title = section.titled(context.run)
+                title = values.get("title", section.title)
                 chapters.setdefault(chapter, []).append((section.name, title, body))
     return chapters
 

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import base64
 import io
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-
-if TYPE_CHECKING:
-    from visuohaptic.fixations.viewpoints import Camera
 
 _QUALITY = 75
 # Of imprints that are looked at one by one, beside the lossless ones.
@@ -71,36 +67,3 @@ def _webp(picture: Image.Image, **options: int) -> bytes:
     # Pillow's effort 4, its default, takes twice the time of 2 for 7 % fewer bytes.
     picture.save(stored, "webp", method=2, **options)
     return stored.getvalue()
-
-
-def project(camera: Camera, points: NDArray[np.float64], resolution: int) -> NDArray[np.float64]:
-    """Find where points (n, 3) of the object frame, in front of a camera, appear in its view.
-
-    Gives (n, 2): column and row in pixels from the upper left corner of a view of `resolution` pixels
-    along each edge; the first pixel's centre is at 0.5. The inverse of `Camera.rays`.
-    """
-    right, up, back = camera.axes
-    if camera.projection == "orthographic":
-        depth = np.full(len(points), camera.distance)
-    else:
-        depth = camera.distance - points @ back
-    pixels = resolution / (2.0 * np.tan(np.radians(camera.field_of_view_degrees) / 2.0))
-    across, down = points @ right / depth, -(points @ up) / depth
-    return 0.5 * resolution + pixels * np.column_stack([across, down])
-
-
-def square_corners(
-    points: NDArray[np.float64],
-    columns: NDArray[np.float64],
-    rows: NDArray[np.float64],
-    sizes: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Give the corners (n, 4, 3) of the sensor's squares, going around, at their true size.
-
-    `points`, `columns` and `rows` (n, 3) are centres, and unit vectors along columns and rows; `sizes`
-    (n,) the edge of each square in object radii.
-    """
-    half = 0.5 * sizes[:, None]
-    across, down = half * columns, half * rows
-    turns = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-    return np.stack([points + a * across + b * down for a, b in turns], axis=1)

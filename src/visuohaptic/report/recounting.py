@@ -8,7 +8,7 @@ from typing import Any
 from visuohaptic.report.comparison import PipelineTable
 from visuohaptic.report.questions import row_of
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import folder_of, predictions_of, relative_to_run
+from visuohaptic.report.section import narrowed, place_of
 
 _SHARES = """\
 import pandas as pd
@@ -37,12 +37,12 @@ def recount_lead(run: Run, table: PipelineTable, other: str) -> str:
 
 def recount_cost(run: Run, row: Mapping[str, Any]) -> str:
     """Give the lines that print seconds and error rate of a setting of this run."""
-    place = relative_to_run(run, run.files.extras["frontier"]).as_posix()
+    place = place_of(run, run.parts("frontier")).as_posix()
     return _COST.format(place=place, family=row["family"], setting=row["setting"])
 
 
 def _recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
-    place = folder_of([relative_to_run(run, file) for file in predictions_of(run, table.name)])
+    place = place_of(run, narrowed(run.parts("predictions"), {"pipeline": table.name}))
     return _SHARES.format(
         place=place.as_posix(), pipeline=table.name, classifier=row_of(table).key, shown=shown
     )

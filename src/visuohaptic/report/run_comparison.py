@@ -6,10 +6,10 @@ import json
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.resources import files as package_files
 from string import ascii_uppercase
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from markupsafe import Markup
@@ -21,30 +21,20 @@ from visuohaptic.report.estimates import Figure, points_above_interval
 from visuohaptic.report.measured_runs import MEASURES, Cell, CellFigures, MeasuredRun
 from visuohaptic.report.wording import classifier_name, counted, strategy_name
 
-Direction = Literal["equal", "higher", "lower", "open"]
-
 EQUAL = Figure(0.0, 0.0, 0.0)
 """The difference of two runs that agree on every object."""
-
-UNKNOWN = "not known"
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A run's figure less that of the first run; the p value is of the sign-change test over the same objects."""
+    """A run's figure less that of the first run; the p value is of the sign-change test over the same objects.
+
+    The direction is `equal` on every object, `higher` or `lower` where the interval leaves out 0, else `open`.
+    """
 
     difference: Figure
-    p_value: float | None = None
-
-    @property
-    def direction(self) -> Direction:
-        """`equal` on every object, `higher` or `lower` where the interval leaves out 0, else `open`."""
-        found = self.difference
-        if found == EQUAL:
-            return "equal"
-        if found.low is None or found.high is None:
-            return "open"
-        return "higher" if found.low > 0 else "lower" if found.high < 0 else "open"
+    p_value: float | None
+    direction: Literal["equal", "higher", "lower", "open"]
 
 
 @dataclass(frozen=True)
@@ -88,8 +78,11 @@ class RunComparison:
         return [self._verdict(place) for place in range(len(self.labels) - 1)]
 
     def _verdict(self, place: int) -> str:
-        changed = [fact for fact in self.facts if fact.texts[place + 1] != fact.texts[0]]
-        parameters = sum(fact.kind == "parameter" for fact in changed)
+        changed = sum(
+            fact.kind == "parameter" and fact.texts[place + 1] != fact.texts[0]
+            for fact in self.facts
+        )
+        differ = f"{counted(changed, 'parameter') if changed else 'no parameter'} differ{'s' if changed < 2 else ''}"
         accuracies = [one.differences[place] for one in self.figures if one.measure == MEASURES[0]]
         counts = Counter(one.direction for one in accuracies if one is not None)
         said = (
@@ -98,26 +91,11 @@ class RunComparison:
             else f"beyond their intervals {counts['higher']} higher and {counts['lower']} lower, "
             f"equal on every object {counts['equal']}"
         )
-        differ = _parameters_differ(parameters) if self.parameters_known else "parameters not known"
         return (
-            f"{self.labels[place + 1]} against {self.labels[0]}: {differ}; "
+            f"{self.labels[place + 1]} against {self.labels[0]}: "
+            f"{differ if self.parameters_known else 'parameters not known'}; "
             f"accuracies that both have: {counts.total()}, {said}."
         )
-
-    def as_values(self) -> dict[str, Any]:
-        """Give plain values, for machines."""
-        values = asdict(self)
-        for one, plain in zip(self.figures, values["figures"], strict=True):
-            for found, written in zip(one.differences, plain["differences"], strict=True):
-                if found is not None:
-                    written["direction"] = found.direction
-        return values
-
-
-def _parameters_differ(count: int) -> str:
-    if count == 0:
-        return "no parameter differs"
-    return f"{counted(count, 'parameter')} {'differs' if count == 1 else 'differ'}"
 
 
 def compare_runs(runs: Sequence[MeasuredRun]) -> RunComparison:
@@ -140,7 +118,7 @@ def compare_runs(runs: Sequence[MeasuredRun]) -> RunComparison:
         tuple(ascii_uppercase[: len(runs)]),
         tuple(run.source for run in runs),
         known,
-        (*(_parameters(runs) if known else ()), *_circumstances(runs), *_seconds(runs)),
+        (*(_parameters(runs) if known else ()), *_circumstances(runs)),
         tuple(one for one in compared if any(one.figures)),
     )
 
@@ -192,18 +170,44 @@ def difference_of(first: Figure, second: Figure) -> Figure:
     2008) for independent estimates, as of runs over other objects.
     """
     mean = second.mean - first.mean
-    ends = (first.low, first.high, second.low, second.high)
-    if None in ends:
-        return Figure(mean, None, None)
-    low_1, high_1, low_2, high_2 = (float(end) for end in ends if end is not None)
+    if first.low is None or first.high is None or second.low is None or second.high is None:
+        return Figure(mean)
     return Figure(
         mean,
-        mean - math.hypot(second.mean - low_2, high_1 - first.mean),
-        mean + math.hypot(high_2 - second.mean, first.mean - low_1),
+        mean - math.hypot(second.mean - second.low, first.high - first.mean),
+        mean + math.hypot(second.high - second.mean, first.mean - first.low),
     )
 
 
-def _paired_difference(first: CellFigures, second: CellFigures) -> Difference:
+def _compared(measure: str, cell: Cell, runs: Sequence[MeasuredRun]) -> ComparedFigure:
+    sides = [run.cells.get(cell) for run in runs]
+    figures = tuple(getattr(side, measure, None) for side in sides)
+    differences = tuple(_difference(measure, sides[0], side) for side in sides[1:])
+    return ComparedFigure(measure, *cell, figures, differences)
+
+
+def _difference(
+    measure: str, first: CellFigures | None, second: CellFigures | None
+) -> Difference | None:
+    if first is None or second is None:
+        return None
+    before, after = getattr(first, measure), getattr(second, measure)
+    if before is None or after is None:
+        return None
+    p_value = None
+    if measure == MEASURES[0] and first.by_object and {*first.by_object} == {*second.by_object}:
+        found, p_value = _paired_difference(first, second)
+    else:
+        found = difference_of(before, after)
+    if found == EQUAL:
+        return Difference(found, p_value, "equal")
+    if found.low is not None and found.low > 0:
+        return Difference(found, p_value, "higher")
+    is_lower = found.high is not None and found.high < 0
+    return Difference(found, p_value, "lower" if is_lower else "open")
+
+
+def _paired_difference(first: CellFigures, second: CellFigures) -> tuple[Figure, float]:
     """Give second minus first over the same objects, with its interval and p value."""
     from visuohaptic.recognition.intervals import compare_paired
     from visuohaptic.recognition.parameters import IntervalParameters
@@ -213,73 +217,54 @@ def _paired_difference(first: CellFigures, second: CellFigures) -> Difference:
     before, weights = np.array([first.by_object[name] for name in names]).T
     after = np.array([second.by_object[name][0] for name in names])
     if np.array_equal(before, after):
-        return Difference(EQUAL, 1.0)
+        return EQUAL, 1.0
     generator = spawn_generator(0, "compared runs")
     found = compare_paired(after, before, weights, IntervalParameters(), generator)
     ends = found.difference
-    return Difference(Figure(ends.mean, ends.low, ends.high), found.p_value)
-
-
-def _compared(measure: str, cell: Cell, runs: Sequence[MeasuredRun]) -> ComparedFigure:
-    found = tuple(run.figure(measure, cell) for run in runs)
-    differences = tuple(_difference(measure, cell, runs[0], run) for run in runs[1:])
-    return ComparedFigure(measure, *cell, found, differences)
-
-
-def _difference(
-    measure: str, cell: Cell, first: MeasuredRun, second: MeasuredRun
-) -> Difference | None:
-    before, after = (run.figure(measure, cell) for run in (first, second))
-    if before is None or after is None:
-        return None
-    sides = first.cells[cell], second.cells[cell]
-    objects, others = (set(side.by_object) for side in sides)
-    if measure != MEASURES[0] or not objects or objects != others:
-        return Difference(difference_of(before, after))
-    return _paired_difference(*sides)
+    return Figure(ends.mean, ends.low, ends.high), found.p_value
 
 
 def _parameters(runs: Sequence[MeasuredRun]) -> list[Fact]:
     written = [run.parameters or {} for run in runs]
-    whole = [values for values in map(_completed, written) if values is not None]
-    # A name that today's workflow lacks can't be completed; then each run is taken as written.
-    sides = [dict(leaves(values)) for values in (whole if len(whole) == len(runs) else written)]
-    texts = [
-        {name: json.dumps(value, ensure_ascii=False, default=str) for name, value in side.items()}
-        for side in sides
-    ]
-    return _differing("parameter", texts, "not named")
-
-
-def _completed(values: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    """Add the defaults of what a file leaves out: it is what was run."""
     try:
-        return ExperimentParameters.from_mapping(values).model_dump(mode="json")
+        # What a file leaves out has its default: it is what was run.
+        whole = [ExperimentParameters.from_mapping(one).model_dump(mode="json") for one in written]
     except ParameterError:
-        return None
+        # A name that today's workflow lacks can't be completed; then each run is taken as written.
+        whole = [dict(one) for one in written]
+    texts = [
+        {
+            name: json.dumps(value, ensure_ascii=False, default=str)
+            for name, value in dict(leaves(values)).items()
+        }
+        for values in whole
+    ]
+    return _facts("parameter", texts, "not named")
 
 
 def _circumstances(runs: Sequence[MeasuredRun]) -> list[Fact]:
-    """Give the code, the packages and the machine, as far as reports say them."""
+    """Give code, packages and machine that differ, and each phase's seconds, as far as reports say them."""
     archives = [run.archive for run in runs]
+    seconds = [
+        {phase.phase: f"{phase.imports + phase.work:.1f}" for phase in one.seconds} if one else {}
+        for one in archives
+    ]
     return [
-        *_differing("code", [{"commit": one.commit} if one else {} for one in archives]),
-        *_differing("package", [one.versions if one else {} for one in archives]),
-        *_differing("machine", [one.machine if one else {} for one in archives]),
+        *_facts("code", [{"commit": one.commit} if one else {} for one in archives]),
+        *_facts("package", [one.versions if one else {} for one in archives]),
+        *_facts("machine", [one.machine if one else {} for one in archives]),
+        *_facts("seconds", seconds, differing=False),
     ]
 
 
-def _differing(kind: str, sides: Sequence[Mapping[str, str]], missing: str = UNKNOWN) -> list[Fact]:
-    return [fact for fact in _facts(kind, sides, missing) if len(set(fact.texts)) > 1]
-
-
-def _facts(kind: str, sides: Sequence[Mapping[str, str]], missing: str = UNKNOWN) -> list[Fact]:
+def _facts(
+    kind: str,
+    sides: Sequence[Mapping[str, str]],
+    missing: str = "not known",
+    *,
+    differing: bool = True,
+) -> list[Fact]:
+    """Set texts side by side, a name a fact: all, or those that differ."""
     names = dict.fromkeys(name for side in sides for name in side)
-    return [Fact(kind, name, tuple(side.get(name, missing) for side in sides)) for name in names]
-
-
-def _seconds(runs: Sequence[MeasuredRun]) -> list[Fact]:
-    """Give each phase's seconds of imports and work, summed over its jobs, whether they differ or not."""
-    phases = [run.archive.seconds if run.archive else () for run in runs]
-    sides = [{one.phase: f"{one.imports + one.work:.1f}" for one in side} for side in phases]
-    return _facts("seconds", sides)
+    facts = [Fact(kind, name, tuple(side.get(name, missing) for side in sides)) for name in names]
+    return [fact for fact in facts if not differing or len(set(fact.texts)) > 1]

@@ -19,21 +19,19 @@ from visuohaptic.tables.schema import Schema
 
 Values = Mapping[str, Any]
 Rows = Mapping[str, str | int]
-Selection = Callable[[Run, ObjectPage], Sequence[Rows]]
 
 
 @dataclass(frozen=True)
 class Reads:
-    """A table that a section shows: what of it, and its schema.
+    """A table that a section shows: what of it, its schema, and which of its `rows`, by a name in `_rows`.
 
-    `files` are those of `RunFiles`, or one of its extras; ``studies/NAME`` for a study. `selection`
-    gives the rows that are shown, a mapping of columns to values for each place on the page.
+    `files` are those of `RunFiles`, or one of its extras; ``studies/NAME`` for a study.
     """
 
     what: str
     schema: Schema
     files: str
-    selection: Selection = lambda _, __: [{}]
+    rows: str = "all"
 
 
 @dataclass(frozen=True)
@@ -66,31 +64,18 @@ class ReportContext:
         return most_varied(self.pages)
 
 
-def given(**values: object) -> Values | None:
-    """Give a section's values, or None where one of them is missing or empty."""
-    return values if all(values.values()) else None
-
-
 @dataclass(frozen=True)
 class Section:
     """One section of the page: its anchor, which is the stem of its template, and its title.
 
-    `values` gives the words and figures of the template; None leaves the section out. `reads` are the
-    tables that it shows. Title and tables may depend on the run.
+    `values` gives the words and figures of the template; None leaves the section out, and ``title`` stands
+    in the title's place. `reads` are the tables that it shows, which may depend on the run.
     """
 
     name: str
-    title: str | Callable[[Run], str]
+    title: str
     values: Callable[[ReportContext], Values | None]
-    reads: tuple[Reads, ...] | Callable[[Run], Sequence[Reads]] = ()
-
-    def titled(self, run: Run) -> str:
-        """Give the title for a run."""
-        return self.title if isinstance(self.title, str) else self.title(run)
-
-    def tables(self, run: Run) -> Sequence[Reads]:
-        """Give what it reads of a run."""
-        return self.reads(run) if callable(self.reads) else self.reads
+    reads: Sequence[Reads] | Callable[[Run], Sequence[Reads]] = ()
 
 
 @dataclass(frozen=True)
@@ -107,43 +92,42 @@ class Source:
         return ", ".join(f"{column} = {value}" for column, value in self.rows.items())
 
 
-def find_sources(reads: Sequence[Reads], run: Run, page: ObjectPage) -> Iterator[Source]:
+def find_sources(section: Section, run: Run, page: ObjectPage) -> Iterator[Source]:
     """Give what a section reads of a run; `page` is the object that explains the method."""
-    for one in reads:
+    for one in section.reads(run) if callable(section.reads) else section.reads:
         files = run.parts(one.files)
-        for rows in one.selection(run, page) if files else ():
-            yield Source(one, _pattern(run, _narrowed(files, rows)), rows)
+        for rows in _rows(run, page)[one.rows] if files else ():
+            own = narrowed(files, rows)
+            place = place_of(run, own)
+            if len(own) > 1:
+                deep = len({file.parent for file in own}) > 1
+                place /= "**/*.parquet" if deep else "*.parquet"
+            yield Source(one, place.as_posix(), rows)
 
 
-def _narrowed(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
+def _rows(run: Run, page: ObjectPage) -> dict[str, list[Rows]]:
+    """Give the rows that are shown of a table, columns and values for each place on the page."""
+    best = [{"pipeline": table.name, "classifier": table.best.key} for table in run.pipelines]
+    return {
+        "all": [{}],
+        "pipelines": [{"pipeline": table.name} for table in run.pipelines],
+        "best": list(best),
+        "first best": list(best[:1]),
+        "fixations": [{"strategy": "fixation"}],
+        "view": [page.shown_rows],
+        "touch": [{**page.shown_rows, "touch": 0}],
+    }
+
+
+def narrowed(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
     """Keep the files of the pipeline or the object that is selected, where they have their own."""
     place = str(rows.get("pipeline", f"{rows.get('class')}/{rows.get('object')}"))
     own = [file for file in files if file.parent.as_posix().endswith(f"/{place}")]
     return own or files
 
 
-def relative_to_run(run: Run, file: str | Path) -> Path:
-    """Give a file's path as the page names it, from the run's folder."""
-    return Path(os.path.relpath(file, run.files.folder))
-
-
-def predictions_of(run: Run, pipeline: str) -> Sequence[Path]:
-    """Give the files that hold a pipeline's predictions."""
-    return _narrowed(run.parts("predictions"), {"pipeline": pipeline})
-
-
-def folder_of(files: Sequence[Path]) -> Path:
-    """Give the file, or the folder that holds all of several."""
-    return (
-        files[0] if len(files) == 1 else Path(os.path.commonpath([file.parent for file in files]))
-    )
-
-
-def _pattern(run: Run, files: Sequence[Path]) -> str:
-    """Name files as one path or pattern, relative to the run's folder."""
-    relative = [relative_to_run(run, file) for file in files]
-    folder = folder_of(relative)
-    if len(relative) == 1:
-        return folder.as_posix()
-    deep = any(file.parent != folder for file in relative)
-    return (folder / ("**/*.parquet" if deep else "*.parquet")).as_posix()
+def place_of(run: Run, files: Sequence[Path]) -> Path:
+    """Give the file, or the folder that holds all of several, as the page names it, from the run's folder."""
+    alone = len(files) == 1
+    place = files[0] if alone else os.path.commonpath([file.parent for file in files])
+    return Path(os.path.relpath(place, run.files.folder))

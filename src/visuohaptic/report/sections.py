@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from visuohaptic.gaze.stored import read_measured
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
@@ -23,6 +24,7 @@ from visuohaptic.report.effects import (
     sum_channels,
     sum_effects,
 )
+from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
@@ -42,7 +44,7 @@ from visuohaptic.report.questions import (
 )
 from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import ReportContext, Values, given
+from visuohaptic.report.section import ReportContext, Values
 from visuohaptic.report.stability import (
     StabilityFigures,
     describe_checks,
@@ -50,7 +52,8 @@ from visuohaptic.report.stability import (
     stability_answer,
     stability_figures,
 )
-from visuohaptic.report.studies import read_study
+from visuohaptic.report.studies import names_of_own_studies, read_study
+from visuohaptic.report.touches_needed import curve_figures
 from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
@@ -68,24 +71,26 @@ UNSEEN: Mapping[Protocol, str] = {
 }
 """What is new to the classifier in a test, by protocol."""
 
-PASSED_OVER = "no touch: a place that the sensor can't reach, before one that was touched instead"
+NO_TOUCH = {
+    "passed over": "no touch: a place that the sensor can't reach, before one that was touched instead",
+    "missing": "no touch: the view has no further place in reach",
+}
 
 
-def comparison_title(run: Run) -> str:
-    """Name the strategies that the run compares: two by their names, more by the first."""
-    first, *others = (strategy_name(name) for name in run.pipelines[0].strategies)
-    if not others:
-        return titled(first)
-    other = others[0] if len(others) == 1 else f"{len(others)} other strategies"
-    return f"{titled(first)} against {other}"
+def given(**values: object) -> Values | None:
+    """Give a section's values, or None where one of them is missing or empty."""
+    return values if all(values.values()) else None
 
 
 def answer_values(context: ReportContext) -> Values:
-    """Give the answers to the experiment's questions."""
+    """Give the answers to the experiment's questions, each with the lines that count its number again."""
     found = context.run.stability
-    answers = (*_recognition_answers(context), _cost_answer(context))
     return {
-        "answers": [one for one in answers if one is not None],
+        "answers": [
+            replace(answer, recount=lines if answer.number else "")
+            for answer, lines in _answers(context)
+            if answer is not None
+        ],
         "untested": not context.run.pipelines,
         "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
         "effects": effects_answer(context.influence["scenes"]) if context.influence else None,
@@ -98,36 +103,22 @@ def _hard_cases() -> dict[str, StabilityFigures]:
     return {"Hard cases of the code": stability_figures(stored_hard_cases().table)}
 
 
-def _recognition_answers(context: ReportContext) -> tuple[Answer | None, ...]:
-    """Answer what only recognition can; nothing where it tested no object."""
-    run = context.run
-    if not run.pipelines:
-        return ()
-    recognition, fixations = run.parameters.recognition, run.parameters.attention.fixations
-    touches = min(recognition.touches or fixations, fixations)
-    unseen = UNSEEN[recognition.protocol.protocol]
-    first = run.pipelines[0]
-    accuracy = recount_accuracy(run, first)
-    compared = next((table for table in run.pipelines if has_opponent(table)), first)
-    lead = recount_lead(run, compared, MAIN_OPPONENT)
-    return (
-        _recounted(recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy),
-        _recounted(fixation_answer(run.pipelines, context.readings), lead),
-        _recounted(reproduction_answer(first), accuracy),
-    )
-
-
-def _recounted(answer: Answer | None, lines: str) -> Answer | None:
-    """Add the lines that count an answer's number again; an answer may have no number."""
-    return replace(answer, recount=lines) if answer is not None and answer.number else answer
-
-
-def _cost_answer(context: ReportContext) -> Answer | None:
+def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
+    run, recognition = context.run, context.run.parameters.recognition
+    if run.pipelines:
+        first, fixations = run.pipelines[0], run.parameters.attention.fixations
+        touches = min(recognition.touches or fixations, fixations)
+        unseen = UNSEEN[recognition.protocol.protocol]
+        accuracy = recount_accuracy(run, first)
+        compared = next((table for table in run.pipelines if has_opponent(table)), first)
+        yield recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy
+        lead = recount_lead(run, compared, MAIN_OPPONENT)
+        yield fixation_answer(run.pipelines, context.readings), lead
+        yield reproduction_answer(first), accuracy
     rows = context.frontier.rows if context.frontier else []
-    first = first_step(rows)
-    return (
-        None if first is None else _recounted(cost_verdict(rows), recount_cost(context.run, first))
-    )
+    quickest = first_step(rows)
+    if quickest is not None:
+        yield cost_verdict(rows), recount_cost(run, quickest)
 
 
 def method_values(context: ReportContext) -> Values:
@@ -151,12 +142,15 @@ def comparison_values(context: ReportContext) -> Values | None:
     run = context.run
     if not run.pipelines:
         return None
+    first, *others = map(strategy_name, run.pipelines[0].strategies)
+    against = others[0] if len(others) == 1 else f"{len(others)} other strategies"
     sentences = (
         gain_sentence(run.pipelines[0]),
         readings_sentence(context.readings),
         *(cue_sentences(context.frontier.rows) if context.frontier else ()),
     )
     return {
+        "title": titled(f"{first} against {against}" if others else first),
         "sentences": [sentence for sentence in sentences if sentence],
         "tables": run.pipelines,
         "metrics": run.metrics,
@@ -178,10 +172,33 @@ def certainty_values(context: ReportContext) -> Values:
     }
 
 
+def touches_needed_values(context: ReportContext) -> Values | None:
+    """Give accuracy against touches."""
+    run = context.run
+    return given(pipelines=curve_figures(run.file_of("studies"), run.file_of("touches_needed")))
+
+
 def looking_values(context: ReportContext) -> Values | None:
     """Give what looking and touching reach, or None where it was not measured."""
     path = context.run.file_of("looking_figures")
     return {"looking": looking_figures(path), "answers": ANSWERS} if path else None
+
+
+def gaze_values(context: ReportContext) -> Values:
+    """Give attention beside where people looked, of this run or as kept with the package."""
+    measured = read_measured(context.run.file_of("gaze"))
+    return {"gaze": gaze_figures(measured, context.run.file_of("gaze_pictures"))}
+
+
+def ablations_values(context: ReportContext) -> Values | None:
+    """Give the ablations."""
+    return given(study=read_study(context.run.file_of("studies"), "ablations"))
+
+
+def own_studies_values(context: ReportContext) -> Values | None:
+    """Give the studies that don't come with the package."""
+    folder = context.run.file_of("studies")
+    return given(studies=[read_study(folder, name) for name in names_of_own_studies(folder)])
 
 
 def cost_values(context: ReportContext) -> Values | None:
@@ -251,6 +268,7 @@ def confusion_values(context: ReportContext) -> Values | None:
     if not context.run.pipelines:
         return None
     run, table = context.run, context.run.pipelines[0]
+    shares = table.best.class_accuracy
     predicted = select(run.predictions, pipeline=table.name)
     rows = sorted(table.rows, key=lambda row: row is not table.best)
     found = [
@@ -263,18 +281,12 @@ def confusion_values(context: ReportContext) -> Values | None:
         "sentence": class_sentence(table),
         "best": [(row.name, *rest) for row, *rest in found if row is table.best],
         "others": [(row.name, *rest) for row, *rest in found if row is not table.best],
-        "class_accuracy": _class_rows(table, run.classes),
-        "strategies": [name for name in table.strategies if name in table.best.class_accuracy],
+        "class_accuracy": [
+            {"class": one, "by": {strategy: found.get(one) for strategy, found in shares.items()}}
+            for one in run.classes
+        ],
+        "strategies": [name for name in table.strategies if name in shares],
     }
-
-
-def _class_rows(table: PipelineTable, classes: list[str]) -> list[dict[str, Any]]:
-    """Give the best classifier's accuracy of each class by strategy."""
-    found = table.best.class_accuracy
-    return [
-        {"class": name, "by": {strategy: shares.get(name) for strategy, shares in found.items()}}
-        for name in classes
-    ]
 
 
 def class_sentence(table: PipelineTable) -> str:
@@ -294,22 +306,20 @@ def objects_values(context: ReportContext) -> Values:
     """Give every object, how often each kind of contact was met, and what was out of reach."""
     run = context.run
     states = count_states(run.touches)
-    passed_over, missing = count_passed_over(run.touches), count_missing(run)
-    rows = [
-        *(
-            (state, meaning, {name: found[state] for name, found in states.items()})
-            for state, meaning in CONTACT_STATES.items()
-        ),
-        ("passed over", PASSED_OVER, {name: passed_over[name] for name in states}),
-        ("missing", "no touch: the view has no further place in reach", missing),
-    ]
+    counts = {
+        state: {name: found[state] for name, found in states.items()} for state in CONTACT_STATES
+    }
+    counts |= {"passed over": count_passed_over(run.touches), "missing": count_missing(run)}
+    meanings = {**CONTACT_STATES, **NO_TOUCH}
     return {
         "pages": context.pages,
         "credits": run.credits,
         "best": run.pipelines[0].best.name if run.pipelines else "classifier",
         "classes": run.classes,
         "strategies": sorted(states),
-        "states": [{"state": one, "meaning": why, "counts": counts} for one, why, counts in rows],
+        "states": [
+            {"state": one, "meaning": meanings[one], "counts": by} for one, by in counts.items()
+        ],
         "objects": len(run.objects),
         "checks": {} if run.stability is None else run.stability.objects,
         "describe_checks": describe_checks,

@@ -122,13 +122,10 @@ def read_study(folder: str | Path | None, study: str) -> StudyFigures | None:
     )
 
 
-def read_own_studies(folder: str | Path | None) -> list[StudyFigures]:
-    """Read all studies that don't come with the package, by name."""
-    if folder is None:
-        return []
-    names = sorted(path.stem for path in Path(folder).glob("*.parquet"))
-    found = [read_study(folder, name) for name in names if name not in PACKAGED]
-    return [study for study in found if study is not None]
+def names_of_own_studies(folder: str | Path | None) -> list[str]:
+    """Name the studies in a folder that don't come with the package."""
+    files = sorted(Path(folder).glob("*.parquet")) if folder else []
+    return [file.stem for file in files if file.stem not in PACKAGED]
 
 
 def condition_name(name: str) -> str:

@@ -1,0 +1,38 @@
+"""Where points and touches appear in a view."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from visuohaptic.fixations.viewpoints import Camera
+from visuohaptic.sensor.frames import row_axes
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES
+from visuohaptic.tables.schema import matrix
+
+
+def project(camera: Camera, points: NDArray[np.float64], resolution: int) -> NDArray[np.float64]:
+    """Find where points (n, 3) of the object frame, in front of a camera, appear in its view.
+
+    Gives (n, 2): column and row in pixels from the upper left corner of a view of `resolution` pixels
+    along each edge; the first pixel's centre is at 0.5. The inverse of `Camera.rays`.
+    """
+    right, up, back = camera.axes
+    if camera.projection == "orthographic":
+        depth = np.full(len(points), camera.distance)
+    else:
+        depth = camera.distance - points @ back
+    pixels = resolution / (2.0 * np.tan(np.radians(camera.field_of_view_degrees) / 2.0))
+    across, down = points @ right / depth, -(points @ up) / depth
+    return 0.5 * resolution + pixels * np.column_stack([across, down])
+
+
+def squares_in_view(camera: Camera, touches: pa.Table, resolution: int) -> NDArray[np.float64]:
+    """Give the corners (n, 4, 2) of the sensor's squares, at their true size, as `project` does."""
+    points, columns = matrix(touches, POINT_NAMES), matrix(touches, TANGENT_NAMES)
+    half = 0.5 * touches.column("sensor_size").to_numpy()[:, None]
+    across, down = half * columns, half * row_axes(matrix(touches, NORMAL_NAMES), columns)
+    turns = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    corners = np.stack([points + a * across + b * down for a, b in turns], axis=1)
+    return project(camera, corners.reshape(-1, 3), resolution).reshape(-1, 4, 2)
