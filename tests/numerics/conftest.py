@@ -6,22 +6,10 @@ import os
 import time
 
 import pytest
-from hypothesis import HealthCheck, settings
 from numerics.recording import Recorder
 
 RECORDER = Recorder()
 STARTED = time.perf_counter()
-
-SLOW = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.function_scoped_fixture]
-settings.register_profile(
-    "fast",
-    max_examples=25,
-    derandomize=True,
-    database=None,
-    deadline=None,
-    suppress_health_check=SLOW,
-)
-settings.register_profile("full", settings.get_profile("fast"), max_examples=300)
 
 
 def pytest_addoption(parser):
@@ -37,22 +25,10 @@ def _asked_for(config):
 
 
 def pytest_collection_modifyitems(config, items):
-    if _asked_for(config):
-        return
     hard = [item for item in items if item.get_closest_marker("hard")]
-    if hard:
+    if hard and not _asked_for(config):
         config.hook.pytest_deselected(items=hard)
-        items[:] = [item for item in items if not item.get_closest_marker("hard")]
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_make_collect_report(collector):
-    """Give this folder's properties its own counts, which they take over on import, and no others."""
-    settings.load_profile("full" if _asked_for(collector.config) else "fast")
-    try:
-        return (yield)
-    finally:
-        settings.load_profile("suite")
+        items[:] = [item for item in items if item not in hard]
 
 
 @pytest.fixture
@@ -98,6 +74,6 @@ def pytest_testnodedown(node):
 def pytest_sessionfinish(session, exitstatus):
     config = session.config
     if hasattr(config, "workeroutput"):
-        config.workeroutput["stability"] = RECORDER.as_data()
+        config.workeroutput["stability"] = RECORDER.as_bytes()
     elif _asked_for(config) and "PYTEST_XDIST_WORKER" not in os.environ:
         RECORDER.write(_asked_for(config), time.perf_counter() - STARTED)

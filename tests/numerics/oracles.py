@@ -1,27 +1,19 @@
 """Right answers in exact rationals. Nothing here imports the library."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable
 from fractions import Fraction
-from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
-
-Floats = NDArray[np.float64]
-Exact = list[Fraction]
 
 
-def _exact(values: Iterable[float]) -> Exact:
+def _exact(values):
     return [Fraction(float(value)) for value in values]
 
 
-def _minus(p: Exact, q: Exact) -> Exact:
+def _minus(p, q):
     return [x - y for x, y in zip(p, q, strict=True)]
 
 
-def _cross(p: Exact, q: Exact) -> Exact:
+def _cross(p, q):
     return [
         p[1] * q[2] - p[2] * q[1],
         p[2] * q[0] - p[0] * q[2],
@@ -29,11 +21,11 @@ def _cross(p: Exact, q: Exact) -> Exact:
     ]
 
 
-def _dot(p: Exact, q: Exact) -> Fraction:
+def _dot(p, q):
     return sum((x * y for x, y in zip(p, q, strict=True)), Fraction(0))
 
 
-def near(triangles: Floats, origin: Floats, direction: Floats) -> Floats:
+def near(triangles, origin, direction):
     """Give the triangles that a line passes within a thousandth of, by float64."""
     corners = triangles - origin
     sides = np.einsum("fkd,d->fk", np.cross(corners, np.roll(corners, -1, axis=1)), direction)
@@ -42,7 +34,7 @@ def near(triangles: Floats, origin: Floats, direction: Floats) -> Floats:
     return triangles[(sides >= -slack).all(axis=1) | (sides <= slack).all(axis=1)]
 
 
-def exact_first_hit(triangles: Floats, origin: Floats, direction: Floats) -> Fraction | None:
+def exact_first_hit(triangles, origin, direction):
     """Give the exact distance to the first triangle, rims included, as a Fraction; None for a miss."""
     triangles = near(triangles, np.asarray(origin), np.asarray(direction))
     o, d = _exact(origin), _exact(direction)
@@ -63,7 +55,7 @@ def exact_first_hit(triangles: Floats, origin: Floats, direction: Floats) -> Fra
     return best
 
 
-def exact_moments(values: Iterable[float]) -> tuple[Fraction, Fraction, Fraction]:
+def exact_moments(values):
     """Give mean, variance (population) and third moment about the mean, as Fractions."""
     exact = _exact(values)
     count = len(exact)
@@ -76,7 +68,7 @@ def exact_moments(values: Iterable[float]) -> tuple[Fraction, Fraction, Fraction
     )
 
 
-def root(fraction: Fraction) -> float:
+def root(fraction):
     """Give the square root of a Fraction as a float, right to the last bit or so, at any scale."""
     if fraction == 0:
         return 0.0
@@ -85,7 +77,7 @@ def root(fraction: Fraction) -> float:
     return float(np.ldexp(np.sqrt(float(scaled)), shift))
 
 
-def skewness(values: Iterable[float]) -> float:
+def skewness(values):
     """Give m3 / m2 ** 1.5 from exact moments; 0 for constant values."""
     _, second, third = exact_moments(values)
     if second == 0:
@@ -94,25 +86,19 @@ def skewness(values: Iterable[float]) -> float:
     return float(np.copysign(np.sqrt(float(square)), float(np.sign(third.numerator))))
 
 
-def exact_detail_levels(
-    values: Iterable[float],
-    low: Iterable[float],
-    high: Iterable[float],
-    levels: int,
-    extension: Literal["symmetric", "zero"],
-) -> list[Exact]:
+def exact_detail_levels(values, low, high, levels, extension):
     """Decompose a sequence with half-sample symmetric extension or with zeros, in Fractions.
 
     The taps are taken as the float64 numbers that they are.
     """
     taps_low, taps_high = _exact(low), _exact(high)
     length = len(taps_low)
-    details: list[Exact] = []
+    details = []
     signal = _exact(values)
     for _ in range(levels):
         count = len(signal)
 
-        def at(index: int, signal: Exact = signal, count: int = count) -> Fraction:
+        def at(index, signal=signal, count=count):
             if extension == "zero" and not 0 <= index < count:
                 return Fraction(0)
             index %= 2 * count

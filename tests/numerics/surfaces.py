@@ -1,40 +1,32 @@
 """Surfaces that checks touch, look at and cast rays at."""
 
-from __future__ import annotations
-
 from functools import cache
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.geometry.surface import Surface
 
-Floats = NDArray[np.float64]
 
-
-def pick(generator: np.random.Generator, low: float, high: float) -> float:
+def pick(generator, low, high):
     """Draw a number between two ends; one draw in eight is an end itself."""
     if generator.random() < 0.125:
         return float(generator.choice([low, high]))
     return float(generator.uniform(low, high))
 
 
-def build_plain_surface(
-    vertices: ArrayLike, faces: ArrayLike, colours: ArrayLike = (160, 160, 160)
-) -> Surface:
+def build_plain_surface(vertices, faces, colours=(160, 160, 160)):
     """Make a surface; one colour stands for all faces, and grey for none."""
     triangles = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
     painted = np.broadcast_to(np.asarray(colours, dtype=np.uint8), (len(triangles), 3)).copy()
     return Surface(np.asarray(vertices, dtype=np.float64), triangles, painted)
 
 
-def of_trimesh(mesh: Any, colours: ArrayLike = (160, 160, 160)) -> Surface:
+def of_trimesh(mesh, colours=(160, 160, 160)):
     """Make a surface of a mesh of trimesh."""
     return build_plain_surface(mesh.vertices, mesh.faces, colours)
 
 
-def float32_exact(surface: Surface) -> Surface:
+def float32_exact(surface):
     """Round the vertices to float32, so that caster and oracle see the same surface."""
     return Surface(
         surface.vertices.astype(np.float32).astype(np.float64), surface.faces, surface.face_colours
@@ -42,7 +34,7 @@ def float32_exact(surface: Surface) -> Surface:
 
 
 @cache
-def closed_shapes() -> dict[str, Surface]:
+def closed_shapes():
     """Give closed surfaces within the unit sphere, by name."""
     import trimesh
 
@@ -57,14 +49,14 @@ def closed_shapes() -> dict[str, Surface]:
 
 
 @cache
-def ball(level: int, radius: float = 1.0) -> Surface:
+def ball(level, radius=1.0):
     """Give a ball of 20 · 4^level triangles, its vertices rounded to float32."""
     import trimesh
 
     return float32_exact(of_trimesh(trimesh.creation.icosphere(level, radius=radius)))
 
 
-def draw_triangles(generator: np.random.Generator, count: int, size: float = 0.4) -> Surface:
+def draw_triangles(generator, count, size=0.4):
     """Give random triangles of sizes over six decades, slivers among them."""
     centres = generator.uniform(-0.7, 0.7, (count, 1, 3))
     scale = size * 10.0 ** generator.uniform(-3, 0, (count, 1, 1))
@@ -80,7 +72,7 @@ def draw_triangles(generator: np.random.Generator, count: int, size: float = 0.4
 
 
 @cache
-def lopsided() -> Surface:
+def lopsided():
     """Give a coloured object without any symmetry, of several parts."""
     import trimesh
 

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from numerics.shapes import VIEWPOINTS, run_chain
 
-from visuohaptic.tables.phases import VIEWS
+from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS
 
@@ -19,13 +19,13 @@ from visuohaptic.tables.schemas import SCHEMAS
 def test_blocks_of_viewpoints_in_any_order_give_the_same_tables(hold, tmp_path, rounds):
     source = tmp_path / "torus.stl"
     trimesh.creation.torus(0.6, 0.25, 24, 12).export(source)
-    whole = run_chain(source, tmp_path, name="whole")
+    whole = run_chain(source, tmp_path)
     generator = np.random.default_rng(rounds)
     for _ in range(rounds):
         order = generator.permutation(VIEWPOINTS)
         cuts = np.sort(generator.integers(1, VIEWPOINTS, 2))
         blocks = [sorted(block.tolist()) for block in np.split(order, cuts) if len(block)]
-        parts = [run_chain(source, tmp_path, block=block, name="part") for block in blocks]
+        parts = [run_chain(source, tmp_path, block) for block in blocks]
         for name, table in whole.items():
             keys = [(key, "ascending") for key in SCHEMAS[name].keys]
             joined = pa.concat_tables([part[name] for part in parts]).sort_by(keys)
@@ -36,24 +36,19 @@ def test_blocks_of_viewpoints_in_any_order_give_the_same_tables(hold, tmp_path, 
             )
 
 
-def views_table(mark):
-    """Give a table whose every value tells which version it is of."""
-    blob = bytes([mark]) * 50_000
-    numbers = np.arange(40)
-    columns = {
-        "class": "cup", "object": "mug", "viewpoint": numbers, "eye_x": float(mark),
-        "eye_y": 0.0, "eye_z": 0.0, "view": [blob] * 40, "saliency": [blob] * 40,
-        "conspicuity": [[("edge", blob)]] * 40, "skipped": [[]] * 40, "distinct_fixations": numbers,
-    }  # fmt: skip
-    return build_table(VIEWS, columns)
+def version(seed):
+    """Give a table of a megabyte whose every value tells which version it is of."""
+    chance = np.random.default_rng(seed)
+    found = sorted(chance.bytes(25_000).hex() for _ in range(40))
+    return build_table(GUARDS, {"guard": found, "outcome": str(seed), "found": found})
 
 
 def kill_while_writing(versions, path, seconds):
     """Kill a process that writes one version after the other."""
     child = os.fork()
     while child == 0:
-        for version in versions:
-            write_table(VIEWS, version, path)
+        for table in versions:
+            write_table(GUARDS, table, path)
     time.sleep(seconds)
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
@@ -62,13 +57,13 @@ def kill_while_writing(versions, path, seconds):
 @pytest.mark.parametrize("kills", [20, pytest.param(300, marks=pytest.mark.hard)])
 def test_a_writer_that_is_killed_leaves_the_old_table_or_the_new_one(hold, tmp_path, kills):
     path = tmp_path / "table.parquet"
-    versions = [views_table(mark) for mark in (1, 2)]
-    write_table(VIEWS, versions[0], path)
+    versions = [version(seed) for seed in (1, 2)]
+    write_table(GUARDS, versions[0], path)
     generator = np.random.default_rng(2)
     for kill in range(kills):
         kill_while_writing(versions, path, float(generator.uniform(0.002, 0.05)))
         for torn in tmp_path.glob(".table.parquet-*"):
             torn.unlink()
-        found = read_table(VIEWS, tmp_path)
+        found = read_table(GUARDS, tmp_path)
         whole = any(found.equals(version) for version in versions)
         hold("determinism/kill -9 and restart", not whole, f"after kill {kill}")

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from functools import reduce
 
 import pytest
-from numerics.checks import CHECKS, run_check
+from numerics.checks import CHECKS, holds
 
 from visuohaptic.parameters import ExperimentParameters
 
-BY_NAME = {check.name: check for check in CHECKS}
 SEED = ExperimentParameters().seed
 
 
@@ -73,25 +72,12 @@ def broken_code(function, expression, broken):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mutation", MUTATIONS, ids=lambda mutation: mutation.change)
-def test_a_broken_expression_is_noticed(monkeypatch, recorder, no_caches, mutation):
+def test_a_broken_expression_is_noticed(monkeypatch, no_caches, mutation):
     module, _, name = mutation.function.partition(":")
     found = reduce(getattr, name.split("."), importlib.import_module(module))
     function = inspect.unwrap(found)
     # The code is exchanged, so that whoever has imported the function runs the broken one, too.
     code = broken_code(function, mutation.expression, mutation.broken)
     monkeypatch.setattr(function, "__code__", code)
-    caught = [
-        name
-        for name in mutation.checks
-        if not all(
-            result.held for result in run_check(BY_NAME[name], SEED, BY_NAME[name].draws).values()
-        )
-    ]
-    recorder.tell(
-        "mutations",
-        {
-            "change": mutation.change, "file": mutation.function, "line": mutation.expression,
-            "broken": mutation.broken, "caught_by": ", ".join(caught),
-        },
-    )  # fmt: skip
-    assert caught == list(mutation.checks)
+    for name in mutation.checks:
+        assert not holds(CHECKS[name], SEED, CHECKS[name].draws), name

@@ -61,8 +61,8 @@ def written(folder, results, key="/", name="stability.parquet"):
 def stored(monkeypatch):
     """Give what puts results in the place of those that are kept with the package."""
 
-    def store(results, **further):
-        kept = StoredHardCases(result_table(results), MADE, further)
+    def store(results):
+        kept = StoredHardCases(result_table(results), MADE)
         monkeypatch.setattr(sections, "stored_hard_cases", lambda: kept)
 
     return store

@@ -4,7 +4,7 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.stability.object_files import make_object_stability
+from visuohaptic.stability.objects import make_object_stability
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -2,16 +2,8 @@ import numpy as np
 import pytest
 from contourlet_definition import frequency_directions, toolbox_directions
 
-from contourlets.directional import (
-    adjoin_directions,
-    analyse_directions,
-    synthesise_directions,
-)
-from contourlets.lattice import (
-    EXTENSIONS,
-    band_shapes,
-    directional_tables,
-)
+from contourlets.directional import adjoin_directions, analyse_directions, synthesise_directions
+from contourlets.lattice import EXTENSIONS, band_shapes, directional_tables
 
 FILTERS = ["pkva", "pkva8", "pkva6", "haar"]
 SHAPES = [(32, 32), (64, 32), (32, 64), (16, 48)]
@@ -28,54 +20,53 @@ def matrix_of(shape, depth, name, extension):
     return np.concatenate([band.reshape(-1, shape[0] * shape[1]) for band in bands])
 
 
+def check_bands(found, expected, atol=1e-12):
+    assert len(found) == len(expected)
+    for band, reference in zip(found, expected, strict=True):
+        np.testing.assert_allclose(band, reference, atol=atol)
+
+
 @pytest.mark.parametrize("depth", range(6))
 @pytest.mark.parametrize("name", FILTERS)
-@pytest.mark.parametrize("shape", SHAPES)
-def test_periodic_bands_are_the_toolbox_recursions(shape, name, depth, rng):
-    image = rng.standard_normal(shape)
-    expected = toolbox_directions(image, depth, name)
-    found = bands_of(image, depth, name, "periodic")
-    assert len(found) == len(expected) == 2**depth
-    for band, reference in zip(found, expected, strict=True):
-        np.testing.assert_allclose(band, reference, atol=1e-12)
+def test_periodic_bands_are_the_toolbox_recursions(name, depth, rng):
+    for shape in SHAPES:
+        image = rng.standard_normal(shape)
+        expected = toolbox_directions(image, depth, name)
+        check_bands(bands_of(image, depth, name, "periodic"), expected)
 
 
-ON_THE_TORUS = [(shape, depth, "circular") for shape in SHAPES[:3] for depth in range(6)]
-ON_THE_TORUS += [((32, 32), depth, "periodic") for depth in (1, 2)]
-
-
-@pytest.mark.parametrize(("shape", "depth", "extension"), ON_THE_TORUS)
+@pytest.mark.parametrize("depth", range(6))
 @pytest.mark.parametrize("name", ["pkva", "pkva6"])
-def test_bands_on_the_torus_are_filtered_by_their_frequency_responses(
-    shape, depth, extension, name, rng
-):
-    image = rng.standard_normal(shape)
-    expected = frequency_directions(image, depth, name)
-    for band, reference in zip(bands_of(image, depth, name, extension), expected, strict=True):
-        np.testing.assert_allclose(band, reference, atol=1e-12)
+def test_bands_on_the_torus_are_filtered_by_their_frequency_responses(depth, name, rng):
+    cases = [(shape, "circular") for shape in SHAPES[:3]]
+    # The toolbox's arrays have no seam yet.
+    cases += [((32, 32), "periodic")] if depth in (1, 2) else []
+    for shape, extension in cases:
+        image = rng.standard_normal(shape)
+        expected = frequency_directions(image, depth, name)
+        check_bands(bands_of(image, depth, name, extension), expected)
 
 
-@pytest.mark.parametrize("extension", ["periodic", "circular", "symmetric"])
 @pytest.mark.parametrize("depth", [3, 4])
-def test_bands_have_their_frequency_responses_away_from_seams_and_borders(depth, extension, rng):
+def test_bands_have_their_frequency_responses_away_from_seams_and_borders(depth, rng):
     image = rng.standard_normal((256, 256))
     expected = frequency_directions(image, depth, "pkva6")
-    found = bands_of(image, depth, "pkva6", extension)
-    for number, (band, response) in enumerate(zip(found, expected, strict=True)):
-        flat, reference = number < 2 ** (depth - 1), response
-        if extension == "symmetric":
-            # There every band starts at its first pixel in the image; elsewhere the toolbox's delays
-            # put some a sample later along the finer axis.
-            circular, placed = (
-                directional_tables(image.shape, depth, "pkva6", e).bands[number]
-                for e in ("circular", "symmetric")
-            )
-            order = np.argsort(circular, axis=None).reshape(circular.shape)
-            np.testing.assert_array_equal(circular.ravel()[order], placed)
-            reference = response.ravel()[order]
-        inner = np.s_[11:-11, 40:-40] if flat else np.s_[40:-40, 11:-11]
-        assert band[inner].size > 300
-        np.testing.assert_allclose(band[inner], reference[inner], atol=1e-12)
+    places = {e: directional_tables(image.shape, depth, "pkva6", e).bands for e in EXTENSIONS}
+    for extension in EXTENSIONS:
+        found = bands_of(image, depth, "pkva6", extension)
+        for number, (band, response) in enumerate(zip(found, expected, strict=True)):
+            reference = response
+            if extension == "symmetric":
+                # There every band starts at its first pixel in the image; elsewhere the toolbox's
+                # delays put some a sample later along the finer axis.
+                circular = places["circular"][number]
+                order = np.argsort(circular, axis=None).reshape(circular.shape)
+                np.testing.assert_array_equal(circular.ravel()[order], places[extension][number])
+                reference = response.ravel()[order]
+            flat = number < 2 ** (depth - 1)
+            inner = np.s_[11:-11, 40:-40] if flat else np.s_[40:-40, 11:-11]
+            assert band[inner].size > 300
+            np.testing.assert_allclose(band[inner], reference[inner], atol=1e-12)
 
 
 @pytest.mark.parametrize("extension", EXTENSIONS)
@@ -99,8 +90,9 @@ def test_synthesis_undoes_analysis_and_adjoint_is_the_transpose(depth, name, ext
     ("extension", "least", "largest"), [("periodic", 0.331, 3.021), ("symmetric", 0.230, 4.693)]
 )
 def test_singular_values_of_sixteen_bands_are_the_known_ones(extension, least, largest):
-    values = np.linalg.svd(matrix_of((32, 32), 4, "pkva", extension), compute_uv=False)
-    assert values[[-1, 0]] == pytest.approx([least, largest], abs=5e-4)
+    matrix = matrix_of((32, 32), 4, "pkva", extension)
+    values = np.sqrt(np.linalg.eigvalsh(matrix.T @ matrix))
+    assert values[[0, -1]] == pytest.approx([least, largest], abs=5e-4)
 
 
 @pytest.mark.parametrize("extension", ["periodic", "circular"])
@@ -113,9 +105,10 @@ def test_haar_bank_is_orthonormal(extension):
 @pytest.mark.parametrize("depth", range(2, 6))
 def test_circular_commutes_with_shifts_by_the_decimation_step(depth, name, rng):
     image = rng.standard_normal((64, 64))
+    bands = bands_of(image, depth, name, "circular")
     step = max(2, 2 ** (depth - 1))
     for shift in [(step, 0), (0, step), (3 * step, -step)]:
+        turns = [[s * n // 64 for s, n in zip(shift, band.shape, strict=True)] for band in bands]
+        expected = [np.roll(band, turn, (0, 1)) for band, turn in zip(bands, turns, strict=True)]
         shifted = bands_of(np.roll(image, shift, (0, 1)), depth, name, "circular")
-        for band, moved in zip(bands_of(image, depth, name, "circular"), shifted, strict=True):
-            turn = [s * n // 64 for s, n in zip(shift, band.shape, strict=True)]
-            np.testing.assert_allclose(moved, np.roll(band, turn, (0, 1)), atol=1e-13)
+        check_bands(shifted, expected, atol=1e-13)

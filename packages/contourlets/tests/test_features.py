@@ -12,8 +12,6 @@ from contourlets import (
     directional_deviations,
 )
 
-BATCHES = [1, 2, 3, 5, 7, 80, 1000]
-
 
 @pytest.fixture(scope="module")
 def imprints():
@@ -44,22 +42,14 @@ def test_deviations_and_energies_are_those_of_the_transforms_bands(
     np.testing.assert_array_equal(faint, np.ldexp(found, -800))
 
 
-@pytest.fixture(scope="module")
-def together(imprints):
-    return {name: directional_deviations(imprints, extension=name) for name in EXTENSIONS}
-
-
 @pytest.mark.parametrize("extension", EXTENSIONS)
-@pytest.mark.parametrize("count", BATCHES)
-def test_an_image_does_not_depend_on_its_batch(extension, count, imprints, together):
-    whole = together[extension]
-    few = directional_deviations(imprints[:count], extension=extension)
-    np.testing.assert_array_equal(few, whole[:count])
-    last = directional_deviations(imprints[-count:], extension=extension)
-    np.testing.assert_array_equal(last, whole[-count:])
-    shuffled = np.random.default_rng(count).permutation(1000)[:count]
-    chosen = directional_deviations(imprints[shuffled], extension=extension)
-    np.testing.assert_array_equal(chosen, whole[shuffled])
+def test_an_image_does_not_depend_on_its_batch(extension, imprints):
+    whole = directional_deviations(imprints, extension=extension)
+    shuffled = np.random.default_rng(1).permutation(len(imprints))
+    for count in (1, 2, 3, 5, 7, 80):
+        for chosen in (slice(count), slice(-count, None), shuffled[:count]):
+            few = directional_deviations(imprints[chosen], extension=extension)
+            np.testing.assert_array_equal(few, whole[chosen])
 
 
 def test_large_images_do_not_depend_on_their_batch(rng):
@@ -116,15 +106,9 @@ def test_constant_images_have_no_deviation(extension):
 
 
 def test_names_count_levels_from_the_finest():
-    names = band_names(Contourlet((1, 2)))
-    assert names == [
-        "level2_band01",
-        "level2_band02",
-        "level1_band01",
-        "level1_band02",
-        "level1_band03",
-        "level1_band04",
-    ]
+    coarse = [f"level2_band0{number}" for number in (1, 2)]
+    fine = [f"level1_band0{number}" for number in (1, 2, 3, 4)]
+    assert band_names(Contourlet((1, 2))) == coarse + fine
 
 
 def test_shapes_follow_the_images(rng):
@@ -134,12 +118,8 @@ def test_shapes_follow_the_images(rng):
     assert directional_deviations(np.zeros((0, 32, 32))).shape == (0, 16)
 
 
-def test_wrong_calls_get_one_sentence():
-    with pytest.raises(ImageError, match=r"shape \(n, rows, columns\), not \(32, 32\)"):
+def test_wrong_calls_are_refused():
+    with pytest.raises(ImageError, match=r"\(n, rows, columns\), not \(32, 32\)"):
         directional_deviations(np.zeros((32, 32)))
-    with pytest.raises(ImageError, match="float32 or float64 arrays, not int64"):
-        directional_deviations(np.zeros((1, 32, 32), int))
-    with pytest.raises(
-        LevelsError, match=r"two or more coefficients, and the levels \(2,\) leave one"
-    ):
+    with pytest.raises(LevelsError, match=r"\(2,\) leave one"):
         directional_deviations(np.zeros((1, 2, 2)), 2)

@@ -1,12 +1,8 @@
 import numpy as np
 import pytest
-from contourlet_definition import (
-    check_grating_sweep,
-    frequency_directions,
-    special_images,
-)
+from contourlet_definition import check_grating_sweep, frequency_directions, special_images
 
-from contourlets import LevelsError, NonsubsampledContourlet
+from contourlets import NonsubsampledContourlet
 from contourlets.lattice import directional_tables
 
 EXTENSIONS = ["periodic", "symmetric"]
@@ -97,8 +93,3 @@ def test_constant_images_leak_rounding_alone(extension):
 def test_the_band_of_a_gratings_direction_is_the_strongest(extension, directions_log2):
     transform = NonsubsampledContourlet((directions_log2,), extension=extension)
     check_grating_sweep(transform, 96, 0.6)
-
-
-def test_wrong_levels_get_one_sentence():
-    with pytest.raises(LevelsError, match="integer l from 0 to 5, not 7"):
-        NonsubsampledContourlet((7,))

@@ -4,15 +4,8 @@ import sys
 import numpy as np
 import pytest
 
-from contourlets import (
-    EXTENSIONS,
-    Contourlet,
-    LevelsError,
-    contourlet_operator,
-)
+from contourlets import EXTENSIONS, Contourlet, LevelsError, contourlet_operator
 from contourlets.operator import blockwise_product
-
-BATCHES = [1, 2, 3, 5, 7, 80, 1000]
 
 
 @pytest.mark.parametrize("extension", EXTENSIONS)
@@ -34,21 +27,18 @@ def test_operator_is_the_ladder(extension, dtype, tolerance, rng):
 
 def test_operator_is_built_once():
     transform = Contourlet((3,))
-    assert contourlet_operator(transform, (16, 16)) is contourlet_operator(transform, (16, 16))
-    assert contourlet_operator(transform, (16, 16)) is contourlet_operator(
-        Contourlet((3,)), (16, 16), "float64"
-    )
-    assert not contourlet_operator(transform, (16, 16)).matrix.flags.writeable
+    operator = contourlet_operator(transform, (16, 16))
+    assert operator is contourlet_operator(Contourlet((3,)), (16, 16), "float64")
+    assert not operator.matrix.flags.writeable
 
 
-@pytest.mark.parametrize("count", BATCHES)
-def test_a_row_of_a_product_does_not_depend_on_the_others(count, rng):
+def test_a_row_of_a_product_does_not_depend_on_the_others(rng):
     rows, matrix = rng.standard_normal((1000, 256)), rng.standard_normal((256, 300))
     whole = blockwise_product(rows, matrix)
-    np.testing.assert_array_equal(blockwise_product(rows[:count], matrix), whole[:count])
-    last = blockwise_product(rows[-count:], matrix)
-    np.testing.assert_array_equal(last, whole[-count:])
     np.testing.assert_allclose(whole, rows @ matrix, atol=1e-11)
+    for count in (1, 2, 3, 5, 7, 80):
+        for chosen in (slice(count), slice(-count, None)):
+            np.testing.assert_array_equal(blockwise_product(rows[chosen], matrix), whole[chosen])
 
 
 @pytest.mark.slow
@@ -73,9 +63,9 @@ def test_products_do_not_depend_on_the_number_of_threads():
     assert len(digests) == 1
 
 
-def test_too_large_or_wrong_sizes_get_one_sentence():
-    with pytest.raises(LevelsError, match=r"matrix for 128 × 128 images would exceed 32 MiB; use"):
+def test_too_large_or_wrong_sizes_are_refused():
+    with pytest.raises(LevelsError, match="128 × 128"):
         contourlet_operator(Contourlet((4,)), (128, 128))
     operator = contourlet_operator(Contourlet((2,)), (8, 8))
-    with pytest.raises(LevelsError, match=r"transforms images of 8 × 8 pixels, not 16 × 8"):
+    with pytest.raises(LevelsError, match="8 × 8 pixels, not 16 × 8"):
         operator.forward(np.zeros((16, 8)))

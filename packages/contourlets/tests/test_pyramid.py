@@ -3,11 +3,7 @@ import pytest
 from contourlet_definition import PYRAMIDS, toolbox_pyramid
 
 from contourlets import EXTENSIONS, pyramid_filter_names, pyramid_filters
-from contourlets.pyramid import (
-    adjoin_pyramid,
-    analyse_pyramid,
-    synthesise_pyramid,
-)
+from contourlets.pyramid import adjoin_pyramid, analyse_pyramid, synthesise_pyramid
 
 
 @pytest.mark.parametrize("name", PYRAMIDS)

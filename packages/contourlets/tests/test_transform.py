@@ -8,8 +8,6 @@ from contourlets import (
     CoefficientsError,
     Contourlet,
     ContourletError,
-    ExtensionError,
-    FilterError,
     ImageError,
     LevelsError,
 )
@@ -161,61 +159,53 @@ def test_the_band_of_a_gratings_direction_is_the_strongest(extension, directions
     check_grating_sweep(Contourlet((directions_log2,), extension=extension), 128, 0.4)
 
 
-def test_wrong_images_get_one_sentence():
-    transform = Contourlet((2,))
-    for image, sentence in [
-        (np.ones((8, 8), int), r"^Images must be real float32 or float64 arrays, not int64\.$"),
-        (np.ones((8, 8), complex), r"^Images must be real float32 or float64 .* not complex128\.$"),
-        (np.ones((8, 8), np.float16), r"not float16\.$"),
-        (np.ones((1, 64)), r"at least 2 rows and 2 columns, not \(1, 64\)\.$"),
-        (np.ones(64), r"\(\.\.\., rows, columns\).* not \(64,\)\.$"),
-        (
-            np.full((8, 8), np.nan),
-            r"^Images must be finite, but there are NaN or infinite pixels\.$",
-        ),
-        (np.full((8, 8), -np.inf), r"must be finite"),
-    ]:
-        with pytest.raises(ImageError, match=sentence):
-            transform.forward(image)
+@pytest.mark.parametrize(
+    ("image", "culprit"),
+    [
+        (np.ones((8, 8), int), "int64"),
+        (np.ones((8, 8), complex), "complex128"),
+        (np.ones((8, 8), np.float16), "float16"),
+        (np.ones((1, 64)), r"2 rows and 2 columns, not \(1, 64\)"),
+        (np.ones(64), r"\(64,\)"),
+        (np.full((8, 8), np.nan), "NaN"),
+        (np.full((8, 8), -np.inf), "infinite"),
+    ],
+)
+def test_wrong_images_are_refused(image, culprit):
+    with pytest.raises(ImageError, match=culprit):
+        Contourlet((2,)).forward(image)
 
 
-def test_wrong_levels_filters_and_extensions_get_one_sentence():
-    with pytest.raises(
-        LevelsError,
-        match=r"^The levels \(5, 5, 5\) need sides that are multiples of 64 .*, not 32 × 32\.$",
-    ):
-        Contourlet((5, 5, 5)).forward(np.ones((32, 32)))
-    with pytest.raises(LevelsError, match=r"multiples of 8 .*, not 36 × 32"):
-        Contourlet((4,)).forward(np.ones((36, 32)))
-    with pytest.raises(LevelsError, match=r"^Levels must be a tuple of one or more integers, not"):
-        Contourlet([4])
-    with pytest.raises(LevelsError, match=r"not \(\)"):
-        Contourlet(())
-    for wrong in (6, -1, 2.0, True):
-        with pytest.raises(LevelsError, match=rf"integer l from 0 to 5, not {wrong!r}"):
-            Contourlet((wrong,))
-    with pytest.raises(FilterError, match="No pyramid filter is called 'sym4'"):
-        Contourlet((4,), "sym4")
-    with pytest.raises(FilterError, match="No directional filter is called 'cd'"):
-        Contourlet((4,), directional_filter="cd")
-    with pytest.raises(
-        ExtensionError, match=r"called 'zero'; the names are periodic, circular and symmetric\."
-    ):
-        Contourlet((4,), extension="zero")
-    assert issubclass(ExtensionError, ContourletError)
-    assert issubclass(ContourletError, ValueError)
+@pytest.mark.parametrize(
+    ("wrong", "culprit"),
+    [({"levels": wrong}, str(wrong)) for wrong in ([4], ())]
+    + [({"levels": (wrong,)}, f"from 0 to 5, not {wrong!r}") for wrong in (6, -1, 2.0, True)]
+    + [({"pyramid_filter": "sym4"}, "sym4"), ({"directional_filter": "cd"}, "cd")]
+    + [({"extension": "zero"}, "zero.*periodic, circular and symmetric")],
+)
+def test_wrong_parameters_are_refused(wrong, culprit):
+    with pytest.raises(ContourletError, match=culprit.replace("[", r"\[").replace("()", r"\(\)")):
+        Contourlet(**wrong)
 
 
-def test_wrong_coefficients_get_one_sentence(rng):
+@pytest.mark.parametrize(
+    ("levels", "shape", "multiple"), [((5, 5, 5), (32, 32), 64), ((4,), (36, 32), 8)]
+)
+def test_sizes_that_the_levels_do_not_allow_are_refused(levels, shape, multiple):
+    with pytest.raises(LevelsError, match=f"multiples of {multiple} .*not {shape[0]} × {shape[1]}"):
+        Contourlet(levels).forward(np.ones(shape))
+
+
+def test_wrong_coefficients_are_refused(rng):
     transform = Contourlet((2,))
     good = transform.forward(rng.standard_normal((8, 8)))
     cut = Coefficients(good.coarse[:2], good.levels, good.image_shape)
-    with pytest.raises(CoefficientsError, match=r"^Coefficients of images of 8 × 8 must have the"):
+    with pytest.raises(CoefficientsError, match="8 × 8"):
         transform.inverse(cut)
     mixed = Coefficients(good.coarse.astype(np.float32), good.levels, good.image_shape)
-    with pytest.raises(CoefficientsError, match=r"all float32 or all float64, not \['float32'"):
+    with pytest.raises(CoefficientsError, match="float32"):
         transform.inverse(mixed)
-    with pytest.raises(LevelsError, match=r"adjoint needs images that are not padded, and 7 × 8"):
+    with pytest.raises(LevelsError, match="7 × 8"):
         transform.adjoint(transform.forward(rng.standard_normal((7, 8))))
 
 

@@ -33,40 +33,33 @@ def test_transformer_gives_energies(rng):
     assert transformer.get_feature_names_out()[4] == "level1_band01_energy"
 
 
-def test_transformer_takes_flat_images_in_a_pipeline(rng):
+def test_transformer_stands_in_a_pipeline_and_names_the_columns_of_a_frame(rng):
     images = rng.standard_normal((6, 16, 24))
-    transformer = ContourletDeviations((3,), image_shape=(16, 24))
-    pipeline = make_pipeline(clone(transformer), StandardScaler())
-    found = pipeline.fit_transform(images.reshape(6, -1))
+    pipeline = make_pipeline(clone(ContourletDeviations((3,))), StandardScaler())
+    found = pipeline.fit_transform(images)
     np.testing.assert_allclose(found.mean(axis=0), 0, atol=1e-12)
-    assert pipeline.get_feature_names_out().tolist()[:2] == [
-        "level1_band01_deviation",
-        "level1_band02_deviation",
-    ]
-    frame = clone(transformer).set_output(transform="pandas").fit_transform(images)
+    assert pipeline.get_feature_names_out()[1] == "level1_band02_deviation"
+    frame = ContourletDeviations((3,)).set_output(transform="pandas").fit_transform(images)
     assert frame.columns[7] == "level1_band08_deviation"
 
 
 def test_wavelet_transformer_gives_named_deviations(rng):
     images = rng.standard_normal((4, 32, 32))
     transformer = WaveletDeviations("db2", levels=2)
-    np.testing.assert_array_equal(
-        transformer.fit_transform(images), wavelet_deviations(images, "db2", 2)
-    )
+    expected = wavelet_deviations(images, "db2", 2)
+    np.testing.assert_array_equal(transformer.fit_transform(images), expected)
     assert transformer.get_feature_names_out()[0] == "level2_horizontal_deviation"
 
 
-def test_wrong_use_gets_one_sentence(rng):
+def test_wrong_use_is_refused(rng):
     images = rng.standard_normal((2, 32, 32))
     with pytest.raises(NotFittedError):
         ContourletDeviations().transform(images)
-    with pytest.raises(LevelsError, match="from 0 to 5, not 9"):
+    with pytest.raises(LevelsError, match="9"):
         ContourletDeviations((9,)).fit(images)
-    with pytest.raises(ImageError, match="deviation or energy, not 'entropy'"):
+    with pytest.raises(ImageError, match="'entropy'"):
         ContourletDeviations(statistic="entropy").fit(images)
-    with pytest.raises(ImageError, match=r"fitted to images of 32 × 32, and these are 16 × 16"):
+    with pytest.raises(ImageError, match="32 × 32, and these are 16 × 16"):
         ContourletDeviations().fit(images).transform(images[:, :16, :16])
-    with pytest.raises(ImageError, match=r"together with image_shape, not \(2, 1024\)"):
+    with pytest.raises(ImageError, match=r"\(2, 1024\)"):
         ContourletDeviations().fit(images.reshape(2, -1))
-    with pytest.raises(ImageError, match="have 256 pixels, not 1024"):
-        ContourletDeviations(image_shape=(16, 16)).fit(images.reshape(2, -1))

@@ -249,7 +249,6 @@ def stability_values(context: ReportContext) -> Values:
     return {
         "parts": ({"Objects of this run": found} if found else {}) | _hard_cases(),
         "made": stored.made,
-        "further": stored.further,
         "kernels": read_precision(precision) if precision else {},
         "anchors": {page.key: page.anchor for page in context.pages},
         "describe_checks": describe_checks,

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-Floats = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 SIZE = 120
 
@@ -21,16 +17,19 @@ def _svg(body: str, label: str) -> str:
 
 def triangles(corners: ArrayLike, label: str, ray: ArrayLike | None = None, most: int = 60) -> str:
     """Draw triangles seen along z (x right, y up), and a ray, shape (2, 3)."""
-    corners = np.asarray(corners, dtype=np.float64)[:most]
-    everything = corners.reshape(-1, 3) if ray is None else np.vstack([corners.reshape(-1, 3), ray])
-    place = _fit(everything[:, :2])
+    shown = np.asarray(corners, dtype=np.float64)[:most].reshape(-1, 3)
+    points = (shown if ray is None else np.vstack([shown, ray]))[:, :2]
+    low, high = points.min(axis=0), points.max(axis=0)
+    scale = (SIZE - 16) / max(float((high - low).max()), 1e-30)
+    places = SIZE / 2 + (points - 0.5 * (low + high)) * scale * [1, -1]
+    written = [f"{x:.1f},{y:.1f}" for x, y in places[: len(shown)]]
     body = "".join(
-        f'<polygon points="{_points(place(triangle[:, :2]))}" fill="currentColor" '
+        f'<polygon points="{" ".join(triangle)}" fill="currentColor" '
         'fill-opacity="0.12" stroke="currentColor" stroke-width="0.8"/>'
-        for triangle in corners
+        for triangle in zip(written[::3], written[1::3], written[2::3], strict=True)
     )
     if ray is not None:
-        (x1, y1), (x2, y2) = place(np.asarray(ray)[:, :2])
+        (x1, y1), (x2, y2) = places[-2:]
         body += (
             f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="#c01860" '
             'stroke-width="1.5"/>'
@@ -58,19 +57,3 @@ def image(pixels: ArrayLike, label: str) -> str:
                 f'height="{cell:.1f}" fill="#{level:02x}{level:02x}{level:02x}"/>'
             )
     return _svg(body, label)
-
-
-def _fit(points: Floats) -> Callable[[ArrayLike], Floats]:
-    low, high = points.min(axis=0), points.max(axis=0)
-    scale = (SIZE - 16) / max(float((high - low).max()), 1e-30)
-    middle = 0.5 * (low + high)
-
-    def place(some: ArrayLike) -> Floats:
-        shifted = (np.asarray(some) - middle) * scale
-        return np.column_stack([SIZE / 2 + shifted[:, 0], SIZE / 2 - shifted[:, 1]])
-
-    return place
-
-
-def _points(places: Floats) -> str:
-    return " ".join(f"{x:.1f},{y:.1f}" for x, y in places)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -47,32 +47,30 @@ class Result:
         return self.worst_error <= self.tolerance.bound
 
 
-def worst_of(finding: Finding, tolerances: Mapping[str, Tolerance]) -> Result | None:
-    """Give the worst case of a finding, beside its tolerance by name; None where there is no case."""
-    errors = np.atleast_1d(np.asarray(finding.errors, dtype=np.float64)).ravel()
-    if not errors.size:
-        return None
-    errors = np.where(np.isnan(errors), np.inf, errors)
-    place = int(np.argmax(errors))
-    hardest, drawing = (
-        made(place) if callable(made) else made for made in (finding.hardest, finding.drawing)
-    )
-    cases = errors.size if finding.cases is None else finding.cases
-    allowed = tolerances[finding.tolerance]
-    return Result(finding.tolerance, allowed, cases, float(errors[place]), hardest, drawing)
+def results_of(
+    findings: Iterable[Finding], tolerances: Mapping[str, Tolerance]
+) -> Iterator[Result]:
+    """Give the worst case of each finding that has cases, beside its tolerance by name."""
+    for finding in findings:
+        errors = np.asarray(finding.errors, dtype=np.float64).ravel()
+        if not errors.size:
+            continue
+        errors = np.where(np.isnan(errors), np.inf, errors)
+        place = int(np.argmax(errors))
+        hardest, drawing = (
+            made(place) if callable(made) else made for made in (finding.hardest, finding.drawing)
+        )
+        cases = errors.size if finding.cases is None else finding.cases
+        allowed = tolerances[finding.tolerance]
+        yield Result(finding.tolerance, allowed, cases, float(errors[place]), hardest, drawing)
 
 
 def measure(
     check: Callable[[], Iterable[Finding]], tolerances: Mapping[str, Tolerance]
 ) -> list[Result]:
-    """Make a check, and give a result for each finding that has cases.
-
-    `tolerances` are all that it may find, by name. A check that breaks off, for a kernel may fail in
-    any way, has an infinite error under each of them instead.
-    """
+    """Make a check that may find the tolerances named; one that breaks off has an infinite error under each."""
     try:
-        found = [worst_of(finding, tolerances) for finding in check()]
-        return [result for result in found if result is not None]
+        return list(results_of(check(), tolerances))
     except Exception as error:  # noqa: BLE001 - the failure is the finding, and the table names it
         sentence = f"ended in {type(error).__name__}: {error}"
         return [
@@ -82,13 +80,11 @@ def measure(
 
 
 def merge_results(results: Iterable[Result]) -> dict[str, Result]:
-    """Sum up cases and keep the worst error by tolerance, in the order in which they come; the first of equal ones."""
+    """Sum up cases and keep the worst error by tolerance, the first of equal ones."""
     merged: dict[str, Result] = {}
     for result in results:
-        kept = merged.get(result.name)
-        if kept is None:
-            merged[result.name] = result
-            continue
-        worse = result if result.worst_error > kept.worst_error else kept
-        merged[result.name] = replace(worse, cases=kept.cases + result.cases)
+        kept = merged.setdefault(result.name, result)
+        if kept is not result:
+            worse = result if result.worst_error > kept.worst_error else kept
+            merged[result.name] = replace(worse, cases=kept.cases + result.cases)
     return merged

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -12,15 +13,20 @@ from numpy.typing import NDArray
 
 from contourlets import Contourlet
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.geometry.raycasting import Hits, RayCaster
-from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.scene.parameters import Scene
+from visuohaptic.seeds import spawn_generator
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.stability import drawings, oracles
 from visuohaptic.stability.findings import Finding, Result, measure, merge_results
 from visuohaptic.stability.rays import Floats, aim, draw_ray, everything, plane_errors
+from visuohaptic.stability.rows import result_table
 from visuohaptic.stability.tolerances import TOLERANCES
-from visuohaptic.tables.schema import images, matrix
+from visuohaptic.tables.phases import FIXATIONS, TOUCHES, by_object
+from visuohaptic.tables.schema import images, matrix, read_table, write_table
+from visuohaptic.tables.stability import STABILITY
+from visuohaptic.touches.choosing import touched_places
 from visuohaptic.touches.touching import touch_tables
 
 RAYS = 2000
@@ -28,8 +34,7 @@ RAYS_BY_BRUTE_FORCE = 48
 TOUCHED_AGAIN = 4
 
 
-@dataclass(frozen=True)
-class SensedObject:
+class SensedObject(NamedTuple):
     """An object and what the run has of it: fixations and touches are n rows in one order, the places touched."""
 
     surface: Surface
@@ -39,6 +44,28 @@ class SensedObject:
     sensor: SensorParameters
     scene: Scene
     seed: int
+
+
+def make_object_stability(
+    meshes: Mapping[str, str | Path],
+    fixations: str | Path | Sequence[str | Path],
+    touches: str | Path | Sequence[str | Path],
+    output: str | Path,
+    attention: AttentionParameters,
+    sensor: SensorParameters,
+    scene: Scene,
+    seed: int,
+) -> None:
+    """Make the checks on some objects, by `class/name`, and write the table; one that was not touched has no rows."""
+    located = dict(by_object(read_table(FIXATIONS, fixations)))
+    parts = [STABILITY.arrow.empty_table()]
+    for key, felt in by_object(read_table(TOUCHES, touches)):
+        places = touched_places(located[key], felt)
+        surface = read_surface(meshes[key])
+        sensed = SensedObject(surface, places, felt, attention, sensor, scene, seed)
+        found = check_object(sensed, spawn_generator(seed, "stability", key))
+        parts.append(result_table(found.values(), key))
+    write_table(STABILITY, pa.concat_tables(parts), output)
 
 
 def check_object(sensed: SensedObject, generator: np.random.Generator) -> dict[str, Result]:
@@ -61,10 +88,18 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
     directions = targets - origins
     caster = RayCaster(surface)
     hits = caster.first_hits(origins, directions, everything)
-    faces_near = _face_finder(surface)
+    centres = surface.triangles.mean(axis=1)
+    radii = np.linalg.norm(surface.triangles - centres[:, None], axis=2).max(axis=1)
+
+    def faces_near(row: int) -> NDArray[np.intp]:
+        """Find the faces within whose bounding spheres a ray's line passes."""
+        offset = centres - origins[row]
+        along = offset @ (directions[row] / np.linalg.norm(directions[row]))
+        aside = np.einsum("fd,fd->f", offset, offset) - along**2
+        return np.flatnonzero(aside <= (radii + 1e-6) ** 2)
 
     def draw(row: int) -> str:
-        near = faces_near(origins[row], directions[row])
+        near = faces_near(row)
         part = Surface(surface.vertices, surface.faces[near], surface.face_colours[near])
         return draw_ray(part, origins, directions, "a ray and the faces near it")(row)
 
@@ -72,33 +107,15 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
         return f"ray from {origins[row]} along {directions[row]}"
 
     for some in (hits, caster.first_hits(origins, directions)):
-        # A ray that meets nothing has no error: it is brute force that looks for it.
-        met = Hits(np.where(some.hit, some.distance, 0), np.maximum(some.face, 0))
-        errors = np.where(some.hit, plane_errors(surface, origins, directions, met), 0)
+        errors = plane_errors(surface, origins, directions, some)
         yield Finding("objects/hits lie on their face's plane", errors, describe, draw)
     wrong = []
-    for origin, direction, distance in zip(
-        origins[:RAYS_BY_BRUTE_FORCE], directions, hits.distance, strict=False
-    ):
-        triangles = surface.triangles[faces_near(origin, direction)]
-        right, _, unsure = oracles.first_hits(triangles, origin[None], direction[None])
-        same = distance == right[0] or abs(distance - right[0]) <= 1e-9
-        wrong.append(not same and not unsure[0])
+    for row in range(RAYS_BY_BRUTE_FORCE):
+        ray = origins[row, None], directions[row, None]
+        (right,), (unsure,) = oracles.first_hits(surface.triangles[faces_near(row)], *ray)
+        same = hits.distance[row] == right or abs(hits.distance[row] - right) <= 1e-9
+        wrong.append(not same and not unsure)
     yield Finding("objects/rays against brute force in float64", wrong, describe, draw)
-
-
-def _face_finder(surface: Surface) -> Callable[[Floats, Floats], NDArray[np.intp]]:
-    """Give what finds the faces within whose bounding spheres a line passes."""
-    centres = surface.triangles.mean(axis=1)
-    radii = np.linalg.norm(surface.triangles - centres[:, None], axis=2).max(axis=1)
-
-    def faces_near(origin: Floats, direction: Floats) -> NDArray[np.intp]:
-        offset = centres - origin
-        along = offset @ (direction / np.linalg.norm(direction))
-        aside = np.einsum("fd,fd->f", offset, offset) - along**2
-        return np.flatnonzero(aside <= (radii + 1e-6) ** 2)
-
-    return faces_near
 
 
 def probing_locations(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
@@ -199,10 +216,7 @@ def _describe_row(table: pa.Table, row: int) -> str:
 _CHECKS = (
     (
         rays,
-        (
-            "objects/hits lie on their face's plane",
-            "objects/rays against brute force in float64",
-        ),
+        ("objects/hits lie on their face's plane", "objects/rays against brute force in float64"),
     ),
     (probing_locations, ("objects/probing locations lie on their face's plane",)),
     (frames, ("objects/frames of touches",)),

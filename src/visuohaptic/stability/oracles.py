@@ -13,19 +13,19 @@ UNSURE = 1e-12
 
 def first_hits(
     triangles: Floats, origins: Floats, directions: Floats
-) -> tuple[Floats, NDArray[np.int64], NDArray[np.bool_]]:
+) -> tuple[Floats, NDArray[np.bool_]]:
     """Meet every ray with every triangle by Cramer's rule.
 
-    Gives the distance of the nearest hit (infinite for none), its triangle, and whether any
-    decision was so close that rounding may have taken it.
+    Gives the distance of the nearest hit (infinite for none), and whether any decision was so close
+    that rounding may have taken it.
     """
     distance = np.full(len(origins), np.inf)
-    face = np.full(len(origins), -1)
     unsure = np.zeros(len(origins), dtype=bool)
     corner, first, second = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     a, b = first - corner, second - corner
     normal = np.cross(a, b)
     size = np.linalg.norm(normal, axis=1)
+    longer = np.maximum(np.linalg.norm(a, axis=1), np.linalg.norm(b, axis=1))
     step = max(1, 2_000_000 // max(len(triangles), 1))
     for start in range(0, len(origins), step):
         rows = slice(start, start + step)
@@ -43,18 +43,10 @@ def first_hits(
         ahead = usable & (t >= 0)
         met = ahead & (least >= 0)
         # Rounding of u and v is some 16 u64 × the lengths that take part over the determinant.
-        reach = (
-            np.linalg.norm(s, axis=2)
-            * length
-            * np.maximum(np.linalg.norm(a, axis=1), np.linalg.norm(b, axis=1))
-        )
+        reach = np.linalg.norm(s, axis=2) * length * longer
         noise = UNSURE + 32 * 2.0**-53 * reach * np.abs(inverse)
         grazing = (size > 0) & (np.abs(determinant) < 1e-12 * size * length)
         doubt = (ahead & (np.abs(least) < noise)) | grazing | (usable & (np.abs(t) < UNSURE))
-        t = np.where(met, t, np.inf)
-        nearest = np.argmin(t, axis=1)
-        index = np.arange(len(nearest))
-        distance[rows] = t[index, nearest]
-        face[rows] = np.where(np.isfinite(distance[rows]), nearest, -1)
+        distance[rows] = np.where(met, t, np.inf).min(axis=1)
         unsure[rows] = doubt.any(axis=1)
-    return distance, face, unsure
+    return distance, unsure

@@ -21,11 +21,13 @@ def everything(distances: Floats) -> Flags:
 
 
 def plane_errors(surface: Surface, origins: Floats, directions: Floats, hits: Hits) -> Floats:
-    """Measure how far each hit lies from the plane of its face, along the normal."""
-    corners = surface.triangles[hits.face]
-    normals = surface.face_normals[hits.face]
-    points = origins + hits.distance[:, None] * directions
-    return np.abs(((points - corners[:, 0]) * normals).sum(axis=1))
+    """Measure how far each hit lies from the plane of its face, along the normal; 0 for a miss."""
+    errors, met = np.zeros(len(origins)), hits.hit
+    faces = hits.face[met]
+    points = origins[met] + hits.distance[met, None] * directions[met]
+    offsets = points - surface.triangles[faces, 0]
+    errors[met] = np.abs((offsets * surface.face_normals[faces]).sum(axis=1))
+    return errors
 
 
 def draw_ray(

@@ -21,14 +21,13 @@ def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
     rows = []
     for result in results:
         family, _, requirement = result.name.partition("/")
-        worst = result.worst_error if np.isfinite(result.worst_error) else None
         rows.append(
             {
                 **owner_columns(key),
                 "family": family,
                 "requirement": requirement,
                 "cases": result.cases,
-                "worst_error": worst,
+                "worst_error": result.worst_error if np.isfinite(result.worst_error) else None,
                 "tolerance": result.tolerance.bound,
                 "unit": result.tolerance.unit,
                 "reason": result.tolerance.reason,
@@ -42,24 +41,23 @@ def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
 def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
     """Name the tolerances that were exceeded, in a sentence each, and each file that can't be read.
 
-    The files were checked when they were written, and are not checked again: this is called at the end
-    of each run.
+    The files were checked when they were written: this is called at the end of each run.
     """
-    return [sentence for path in paths for sentence in _broken_of(path)]
+    sentences = []
+    for path in paths:
+        try:
+            rows = pq.ParquetFile(path).read().drop_columns(["drawing"]).to_pylist()
+        except (OSError, KeyError, pa.ArrowInvalid) as error:
+            rows = []
+            sentences.append(
+                f"{path} can't be read as a table of hard cases ({error}); delete it and run again."
+            )
+        sentences += [_sentence(row) for row in rows if not _held(row)]
+    return sentences
 
 
-def _broken_of(path: str | Path) -> list[str]:
-    try:
-        rows = pq.ParquetFile(path).read().drop_columns(["drawing"]).to_pylist()
-    except (OSError, KeyError, pa.ArrowInvalid) as error:
-        return [
-            f"{path} can't be read as a table of hard cases ({error}); delete it and run again."
-        ]
-    return [
-        _sentence(row)
-        for row in rows
-        if row["worst_error"] is None or row["worst_error"] > row["tolerance"]
-    ]
+def _held(row: Mapping[str, Any]) -> bool:
+    return row["worst_error"] is not None and row["worst_error"] <= row["tolerance"]
 
 
 def _sentence(row: Mapping[str, Any]) -> str:

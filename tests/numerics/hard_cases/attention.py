@@ -1,15 +1,9 @@
 """Views in which nothing stands out or hardly anything is seen, and the model's parts by other means."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from typing import Any
-
 import numpy as np
 from numerics.surfaces import ball, lopsided, of_trimesh, pick
-from numpy.typing import NDArray
 
-from visuohaptic.attention.model import Attention, attend
+from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.pyramid import GOES_ON, NOTHING_BEYOND, blur, enlarge, reduce
 from visuohaptic.attention.scanpath import INWARD, TIE, scan
@@ -21,16 +15,11 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-View = dict[str, NDArray[Any]]
-
 SIZE = 64
+SEEN = ("colour", "mask", "point", "normal", "face", "curvature")
 
 
-def flat_view(
-    colour: NDArray[np.floating[Any]], mask: Flags, curvature: Floats | None = None
-) -> View:
+def flat_view(colour, mask, curvature=None):
     """Give the arrays of `attend` for a flat panel of width 2, seen head on."""
     rows, columns = mask.shape
     y, x = np.mgrid[:rows, :columns]
@@ -47,11 +36,16 @@ def flat_view(
     }
 
 
-def judge_view(
-    view: View, found: Attention, label: str, parameters: AttentionParameters
-) -> Iterator[Finding]:
+def look(surface, cameras, resolution):
+    """Render views of a surface, and attend to them."""
+    views = render_views(RayCaster(surface), cameras, RenderingParameters(resolution=resolution))
+    arrays = {name: getattr(views, name) for name in SEEN}
+    return views, list(attend(**arrays, parameters=AttentionParameters()))
+
+
+def judge(found, mask, label, parameters):
     """Want maps within 0 and 1, and fixations on the object, a focus apart."""
-    mask, picture = view["mask"][0], drawings.image(found.saliency, label)
+    picture = drawings.image(found.saliency, label)
     maps = np.stack([found.saliency, *found.conspicuity.values()])
     wrong = not np.isfinite(maps).all() or maps.min() < 0 or bool((maps[:, ~mask] != 0).any())
     wrong |= found.saliency.max() > 1 or (0 < found.saliency.max() < 1)
@@ -68,28 +62,23 @@ def judge_view(
         wrong,
         label,
         picture,
-        cases=max(path.distinct, 1),
+        max(path.distinct, 1),
     )
 
 
-def hard_masks(generator: np.random.Generator) -> dict[str, Flags]:
+def hard_masks(generator):
     """Give silhouettes that leave little to look at, shape (SIZE, SIZE), by name."""
-    full = np.ones((SIZE, SIZE), dtype=bool)
-    none = np.zeros_like(full)
-    pixel, corner, line = none.copy(), none.copy(), none.copy()
-    pixel[5, 60] = True
-    corner[0, 0] = True
-    line[31] = True
-    aside = np.hypot(*(np.indices(full.shape) - 31.5))
+    row, column = np.indices((SIZE, SIZE))
+    aside = np.hypot(row - 31.5, column - 31.5)
     return {
-        "all": full, "nothing": none, "one pixel": pixel, "the corner pixel": corner, "a line": line,
-        "a ring": (aside < 30) & (aside > 28),
-        "a checkerboard": np.indices(full.shape).sum(axis=0) % 2 == 0,
-        "scattered pixels": generator.random(full.shape) < 0.003,
+        "all": row >= 0, "nothing": row < 0, "one pixel": (row == 5) & (column == 60),
+        "the corner pixel": row + column == 0, "a line": row == 31, "a ring": (aside < 30) & (aside > 28),
+        "a checkerboard": (row + column) % 2 == 0,
+        "scattered pixels": generator.random((SIZE, SIZE)) < 0.003,
     }  # fmt: skip
 
 
-def hard_colours(generator: np.random.Generator) -> dict[str, Floats]:
+def hard_colours(generator):
     """Give colours in which nothing stands out, or that hardly fit into float32, by name."""
     shape = (SIZE, SIZE, 3)
     peak, plateau = np.full(shape, 0.5), np.full(shape, 0.2)
@@ -104,7 +93,7 @@ def hard_colours(generator: np.random.Generator) -> dict[str, Floats]:
     }  # fmt: skip
 
 
-def hard_views(generator: np.random.Generator) -> Iterator[Finding]:
+def hard_views(generator):
     """Attend to a view of a hard silhouette in hard colours."""
     masks, colours = hard_masks(generator), hard_colours(generator)
     seen, painted = str(generator.choice(list(masks))), str(generator.choice(list(colours)))
@@ -112,11 +101,11 @@ def hard_views(generator: np.random.Generator) -> Iterator[Finding]:
     parameters = AttentionParameters.model_validate({"normalisation": normalisation})
     bend = generator.choice([0.0, 1.0, 1e30], (SIZE, SIZE))
     view = flat_view(colours[painted], masks[seen], bend)
-    found = attend(**view, parameters=parameters)[0]
-    yield from judge_view(view, found, f"{painted}, seen: {seen}", parameters)
+    (found,) = attend(**view, parameters=parameters)
+    yield from judge(found, masks[seen], f"{painted}, seen: {seen}", parameters)
 
 
-def noisy_views(generator: np.random.Generator) -> Iterator[Finding]:
+def noisy_views(generator):
     """Attend to noise of any brightness within a random outline."""
     from scipy.ndimage import gaussian_filter
 
@@ -126,28 +115,22 @@ def noisy_views(generator: np.random.Generator) -> Iterator[Finding]:
     mask = smooth >= np.quantile(smooth, pick(generator, 0, 1))
     parameters = AttentionParameters(inhibition_falloff=float(generator.integers(2)))
     view = flat_view(colour, mask, 10.0 ** generator.uniform(-3, 3, mask.shape))
-    found = attend(**view, parameters=parameters)[0]
-    yield from judge_view(
-        view, found, f"noise of 1e{exponent:.0f} on {mask.sum()} pixels", parameters
-    )
+    (found,) = attend(**view, parameters=parameters)
+    yield from judge(found, mask, f"noise of 1e{exponent:.0f} on {mask.sum()} pixels", parameters)
 
 
-def views_from_within(generator: np.random.Generator) -> Iterator[Finding]:
+def views_from_within(generator):
     """Attend to views of a camera inside an object, its centre and skin among the places."""
-    parameters = AttentionParameters()
     distance = float(generator.choice([0.0, 1e-6, 0.3, 0.55, 0.9]))
     surface = ball(3) if generator.random() < 0.5 else lopsided()
     cameras = [Camera(azimuth, 20.0, distance, 40.0) for azimuth in (0.0, 135.0)]
-    views = render_views(RayCaster(surface), cameras, RenderingParameters(resolution=SIZE))
-    names = ("colour", "mask", "point", "normal", "face", "curvature")
-    arrays = {name: getattr(views, name) for name in names}
-    for row, found in enumerate(attend(**arrays, parameters=parameters)):
-        view = {name: values[row : row + 1] for name, values in arrays.items()}
+    views, attended = look(surface, cameras, SIZE)
+    for found, mask in zip(attended, views.mask, strict=True):
         label = f"camera at {distance:g} from the centre"
-        yield from judge_view(view, found, label, parameters)
+        yield from judge(found, mask, label, AttentionParameters())
 
 
-def brightness(generator: np.random.Generator) -> Iterator[Finding]:
+def brightness(generator):
     """Make a view brighter by a power of two: no bit of the map changes."""
     power = int(generator.integers(-60, 61))
     mask = np.ones((SIZE, SIZE), dtype=bool)
@@ -165,32 +148,34 @@ def brightness(generator: np.random.Generator) -> Iterator[Finding]:
     )
 
 
-def way_of_the_eye(
-    saliency: Floats, mask: Flags, places: Floats, parameters: AttentionParameters
-) -> list[tuple[int, int]]:
+def way_of_the_eye(saliency, mask, places, parameters):
     """Follow the eye by its definition, in float64; stop where two places nearly tie."""
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
     drive = saliency + INWARD * depth / depth.max()
     allowed = mask & (depth > 3)
-    way: list[tuple[int, int]] = []
+    way = []
     for _ in range(parameters.fixations):
         value = np.where(allowed, drive, -1.0)
-        row, column = (int(place) for place in np.unravel_index(np.argmax(value), value.shape))
-        distance = np.linalg.norm(places - places[row, column], axis=-1)
-        best = value[row, column]
-        value[row, column] = -1.0
+        place = np.unravel_index(np.argmax(value), value.shape)
+        best, value[place] = value[place], -1.0
         if best - value.max() < 2 * TIE + INWARD * 0.05:
             break
-        way.append((row, column))
-        progress = np.clip((distance - 1) / parameters.inhibition_falloff, 0, 1)
-        drive = drive * progress**2 * (3 - 2 * progress)
+        way.append(tuple(map(int, place)))
+        distance = np.linalg.norm(places - places[place], axis=-1)
+        drive = drive * recovery(distance, parameters)
         allowed &= distance > 1
     return way
 
 
-def inhibition(generator: np.random.Generator) -> Iterator[Finding]:
+def recovery(distance, parameters):
+    """How much of the drive is left at a distance from a fixation, in foci."""
+    progress = np.clip((distance - 1) / parameters.inhibition_falloff, 0, 1)
+    return progress**2 * (3 - 2 * progress)
+
+
+def inhibition(generator):
     """Compare the fixations of a random map with the definition of inhibition of return."""
     from scipy.ndimage import binary_erosion
 
@@ -204,11 +189,8 @@ def inhibition(generator: np.random.Generator) -> Iterator[Finding]:
     view = flat_view(np.zeros((SIZE, SIZE, 3)), mask)
     parameters = AttentionParameters.model_validate({"inhibition": kind})
     point = view["point"][0].astype(np.float64)
-    places = (
-        point / parameters.focus_radius
-        if kind == "surface"
-        else np.moveaxis(np.indices(mask.shape), 0, -1) / (parameters.focus_fraction * SIZE)
-    )
+    on_pixels = np.moveaxis(np.indices(mask.shape), 0, -1) / (parameters.focus_fraction * SIZE)
+    places = point / parameters.focus_radius if kind == "surface" else on_pixels
     wanted = way_of_the_eye(saliency, mask, places, parameters)
     path = scan(
         saliency.astype(np.float32), mask, point, view["normal"][0], view["face"][0], parameters
@@ -222,7 +204,7 @@ def inhibition(generator: np.random.Generator) -> Iterator[Finding]:
     )
 
 
-def pyramids(generator: np.random.Generator) -> Iterator[Finding]:
+def pyramids(generator):
     """Blur, reduce and enlarge noise, and compare with SciPy."""
     from scipy.ndimage import correlate1d, map_coordinates
 
@@ -245,7 +227,7 @@ def pyramids(generator: np.random.Generator) -> Iterator[Finding]:
         yield Finding(name, np.abs(reduce(plane, border) - half), label, picture, cases=1)
 
 
-def sphere_curvature(generator: np.random.Generator) -> Iterator[Finding]:
+def sphere_curvature(generator):
     """Measure the curvature of a sphere, which is the same everywhere."""
     import trimesh
 

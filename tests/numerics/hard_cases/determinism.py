@@ -1,12 +1,6 @@
 """The same bits, whatever else is in the batch."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from contourlets import Contourlet, directional_deviations
 from visuohaptic.attention.model import attend
@@ -23,17 +17,17 @@ from visuohaptic.stability.findings import Finding
 NAME = "determinism/batch split of kernels"
 
 
-def coefficients(images: NDArray[Any]) -> NDArray[Any]:
+def coefficients(images):
     """Give all contourlet coefficients of each image in a row."""
     return Contourlet(levels=(4,)).forward(images).ravel()
 
 
-def moments(images: NDArray[Any]) -> NDArray[Any]:
+def moments(images):
     """Give deviation, root mean square and skewness of each image's pixels."""
     return summarise_signals(images.reshape(len(images), -1), 1)
 
 
-KERNELS: dict[str, Callable[[NDArray[Any]], NDArray[Any]]] = {
+KERNELS = {
     "contourlet deviations": directional_deviations,
     "contourlet coefficients": coefficients,
     "shape of imprints": describe_imprint_shape,
@@ -41,7 +35,7 @@ KERNELS: dict[str, Callable[[NDArray[Any]], NDArray[Any]]] = {
 }
 
 
-def kernel_batches(generator: np.random.Generator) -> Iterator[Finding]:
+def kernel_batches(generator):
     """Describe images together, in parts, and in another order."""
     count = int(generator.integers(2, 71))
     images = generator.random((count, 32, 32)).astype(generator.choice(["float32", "float64"]))
@@ -55,7 +49,7 @@ def kernel_batches(generator: np.random.Generator) -> Iterator[Finding]:
         yield Finding(NAME, wrong, f"{name}, {count} images")
 
 
-def touch_batches(generator: np.random.Generator) -> Iterator[Finding]:
+def touch_batches(generator):
     """Touch a hard place many times together, and one by one."""
     probes = hard_probes()
     probe = probes[generator.integers(len(probes))]
@@ -74,11 +68,11 @@ def touch_batches(generator: np.random.Generator) -> Iterator[Finding]:
     yield Finding(NAME, wrong, f"touches on {probe.name}")
 
 
-def view_batches(generator: np.random.Generator) -> Iterator[Finding]:
+def view_batches(generator):
     """Attend to views together, and one by one."""
     count = int(generator.integers(2, 6))
     shape = (count, 32, 32)
-    views: dict[str, NDArray[Any]] = {
+    views = {
         "colour": generator.random((*shape, 3)).astype(np.float32),
         "mask": generator.random(shape) < 0.8,
         "point": generator.uniform(-1, 1, (*shape, 3)),

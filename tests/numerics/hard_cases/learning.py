@@ -1,16 +1,11 @@
 """Learning from samples that are too few, too alike, or of unhandy size."""
 
-from __future__ import annotations
-
 import warnings
-from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from numerics import oracles
 from numerics.surfaces import pick
-from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import (
@@ -21,15 +16,11 @@ from visuohaptic.recognition.classifiers import (
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
 from visuohaptic.recognition.parameters import (
     RecognitionParameters,
-    Scaling,
     SelfOrganisingMapParameters,
 )
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
-
-Floats = NDArray[np.float64]
-Labels = NDArray[np.int64]
 
 DEFAULT = RecognitionParameters()
 MAY_BE_REFUSED = (
@@ -40,7 +31,7 @@ MAY_BE_REFUSED = (
 """Samples of which no covariance can be taken; where features vary by rounding alone, they are identical."""
 
 
-def hard_samples(generator: np.random.Generator) -> dict[str, tuple[Floats, Labels]]:
+def hard_samples(generator):
     """Give features, shape (n, d), and classes that are hard to learn from, by name."""
     labels = np.arange(40) % 4
     plain = generator.normal(size=(40, 6)) + 3 * labels[:, None] * generator.normal(size=6)
@@ -65,22 +56,20 @@ def hard_samples(generator: np.random.Generator) -> dict[str, tuple[Floats, Labe
     }
 
 
-def fit_quietly(name: str, features: Floats, labels: Labels) -> Any:
+def fit_quietly(name, features, labels):
     """Fit a classifier; what scikit-learn warns of in hard samples is expected."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        generator = np.random.default_rng(0)
+    generator = np.random.default_rng(0)
+    with warnings.catch_warnings(action="ignore"):
         return fit_classifier(name, ClassifierParameters(), features, labels, generator)[0]
 
 
-def predict_quietly(fitted: Any, features: Floats) -> Labels:
-    """Name samples; what scikit-learn warns of in hard samples is expected."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+def predict_quietly(fitted, features):
+    """Classify samples; what scikit-learn warns of in hard samples is expected."""
+    with warnings.catch_warnings(action="ignore"):
         return np.asarray(fitted.predict(features))
 
 
-def classifiers(generator: np.random.Generator) -> Iterator[Finding]:
+def classifiers(generator):
     """Fit a classifier on each of the hard samples: it gives a class for each, or a clear refusal."""
     name = str(generator.choice(CLASSIFIERS.names))
     for samples, (features, labels) in hard_samples(generator).items():
@@ -100,22 +89,14 @@ def classifiers(generator: np.random.Generator) -> Iterator[Finding]:
         )
 
 
-def draw_sequences(
-    generator: np.random.Generator, classes: int = 3, each: int = 6, touches: int = 5
-) -> tuple[Floats, Labels]:
+def draw_sequences(generator, classes=3, each=6, touches=5):
     """Draw touch sequences of well separated classes, shape (n, touches, 22), and their classes."""
     centres = 2 * generator.normal(size=(classes, 1, 1, 22))
     values = centres + generator.normal(size=(classes, each, touches, 22))
     return values.reshape(-1, touches, 22), np.repeat(np.arange(classes), each)
 
 
-def predict_sequences(
-    training: Floats,
-    labels: Labels,
-    tested: Floats,
-    classifier: str,
-    parameters: RecognitionParameters = DEFAULT,
-) -> tuple[Floats, Labels]:
+def predict_sequences(training, labels, tested, classifier, parameters=DEFAULT):
     """Learn from training sequences as the paper's pipeline does; give features and classes of others."""
     encoder = fit_sequence_encoder(training, parameters, np.random.default_rng(0))
     fitted = fit_quietly(classifier, encoder.encode(training), labels)
@@ -123,7 +104,7 @@ def predict_sequences(
     return features, predict_quietly(fitted, features)
 
 
-def units(generator: np.random.Generator) -> Iterator[Finding]:
+def feature_units(generator):
     """Express features in other units: no answer changes.
 
     Each feature may have a unit of its own only where touches are standardised. Where they are not, the
@@ -135,7 +116,7 @@ def units(generator: np.random.Generator) -> Iterator[Finding]:
     features = training.shape[-1]
     factors = 10.0 ** generator.integers(-8, 9, features)
     powers = generator.integers(-26, 27, features)
-    ways: tuple[tuple[Scaling, str, Any, Any], ...] = (
+    ways = (
         ("standardise", "each standardised feature", factors, powers),
         ("none", "all features alike", factors[0], powers[0]),
     )
@@ -158,7 +139,7 @@ def units(generator: np.random.Generator) -> Iterator[Finding]:
         )
 
 
-def degenerate_sequences(generator: np.random.Generator) -> dict[str, tuple[Floats, Labels]]:
+def degenerate_sequences(generator):
     """Give touch sequences, shape (n, touches, 22), most of whose features hardly vary, by name."""
     values, labels = draw_sequences(generator)
     # Normals of a box are axes, and its flat imprints have no deviation in any sub-band.
@@ -175,7 +156,7 @@ def degenerate_sequences(generator: np.random.Generator) -> dict[str, tuple[Floa
     }
 
 
-def rounding(generator: np.random.Generator) -> Iterator[Finding]:
+def rounding(generator):
     """Change the last digit of features that hardly vary: no answer changes."""
     classifier = str(generator.choice(CLASSIFIERS.names))
     for samples, (training, labels) in degenerate_sequences(generator).items():
@@ -188,9 +169,7 @@ def rounding(generator: np.random.Generator) -> Iterator[Finding]:
         )
 
 
-def _label_changes(
-    requirement: str, changed: NDArray[np.bool_], label: str, sequences: Floats
-) -> Finding:
+def _label_changes(requirement, changed, label, sequences):
     return Finding(
         f"learning/{requirement}",
         changed,
@@ -199,7 +178,7 @@ def _label_changes(
     )
 
 
-def standardised_columns(generator: np.random.Generator) -> Iterator[Finding]:
+def standardised_columns(generator):
     """Compare a standardised column with exact rationals."""
     exponent, scale = pick(generator, -6, 8), int(generator.integers(-150, 151))
     values = (10.0**exponent + generator.normal(size=64)) * 10.0**scale
@@ -216,7 +195,7 @@ def standardised_columns(generator: np.random.Generator) -> Iterator[Finding]:
     )
 
 
-def maps(generator: np.random.Generator) -> Iterator[Finding]:
+def maps(generator):
     """Fit self-organising maps: units stay within their touches, even where some never win."""
     exponent = int(generator.choice([-100, -8, 0, 8, 100]))
     places = [lattice(2, 3), line(2), line(5), line(8)][generator.integers(4)]

@@ -1,11 +1,8 @@
 """Broken model files and wild surfaces: they end in tables or in one clear sentence."""
 
-from __future__ import annotations
-
 import re
 import tempfile
 import warnings
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -29,7 +26,7 @@ TOKENS = (
 
 
 @cache
-def whole_files(suffix: str) -> list[bytes]:
+def whole_files(suffix):
     """Give whole files of a format."""
     import trimesh
 
@@ -42,7 +39,7 @@ def whole_files(suffix: str) -> list[bytes]:
     return [one if isinstance(one, bytes) else one.encode() for one in found]
 
 
-def break_file(suffix: str, generator: np.random.Generator) -> bytes:
+def break_file(suffix, generator):
     """Break a file of a format in up to eleven places."""
     files = whole_files(suffix)
     data = bytearray(files[generator.integers(len(files))])
@@ -56,7 +53,7 @@ def break_file(suffix: str, generator: np.random.Generator) -> bytes:
     return bytes(data)
 
 
-def _break_once(data: bytearray, files: list[bytes], generator: np.random.Generator) -> None:
+def _break_once(data, files, generator):
     place = int(generator.integers(len(data) + 1))
     length = int(generator.integers(1, 200))
     token = TOKENS[generator.integers(len(TOKENS))]
@@ -82,7 +79,7 @@ def _break_once(data: bytearray, files: list[bytes], generator: np.random.Genera
                 data[found.start() : found.end()] = TOKENS[generator.integers(9)]
 
 
-def judge(path: Path) -> str | None:
+def judge(path):
     """Read a file; give what is wrong with what came, None where it is a surface or a clear refusal."""
     try:
         surface = normalise(read_model(path), path.name)
@@ -103,14 +100,14 @@ def judge(path: Path) -> str | None:
     return None if whole else "a surface that is not finite, not of unit size, or not whole"
 
 
-def is_one_sentence(text: str) -> bool:
+def is_one_sentence(text):
     """Tell whether a refusal is one line that ends like a sentence."""
     return (
         "\n" not in text and text.endswith(".") and 10 < len(text) < 600 and "Traceback" not in text
     )
 
 
-def broken_files(generator: np.random.Generator) -> Iterator[Finding]:
+def broken_files(generator):
     """Read a broken file of each format: it is a surface, or refused in one sentence."""
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(action="ignore"):
         for suffix in SUFFIXES:
@@ -124,7 +121,7 @@ def broken_files(generator: np.random.Generator) -> Iterator[Finding]:
             )
 
 
-def end_of(source: Path, folder: Path) -> str:
+def end_of(source, folder):
     """Run the chain; give `tables`, `refused`, or what went wrong."""
     try:
         tables = run_chain(source, folder)
@@ -134,7 +131,7 @@ def end_of(source: Path, folder: Path) -> str:
     return "tables" if len(set(sizes.values())) == 1 and sizes["features"] else f"rows {sizes}"
 
 
-def wild_surfaces(generator: np.random.Generator) -> Iterator[Finding]:
+def wild_surfaces(generator):
     """Go from random triangles, slivers among them, to features."""
     surface = draw_triangles(generator, int(generator.integers(1, 41)))
     with tempfile.TemporaryDirectory() as folder:

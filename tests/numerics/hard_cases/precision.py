@@ -1,16 +1,10 @@
 """Imprints, frames and spheres against closed forms."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator
-
 import numpy as np
 from numerics.surfaces import ball, build_plain_surface, float32_exact, pick
 from numerics.tolerances import U32
-from numpy.typing import NDArray
 
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.gallery import sheet
@@ -19,17 +13,14 @@ from visuohaptic.sensor.touching import touch
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
-Floats = NDArray[np.float64]
-Height = Callable[[Floats, Floats], Floats]
-
 ABSOLUTE = SensorParameters(normalisation="absolute", normal="given", largest_size=0.2)
 RIGID = Scene()
 
 
-def wall(slope_right: float, slope_up: float) -> tuple[Surface, Height]:
+def wall(slope_right, slope_up):
     """Give z = height(x, y) as a tilted wall that faces +z, and the height over x and y down."""
 
-    def height(x: Floats, down: Floats) -> Floats:
+    def height(x, down):
         return slope_right * x - slope_up * down
 
     flat = sheet(height, half=0.5, cells=16)
@@ -38,7 +29,7 @@ def wall(slope_right: float, slope_up: float) -> tuple[Surface, Height]:
     return float32_exact(build_plain_surface(np.column_stack([x, -z, y]), flat.faces)), height
 
 
-def tilted_walls(generator: np.random.Generator) -> Iterator[Finding]:
+def tilted_walls(generator):
     """Touch a tilted wall, and compare the imprint with the plane in closed form."""
     right, up = pick(generator, -0.4, 0.4), pick(generator, -0.4, 0.4)
     surface, height = wall(right, up)
@@ -59,7 +50,7 @@ def tilted_walls(generator: np.random.Generator) -> Iterator[Finding]:
     )
 
 
-def frames(generator: np.random.Generator) -> Iterator[Finding]:
+def frames(generator):
     """Stand frames on normals, axes among them: they are square and right-handed."""
     normals = generator.normal(size=(200, 3))
     normals[:40] = np.rint(normals[:40])
@@ -77,7 +68,7 @@ def frames(generator: np.random.Generator) -> Iterator[Finding]:
         )
 
 
-def tessellated_spheres(generator: np.random.Generator) -> Iterator[Finding]:
+def tessellated_spheres(generator):
     """Cast rays at a ball of triangles: it comes near a sphere by the square of its edge."""
     surface = ball(int(generator.integers(2, 5)))
     directions = generator.normal(size=(2000, 3))
@@ -95,7 +86,7 @@ def tessellated_spheres(generator: np.random.Generator) -> Iterator[Finding]:
     )
 
 
-def pressed_spheres(generator: np.random.Generator) -> Iterator[Finding]:
+def pressed_spheres(generator):
     """Touch a fine ball on its top, and compare the gaps with the sphere's."""
     resolution = int(generator.choice([8, 32, 64]))
     surface = ball(6)
@@ -114,7 +105,7 @@ def pressed_spheres(generator: np.random.Generator) -> Iterator[Finding]:
     )
 
 
-def out_of_reach(generator: np.random.Generator) -> Iterator[Finding]:
+def out_of_reach(generator):
     """Touch a ball smaller than the sensor: what is not met is 0, the rest is within 0 and 1."""
     radius = pick(generator, 0.03, 0.09)
     surface = ball(4, radius)

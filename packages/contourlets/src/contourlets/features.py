@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import ImageError, LevelsError
-from .images import Array, Floats, blocks, check_images, exponents, scale
+from .errors import LevelsError
+from .images import Array, Floats, blocks, check_images, check_stack, exponents, scale
 from .lattice import Extension
 from .transform import Contourlet
 
@@ -41,28 +41,14 @@ def directional_deviations(
     ContourletError
         On images, levels or filters that are not allowed.
     """
-    array = check_images(images)
-    if array.ndim != 3:
-        raise ImageError(f"Images must have the shape (n, rows, columns), not {array.shape}.")
     transform = Contourlet((directions_log2,), pyramid_filter, directional_filter, extension)
-    return band_deviations(array, transform)
+    return band_deviations(check_stack(images), transform)
 
 
 def band_deviations(images: ArrayLike, transform: Contourlet) -> Array:
     """Take the standard deviation (N − 1) of every directional band, the coarsest level first.
 
-    Parameters
-    ----------
-    images : (..., rows, columns) float32 or float64
-    transform : Contourlet
-
-    Returns
-    -------
-    (..., bands) float64
-
-    Raises
-    ------
-    ContourletError
+    Of images (..., rows, columns), float32 or float64, it gives (..., bands) float64.
     """
     array = check_images(images)
     if min(_band_sizes(transform, array)) < 2:
@@ -76,19 +62,8 @@ def band_deviations(images: ArrayLike, transform: Contourlet) -> Array:
 def band_energies(images: ArrayLike, transform: Contourlet) -> Array:
     """Sum the squared coefficients of every directional band, the coarsest level first.
 
-    Parameters
-    ----------
-    images : (..., rows, columns) float32 or float64
-    transform : Contourlet
-
-    Returns
-    -------
-    (..., bands) float64
-        In the square of the images' unit; magnitudes beyond 1e±150 leave the range of the type.
-
-    Raises
-    ------
-    ContourletError
+    Of images (..., rows, columns), float32 or float64, it gives (..., bands) float64 in the square of
+    the images' unit; magnitudes beyond 1e±150 leave the range of the type.
     """
     array = check_images(images)
     return _describe_bands(array, transform, lambda band: np.square(band).sum(axis=1), degree=2)

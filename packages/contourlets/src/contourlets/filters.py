@@ -95,16 +95,9 @@ def _trim(taps: list[float]) -> Array:
 def pyramid_filters(name: str) -> PyramidFilters:
     """Look up a pair of lowpass filters for the Laplacian pyramid.
 
-    Parameters
-    ----------
-    name : str
-        `9-7` (Cohen, Daubechies & Feauveau 1992, with the reference toolbox's 14 digits), `5-3` (Le
-        Gall & Tabatabai 1988), `haar`, or any `bior…` or `rbio…` wavelet of PyWavelets.
-
-    Raises
-    ------
-    FilterError
-        When there is no pair of that name, or PyWavelets has it and is not installed.
+    They are `9-7` (Cohen, Daubechies & Feauveau 1992, with the reference toolbox's 14 digits), `5-3` (Le
+    Gall & Tabatabai 1988), `haar`, and the `bior…` and `rbio…` wavelets of PyWavelets. Raises
+    `FilterError` when there is no pair of that name, or PyWavelets has it and is not installed.
     """
     if name == "9-7":
         return PyramidFilters(_mirror(_NINE, _NINE_CENTRE), _mirror(_SEVEN, _SEVEN_CENTRE))
@@ -138,13 +131,8 @@ def _defects(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
     sums_a = np.stack([np.ones(n), (-1.0) ** np.arange(n)])
     sums_s = np.stack([np.ones(m), (-1.0) ** np.arange(m)])
     wanted = np.array([np.sqrt(2), 0.0])
-    defect = np.concatenate(
-        [
-            products - (shifts == (m - n) // 2),
-            sums_a @ analysis - wanted,
-            sums_s @ synthesis - wanted,
-        ]
-    )
+    products -= shifts == (m - n) // 2
+    defect = np.concatenate([products, sums_a @ analysis - wanted, sums_s @ synthesis - wanted])
     jacobian = np.block(
         [[by_analysis, by_synthesis], [sums_a, np.zeros((2, m))], [np.zeros((2, n)), sums_s]]
     )
@@ -166,20 +154,8 @@ def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
 
 @cache
 def ladder_taps(name: str) -> Array:
-    """Taps of the ladder's half-band prototype β.
+    """Give the taps, symmetric and of even length, of the half-band prototype β of a `pkva` ladder.
 
-    Parameters
-    ----------
-    name : str
-        `pkva6`, `pkva8`, `pkva12` or `pkva`.
-
-    Returns
-    -------
-    (n,) float64
-        Symmetric, of even length.
-
-    References
-    ----------
     S.-M. Phoong, C. W. Kim, P. P. Vaidyanathan, R. Ansari, "A new class of two-channel biorthogonal
     filter banks and wavelet bases", IEEE Trans. Signal Processing 43(3), 1995.
     """
@@ -219,16 +195,10 @@ def ladder_steps(name: str) -> tuple[LadderStep, LadderStep]:
 
 @cache
 def diamond_filters(name: str) -> tuple[Array, Array]:
-    """Non-separable diamond filters that are equivalent to a `pkva` ladder.
+    """Give the non-separable diamond filters that are equivalent to a `pkva` ladder.
 
-    h0 = √2 (δ + B)/2 and h1 = √2 (δ − B(δ + B)/2), where B = β(z1 z2) β(z1/z2).
-
-    Returns
-    -------
-    h0 : (2 n − 1, 2 n − 1) float64
-        Lowpass; n is the length of β, so 23 × 23 for `pkva`.
-    h1 : (4 n − 3, 4 n − 3) float64
-        Highpass.
+    h0 = √2 (δ + B)/2, the lowpass, and h1 = √2 (δ − B(δ + B)/2), where B = β(z1 z2) β(z1/z2). For β
+    of n taps they have sides of 2 n − 1 (23 for `pkva`) and 4 n − 3.
     """
     if name not in _LADDER_HALVES:
         raise FilterError(

@@ -36,6 +36,14 @@ def check_images(images: ArrayLike) -> Floats:
     return array
 
 
+def check_stack(images: ArrayLike) -> Floats:
+    """Check images of the shape (n, rows, columns), as `check_images` does."""
+    array = check_images(images)
+    if array.ndim != 3:
+        raise ImageError(f"Images must have the shape (n, rows, columns), not {array.shape}.")
+    return array
+
+
 def blocks(count: int, pixels: int) -> Iterator[slice]:
     """Divide a batch of images into blocks of at most `BLOCK_ELEMENTS` pixels."""
     run = max(1, BLOCK_ELEMENTS // max(pixels, 1))

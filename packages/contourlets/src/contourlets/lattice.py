@@ -67,13 +67,8 @@ class DirectionalTables:
     bands: tuple[Indices, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class _Split:
-    """One two-channel ladder: pixels of its components, and of each step's source with borders."""
-
-    targets: tuple[Indices, Indices]
-    sources: tuple[Indices, Indices]
-    keeps: tuple[Indices | None, Indices | None]
+_Ladder = list[tuple[Indices, Indices, Indices | None]]
+"""A split of a node: for each of the two steps target, source and keep, as a `Stage` of one channel has them."""
 
 
 def check_extension(extension: str) -> None:
@@ -87,9 +82,7 @@ def check_extension(extension: str) -> None:
 
 def side_multiple(directions_log2: int) -> int:
     """Give the number that an image's sides must be multiples of for a bank of 2^l bands."""
-    if directions_log2 == 0:
-        return 1
-    return max(2, 2 ** (directions_log2 - 1))
+    return max(2, 2 ** (directions_log2 - 1)) if directions_log2 else 1
 
 
 def band_shapes(shape: tuple[int, int], directions_log2: int) -> tuple[tuple[int, int], ...]:
@@ -99,9 +92,8 @@ def band_shapes(shape: tuple[int, int], directions_log2: int) -> tuple[tuple[int
         return ((rows, columns),)
     if directions_log2 == 1:
         return ((rows // 2, columns),) * 2
-    coarse, half = 2 ** (directions_log2 - 1), 2 ** (directions_log2 - 1)
-    flat, tall = (rows // coarse, columns // 2), (rows // 2, columns // coarse)
-    return (flat,) * half + (tall,) * half
+    half = 2 ** (directions_log2 - 1)
+    return ((rows // half, columns // 2),) * half + ((rows // 2, columns // half),) * half
 
 
 @lru_cache(maxsize=16)
@@ -116,24 +108,16 @@ def directional_tables(
     adjacent in the image. `circular` wraps on the true torus. `symmetric` reflects each node of the
     tree about its first and last row and column, which maps each polyphase component onto itself,
     so that every ladder step stays invertible.
-
-    Raises `LevelsError` when l is not allowed, or the sides are no multiples of `side_multiple`.
     """
-    check_directions(directions_log2)
     steps = ladder_steps(filter_name)
-    multiple = side_multiple(directions_log2)
-    if min(shape) < multiple or shape[0] % multiple or shape[1] % multiple:
-        raise LevelsError(
-            f"A directional bank of 2^{directions_log2} bands needs sides that are multiples of "
-            f"{multiple}, not {shape[0]} × {shape[1]}."
-        )
     pixels = np.arange(shape[0] * shape[1]).reshape(shape)
     if directions_log2 == 0:
         return DirectionalTables((), (pixels,))
     if extension == "periodic":
         levels, bands = _wrapped_tree(pixels, directions_log2, filter_name, steps)
     else:
-        levels, bands = _placed_tree(shape, directions_log2, filter_name, steps, extension)
+        circular = extension == "circular"
+        levels, bands = _placed_tree(shape, directions_log2, filter_name, steps, circular=circular)
     stages = tuple(stage for level in levels for stage in _stack(level, steps))
     return DirectionalTables(stages, tuple(np.ascontiguousarray(band) for band in bands))
 
@@ -148,29 +132,24 @@ def check_directions(directions_log2: int) -> None:
         )
 
 
-def _stack(splits: list[_Split], steps: tuple[LadderStep, LadderStep]) -> Iterator[Stage]:
-    """Join the splits of one tree level that have rectangles of one shape: one stage per step."""
+def _stack(ladders: list[_Ladder], steps: tuple[LadderStep, LadderStep]) -> Iterator[Stage]:
+    """Join the ladders of one tree level that have rectangles of one shape: one stage per step."""
 
-    def shapes(split: _Split) -> tuple[tuple[int, ...], ...]:
-        return tuple(source.shape for source in split.sources)
+    def shapes(ladder: _Ladder) -> list[tuple[int, ...]]:
+        return [source.shape for _, source, _ in ladder]
 
-    for _, members in groupby(sorted(splits, key=shapes), key=shapes):
-        group = list(members)
-        for number, step in enumerate(steps):
-            source = np.stack([split.sources[number] for split in group])
-            target = np.concatenate([split.targets[number].ravel() for split in group])
-            yield Stage(step, target, source, _stack_keeps(group, number, source.shape, step))
-
-
-def _stack_keeps(
-    group: list[_Split], number: int, shape: tuple[int, ...], step: LadderStep
-) -> Indices | None:
-    reach = step.before + step.after
-    area = (shape[1] - reach) * (shape[2] - reach)
-    keeps = [split.keeps[number] for split in group]
-    if keeps[0] is None:
-        return None
-    return np.concatenate([keep + k * area for k, keep in enumerate(keeps) if keep is not None])
+    for _, group in groupby(sorted(ladders, key=shapes), key=shapes):
+        for step, parts in zip(steps, zip(*group, strict=True), strict=True):
+            reach = step.before + step.after
+            rows, columns = parts[0][1].shape
+            area = (rows - reach) * (columns - reach)
+            keeps = [keep + k * area for k, (_, _, keep) in enumerate(parts) if keep is not None]
+            yield Stage(
+                step,
+                target=np.concatenate([target.ravel() for target, _, _ in parts]),
+                source=np.stack([source for _, source, _ in parts]),
+                keep=np.concatenate(keeps) if keeps else None,
+            )
 
 
 # The toolbox's arrays: polyphase components stored along sheared axes -----------------------------
@@ -214,13 +193,6 @@ def _wrap(x: Indices, step: LadderStep, *, half_turn: bool) -> Indices:
     return x[rows % x.shape[0], (columns.T + turns) % x.shape[1]]
 
 
-def _wrapped_split(
-    parts: tuple[Indices, Indices], steps: tuple[LadderStep, LadderStep], *, half_turn: bool
-) -> _Split:
-    first, second = (_wrap(parts[1 - step.target], step, half_turn=half_turn) for step in steps)
-    return _Split((parts[steps[0].target], parts[steps[1].target]), (first, second), (None, None))
-
-
 def _components(node: Indices, level: int, kind: int, filter_name: str) -> tuple[Indices, Indices]:
     if filter_name == "haar":
         return _haar_pairs(node, level, kind)
@@ -240,7 +212,7 @@ def in_order(
 
 def _wrapped_tree(
     pixels: Indices, depth: int, filter_name: str, steps: tuple[LadderStep, LadderStep]
-) -> tuple[list[list[_Split]], list[Indices]]:
+) -> tuple[list[list[_Ladder]], list[Indices]]:
     """Split down to `depth` in the toolbox's arrays."""
     # The second level works on transposed nodes, as Q2 is Q1 with exchanged axes; the second half of
     # the tree stays transposed, as P3 and P4 are P1 and P2 with exchanged axes.
@@ -248,16 +220,20 @@ def _wrapped_tree(
     children: list[Indices]
     for level in range(1, depth + 1):
         nodes = [node.T for node in nodes] if level == 2 else nodes
-        splits, children = [], []
+        ladders, children = [], []
+        half_turn = level == 1 and filter_name != "haar"
         for number, node in enumerate(nodes):
             parts = _components(node, level, number % 2, filter_name)
-            splits.append(
-                _wrapped_split(parts, steps, half_turn=level == 1 and filter_name != "haar")
+            ladders.append(
+                [
+                    (parts[s.target], _wrap(parts[1 - s.target], s, half_turn=half_turn), None)
+                    for s in steps
+                ]
             )
             children += in_order(parts, level, number % 2, filter_name)
         half = len(children) // 2
         nodes = [n.T for n in children[:half]] + children[half:] if level == 2 else children
-        levels.append(splits)
+        levels.append(ladders)
     return levels, _back_sampled(nodes, depth)
 
 
@@ -282,63 +258,99 @@ def _unquincunx(node: Indices) -> Indices:
 # Pixels at their true positions: for the torus and for reflection ---------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class _Node:
-    """A channel of the tree: its samples' positions, sampling matrix, and the position of sample 0."""
-
-    # The anchor may lie outside the image, because of the toolbox's delays.
-    positions: Indices
-    matrix: Indices
-    anchor: Indices
-    spacing: Indices
-
-
-def _reflect(index: Indices, size: Indices | int) -> Indices:
-    """Reflect about the first and the last of `size` samples, repeatedly if needed."""
-    period = np.maximum(2 * (np.asarray(size) - 1), 1)
-    folded = index % period
-    return np.where(np.asarray(size) == 1, 0, np.minimum(folded, period - folded))
-
-
 def _placed_tree(
     shape: tuple[int, int],
     depth: int,
     filter_name: str,
     steps: tuple[LadderStep, LadderStep],
-    extension: Extension,
-) -> tuple[list[list[_Split]], list[Indices]]:
-    """Split down to `depth`, every sample at its own pixel, in raster order."""
-    haar = filter_name == "haar"
-    origin, spacing = np.array([0, 0]), np.array([1, 1])
-    whole = _grid(shape, origin, spacing)
-    nodes = [_Node(whole, np.eye(2, dtype=np.intp), origin, spacing)]
+    *,
+    circular: bool,
+) -> tuple[list[list[_Ladder]], list[Indices]]:
+    """Split down to `depth`, every sample at its own pixel."""
+    # A node is its sampling matrix and the position of its sample 0, which may lie outside the image
+    # because of the toolbox's delays; in the second half of the tree both have exchanged axes.
+    nodes = [(np.eye(2, dtype=np.intp), np.zeros(2, dtype=np.intp))]
     levels = []
-    children: list[_Node]
+    children: list[tuple[Indices, Indices]]
     for level in range(1, depth + 1):
-        splits, children = [], []
-        half = len(nodes) // 2
-        for number, node in enumerate(nodes):
-            turned = level > 2 and number >= half
+        ladders, children = [], []
+        for number, (parent, anchor) in enumerate(nodes):
+            kind, turned = number % 2, level > 2 and number >= len(nodes) // 2
             size = np.array(shape[::-1] if turned else shape)
-            pair, matrix, neighbour = _divide(node, level, number % 2, size, haar=haar)
-            fold = _folding(node, size, by_node=level > 2, extension=extension)
-            splits.append(
-                _placed_split(pair, matrix, neighbour, steps, fold, int(size[1]), turned=turned)
-            )
-            children += in_order(pair, level, number % 2, filter_name)
+            flat = np.array([1, shape[1]] if turned else [shape[1], 1])
+            matrix, neighbour = ladder_geometry(parent, level, kind, haar=filter_name == "haar")
+            anchors = (anchor, anchor + neighbour)
+            ladder: _Ladder = []
+            for step in steps:
+                target = _coset(anchors[step.target], level, size)
+                towards = neighbour if step.target == 0 else -neighbour
+                source, keep = _rectangle(target, target[0] + towards, matrix, step)
+                if circular:
+                    source %= size
+                else:
+                    source = _reflect(source, anchor, _spacing(level - 1), size)
+                ladder.append((target @ flat, source @ flat, keep))
+            ladders.append(ladder)
+            first, second = ((matrix, each) for each in anchors)
+            children += in_order((first, second), level, kind, filter_name)
         if level == 2:
-            children[2:] = [_turned(child) for child in children[2:]]
+            children[2:] = [(m[::-1, ::-1], a[::-1]) for m, a in children[2:]]
         nodes = children
-        levels.append(splits)
-    if extension == "circular":
-        return levels, _anchored_bands(nodes, shape, depth)
-    return levels, _raster_bands(nodes, shape, depth)
+        levels.append(ladders)
+    return levels, _placed_bands([anchor for _, anchor in nodes], shape, depth, circular=circular)
 
 
-def _grid(shape: tuple[int, int], origin: Indices, spacing: Indices) -> Indices:
-    """Positions (n, 2) of a rectangular grid within an image, in raster order."""
-    axes = [np.arange(o, n, s) for o, n, s in zip(origin, shape, spacing, strict=True)]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+def _spacing(level: int) -> Indices:
+    """Rows and columns from a sample to the next of a channel at a level of the tree."""
+    return np.array([1, 1] if level < 2 else [2 ** (level - 1), 2])
+
+
+def _coset(anchor: Indices, level: int, size: Indices) -> Indices:
+    """Positions (n, 2) of a channel's samples within an image, in raster order."""
+    spacing = _spacing(level)
+    axes = [np.arange(*along) for along in zip(anchor % spacing, size, spacing, strict=True)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    return grid[(grid - anchor).sum(axis=1) % 2 == 0] if level == 1 else grid
+
+
+def _rectangle(
+    target: Indices, displaced: Indices, matrix: Indices, step: LadderStep
+) -> tuple[Indices, Indices]:
+    """Give the lattice positions that a step's filter covers, and which outputs belong to the target."""
+    cells = np.rint((target - target[0]) @ np.linalg.inv(matrix).T).astype(np.intp)
+    low, high = cells.min(axis=0), cells.max(axis=0) + 1
+    axes = [np.arange(a - step.before, b + step.after) for a, b in zip(low, high, strict=True)]
+    rectangle = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    keep = (cells - low) @ np.array([high[1] - low[1], 1])
+    return displaced + rectangle @ matrix.T, keep
+
+
+def _reflect(positions: Indices, anchor: Indices, spacing: Indices, size: Indices) -> Indices:
+    """Reflect about the first and the last samples within an image, repeatedly if needed."""
+    origin, last = anchor % spacing, size // spacing - 1
+    folded = (positions - origin) // spacing % np.maximum(2 * last, 1)
+    return origin + spacing * np.minimum(folded, 2 * last - folded)
+
+
+def _placed_bands(
+    anchors: list[Indices], shape: tuple[int, int], depth: int, *, circular: bool
+) -> list[Indices]:
+    """Start every band at its anchor on the torus, as the toolbox's arrays do, or at its first pixel."""
+    half, spacing = len(anchors) // 2, _spacing(depth)
+    places = []
+    for number, size in enumerate(band_shapes(shape, depth)):
+        i, j = np.indices(size)
+        if depth == 1:
+            after = anchors[number][1]
+            row, column = (2 * i - j % 2, j + after) if circular else (2 * i + (j + after) % 2, j)
+        else:
+            turned = number >= half
+            anchor = anchors[3 * half - 1 - number if turned else number]
+            start = anchor if circular else anchor % spacing
+            steps = zip(start, spacing, (j, i) if turned else (i, j), strict=True)
+            row, column = [s + step * k for s, step, k in steps][:: -1 if turned else 1]
+        places.append(row % shape[0] * shape[1] + column % shape[1])
+    return places
 
 
 def ladder_geometry(
@@ -357,111 +369,3 @@ def ladder_geometry(
         return 2 * np.eye(2, dtype=np.intp), parent @ np.array([0, 1] if haar else [1, 0])
     neighbours = _HAAR_NEIGHBOURS if haar else _LADDER_NEIGHBOURS
     return parent @ _PARALLELOGRAMS[kind], parent @ neighbours[kind]
-
-
-def _divide(
-    node: _Node, level: int, kind: int, size: Indices, *, haar: bool
-) -> tuple[tuple[_Node, _Node], Indices, Indices]:
-    """Divide a node's samples into two cosets; give their matrix and the step between them too."""
-    matrix, neighbour = ladder_geometry(node.matrix, level, kind, haar=haar)
-    anchors = (node.anchor, node.anchor + neighbour)
-    spacing = node.spacing
-    if level == 1:
-        parity = node.positions.sum(axis=1) % 2
-        cosets = [node.positions[parity == k] for k in (0, 1)]
-    else:
-        spacing = spacing * np.array([2, 2] if level == 2 else [2, 1])
-        cosets = [_grid((size[0], size[1]), anchor % spacing, spacing) for anchor in anchors]
-    first, second = (
-        _Node(coset, matrix, anchor, spacing) for coset, anchor in zip(cosets, anchors, strict=True)
-    )
-    return (first, second), matrix, neighbour
-
-
-def _turned(node: _Node) -> _Node:
-    """Exchange rows and columns."""
-    return _Node(
-        node.positions[:, ::-1], node.matrix[::-1, ::-1], node.anchor[::-1], node.spacing[::-1]
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _Folding:
-    """How positions outside the image are mapped back into it, and on which grid."""
-
-    origin: Indices
-    spacing: Indices
-    size: Indices
-    circular: bool
-
-    def __call__(self, positions: Indices) -> Indices:
-        if self.circular:
-            return positions % self.size
-        index = (positions - self.origin) // self.spacing
-        return self.origin + self.spacing * _reflect(index, self.size // self.spacing)
-
-
-def _folding(node: _Node, size: Indices, *, by_node: bool, extension: Extension) -> _Folding:
-    circular = extension == "circular"
-    if by_node:
-        return _Folding(node.anchor % node.spacing, node.spacing, size, circular)
-    return _Folding(np.array([0, 0]), np.array([1, 1]), size, circular)
-
-
-def _placed_split(
-    pair: tuple[_Node, _Node],
-    matrix: Indices,
-    neighbour: Indices,
-    steps: tuple[LadderStep, LadderStep],
-    fold: _Folding,
-    columns: int,
-    *,
-    turned: bool,
-) -> _Split:
-    def pixel(positions: Indices) -> Indices:
-        if turned:
-            return positions[..., 1] * int(fold.size[0]) + positions[..., 0]
-        return positions[..., 0] * columns + positions[..., 1]
-
-    inverse = np.linalg.inv(matrix)
-    targets, sources, keeps = [], [], []
-    for step in steps:
-        positions = pair[step.target].positions
-        displaced = positions[0] + (neighbour if step.target == 0 else -neighbour)
-        cells = np.rint((positions - positions[0]) @ inverse.T).astype(np.intp)
-        low, high = cells.min(axis=0), cells.max(axis=0) + 1
-        axes = [np.arange(a - step.before, b + step.after) for a, b in zip(low, high, strict=True)]
-        rectangle = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-        sources.append(pixel(fold(displaced + rectangle @ matrix.T)))
-        keeps.append((cells - low) @ np.array([high[1] - low[1], 1]))
-        targets.append(pixel(positions))
-    return _Split((targets[0], targets[1]), (sources[0], sources[1]), (keeps[0], keeps[1]))
-
-
-def _anchored_bands(nodes: list[_Node], shape: tuple[int, int], depth: int) -> list[Indices]:
-    """Start every band at its anchor on the torus, as the toolbox's arrays do."""
-    if depth == 1:
-        i, j = np.indices((shape[0] // 2, shape[1]))
-        places = [(2 * i - j % 2 + node.anchor[0], j + node.anchor[1]) for node in nodes]
-    else:
-        half = len(nodes) // 2
-        nodes = nodes[:half] + [_turned(node) for node in nodes[half:]][::-1]
-        places = []
-        for node, size in zip(nodes, band_shapes(shape, depth), strict=True):
-            i, j = np.indices(size)
-            places.append(
-                (node.anchor[0] + node.spacing[0] * i, node.anchor[1] + node.spacing[1] * j)
-            )
-    return [(row % shape[0]) * shape[1] + column % shape[1] for row, column in places]
-
-
-def _raster_bands(nodes: list[_Node], shape: tuple[int, int], depth: int) -> list[Indices]:
-    if depth == 1:
-        order = [node.positions[np.lexsort(node.positions.T)] for node in nodes]
-        flat = [position @ np.array([shape[1], 1]) for position in order]
-        return [pixels.reshape(shape[1], shape[0] // 2).T for pixels in flat]
-    half = len(nodes) // 2
-    nodes = nodes[:half] + [_turned(node) for node in nodes[half:]][::-1]
-    flat = [np.sort(node.positions @ np.array([shape[1], 1])) for node in nodes]
-    sizes = band_shapes(shape, depth)
-    return [pixels.reshape(size) for pixels, size in zip(flat, sizes, strict=True)]

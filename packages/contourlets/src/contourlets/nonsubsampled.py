@@ -13,7 +13,6 @@ of one linear map, so that the identity holds with any border extension.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,9 @@ from .images import Array, Floats
 from .lattice import Extension, Indices, in_order, ladder_geometry
 from .pyramid import analysis_offsets, fold_indices, synthesis_offsets
 from .transform import Parts, PyramidalTransform, Shapes
+
+Spans = list[tuple[int, int]]
+"""The first row and column that an array covers, and those after its last."""
 
 
 @dataclass(frozen=True)
@@ -54,11 +56,11 @@ class NonsubsampledContourlet(PyramidalTransform):
     """
 
     def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Rows and columns, unchanged."""
+        """Give rows and columns, unchanged."""
         return shape
 
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:
-        """Shapes of the coarse image and the bands of every level: all those of the image."""
+        """Give the image's shape for the coarse image and for each band of every level."""
         return ((shape,), *((shape,) * 2**level for level in self.levels))
 
     def _analyse(self, block: Floats) -> list[Floats]:
@@ -91,14 +93,11 @@ class NonsubsampledContourlet(PyramidalTransform):
         odd = len(taps) % 2 == 1
         for axis in (0, 1):
             size = x.shape[axis]
-            low, high = int(offsets.min()), int(offsets.max())
-            wide = np.arange(low, size + high)
-            padded = x.take(fold_indices(wide, size, self.extension, odd=odd), axis=axis)
+            places = np.arange(size) + offsets[:, None]
             total = np.zeros_like(x)
-            for tap, offset in zip(taps / np.sqrt(2), offsets, strict=True):
-                start = int(offset) - low
-                head: tuple[Any, ...] = (slice(None),) * axis
-                total += x.dtype.type(tap) * padded[(*head, slice(start, start + size))]
+            for tap, row in zip(taps / np.sqrt(2), places, strict=True):
+                indices = fold_indices(row, size, self.extension, odd=odd)
+                total += x.dtype.type(tap) * x.take(indices, axis=axis)
             x = total
         return x
 
@@ -173,8 +172,7 @@ class _Ladder:
     def _filter(self, x: Floats, target: int) -> Floats:
         """Apply the ladder's filter F, from the second channel's places to the first's or back."""
         if self.turned:
-            turned = self._run(x.swapaxes(0, 1), target)
-            return turned.swapaxes(0, 1)
+            return self._run(x.swapaxes(0, 1), target).swapaxes(0, 1)
         return self._run(x, target)
 
     def _run(self, x: Floats, target: int) -> Floats:
@@ -183,35 +181,32 @@ class _Ladder:
         shift = self.neighbour if target == 0 else -self.neighbour
         along_rows = shift[:, None] + self.matrix[:, :1] * reach
         along_columns = self.matrix[:, 1:] * reach
-        size = (x.shape[0], x.shape[1])
-        inner = [(int(along_rows[k].min()), size[k] + int(along_rows[k].max())) for k in (0, 1)]
-        outer = [
-            (a + int(along_columns[k].min()), b + int(along_columns[k].max()))
-            for k, (a, b) in enumerate(inner)
-        ]
-        rows_first = bool(self.matrix[0, 1])
-        x = self._extend(x, 1, outer[1])
-        if rows_first:
-            x = self._extend(x, 0, outer[0])
-        else:
-            inner_rows, outer[0], inner[0] = inner[0], (0, size[0]), (0, size[0])
-        y = _displaced_sum(x, step.taps, along_columns, outer, inner)
-        if not rows_first:
-            y = self._extend(y, 0, inner_rows)
-            inner[0] = inner_rows
-        return _displaced_sum(y, step.taps, along_rows, inner, [(0, size[0]), (0, size[1])])
+        whole = [(0, x.shape[0]), (0, x.shape[1])]
+        inner = _reached(whole, along_rows)
+        # A first pass along rows alone leaves their extension to the second.
+        first = inner if self.matrix[0, 1] else [whole[0], inner[1]]
+        outer = _reached(first, along_columns)
+        x = self._extend(self._extend(x, 1, outer[1]), 0, outer[0])
+        y = _displaced_sum(x, step.taps, along_columns, outer, first)
+        if first is not inner:
+            y = self._extend(y, 0, inner[0])
+        return _displaced_sum(y, step.taps, along_rows, inner, whole)
 
     def _extend(self, x: Floats, axis: int, span: tuple[int, int]) -> Floats:
         indices = fold_indices(np.arange(*span), x.shape[axis], self.extension, odd=True)
         return x.take(indices, axis=axis)
 
 
+def _reached(spans: Spans, displacements: Indices) -> Spans:
+    """Widen spans by all displacements, (2, taps)."""
+    return [
+        (low + int(along.min()), high + int(along.max()))
+        for (low, high), along in zip(spans, displacements, strict=True)
+    ]
+
+
 def _displaced_sum(
-    x: Floats,
-    taps: tuple[float, ...],
-    displacements: Indices,
-    given: list[tuple[int, int]],
-    wanted: list[tuple[int, int]],
+    x: Floats, taps: tuple[float, ...], displacements: Indices, given: Spans, wanted: Spans
 ) -> Floats:
     """Sum displaced copies of `x`, which covers the span `given`, over the span `wanted`."""
 

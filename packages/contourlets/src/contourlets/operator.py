@@ -8,6 +8,7 @@ last block padded with zeros. Each image is then computed by the same instructio
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from .errors import LevelsError
 from .images import Floats, check_images, exponents, scale
-from .transform import Coefficients, Contourlet
+from .transform import Coefficients, Contourlet, gather
 
 BLOCK_IMAGES = 32
 """Rows of every matrix product."""
@@ -45,16 +46,9 @@ class ContourletOperator:
     matrix: Floats
 
     def forward(self, images: ArrayLike) -> Coefficients:
-        """Transform images; equal to `Contourlet.forward` up to rounding.
+        """Transform images of the operator's size, (..., rows, columns), in its type.
 
-        Parameters
-        ----------
-        images : (..., rows, columns)
-            Of the operator's size; they are converted to its type.
-
-        Raises
-        ------
-        ImageError, LevelsError
+        Equal to `Contourlet.forward` up to rounding. Raises `ImageError` and `LevelsError`.
         """
         array = check_images(images).astype(self.matrix.dtype, copy=False)
         if array.shape[-2:] != self.image_shape:
@@ -66,7 +60,11 @@ class ContourletOperator:
         flat = array.reshape(-1, self.matrix.shape[0])
         power = exponents(flat, (1,))
         values = scale(blockwise_product(scale(flat, -power), self.matrix), power)
-        return self._package(values.reshape(*lead, -1))
+        sizes = self.transform.band_shapes(self.image_shape)
+        flat_sizes = [size for level in sizes for size in level]
+        parts = np.split(values, np.cumsum([math.prod(size) for size in flat_sizes])[:-1], axis=1)
+        bands = [part.reshape(*lead, *size) for part, size in zip(parts, flat_sizes, strict=True)]
+        return gather(bands, sizes, self.image_shape)
 
     def adjoint(self, coefficients: Coefficients) -> Floats:
         """Apply the transposed matrix: `(..., rows, columns)`."""
@@ -75,16 +73,6 @@ class ContourletOperator:
         back = blockwise_product(flat, np.ascontiguousarray(self.matrix.T))
         return back.reshape(*values.shape[:-1], *self.image_shape)
 
-    def _package(self, values: Floats) -> Coefficients:
-        sizes = self.transform.band_shapes(self.image_shape)
-        ends = np.cumsum([rows * columns for level in sizes for rows, columns in level])
-        parts = iter(np.split(values, ends[:-1], axis=-1))
-        levels = [
-            tuple(next(parts).reshape(*values.shape[:-1], *size) for size in level)
-            for level in sizes
-        ]
-        return Coefficients(levels[0][0], tuple(levels[1:]), self.image_shape)
-
 
 def blockwise_product(rows: Floats, matrix: Floats) -> Floats:
     """Multiply row vectors with a matrix; a row's result depends on that row alone, bit for bit."""
@@ -92,16 +80,13 @@ def blockwise_product(rows: Floats, matrix: Floats) -> Floats:
     width = -(-outer // _ALIGNMENT) * _ALIGNMENT
     if width != outer:
         matrix = np.pad(matrix, ((0, 0), (0, width - outer)))
+    count = len(rows)
+    rows = np.pad(rows, ((0, -count % BLOCK_IMAGES), (0, 0)))
     result = np.zeros((len(rows), width), matrix.dtype)
-    whole = len(rows) // BLOCK_IMAGES * BLOCK_IMAGES
-    for start in range(0, whole, BLOCK_IMAGES):
+    for start in range(0, count, BLOCK_IMAGES):
         run = slice(start, start + BLOCK_IMAGES)
         np.matmul(rows[run], matrix, out=result[run])
-    if whole < len(rows):
-        filled = np.zeros((BLOCK_IMAGES, matrix.shape[0]), matrix.dtype)
-        filled[: len(rows) - whole] = rows[whole:]
-        result[whole:] = (filled @ matrix)[: len(rows) - whole]
-    return result[:, :outer]
+    return result[:count, :outer]
 
 
 @lru_cache(maxsize=8)
@@ -118,18 +103,10 @@ def _build(
 def contourlet_operator(
     transform: Contourlet, image_shape: tuple[int, int], dtype: DTypeLike = np.float64
 ) -> ContourletOperator:
-    """Build the matrix of a transform, or reuse one of the last eight.
+    """Build the matrix of a transform in float32 or float64, or reuse one of the last eight.
 
-    Parameters
-    ----------
-    transform : Contourlet
-    image_shape : (int, int)
-    dtype : float32 or float64
-
-    Raises
-    ------
-    LevelsError
-        When the levels do not allow the size, or the matrix would exceed `MAX_MATRIX_BYTES`.
+    Raises `LevelsError` when the levels do not allow the size, or the matrix would exceed
+    `MAX_MATRIX_BYTES`.
     """
     sizes = transform.band_shapes(image_shape)
     coefficients = sum(rows * columns for level in sizes for rows, columns in level)

@@ -15,11 +15,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .directional import (
-    adjoin_directions,
-    analyse_directions,
-    synthesise_directions,
-)
+from .directional import adjoin_directions, analyse_directions, synthesise_directions
 from .errors import CoefficientsError, LevelsError
 from .filters import ladder_steps, pyramid_filters
 from .images import Floats, blocks, check_images, exponents, scale
@@ -94,13 +90,7 @@ class PyramidalTransform(ABC):
 
     @abstractmethod
     def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Rows and columns after padding.
-
-        Raises
-        ------
-        LevelsError
-            When the levels do not allow the size.
-        """
+        """Give rows and columns after padding; `LevelsError` when the levels do not allow the size."""
 
     @abstractmethod
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:
@@ -115,20 +105,10 @@ class PyramidalTransform(ABC):
         """Undo `_analyse`."""
 
     def forward(self, images: ArrayLike) -> Coefficients:
-        """Transform images.
+        """Transform images, (..., rows, columns) float32 or float64, to coefficients of their type.
 
-        Parameters
-        ----------
-        images : (..., rows, columns) float32 or float64
-
-        Returns
-        -------
-        Coefficients
-            Of the images' type. An image's coefficients do not depend on the rest of the batch.
-
-        Raises
-        ------
-        ImageError, LevelsError
+        An image's coefficients do not depend on the rest of the batch. Raises `ImageError` and
+        `LevelsError`.
         """
         array = check_images(images)
         shape = (array.shape[-2], array.shape[-1])
@@ -144,20 +124,12 @@ class PyramidalTransform(ABC):
             for output, part in zip(outputs, self._analyse(block), strict=True):
                 output[run] = scale(np.moveaxis(part, -1, 0), power[run])
         bands = [output.reshape(*array.shape[:-2], *output.shape[1:]) for output in outputs]
-        parts = nest(bands, sizes)
-        return Coefficients(parts[0][0], tuple(tuple(level) for level in parts[1:]), shape)
+        return gather(bands, sizes, shape)
 
     def inverse(self, coefficients: Coefficients) -> Floats:
-        """Rebuild images from their coefficients.
+        """Rebuild images, (..., rows, columns), from their coefficients.
 
-        Returns
-        -------
-        (..., rows, columns)
-
-        Raises
-        ------
-        CoefficientsError
-            When the shapes or the type of the coefficients differ from what `forward` gives.
+        Raises `CoefficientsError` when their shapes or type differ from what `forward` gives.
         """
         rows, columns = coefficients.image_shape
         return self._backward(coefficients, self._synthesise)[..., :rows, :columns]
@@ -172,14 +144,20 @@ class PyramidalTransform(ABC):
         power = exponents(peaks, (1,))
         for run in blocks(len(images), rows * columns):
             parts = [np.moveaxis(scale(band[run], -power[run]), 0, -1) for band in bands]
-            images[run] = scale(np.moveaxis(rebuild(nest(parts, sizes)), -1, 0), power[run])
+            images[run] = scale(np.moveaxis(rebuild(_nest(parts, sizes)), -1, 0), power[run])
         return images.reshape(*coefficients.coarse.shape[:-2], rows, columns)
 
 
-def nest(parts: list[Floats], sizes: Shapes) -> Parts:
+def _nest(parts: list[Floats], sizes: Shapes) -> Parts:
     """Group a flat list of bands by pyramid level, the coarse image first."""
     remaining = iter(parts)
     return [[next(remaining) for _ in level] for level in sizes]
+
+
+def gather(bands: list[Floats], sizes: Shapes, shape: tuple[int, int]) -> Coefficients:
+    """Give a flat list of bands, the coarse image first, as the coefficients of images of a shape."""
+    (coarse,), *levels = _nest(bands, sizes)
+    return Coefficients(coarse, tuple(map(tuple, levels)), shape)
 
 
 def _check_coefficients(coefficients: Coefficients, sizes: Shapes) -> None:
@@ -239,8 +217,7 @@ class Contourlet(PyramidalTransform):
         """Rows and columns after padding of odd sides."""
         depth = len(self.levels)
         multiple = max(
-            2 ** (depth - 1 - k) * max(2, side_multiple(level))
-            for k, level in enumerate(self.levels)
+            max(2, side_multiple(level)) << (depth - 1 - k) for k, level in enumerate(self.levels)
         )
         padded = tuple(-(-side // multiple) * multiple if side % 2 else side for side in shape)
         if min(shape) < 2 or any(side % multiple for side in padded):

@@ -12,52 +12,27 @@ from sklearn.utils.validation import check_is_fitted
 
 from .errors import ImageError
 from .features import band_deviations, band_energies, band_names
-from .images import Array, Floats, check_images
+from .images import Array, Floats, check_stack
 from .lattice import Extension
 from .transform import Contourlet
 from .wavelets import wavelet_band_names, wavelet_deviations
 
 
 class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
-    """Base of the transformers: images as `(n, rows, columns)`, or flat with `image_shape`."""
-
-    image_shape: tuple[int, int] | None
+    """Base of the transformers of images, (n, rows, columns) float32 or float64."""
 
     def fit(self, X: ArrayLike, y: object = None) -> Self:  # noqa: ARG002 (scikit-learn's signature)
-        """Store the images' size and check the parameters on the first image.
-
-        Parameters
-        ----------
-        X : (n, rows, columns) or, with `image_shape`, (n, pixels)
-        y : ignored
-
-        Raises
-        ------
-        ContourletError
-        """
-        images = self._images(X)
+        """Store the images' size and check the parameters on the first image; raises `ContourletError`."""
+        images = check_stack(X)
         self._features(images[:1])
-        self.image_shape_ = (images.shape[1], images.shape[2])
+        self.image_shape_ = images.shape[1:]
         self.n_features_in_ = images.shape[1] * images.shape[2]
         return self
 
     def transform(self, X: ArrayLike) -> Array:
-        """Compute the features of images of the fitted size.
-
-        Parameters
-        ----------
-        X : (n, rows, columns) or, with `image_shape`, (n, pixels)
-
-        Returns
-        -------
-        (n, features) float64
-
-        Raises
-        ------
-        ContourletError
-        """
+        """Compute the features, (n, features) float64, of images of the fitted size."""
         check_is_fitted(self, "image_shape_")
-        images = self._images(X)
+        images = check_stack(X)
         if images.shape[1:] != self.image_shape_:
             rows, columns = self.image_shape_
             raise ImageError(
@@ -69,23 +44,6 @@ class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
     def get_feature_names_out(self, input_features: object = None) -> NDArray[Any]:  # noqa: ARG002
         """Name the columns of `transform`'s result."""
         return np.asarray(self._names(), dtype=object)
-
-    def _images(self, X: ArrayLike) -> Floats:
-        array = np.asarray(X)
-        if array.ndim == 2 and self.image_shape is not None:
-            rows, columns = self.image_shape
-            if array.shape[1] != rows * columns:
-                raise ImageError(
-                    f"Flat images of {rows} × {columns} have {rows * columns} pixels, not "
-                    f"{array.shape[1]}."
-                )
-            array = array.reshape(-1, rows, columns)
-        if array.ndim != 3:
-            raise ImageError(
-                f"Images must have the shape (n, rows, columns), or (n, pixels) together with "
-                f"image_shape, not {array.shape}."
-            )
-        return check_images(array)
 
     @abstractmethod
     def _features(self, images: Floats) -> Array:
@@ -107,8 +65,6 @@ class ContourletDeviations(_BandFeatures):
         See `Contourlet`.
     statistic : {"deviation", "energy"}
         Standard deviation with N − 1, or the sum of squares.
-    image_shape : (int, int) or None
-        Rows and columns, if images are given as flat rows.
 
     Examples
     --------
@@ -128,14 +84,12 @@ class ContourletDeviations(_BandFeatures):
         directional_filter: str = "pkva",
         extension: Extension = "periodic",
         statistic: Literal["deviation", "energy"] = "deviation",
-        image_shape: tuple[int, int] | None = None,
     ) -> None:
         self.levels = levels
         self.pyramid_filter = pyramid_filter
         self.directional_filter = directional_filter
         self.extension = extension
         self.statistic = statistic
-        self.image_shape = image_shape
 
     def _contourlet(self) -> Contourlet:
         return Contourlet(self.levels, self.pyramid_filter, self.directional_filter, self.extension)
@@ -162,8 +116,6 @@ class WaveletDeviations(_BandFeatures):
     levels : int
     mode : str
         PyWavelets' border extension.
-    image_shape : (int, int) or None
-        Rows and columns, if images are given as flat rows.
     """
 
     def __init__(
@@ -171,12 +123,10 @@ class WaveletDeviations(_BandFeatures):
         wavelet: str = "db2",
         levels: int = 3,
         mode: str = "periodization",
-        image_shape: tuple[int, int] | None = None,
     ) -> None:
         self.wavelet = wavelet
         self.levels = levels
         self.mode = mode
-        self.image_shape = image_shape
 
     def _features(self, images: Floats) -> Array:
         return wavelet_deviations(images, self.wavelet, self.levels, self.mode)

@@ -33,11 +33,6 @@ def wavelet_deviations(
     -------
     (..., 3 × levels) float64
         The coarsest level first; in each, details of horizontal, vertical and diagonal structure.
-
-    Raises
-    ------
-    ContourletError
-        On images, a wavelet, a mode or levels that are not allowed, or without PyWavelets.
     """
     array = check_images(images).astype(np.float64, copy=False)
     pywt = pywavelets()
