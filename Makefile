@@ -77,7 +77,6 @@ readme: $(DEVELOP) report
 	python -m readings.summary
 	python docs/make_readings.py
 	python docs/make_claims.py
-	python docs/make_lead_picture.py
 	python docs/make_looking.py
 	python docs/make_curves.py
 	python docs/make_scaling.py
