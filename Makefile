@@ -25,9 +25,9 @@ report: $(READY)
 
 # What would run now and why, and whether what is here is what today's parameters, code and sources give.
 why: $(READY)
-	@python -P -m visuohaptic_workflow.why
+	@VISUOHAPTIC_ASKED=why snakemake --list-rules --quiet all
 verify: $(READY)
-	@python -P -m visuohaptic_workflow.why verify
+	@VISUOHAPTIC_ASKED=verify snakemake --list-rules --quiet all
 
 # The quick loop: under a minute on two cores.
 check: lint
@@ -77,7 +77,6 @@ readme: $(DEVELOP) report
 	python -m readings.summary
 	python docs/make_readings.py
 	python docs/make_claims.py
-	python docs/make_lead_picture.py
 	python docs/make_looking.py
 	python docs/make_curves.py
 	python docs/make_scaling.py

@@ -6,13 +6,14 @@ import inspect
 import re
 from collections.abc import Callable, Iterator
 from functools import cached_property
-from pathlib import Path
 from textwrap import fill
 from typing import Any
 
+from filling import DOCS, table
+
 import visuohaptic as vh
 
-PAGE = Path(__file__).with_name("api.md")
+PAGE = DOCS / "api.md"
 HEAD = """\
 # Public names
 
@@ -29,36 +30,29 @@ _COMPUTED = (property, cached_property)
 
 def api_page() -> str:
     """Give the page, in Markdown."""
-    return (
-        "\n\n".join([HEAD.rstrip(), *(_entry(name, getattr(vh, name)) for name in names())]) + "\n"
-    )
-
-
-def names() -> list[str]:
-    """Give the public names: functions, then classes, each in the order of the alphabet."""
-    return sorted(vh.__all__, key=lambda name: (inspect.isclass(getattr(vh, name)), name.lower()))
+    # Functions, then classes, each in the order of the alphabet.
+    names = sorted(vh.__all__, key=lambda name: (inspect.isclass(getattr(vh, name)), name.lower()))
+    return "\n\n".join([HEAD.rstrip(), *(_entry(name, getattr(vh, name)) for name in names)]) + "\n"
 
 
 def _entry(name: str, found: Any) -> str:
     docstring = inspect.getdoc(found) or ""
-    lines = [f"## {name}", "", f"`{_call(name, found)}`", "", _first_sentence(docstring)]
-    rows = [_row(*field) for field in _fields(docstring)]
-    if rows:
-        lines += ["", "| name | type | meaning |", "|---|---|---|", *rows]
-    methods = [_method(*named) for named in _methods(found)]
-    return "\n".join([*lines, *(["", *methods] if methods else [])])
+    parts = [f"## {name}", f"`{_call(name, found)}`", _first_sentence(docstring)]
+    if rows := [_row(*field) for field in _fields(docstring)]:
+        parts.append(table(("name", "type", "meaning"), rows))
+    if methods := [_method(*named) for named in _methods(found)]:
+        parts.append("\n".join(methods))
+    return "\n\n".join(parts)
 
 
 def _call(name: str, found: Callable[..., Any]) -> str:
     if inspect.isclass(found) and issubclass(found, Exception):
         return name
     taken = inspect.signature(found).parameters.values()
-    starred, parts = False, []
-    for one in taken:
-        if one.kind is one.KEYWORD_ONLY and not starred:
-            parts, starred = [*parts, "*"], True
-        starred |= one.kind is one.VAR_POSITIONAL
-        parts.append(_argument(one))
+    parts = [_argument(one) for one in taken]
+    kinds = [one.kind for one in taken]
+    if inspect.Parameter.KEYWORD_ONLY in kinds and inspect.Parameter.VAR_POSITIONAL not in kinds:
+        parts.insert(kinds.index(inspect.Parameter.KEYWORD_ONLY), "*")
     return f"{name}({', '.join(parts)})"
 
 
@@ -88,9 +82,9 @@ def _fields(docstring: str) -> Iterator[tuple[str, str, str]]:
                 yield head["names"], head["kind"], " ".join(field[2].split())
 
 
-def _row(names: str, kind: str, meaning: str) -> str:
+def _row(names: str, kind: str, meaning: str) -> list[str]:
     cells = (f"`{names}`", _markdown(kind), _first_sentence(meaning))
-    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
+    return [cell.replace("|", "\\|") for cell in cells]
 
 
 def _methods(found: Any) -> Iterator[tuple[str, Any]]:

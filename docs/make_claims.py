@@ -1,30 +1,40 @@
-"""Fill the tables of the paper's claims from kept figures of study `claims`: `make readme`.
+"""Fill the tables of the paper's claims, and draw the lead of fixation, from kept figures of study `claims`: `make readme`.
 
 docs/figures/claims_paper.json and claims_benchmark.json are reports/studies/claims.json of the paper's
-twelve objects and of the catalogue's 142.
+twelve objects and of the catalogue's 142: by pipeline, strategy, classifier and condition.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from pathlib import Path
-from typing import Any
 
-from kept_figures import SETS, kept_figures
-from make_readings import points, share
-from make_readme import fill_page
+from filling import (
+    COLOURS,
+    DOCS,
+    SETS,
+    Figures,
+    accuracy,
+    difference,
+    fill_page,
+    kept_figures,
+    points,
+    share,
+    table,
+)
+from matplotlib.figure import Figure
 
-PAGE = Path(__file__).with_name("claims.md")
+PAGE = DOCS / "claims.md"
+PICTURE = DOCS / "pictures" / "lead.png"
 PIPELINES = ("paper", "best")
 CLASSIFIER = "support_vector_machine"
-STRATEGIES = {
-    "fixation": "eye fixations",
+OPPONENTS = {
     "random": "random, in reach",
     "random_visible": "random, among what the eye sees",
     "random_walk": "random walk over the surface",
     "random_anywhere": "random, also where no sensor can come",
 }
+STRATEGIES = {"fixation": "eye fixations", **OPPONENTS}
 CUES = {"as run": "skin and pose", "skin alone": "skin alone", "pose alone": "pose alone"}
 OTHERS = (
     "without the map",
@@ -34,103 +44,94 @@ OTHERS = (
     "wavelet, three scales",
 )
 
-Figures = Mapping[str, Any]
-"""reports/studies/claims.json: by pipeline, strategy, classifier and condition."""
-
 
 def strategy_table(figures: Figures) -> str:
     """Set each strategy's accuracy, and the lead of fixation over it, in both pipelines."""
-    lines = [
-        "| SVM, places of touch | paper's pipeline | fixation is ahead by | ours | fixation is ahead by |",
-        "|---|---|---|---|---|",
-    ]
+    ahead = "fixation is ahead by"
+    rows = []
     for strategy, words in STRATEGIES.items():
         cells = [figures[name][strategy][CLASSIFIER]["as run"] for name in PIPELINES]
-        parts = [f"{accuracy(cell)} | {lead(cell)}" for cell in cells]
-        lines.append(f"| {words} | {' | '.join(parts)} |")
-    return "\n".join(lines)
+        rows.append([words, *(text for cell in cells for text in (accuracy(cell), lead(cell)))])
+    return table(["SVM, places of touch", "paper's pipeline", ahead, "ours", ahead], rows)
 
 
 def cue_table(sets: Mapping[str, Figures]) -> str:
     """Set strategy × cue × set: accuracy by fixation, and its lead over each kind of random touches."""
-    opponents = [name for name in STRATEGIES if name != "fixation"]
-    lines = [
-        "| objects | pipeline | known of a touch | fixation | "
-        + " | ".join(f"ahead of {STRATEGIES[name]}" for name in opponents)
-        + " |",
-        "|---|---|---|---|" + "---|" * len(opponents),
+    rows = [
+        [
+            SETS[name],
+            pipeline,
+            words,
+            accuracy(figures[pipeline]["fixation"][CLASSIFIER][cue]),
+            *(lead(figures[pipeline][one][CLASSIFIER][cue]) for one in OPPONENTS),
+        ]
+        for name, figures in sets.items()
+        for pipeline in PIPELINES
+        for cue, words in CUES.items()
     ]
-    for name, figures in sets.items():
-        for pipeline in PIPELINES:
-            for condition, words in CUES.items():
-                of = {
-                    strategy: figures[pipeline][strategy][CLASSIFIER][condition]
-                    for strategy in STRATEGIES
-                }
-                leads = " | ".join(lead(of[strategy]) for strategy in opponents)
-                lines.append(
-                    f"| {SETS[name]} | {pipeline} | {words} | {accuracy(of['fixation'])} | {leads} |"
-                )
-    return "\n".join(lines)
+    ahead = (f"ahead of {words}" for words in OPPONENTS.values())
+    return table(["objects", "pipeline", "known of a touch", "fixation", *ahead], rows)
 
 
 def share_table(sets: Mapping[str, Figures]) -> str:
     """Set what reach, sight and saliency each add to the lead over random touches anywhere."""
-    lines = [
-        "| objects | pipeline | anywhere | and in reach | and in sight | and salient | whole lead |",
-        "|---|---|---|---|---|---|---|",
-    ]
     order = ("random_anywhere", "random", "random_visible", "fixation")
+    heads = ["objects", "pipeline", "anywhere", "and in reach", "and in sight", "and salient"]
+    rows = []
     for name, figures in sets.items():
         for pipeline in PIPELINES:
             reached = [figures[pipeline][one][CLASSIFIER]["as run"]["accuracy"] for one in order]
-            steps = [points(after - before) for before, after in pairwise(reached)]
-            lines.append(
-                f"| {SETS[name]} | {pipeline} | {share(reached[0])} | {' | '.join(steps)} "
-                f"| {points(reached[-1] - reached[0])} |"
-            )
-    return "\n".join(lines)
+            steps = (points(after - before) for before, after in pairwise(reached))
+            whole = points(reached[-1] - reached[0])
+            rows.append([SETS[name], pipeline, share(reached[0]), *steps, whole])
+    return table([*heads, "whole lead"], rows)
 
 
 def change_table(sets: Mapping[str, Figures]) -> str:
     """Set what each other condition changes, by fixation, in pairs over objects."""
-    lines = [
-        "| condition | compared with | objects | paper's pipeline | ours |",
-        "|---|---|---|---|---|",
-    ]
+    rows = []
     for condition in OTHERS:
         for name, figures in sets.items():
             cells = [figures[one]["fixation"][CLASSIFIER][condition] for one in PIPELINES]
             against = cells[0]["compared_with"] or "as run"
-            lines.append(
-                f"| {condition} | {against} | {SETS[name]} | {' | '.join(map(change, cells))} |"
-            )
-    return "\n".join(lines)
+            rows.append([condition, against, SETS[name], *map(change, cells)])
+    return table(["condition", "compared with", "objects", "paper's pipeline", "ours"], rows)
 
 
-def accuracy(cell: Mapping[str, Any]) -> str:
-    """Write an accuracy with its interval."""
-    return f"{share(cell['accuracy'])} ({100 * cell['low']:.1f}–{100 * cell['high']:.1f})"
-
-
-def lead(cell: Mapping[str, Any]) -> str:
+def lead(cell: Figures) -> str:
     """Write the lead of fixation with its interval and p value; empty for fixation itself."""
-    if cell["lead"] is None:
-        return ""
-    return (
-        f"{points(cell['lead'])} ({points(cell['lead_low'])} to {points(cell['lead_high'])}), "
-        f"p {cell['lead_p']:.2g}"
-    )
+    return difference(cell, "lead", "lead_low", "lead_high", "lead_p")
 
 
-def change(cell: Mapping[str, Any]) -> str:
+def change(cell: Figures) -> str:
     """Write a change with its interval and Holm's p value."""
-    if cell["error"] is not None or cell["difference"] is None:
-        return ""
-    return (
-        f"{points(cell['difference'])} ({points(cell['difference_low'])} to "
-        f"{points(cell['difference_high'])}), p {cell['adjusted_p']:.2g}"
-    )
+    return difference(cell, "difference", "difference_low", "difference_high", "adjusted_p")
+
+
+def draw(sets: Mapping[str, Figures]) -> Figure:
+    """Draw the lead of fixation with its interval: a panel a set and pipeline, a row a cue."""
+    figure = Figure(figsize=(10, 6.4), layout="constrained")
+    axes = figure.subplots(len(sets), len(PIPELINES), sharey=True)
+    for row, (name, figures) in zip(axes, sets.items(), strict=True):
+        for panel, pipeline in zip(row, PIPELINES, strict=True):
+            panel.set_title(f"{SETS[name]}, pipeline {pipeline}")
+            panel.axvline(0, color="#555d66", linewidth=1)
+            for place, strategy in enumerate(OPPONENTS):
+                cells = [figures[pipeline][strategy][CLASSIFIER][cue] for cue in CUES]
+                leads = [100 * cell["lead"] for cell in cells]
+                ends = [
+                    [abs(100 * cell[end] - one) for cell, one in zip(cells, leads, strict=True)]
+                    for end in ("lead_low", "lead_high")
+                ]
+                panel.errorbar(
+                    leads, [number + 0.16 * (1.5 - place) for number in range(len(CUES))], xerr=ends,
+                    fmt="osDX"[place], color=COLOURS[place], label=OPPONENTS[strategy],
+                )  # fmt: skip
+    axes[0, 0].set_yticks(range(len(CUES)), CUES.values())
+    for panel in axes[-1]:
+        panel.set_xlabel("lead of fixation, percentage points")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    return figure
 
 
 def blocks() -> dict[str, str]:
@@ -147,3 +148,4 @@ def blocks() -> dict[str, str]:
 
 if __name__ == "__main__":
     fill_page(PAGE, blocks())
+    draw(kept_figures("claims")).savefig(PICTURE, dpi=100)

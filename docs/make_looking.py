@@ -7,16 +7,24 @@ keeps those of the run that is there.
 
 from __future__ import annotations
 
-import json
 import sys
-from collections.abc import Iterator, Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping
 
-from kept_figures import SETS, commands, keep_figures, kept_figures
-from make_claims import STRATEGIES, accuracy
-from make_readings import points
-from make_readme import fill_page
+from filling import (
+    COLOURS,
+    DOCS,
+    SETS,
+    Figures,
+    accuracy,
+    commands,
+    difference,
+    fill_page,
+    keep_figures,
+    kept_figures,
+    read_json,
+    table,
+)
+from make_claims import STRATEGIES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -32,7 +40,6 @@ from visuohaptic.studies.looking.settings import (
     TOUCH,
 )
 
-DOCS = Path(__file__).parent
 PAGE = DOCS / "looking.md"
 PICTURE = DOCS / "pictures" / "looking.png"
 ANSWERS = {
@@ -48,68 +55,50 @@ WORDS = {
     **{name: STRATEGIES[name] for name in COMPARED},
     ADAPTIVE: "largest expected information gain",
 }
-COLOURS = dict(zip(WORDS, ("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e"), strict=True))
+COLOUR_OF = dict(zip(WORDS, COLOURS, strict=True))
 ROWS_OF_BUDGET = (LOOK, TOUCH, CHECKED, STOPPING)
-
-Figures = Mapping[str, Any]
-"""reports/looking.json."""
 
 
 def sight_table(sets: Mapping[str, Figures]) -> str:
     """Set accuracy and calibration error of every answer, a row a set and sight."""
     shown = [answer for answer in ANSWERS if answer != STOPPING]
-    lines = [
-        f"| objects | sight | {' | '.join(ANSWERS[answer] for answer in shown)} |",
-        "|---|---|" + "---|" * len(shown),
-    ]
+    rows = []
     for name, figures in sets.items():
         for row in figures["sights"]:
-            cells = [
-                f"{accuracy(cell)}; {100 * cell['calibration_error']:.0f}"
-                for cell in (row["answers"][answer] for answer in shown)
-            ]
-            lines.append(f"| {SETS[name]} | {row['sight']} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+            cells = [row["answers"][answer] for answer in shown]
+            texts = (f"{accuracy(cell)}; {100 * cell['calibration_error']:.0f}" for cell in cells)
+            rows.append([SETS[name], row["sight"], *texts])
+    return table(["objects", "sight", *(ANSWERS[answer] for answer in shown)], rows)
 
 
 def gain_table(sets: Mapping[str, Figures]) -> str:
     """Set what both senses gain over the better of them, and touch over looking, in pairs."""
-    lines = [
-        "| objects | sight | the better sense | "
-        + " | ".join(ANSWERS[answer] for answer in FUSED)
-        + " | touch over looking |",
-        "|---|---|---|" + "---|" * (len(FUSED) + 1),
-    ]
+    rows = []
     for name, figures in sets.items():
         for row in figures["sights"]:
             gains = [row["gains"][answer] for answer in (*FUSED, TOUCH)]
-            better = ANSWERS[gains[0]["over"]]
-            lines.append(
-                f"| {SETS[name]} | {row['sight']} | {better} | {' | '.join(map(gain, gains))} |"
-            )
-    return "\n".join(lines)
+            rows.append([SETS[name], row["sight"], ANSWERS[gains[0]["over"]], *map(gain, gains)])
+    fused = (ANSWERS[answer] for answer in FUSED)
+    return table(["objects", "sight", "the better sense", *fused, "touch over looking"], rows)
 
 
 def budget_table(sets: Mapping[str, Figures]) -> str:
-    """Set accuracy within each budget of a robot's time."""
-    lines = []
+    """Set accuracy within each budget of a robot's time, a table a set."""
+    tables = []
     for name, figures in sets.items():
         budgets = figures["prices"]["budgets"]
-        lines += [
-            *([""] if lines else []),
-            f"| {SETS[name]} | {' | '.join(f'{budget:g} s' for budget in budgets)} |",
-            "|---|" + "---|" * len(budgets),
-        ]
         found = {(row["budget"], row["answer"], row["strategy"]): row for row in figures["budgets"]}
+        rows = []
         for answer in ROWS_OF_BUDGET:
             for strategy in dict.fromkeys(key[2] for key in found if key[1] == answer):
-                cells = [budget_cell(found.get((one, answer, strategy))) for one in budgets]
                 words = ", ".join(filter(None, (ANSWERS[answer], WORDS.get(strategy))))
-                lines.append(f"| {words} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+                cells = (budget_cell(found.get((one, answer, strategy))) for one in budgets)
+                rows.append([words, *cells])
+        tables.append(table([SETS[name], *(f"{budget:g} s" for budget in budgets)], rows))
+    return "\n\n".join(tables)
 
 
-def budget_cell(row: Mapping[str, Any] | None) -> str:
+def budget_cell(row: Figures | None) -> str:
     """Write an accuracy with its interval, and the number of touches or the mean time of the rule."""
     if row is None:
         return ""
@@ -121,26 +110,19 @@ def budget_cell(row: Mapping[str, Any] | None) -> str:
 
 def worth_table(sets: Mapping[str, Figures]) -> str:
     """Set what a second of touching brings after a look, and from which price on a touch pays."""
-    lines = [
-        "| objects | sight | touches | points a second of touching | a touch pays where a point is worth |",
-        "|---|---|---|---|---|",
-    ]
+    rows = []
     for name, figures in sets.items():
         for row in figures["worth"]:
             rise = 100 * row["accuracy_a_second"]
             price = f"more than {1 / rise:.2g} s" if rise > 0 else "never"
-            lines.append(
-                f"| {SETS[name]} | {row['sight']} | {row['touches']} | {rise:.2f} | {price} |"
-            )
-    return "\n".join(lines)
+            rows.append([SETS[name], row["sight"], row["touches"], f"{rise:.2f}", price])
+    bring = ("points a second of touching", "a touch pays where a point is worth")
+    return table(["objects", "sight", "touches", *bring], rows)
 
 
-def gain(found: Mapping[str, Any]) -> str:
+def gain(found: Figures) -> str:
     """Write a paired difference in percentage points."""
-    return (
-        f"{points(found['difference'])} ({points(found['low'])} to {points(found['high'])}), "
-        f"p {found['p_value']:.2g}"
-    )
+    return difference(found, "difference", "low", "high", "p_value")
 
 
 def draw(sets: Mapping[str, Figures]) -> Figure:
@@ -160,26 +142,19 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
 
 
 def _draw_times(axes: Axes, figures: Figures) -> None:
+    looks = _line(figures["curves"], LOOK)
     for strategy, words in WORDS.items():
-        line = sorted(_curve(figures, strategy))
-        if not line:
-            continue
-        style = {"color": COLOURS[strategy], "label": f"look, then touch: {words}"}
-        axes.plot(*zip(*line, strict=True), marker="o", markersize=3, **style)
-    blind = sorted(
-        (row["seconds"], 100 * row["accuracy"])
-        for row in figures["curves"]
-        if (row["answer"], row["strategy"]) == (TOUCH, BLIND)
-    )
-    style = {"color": COLOURS[BLIND], "label": f"touch alone: {WORDS[BLIND]}"}
-    axes.plot(*zip(*blind, strict=True), linestyle="--", marker="x", markersize=4, **style)
-    stops = [
-        (row["seconds"], 100 * row["accuracy"])
-        for row in figures["budgets"]
-        if (row["answer"], row["strategy"]) == (STOPPING, COMPARED[0])
-    ]
-    style = {"color": COLOURS[COMPARED[0]], "label": f"the rule that stops: {WORDS[COMPARED[0]]}"}
-    axes.plot(*zip(*stops, strict=True), linestyle="none", marker="D", fillstyle="none", **style)
+        if touches := _line(figures["curves"], CHECKED, strategy):
+            line = zip(*sorted([*looks, *touches]), strict=True)
+            style = {"color": COLOUR_OF[strategy], "label": f"look, then touch: {words}"}
+            axes.plot(*line, marker="o", markersize=3, **style)
+    for rows, answer, strategy, words, style in (
+        ("curves", TOUCH, BLIND, "touch alone", {"linestyle": "--", "marker": "x", "markersize": 4}),
+        ("budgets", STOPPING, COMPARED[0], "the rule that stops", {"linestyle": "none", "marker": "D", "fillstyle": "none"}),
+    ):  # fmt: skip
+        line = zip(*_line(figures[rows], answer, strategy), strict=True)
+        label = f"{words}: {WORDS[strategy]}"
+        axes.plot(*line, color=COLOUR_OF[strategy], label=label, **style)
     axes.set_xscale("log")
     ticks = (0.5, 1, 2, 5, 10, 20, 40)
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
@@ -188,14 +163,15 @@ def _draw_times(axes: Axes, figures: Figures) -> None:
     axes.grid(alpha=0.3)
 
 
-def _curve(figures: Figures, strategy: str) -> Iterator[tuple[float, float]]:
-    """Give time and accuracy after a look and after each touch that follows it."""
-    rows = [
-        row for row in figures["curves"] if (row["answer"], row["strategy"]) == (CHECKED, strategy)
-    ]
-    looks = [row for row in figures["curves"] if row["answer"] == LOOK] if rows else []
-    for row in (*looks, *rows):
-        yield row["seconds"], 100 * row["accuracy"]
+def _line(
+    rows: list[Figures], answer: str, strategy: str | None = None
+) -> list[tuple[float, float]]:
+    """Give time and accuracy of an answer, by one strategy if named."""
+    return sorted(
+        (row["seconds"], 100 * row["accuracy"])
+        for row in rows
+        if row["answer"] == answer and strategy in {None, row["strategy"]}
+    )
 
 
 def _draw_sights(axes: Axes, figures: Figures) -> None:
@@ -208,10 +184,8 @@ def _draw_sights(axes: Axes, figures: Figures) -> None:
             [100 * abs(cell["accuracy"] - cell[end]) for cell in cells] for end in ("low", "high")
         ]
         places = [number + 0.2 * (place - 1.5) for number in range(len(sights))]
-        colour = list(COLOURS.values())[place]
-        axes.bar(
-            places, heights, 0.19, yerr=ends, color=colour, label=ANSWERS[answer], ecolor="#333"
-        )
+        style = {"color": COLOURS[place], "label": ANSWERS[answer], "ecolor": "#333"}
+        axes.bar(places, heights, 0.19, yerr=ends, **style)
     axes.set_xticks(range(len(sights)), sights)
     axes.set_xlabel(f"sight; {figures['touches']} touches where the eye fixates")
 
@@ -228,14 +202,8 @@ def blocks() -> dict[str, str]:
     }
 
 
-def main() -> None:
-    """Keep figures if they are named, fill all blocks, and write the picture."""
+if __name__ == "__main__":
     if len(sys.argv) > 2:
-        figures = json.loads((DOCS.parent / "reports" / "looking.json").read_text("utf-8"))
-        keep_figures("looking", sys.argv[1], " ".join(sys.argv[2:]), figures)
+        keep_figures("looking", read_json(DOCS.parent / "reports" / "looking.json"))
     fill_page(PAGE, blocks())
     draw(kept_figures("looking")).savefig(PICTURE, dpi=100)
-
-
-if __name__ == "__main__":
-    main()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import io
 import shutil
 from pathlib import Path
@@ -18,7 +17,7 @@ MARGIN = 32
 LARGEST_BYTES = 400_000
 
 
-def shoot(report: Path) -> Image.Image:
+def photograph(report: Path) -> Image.Image:
     """Photograph the section of a report that shows the method on one object, with a margin, two pixels for one."""
     browser_path = shutil.which("chromium") or shutil.which("google-chrome")
     if browser_path is None:
@@ -35,17 +34,8 @@ def shoot(report: Path) -> Image.Image:
     return ImageOps.expand(section, MARGIN, section.getpixel((0, section.height - 1)))
 
 
-def main() -> None:
-    """Write docs/pictures/overview.png."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--report", type=Path, default=ROOT / "reports" / "report.html")
-    picture = shoot(parser.parse_args().report)
-    picture.save(PICTURE, optimize=True)
+if __name__ == "__main__":
+    photograph(ROOT / "reports" / "report.html").save(PICTURE, optimize=True)
     size = PICTURE.stat().st_size
     if size > LARGEST_BYTES:
         raise SystemExit(f"{PICTURE} has {size} bytes; {LARGEST_BYTES} are allowed.")
-    print(f"{PICTURE.relative_to(ROOT)}: {picture.width} x {picture.height}, {size / 1000:.0f} kB")
-
-
-if __name__ == "__main__":
-    main()

@@ -118,12 +118,6 @@ def _written(value: object, indent: str) -> str:
     return "".join(f"\n{indent}- {item}" for item in plain)
 
 
-def main() -> None:
-    """Write both files."""
-    PARAMETERS.write_text(parameters_page(), encoding="utf-8")
-    SCHEMA.parent.mkdir(parents=True, exist_ok=True)
-    SCHEMA.write_text(schema_page(), encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    PARAMETERS.write_text(parameters_page(), encoding="utf-8")
+    SCHEMA.write_text(schema_page(), encoding="utf-8")

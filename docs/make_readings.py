@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
 
-from make_readme import fill_page
+from filling import DOCS, fill_page, points, share, table
 
 from readings.choices import BY_NAME, OPPONENTS
 from readings.design import is_default, is_literal
@@ -16,7 +15,6 @@ from readings.verdicts import lead_evidence, of_papers_question, verdict
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.studies.figures import Row
 
-DOCS = Path(__file__).parent
 OPPONENT_WORDS = {
     "reachable": "in reach",
     "anywhere": "anywhere",
@@ -27,10 +25,7 @@ OPPONENT_WORDS = {
 
 def spread_table(tables: dict[str, list[Row]]) -> str:
     """Set the spread of all readings, with the SVM, in a row a set and kind of random touches."""
-    lines = [
-        "| objects | random touches | readings | fixation: lowest, median, highest | default | most literal | fixation ahead | significantly | significantly behind | median lead | verdict |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
-    ]
+    lines = []
     for option in OPPONENTS:
         word = verdict(lead_evidence(tables, BEST_OF_PAPER, option))
         for name, rows in tables.items():
@@ -38,62 +33,72 @@ def spread_table(tables: dict[str, list[Row]]) -> str:
             if not run:
                 continue
             reached = sorted(row["fixation"] for row in run)
+            spread = (reached[0], statistics.median(reached), reached[-1])
             lead = sum_up(run)
-            middle = statistics.median(reached)
             lines.append(
-                f"| {max(row['objects'] for row in run)} ({name}) | {OPPONENT_WORDS[option]} | {len(run)} "
-                f"| {share(reached[0])}, {share(middle)}, {share(reached[-1])} "
-                f"| {_lead(run, is_default)} | {_lead(run, is_literal)} "
-                f"| {lead.ahead} | {lead.ahead_significantly} | {lead.behind_significantly} "
-                f"| {points(lead.middle)} | {word} |"
+                [
+                    f"{max(row['objects'] for row in run)} ({name})",
+                    OPPONENT_WORDS[option],
+                    len(run),
+                    ", ".join(map(share, spread)),
+                    _lead(run, is_default),
+                    _lead(run, is_literal),
+                    *(lead.ahead, lead.ahead_significantly, lead.behind_significantly),
+                    points(lead.middle),
+                    word,
+                ]
             )
-    return "\n".join(lines)
+    heads = [
+        "objects",
+        "random touches",
+        "readings",
+        "fixation: lowest, median, highest",
+        "default",
+    ]
+    heads += [
+        "most literal",
+        "fixation ahead",
+        "significantly",
+        "significantly behind",
+        "median lead",
+    ]
+    return table([*heads, "verdict"], lines)
 
 
 def options_table(tables: dict[str, list[Row]]) -> str:
     """Set the median lead of fixation under each option, over all five classifiers, in a table."""
     leads = {name: leads_by_option(rows) for name, rows in tables.items()}
-    keys = dict.fromkeys(key for found in leads.values() for key in found)
-    names = list(tables)
-    lines = [
-        "| choice | option | " + " | ".join(f"median lead, {name}" for name in names) + " |",
-        "|---|---|" + "---|" * len(names),
-    ]
-    for choice, option in keys:
-        cells = [
-            f"{points(found.middle)} ({share(found.ahead / found.cases, 0)} of {found.cases})"
-            if (found := leads[name].get((choice, option)))
-            else ""
-            for name in names
-        ]
+    rows = []
+    for choice, option in dict.fromkeys(key for found in leads.values() for key in found):
         label = BY_NAME[choice].label[0].lower() + BY_NAME[choice].label[1:]
-        lines.append(f"| {label} | {option.replace('_', ' ')} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        cells = [found.get((choice, option)) for found in leads.values()]
+        texts = (
+            f"{points(one.middle)} ({share(one.ahead / one.cases, 0)} of {one.cases})"
+            if one
+            else ""
+            for one in cells
+        )
+        rows.append([label, option.replace("_", " "), *texts])
+    return table(["choice", "option", *(f"median lead, {name}" for name in leads)], rows)
 
 
 def pair_table(tables: dict[str, list[Row]]) -> str:
     """Set the leads by the two choices on which they depend most in a table, set by set."""
-    return "\n\n".join(_pairs(tables))
-
-
-def _pairs(tables: dict[str, list[Row]]) -> Iterator[str]:
+    found = []
     for name, rows in tables.items():
         pair = strongest_pair(rows)
         if pair is None:
             continue
         labels = [BY_NAME[choice].label.lower() for choice in pair.choices]
         lines = [
-            f"Set {name}: the two choices explain {share(pair.share, 0)} of how leads differ.",
-            "",
-            f"| {labels[0]} | {labels[1]} | median lead | fixation ahead |",
-            "|---|---|---|---|",
-        ]
-        lines += [
-            f"| {' | '.join(option.replace('_', ' ') for option in options)} | {points(lead.middle)} "
-            f"| {lead.ahead} of {lead.cases} |"
+            [*(option.replace("_", " ") for option in options), points(lead.middle), f"{lead.ahead} of {lead.cases}"]
             for options, lead in pair.leads.items()
+        ]  # fmt: skip
+        found += [
+            f"Set {name}: the two choices explain {share(pair.share, 0)} of how leads differ.",
+            table([*labels, "median lead", "fixation ahead"], lines),
         ]
-        yield "\n".join(lines)
+    return "\n\n".join(found)
 
 
 def _lead(rows: Sequence[Row], is_one: Callable[[Row], bool]) -> str:
@@ -103,16 +108,6 @@ def _lead(rows: Sequence[Row], is_one: Callable[[Row], bool]) -> str:
         return ""
     (row,) = found
     return f"{points(row['ahead'])} ({points(row['ahead_low'])} to {points(row['ahead_high'])})"
-
-
-def share(value: float, decimals: int = 1) -> str:
-    """Write a share in per cent."""
-    return f"{100 * value:.{decimals}f} %"
-
-
-def points(value: float) -> str:
-    """Write a difference in percentage points."""
-    return f"{100 * value:+.1f}".replace("-", "\N{MINUS SIGN}")
 
 
 def blocks() -> dict[str, dict[str, str]]:

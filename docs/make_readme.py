@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import re
 import textwrap
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+from filling import DOCS, fill_page, read_json, share, table
 
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.comparison import read_tables
@@ -15,7 +14,7 @@ from visuohaptic.report.questions import fixation_answer, readings_sentence, rec
 from visuohaptic.report.readings import read_readings
 from visuohaptic_workflow.closing import REPORT, describe_results
 
-ROOT = Path(__file__).parents[1]
+ROOT = DOCS.parent
 UNSEEN = "unseen objects"
 LABELS = {
     "k_nearest_neighbours": "kNN",
@@ -33,42 +32,25 @@ RUNS = {
 
 
 def results_table(metrics: dict[str, Any]) -> str:
-    """Set our accuracies, of `reports/metrics.json`, beside the published ones."""
-    lines = [
-        "| classifier | eye fixations | published | random probing | published | literal, fixations | literal, random walk | ours, fixations | ours, random |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    literal = literal_reading()
-    strategies, best = metrics["results"]["paper"], metrics["results"]["best"]
+    """Set our accuracies, of `reports/metrics.json`, beside the published ones and those of the most literal reading."""
+    literal, strategies = read_readings().literal, ("fixation", "random")
+    rows = []
     for classifier, label in LABELS.items():
-        published = TABLE_1[classifier]
-        figures = [
-            percent(pipeline[name][classifier]["accuracy"])
-            for pipeline in (strategies, best)
-            for name in ("fixation", "random")
-        ]
-        lines.append(
-            f"| {label} | {figures[0]} | {100 * published['fixation']:.2f} % "
-            f"| {figures[1]} | {100 * published['random']:.2f} % "
-            f"| {literal['fixation'][classifier]} | {literal['random'][classifier]} "
-            f"| {figures[2]} | {figures[3]} |"
+        paper, best = (
+            [percent(metrics["results"][name][one][classifier]["accuracy"]) for one in strategies]
+            for name in ("paper", "best")
         )
-    return "\n".join(lines)
-
-
-def literal_reading() -> dict[str, dict[str, str]]:
-    """Give the accuracies of the most literal reading, by strategy and classifier, as kept with the package."""
-    return {
-        strategy: {name: f"{100 * accuracy:.1f} %" for name, accuracy in found.items()}
-        for strategy, found in read_readings().literal.items()
-    }
+        published = [share(TABLE_1[classifier][one], 2) for one in strategies]
+        read = [share(literal[one][classifier]) for one in strategies]
+        rows.append([label, paper[0], published[0], paper[1], published[1], *read, *best])
+    heads = ["classifier", "eye fixations", "published", "random probing", "published"]
+    heads += ["literal, fixations", "literal, random walk", "ours, fixations", "ours, random"]
+    return table(heads, rows)
 
 
 def percent(interval: dict[str, float]) -> str:
     """Write a mean and its interval, 0 to 1 each, in per cent, such as ``64.0 % (50.9–77.7)``."""
-    return f"{interval['mean']:.1%} ({100 * interval['low']:.1f}–{100 * interval['high']:.1f})".replace(
-        "%", " %"
-    )
+    return f"{share(interval['mean'])} ({100 * interval['low']:.1f}–{100 * interval['high']:.1f})"
 
 
 def answers(metrics: dict[str, Any]) -> str:
@@ -93,23 +75,17 @@ def speed_table(results: dict[str, Any]) -> str:
     """Set the workflow's seconds, of `benchmarks/results.json`, in a table, the machine named in a sentence."""
     workflow, machine = results["workflow"], results["machine"]
     alone = workflow["paper_pipeline"]
-    lines = ["| run | both pipelines | of processors | the paper's alone |", "|---|---|---|---|"]
+    rows = []
     for name, label in RUNS.items():
         paper = f"{alone[f'{name}_s']:.1f} s" if f"{name}_s" in alone else ""
-        # Figures of before `make bench` counted processors have none of these.
-        of_processors = workflow.get(f"{name}_cpu_s")
-        spent = "not counted" if of_processors is None else f"{of_processors:.1f} s"
-        lines.append(f"| {label} | {workflow[f'{name}_s']:.1f} s | {spent} | {paper} |")
-    how = (
-        f", load {workflow['load_before']} before, with bytecode"
-        if "load_before" in workflow
-        else ""
-    )
+        spent = f"{workflow[f'{name}_cpu_s']:.1f} s"
+        rows.append([label, f"{workflow[f'{name}_s']:.1f} s", spent, paper])
     sentence = (
-        f"On {machine['processor']}, {machine['cores']} cores{how}; {workflow['jobs']} jobs in a cold run. "
-        "`make bench` measures again."
+        f"On {machine['processor']}, {machine['cores']} cores, load {workflow['load_before']} before, "
+        f"with bytecode; {workflow['jobs']} jobs in a cold run. `make bench` measures again."
     )
-    return "\n".join([*lines, "", textwrap.fill(sentence, 100, break_on_hyphens=False)])
+    measured = table(["run", "both pipelines", "of processors", "the paper's alone"], rows)
+    return f"{measured}\n\n{textwrap.fill(sentence, 100, break_on_hyphens=False)}"
 
 
 def printed_lines(metrics: Path) -> str:
@@ -118,39 +94,10 @@ def printed_lines(metrics: Path) -> str:
     return "\n".join(["```text", *lines, "```"])
 
 
-def fill_page(page: Path, blocks: Mapping[str, str]) -> None:
-    """Replace what stands between the two markers of each block of a page."""
-    text = page.read_text(encoding="utf-8")
-    for name, content in blocks.items():
-        text = fill(text, name, content)
-    page.write_text(text, encoding="utf-8")
-
-
-def fill(text: str, name: str, content: str) -> str:
-    """Replace what stands between ``<!-- name -->`` and ``<!-- /name -->`` in a page."""
-    pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
-    filled, found = pattern.subn(lambda match: f"{match[1]}{content}\n{match[2]}", text)
-    if not found:
-        raise SystemExit(f"The page has no block {name}; `<!-- {name} -->` is needed.")
-    return filled
-
-
-def main() -> None:
-    """Fill all blocks of the README, and the run times of docs/scaling.md."""
-    metrics = ROOT / "reports" / "metrics.json"
-    found = json.loads(metrics.read_text(encoding="utf-8"))
-    timed = json.loads((ROOT / "benchmarks" / "results.json").read_text(encoding="utf-8"))
-    pages = {
-        "README.md": {
-            "results": results_table(found),
-            "answers": answers(found),
-            "make": printed_lines(metrics),
-        },
-        "docs/scaling.md": {"speed": speed_table(timed)},
-    }
-    for name, blocks in pages.items():
-        fill_page(ROOT / name, blocks)
-
-
 if __name__ == "__main__":
-    main()
+    metrics = ROOT / "reports" / "metrics.json"
+    found = read_json(metrics)
+    blocks = {"results": results_table(found), "answers": answers(found)}
+    fill_page(ROOT / "README.md", {**blocks, "make": printed_lines(metrics)})
+    timed = read_json(ROOT / "benchmarks" / "results.json")
+    fill_page(DOCS / "scaling.md", {"speed": speed_table(timed)})

@@ -1,29 +1,25 @@
-"""Fill the table of docs/scaling.md and draw docs/pictures/scaling.png from benchmarks/scaling.json, with Chromium.
+"""Fill the table of docs/scaling.md and draw docs/pictures/scaling.png from benchmarks/scaling.json.
 
 `python -m benchmarks.many_objects FOLDER --run` measures; its FOLDER/measured.json is kept as benchmarks/scaling.json.
 """
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
-from pathlib import Path
 
-import plotly.graph_objects as go
-from make_lead_picture import COLOURS, SYMBOLS, photograph
-from make_readme import fill_page
-from plotly.subplots import make_subplots
+from filling import COLOURS, DOCS, fill_page, read_json, table
+from matplotlib.figure import Figure
 
-DOCS = Path(__file__).parent
 MEASURED = DOCS.parent / "benchmarks" / "scaling.json"
 PAGE, PICTURE = DOCS / "scaling.md", DOCS / "pictures" / "scaling.png"
 LEARNING = ("recognition_s", "study_block_s")
 OBJECTS = ("meshes_s", "fixations_s", "touches_s", "features_s", "stability_s")
 Steps = Mapping[str, Mapping[str, float]]
+Rows = Mapping[str, tuple[str, dict[int, float]]]
 
 
-def rows_of(counts: Mapping[int, Steps]) -> dict[str, tuple[str, dict[int, float]]]:
+def rows_of(counts: Mapping[int, Steps]) -> Rows:
     """Give what is shown, with its unit, by number of objects."""
     whole = {count: steps["whole run"] for count, steps in counts.items()}
     return {
@@ -48,56 +44,38 @@ def exponent(values: Mapping[int, float]) -> float:
     return math.log(more / less) / math.log(many / few)
 
 
-def table(rows: Mapping[str, tuple[str, dict[int, float]]]) -> str:
+def growth(rows: Rows) -> str:
     """Write a Markdown table: a column a number of objects, and the exponent."""
     counts = sorted(next(iter(rows.values()))[1])
     lines = [
-        f"| | {' | '.join(f'{count:,} objects' for count in counts)} | exponent |",
-        "|---" * (len(counts) + 2) + "|",
+        [name, *(f"{values[count]:,.0f} {unit}" for count in counts), f"{exponent(values):.2f}"]
+        for name, (unit, values) in rows.items()
     ]
-    for name, (unit, values) in rows.items():
-        cells = [f"{values[count]:,.0f} {unit}" for count in counts]
-        lines.append(f"| {name} | {' | '.join(cells)} | {exponent(values):.2f} |")
-    return "\n".join(lines)
+    return table(["", *(f"{count:,} objects" for count in counts), "exponent"], lines)
 
 
-def draw(rows: Mapping[str, tuple[str, dict[int, float]]]) -> go.Figure:
+def draw(rows: Rows) -> Figure:
     """Draw seconds and memory by number of objects, all axes logarithmic."""
-    figure = make_subplots(cols=2, subplot_titles=("Seconds", "Memory and files, MB"))
+    figure = Figure(figsize=(10, 4.6), layout="constrained")
+    panels = dict(zip(("s", "MB"), figure.subplots(1, 2), strict=True))
     drawn = [name for name in rows if name != "the same, of processors"]
     for place, name in enumerate(drawn):
         unit, values = rows[name]
-        figure.add_trace(
-            go.Scatter(
-                x=list(values),
-                y=list(values.values()),
-                mode="lines+markers",
-                name=name,
-                line={"color": COLOURS[place % len(COLOURS)], "dash": "dot" if place > 3 else "solid"},
-                marker={"symbol": SYMBOLS[place % len(SYMBOLS)], "size": 8},
-            ),
-            1,
-            1 if unit == "s" else 2,
+        panels[unit].loglog(
+            values.keys(), values.values(), label=name, color=COLOURS[place % 4],
+            marker="osDX"[place % 4], linestyle=":" if place > 3 else "-",
         )  # fmt: skip
-    figure.update_xaxes(type="log", title_text="objects", tickvals=list(values))
-    figure.update_yaxes(type="log", dtick=1)
-    figure.update_layout(
-        template="simple_white",
-        width=1000,
-        height=460,
-        legend={"orientation": "h", "y": 1.2},
-        margin={"l": 60, "r": 20, "t": 90, "b": 50},
-    )
+    for panel, title in zip(panels.values(), ("Seconds", "Memory and files, MB"), strict=True):
+        panel.set_title(title)
+        panel.set_xlabel("objects")
+        panel.set_xticks(list(values), [f"{count:,}" for count in values])
+        panel.minorticks_off()
+    figure.legend(loc="outside upper center", ncols=4)
     return figure
 
 
-def main() -> None:
-    """Fill the page's table and write the picture."""
-    measured = json.loads(MEASURED.read_text(encoding="utf-8"))
-    rows = rows_of({int(count): steps for count, steps in measured["counts"].items()})
-    fill_page(PAGE, {"growth": table(rows)})
-    photograph(draw(rows), PICTURE)
-
-
 if __name__ == "__main__":
-    main()
+    counts = read_json(MEASURED)["counts"]
+    rows = rows_of({int(count): steps for count, steps in counts.items()})
+    fill_page(PAGE, {"growth": growth(rows)})
+    draw(rows).savefig(PICTURE, dpi=100)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from textwrap import fill
 
 import pyarrow as pa
+from filling import DOCS, table
 
 from visuohaptic.pipeline import PHASES
 from visuohaptic.tables.schema import Column, Schema
 from visuohaptic.tables.schemas import SCHEMAS
 
-PAGE = Path(__file__).with_name("tables.md")
+PAGE = DOCS / "tables.md"
 INTRODUCTION = """\
 # Tables
 
@@ -40,38 +40,18 @@ def tables_page() -> str:
 
 def _section(schema: Schema) -> str:
     keys = ", ".join(f"`{key}`" for key in schema.keys)
-    return "\n".join(
-        [
-            f"## {schema.name}",
-            "",
-            fill(f"One row for each {keys}.{_makers(schema.name)}", 100),
-            "",
-            "| column | type | unit, range | meaning |",
-            "|---|---|---|---|",
-            *(_row(column) for column in schema.columns),
-            "",
-        ]
-    )
+    makers = [f"`{phase.name}`" for phase in PHASES if schema.name in phase.writes]
+    written = f" Written by phase {' and '.join(makers)}." if makers else ""
+    columns = table(("column", "type", "unit, range", "meaning"), map(_row, schema.columns))
+    row = fill(f"One row for each {keys}.{written}", 100)
+    return f"## {schema.name}\n\n{row}\n\n{columns}\n".replace("|  |", "| |")
 
 
-def _makers(table: str) -> str:
-    names = [f"`{phase.name}`" for phase in PHASES if table in phase.writes]
-    return f" Written by phase {' and '.join(names)}." if names else ""
-
-
-def _row(column: Column) -> str:
-    kind = f"{_kind(column.dtype)}{', may be missing' if column.nullable else ''}"
-    return f"| `{column.name}` | {kind} | {_range(column)} | {column.description} |".replace(
-        "|  |", "| |"
-    )
-
-
-def _kind(dtype: pa.DataType) -> str:
-    if pa.types.is_dictionary(dtype):
-        return "text"
-    return {"string": "text", "large_string": "text", "binary": "bytes"}.get(
-        str(dtype), str(dtype)
-    ).replace("|", "\\|")
+def _row(column: Column) -> list[str]:
+    missing = ", may be missing" if column.nullable else ""
+    kind = "text" if pa.types.is_dictionary(column.dtype) else str(column.dtype)
+    kind = {"string": "text", "large_string": "text", "binary": "bytes"}.get(kind, kind)
+    return [f"`{column.name}`", f"{kind}{missing}", _range(column), column.description]
 
 
 def _range(column: Column) -> str:

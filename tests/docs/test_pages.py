@@ -199,31 +199,33 @@ def test_python_of_the_pages_runs(page, finished, monkeypatch):
         exec(compile(text, page.name, "exec"), given)  # noqa: S102
 
 
-@pytest.mark.parametrize(
-    "script", sorted((ROOT / "docs").glob("make_*.py")), ids=lambda one: one.name
-)
-def test_a_script_that_fills_pages_finds_all_that_it_imports(script, monkeypatch):
+@pytest.fixture
+def run_script(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
-    assert runpy.run_path(str(script))["__doc__"]
+    return lambda name: runpy.run_path(str(ROOT / "docs" / f"{name}.py"))
 
 
-def test_a_block_that_a_page_lacks_ends_the_script_that_fills_it():
-    fill = runpy.run_path(str(ROOT / "docs" / "make_readme.py"))["fill"]
+@pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("docs/make_*.py")))
+def test_a_script_that_fills_pages_finds_all_that_it_imports(name, run_script):
+    assert run_script(name)["__doc__"]
+
+
+def test_a_block_that_a_page_lacks_ends_the_script_that_fills_it(run_script):
+    fill = run_script("filling")["fill"]
     assert fill("<!-- a -->\nold\n<!-- /a -->", "a", "new") == "<!-- a -->\nnew\n<!-- /a -->"
     with pytest.raises(SystemExit, match="no block b"):
         fill("<!-- a -->\nold\n<!-- /a -->", "b", "new")
 
 
 @pytest.mark.parametrize("name", ["tables", "api"])
-def test_a_page_that_is_made_from_the_code_is_current(name):
-    made = runpy.run_path(str(ROOT / "docs" / f"make_{name}.py"))[f"{name}_page"]()
-    assert made == (ROOT / "docs" / f"{name}.md").read_text(), f"run `python docs/make_{name}.py`"
+def test_a_page_that_is_made_from_the_code_is_current(name, run_script):
+    made = run_script(f"make_{name}")
+    assert made[f"{name}_page"]() == made["PAGE"].read_text(), f"run `python docs/make_{name}.py`"
 
 
 @pytest.mark.parametrize("name", ["claims", "curves", "looking"])
-def test_a_page_shows_the_figures_that_are_kept(name, monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "docs")
-    made = runpy.run_path(str(ROOT / "docs" / f"make_{name}.py"))
+def test_a_page_shows_the_figures_that_are_kept(name, run_script):
+    made = run_script(f"make_{name}")
     text = made["PAGE"].read_text()
     for block, content in made["blocks"]().items():
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text, f"run `make_{name}.py`"

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 README, SHARING, STUDIES = (
     ROOT / name for name in ("README.md", "docs/sharing.md", "studies/README.md")
 )
-WHY = "PYTHONPATH=$PWD/src:$PWD/packages/contourlets/src:$PWD/workflow/lib python -P -m visuohaptic_workflow.why"
+ASK = "VISUOHAPTIC_ASKED={} snakemake --list-rules --quiet all"
 # Three classes, so that one can be unknown, and two of them with a test object and two to train.
 OBJECTS = (
     "bs0_yogurtBottle", "bsby_beer_bottle", "sc_com_bath2_jabon_pijo",
@@ -44,9 +44,9 @@ SMALL = {
 
 IN_ANOTHER_FORM = {
     "make": ("snakemake --cores 2", "`make` makes .venv and then runs this"),
-    "make why": (WHY, "`make` makes .venv and then runs this"),
+    "make why": (ASK.format("why"), "`make` makes .venv and then runs this"),
     "make verify": (
-        f"{WHY} verify || test $? = 1",
+        f"{ASK.format('verify')} || test $? = 1",
         "the same; studies and models of the commands before may be of an earlier state",
     ),
     "snakemake -j2 readings_all": (

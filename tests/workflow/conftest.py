@@ -7,7 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -24,25 +24,27 @@ SMALL = {
 
 
 def environment():
-    """Give the environment of a user's shell; a copy's own package is found by the copy's own means."""
+    """Give the environment of a user's shell, with bytecode; a copy's own package is found by the copy's own means."""
     kept = {
         key: value
         for key, value in os.environ.items()
-        if not key.startswith(("GIT_", "PYTEST_", "DVC_")) and key != "PYTHONPATH"
+        if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
+        and key not in {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
     }
     return {**kept, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A copy of the repository in which commands can be run."""
+    """A copy of the repository in which commands can be run; `variables` are more of the environment."""
 
     folder: Path
+    variables: dict[str, str] = field(default_factory=dict)
 
-    def run(self, *command, check=True):
+    def run(self, *command, check=True, **more):
         """Run a command of the environment there, and give what it printed."""
         result = subprocess.run(
-            command, cwd=self.folder, env=environment(), check=False, text=True,
+            command, cwd=self.folder, env={**environment(), **self.variables, **more}, check=False, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600,
         )  # fmt: skip
         if check and result.returncode:
@@ -52,7 +54,7 @@ class Experiment:
     def start(self, *command):
         """Start a command in a process group of its own."""
         return subprocess.Popen(
-            command, cwd=self.folder, env=environment(), start_new_session=True,
+            command, cwd=self.folder, env={**environment(), **self.variables}, start_new_session=True,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
 
@@ -78,8 +80,15 @@ class Experiment:
         """Read a whole table."""
         return pq.read_table(self.folder / "results" / name)
 
+    def begin_git(self):
+        """Make it a repository of git."""
+        self.run("git", "init", "-q", "-b", "main")
+        self.run("git", "config", "user.name", "A")
+        self.run("git", "config", "user.email", "a@b.c")
+
     def commit(self, message):
-        """Commit everything that git tracks or should track."""
+        """Let DVC take over all results, and commit everything that git tracks or should track."""
+        self.run("dvc", "commit", "--force")
         self.run("git", "add", "--all")
         self.run("git", "commit", "-qm", message)
 
@@ -169,10 +178,7 @@ def repository(whole_stand_in, once):
 
     def make(one):
         whole_stand_in.copy(one.folder)
-        one.run("git", "init", "-q", "-b", "main")
-        one.run("git", "config", "user.name", "A")
-        one.run("git", "config", "user.email", "a@b.c")
-        one.run("dvc", "commit", "--force")
+        one.begin_git()
         one.commit("run")
 
     return once("repository", make)

@@ -6,7 +6,6 @@ of every change in `CHANGES` as JSON. Edited files get an old time, as times mus
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import os
@@ -17,6 +16,7 @@ from contextlib import contextmanager, redirect_stderr
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import pandas as pd
 from small_experiment import SMALL_OBJECTS as OBJECTS
 
 LONG_AGO = (946_000_000, 946_000_000)
@@ -28,10 +28,17 @@ OBJECT = "chair/bs0_chair2/00-01.parquet"
 
 @dataclass(frozen=True)
 class Change:
-    """What differs from the finished run: parameters, and files by what becomes of their content."""
+    """What differs from the finished run: parameters, and files by what becomes of their content.
 
+    All phases run from the `first` on, so many `jobs` of it, of two blocks of objects and two strategies; or, of a table
+    that is lost or edited and comes out as it was, `alone` this one.
+    """
+
+    first: str | None = None
+    jobs: int = 2
     config: dict = field(default_factory=dict)
     files: dict[str, Callable[[bytes], bytes | None]] = field(default_factory=dict)
+    is_alone: bool = False
 
 
 def same(content: bytes) -> bytes:
@@ -50,14 +57,10 @@ def cells(*changed: tuple[str, str, str]) -> Callable[[bytes], bytes]:
     """Give an edit of a CSV file: object, column and value of some cells."""
 
     def edit(content: bytes) -> bytes:
-        rows = list(csv.DictReader(io.StringIO(content.decode(), newline="")))
+        rows = pd.read_csv(io.BytesIO(content), dtype=str, keep_default_na=False)
         for name, column, value in changed:
-            next(row for row in rows if row["object"] == name)[column] = value
-        stream = io.StringIO()
-        writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-        return stream.getvalue().encode()
+            rows.loc[rows["object"] == name, column] = value
+        return rows.to_csv(index=False, lineterminator="\n").encode()
 
     return edit
 
@@ -73,53 +76,64 @@ def of_other_columns() -> list[tuple[str, str, str]]:
     return [("bsby_chair3", column, "1234") for column in columns]
 
 
-def module(path: str, edit: Callable[[bytes], bytes | None] = edited) -> Change:
-    return Change(files={path: edit})
+def of(first: str, jobs: int = 2, **config: object) -> Change:
+    return Change(first, jobs, config)
+
+
+def file(
+    first: str, path: str, edit: Callable[[bytes], bytes | None] = edited, jobs: int = 2
+) -> Change:
+    return Change(first, jobs, files={path: edit})
+
+
+def alone(first: str, path: str, edit: Callable[[bytes], bytes | None] = gone) -> Change:
+    return Change(first, 1, files={path: edit}, is_alone=True)
 
 
 CHANGES = {
-    "nothing": Change(),
+    "nothing": Change(jobs=0),
     "touched files": Change(
+        jobs=0,
         files=dict.fromkeys(
             ("params.yaml", OTHER_MESH, CATALOGUE, "Snakefile", "workflow/rules/common.smk",
              "workflow/scripts/phase.py", "src/visuohaptic/features/describing.py"),
             same,
-        )
+        ),
     ),
-    "meshes": Change({"meshes": {"merge_tolerance": 1e-5}}),
-    "viewpoints": Change({"viewpoints": {"distance": 3.5}}),
-    "rendering": Change({"rendering": {"ambient": 0.5}}),
-    "attention": Change({"attention": {"focus_radius": 0.3}}),
-    "probing": Change({"probing": {"strategies": ["fixation"]}}),
-    "sensor": Change({"sensor": {"largest_size": 0.2}}),
-    "scene": Change({"scene": {"preset": "fsr400", "effects": {"noise": "never"}}}),
-    "a scene to see": Change({"scene": {"effects": {"shading": "never"}}}),
-    "features": Change({"features": {"extension": "symmetric"}}),
-    "recognition": Change({"recognition": {"classifier": {"neighbours": 3}}}),
-    "seed": Change({"seed": 7}),
-    "workflow": Change({"workflow": {"objects_per_job": 1}}),
-    "views a job": Change({"workflow": {"views_per_job": 1}}),
-    "another mesh": Change(
-        files={"meshes/paper/chair/bsby_chair3.ply.gz": lambda _: Path(OTHER_MESH).read_bytes()}
+    "meshes": of("meshes", meshes={"merge_tolerance": 1e-5}),
+    "viewpoints": of("fixations", viewpoints={"distance": 3.5}),
+    "rendering": of("fixations", rendering={"ambient": 0.5}),
+    "attention": of("fixations", attention={"focus_radius": 0.3}),
+    "probing": of("fixations", probing={"strategies": ["fixation"]}),
+    "sensor": of("touches", sensor={"largest_size": 0.2}),
+    "scene": of("touches", scene={"preset": "fsr400", "effects": {"noise": "never"}}),
+    "a scene to see": of("fixations", scene={"effects": {"shading": "never"}}),
+    "features": of("features", features={"extension": "symmetric"}),
+    "recognition": of("recognition", recognition={"classifier": {"neighbours": 3}}),
+    "seed": of("fixations", seed=7),
+    "workflow": of("meshes", 4, workflow={"objects_per_job": 1}),
+    "views a job": of("fixations", 4, workflow={"views_per_job": 1}),
+    "another mesh": file(
+        "meshes", "meshes/paper/chair/bsby_chair3.ply.gz", lambda _: Path(OTHER_MESH).read_bytes(), 1
     ),
-    "columns of the shape": Change(files={CATALOGUE: cells(*of_the_shape())}),
-    "other columns": Change(files={CATALOGUE: cells(*of_other_columns())}),
-    "a credit": Change(
-        files={"meshes/paper/credits.csv": cells(("bsby_chair3", "licence", "CC0-1.0"))}
+    "columns of the shape": file("meshes", CATALOGUE, cells(*of_the_shape())),
+    "other columns": file("report", CATALOGUE, cells(*of_other_columns()), 1),
+    "a credit": file(
+        "report", "meshes/paper/credits.csv", cells(("bsby_chair3", "licence", "CC0-1.0")), 1
     ),
-    "a script": module("workflow/scripts/recognition.py"),
-    "meshes/preparing": module("src/visuohaptic/meshes/preparing.py"),
-    "attention/saliency": module("src/visuohaptic/attention/saliency.py"),
-    "sensor/placing": module("src/visuohaptic/sensor/placing.py"),
-    "contourlets/directional": module("packages/contourlets/src/contourlets/directional.py"),
-    "recognition/classifiers": module("src/visuohaptic/recognition/classifiers.py"),
-    "recognition/metrics": module("src/visuohaptic/recognition/metrics.py"),
-    "an edited table": module(f"results/features/{OBJECT}"),
-    "no mesh": module("results/meshes/chair/bs0_chair2/bs0_chair2.ply", gone),
-    "no views": module(f"results/views/{OBJECT}", gone),
-    "no effects": module(f"results/effects/touches/{OBJECT}", gone),
-    "no plot": module("reports/plots/accuracy.csv", gone),
-    "no report": module("reports/report.html", gone),
+    "a script": file("recognition", "workflow/scripts/recognition.py"),
+    "meshes/preparing": file("meshes", "src/visuohaptic/meshes/preparing.py"),
+    "attention/saliency": file("fixations", "src/visuohaptic/attention/saliency.py"),
+    "sensor/placing": file("touches", "src/visuohaptic/sensor/placing.py"),
+    "contourlets/directional": file("features", "packages/contourlets/src/contourlets/directional.py"),
+    "recognition/classifiers": file("recognition", "src/visuohaptic/recognition/classifiers.py"),
+    "recognition/metrics": file("metrics", "src/visuohaptic/recognition/metrics.py", jobs=1),
+    "an edited table": alone("features", f"results/features/{OBJECT}", edited),
+    "no mesh": alone("meshes", "results/meshes/chair/bs0_chair2/bs0_chair2.ply"),
+    "no views": alone("fixations", f"results/views/{OBJECT}"),
+    "no effects": alone("touches", f"results/effects/touches/{OBJECT}"),
+    "no plot": alone("metrics", "reports/plots/accuracy.csv"),
+    "no report": alone("report", "reports/report.html"),
 }  # fmt: skip
 
 

@@ -6,33 +6,11 @@ from pathlib import Path
 import pytest
 from workflow.conftest import Experiment
 
-from visuohaptic_workflow import one_run
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.one_run import FolderInUseError, check_writable, claim_folder
 from visuohaptic_workflow.planning import values_of_option
 
 process = pytest.mark.workflow
-
-WAITS_FOR_SEVEN_OTHERS = """
-import os
-import time
-from pathlib import Path
-
-Path(f"started-{os.getpid()}").touch()
-limit = time.monotonic() + 120
-while len(list(Path().glob("started-*"))) < 8:
-    if time.monotonic() > limit:
-        raise SystemExit("fewer than eight jobs have started")
-    time.sleep(0.05)
-"""
-
-
-@process
-def test_eight_jobs_run_at_a_time(fresh_stand_in):
-    fresh_stand_in.set(workflow={"views_per_job": 1, "objects_per_job": 1})
-    script = fresh_stand_in.folder / "workflow/scripts/phase.py"
-    script.write_text(WAITS_FOR_SEVEN_OTHERS + script.read_text())
-    fresh_stand_in.run("snakemake", "-j8", "--until", "fixations")
 
 
 @process
@@ -53,8 +31,6 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_
 
 def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    # Another test of this process may have run a job.
-    monkeypatch.setattr(one_run, "_held", [])
     (tmp_path / ".cache/run.lock").mkdir(parents=True)
     with pytest.raises(FolderInUseError, match=f"{tmp_path} can't be written .* `make why` says"):
         claim_folder()
@@ -67,20 +43,6 @@ def test_the_callers_python_path_is_kept(monkeypatch):
     monkeypatch.setenv("PYTHONPATH", "/brought/by/a/module")
     set_job_environment(Path("src"))
     assert os.environ["PYTHONPATH"].split(os.pathsep)[-1] == "/brought/by/a/module"
-
-
-@process
-def test_a_failed_job_ends_with_one_and_its_sentence_is_printed(stand_in):
-    script = stand_in.folder / "workflow/scripts/metrics.py"
-    script.write_text(
-        "from visuohaptic.errors import ReportError\n"
-        "from visuohaptic_workflow.jobs import job\n"
-        "with job(snakemake):\n    raise ReportError('The scores are odd.')\n"
-    )
-    result = stand_in.snakemake(check=False)
-    assert result.returncode == 1
-    assert "error: The scores are odd." in result.stdout
-    assert "Traceback" not in result.stdout
 
 
 @process

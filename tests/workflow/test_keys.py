@@ -169,8 +169,9 @@ def test_a_marked_record_that_is_a_link_becomes_a_file_of_its_own(run):
 def test_only_what_records_name_is_put_aside(run):
     records = Path("results/records/touches/cup")
     records.mkdir(parents=True)
-    for name in ("gone", "mine"):
-        Path(f"results/{name}.parquet").write_text(name)
+    Path("logs").mkdir()
+    for name in ("results/gone.parquet", "results/mine.parquet", "logs/gone.log"):
+        Path(name).write_text(name)
     record = {
         "key": "",
         "parts": {},
@@ -178,13 +179,14 @@ def test_only_what_records_name_is_put_aside(run):
         "log": "logs/gone.log",
     }
     (records / "gone.json").write_text(json.dumps(record))
-    sentence = put_aside([])
+    (sentence,) = put_aside([])
     assert sentence.startswith(
-        "2 files that today's run no longer names were put into .cache/aside/"
+        "3 files that today's run no longer names were put into .cache/aside/"
     )
     assert [file.name for file in Path("results").rglob("*.*")] == ["mine.parquet"]
-    assert len(list(Path(".cache/aside").rglob("gone.*"))) == 2
-    assert put_aside([]) is None
+    assert len(list(Path(".cache/aside").rglob("gone.*"))) == 3
+    assert not Path("logs/gone.log").exists()
+    assert not list(put_aside([]))
 
 
 @pytest.mark.parametrize("is_known", [True, False])

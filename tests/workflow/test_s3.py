@@ -92,7 +92,7 @@ def test_a_colleague_gets_results_by_dvc_from_s3_and_finds_nothing_left_to_do(
     shared = repository.copy(tmp_path / "shared")
     shared.run("dvc", "remote", "add", "--default", "team", "s3://bucket/visuohaptic")
     shared.run("dvc", "remote", "modify", "team", "endpointurl", bucket.address)
-    shared.commit("name the remote")
+    shared.run("git", "commit", "-qam", "name the remote")
     shared.run("dvc", "push")
     shared.run("git", "clone", "-q", str(shared.folder), str(tmp_path / "clone"))
     clone = type(shared)(tmp_path / "clone")

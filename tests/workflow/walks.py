@@ -14,7 +14,6 @@ import json
 import os
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -23,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 from small_experiment import set_parameters
+from workflow.conftest import Experiment
 from workflow.stand_ins import MODULES, digests, make_experiment, stand_in
 
 SCRIPTS = ("phase", "recognition")
@@ -40,74 +40,40 @@ OTHER_MESH = "meshes/paper/chair/bs0_chair2.ply.gz"
 SECONDS_A_COMMAND = 300
 
 
-def environment(**more):
-    """Give what commands of a user's shell would have; bytecode is on, as users have it."""
-    kept = {
-        key: value
-        for key, value in os.environ.items()
-        if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
-        and key not in {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
-    }
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    return {**kept, "PATH": path, **more}
-
-
-def run(folder, *command, **more):
-    """Run a command, and give its exit status and what it printed."""
-    result = subprocess.run(
-        command, cwd=folder, env=environment(**more), check=False, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=SECONDS_A_COMMAND,
-    )  # fmt: skip
-    return result.returncode, result.stdout
-
-
-def must(folder, *command, **more):
-    """Run a command that has to work."""
-    status, output = run(folder, *command, **more)
-    if status:
-        raise RuntimeError(f"{' '.join(command)}: {output[-2000:]}")
-    return output
-
-
-def run_and_commit(folder, message):
-    """Run everything, let DVC take note of it, and commit."""
-    must(folder, "snakemake", "-j2", "--", "dvc_all")
-    must(folder, "dvc", "commit", "--force")
-    must(folder, "git", "add", "--all")
-    must(folder, "git", "commit", "-qm", message)
-
-
 def make_repository(folder):
     """Make a repository with two branches and an experiment, whose results have been pushed."""
     make_experiment(folder)
-    must(folder, "git", "init", "-q", "-b", "main")
-    must(folder, "git", "config", "user.name", "A")
-    must(folder, "git", "config", "user.email", "a@b.c")
-    must(folder, "dvc", "remote", "add", "--default", "team", str(folder.parent / "remote"))
-    run_and_commit(folder, "start")
-    set_parameters(folder, {"recognition": {"touches": 4}})
-    must(folder, "snakemake", "-j2", "--", "dvc_all")
-    must(folder, "dvc", "commit", "--force")
-    must(folder, "dvc", "exp", "save", "--name", "tried")
-    must(folder, "git", "checkout", "-qf", "main")
-    must(folder, "git", "checkout", "-qb", "other")
-    set_parameters(folder, PARAMETERS[0])
-    run_and_commit(folder, "other")
-    must(folder, "dvc", "push", "--all-branches")
-    must(folder, "git", "checkout", "-qf", "main")
-    must(folder, "dvc", "checkout", "--force")
+    made = Experiment(folder)
+    made.begin_git()
+    made.run("dvc", "remote", "add", "--default", "team", str(folder.parent / "remote"))
+    made.snakemake("dvc_all")
+    made.commit("start")
+    made.set(recognition={"touches": 4})
+    made.snakemake("dvc_all")
+    made.run("dvc", "commit", "--force")
+    made.run("dvc", "exp", "save", "--name", "tried")
+    made.run("git", "checkout", "-qf", "main")
+    made.run("git", "checkout", "-qb", "other")
+    made.set(**PARAMETERS[0])
+    made.snakemake("dvc_all")
+    made.commit("other")
+    made.run("dvc", "push", "--all-branches")
+    made.run("git", "checkout", "-qf", "main")
+    made.run("dvc", "checkout", "--force")
 
 
 @dataclass
 class Walk:
     """One walk through a folder."""
 
-    folder: Path
+    experiment: Experiment
     generator: np.random.Generator
     steps: list[str] = field(default_factory=list)
     sentences: list[str] = field(default_factory=list)
 
-    variables: dict[str, str] = field(default_factory=dict)
+    @property
+    def folder(self):
+        return self.experiment.folder
 
     def take_step(self):
         """Do one thing, drawn at random."""
@@ -131,16 +97,9 @@ class Walk:
 
     def attempt(self, *command):
         """Run a command that may refuse in a sentence."""
-        status, output = run(self.folder, *command, **self.variables)
-        if status:
-            self.sentences.append(f"{' '.join(command)}: {output[-500:]}")
-
-    def start(self, *command):
-        """Start a command in a session of its own."""
-        return subprocess.Popen(
-            command, cwd=self.folder, env=environment(**self.variables), start_new_session=True,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+        result = self.experiment.run(*command, check=False)
+        if result.returncode:
+            self.sentences.append(f"{' '.join(command)}: {result.stdout[-500:]}")
 
     def edit_parameter(self):
         set_parameters(self.folder, self.draw(PARAMETERS))
@@ -173,12 +132,13 @@ class Walk:
         for _ in range(3):
             path, name = self.write_module(1)
             first = path.stat().st_mtime_ns
-            run(self.folder, "python", "-c", f"import {name}", PYTHONPATH=f"{self.folder / 'src'}")
+            paths = str(self.folder / "src")
+            self.experiment.run("python", "-c", f"import {name}", check=False, PYTHONPATH=paths)
             path.write_text(path.read_text().replace("VALUE = 1", "VALUE = 2"))
             os.utime(path, ns=(first, first))
 
     def edit_module_while_jobs_run(self):
-        process = self.start("snakemake", "-j2")
+        process = self.experiment.start("snakemake", "-j2")
         time.sleep(self.generator.uniform(1.0, 3.0))
         self.edit_module()
         process.wait(timeout=SECONDS_A_COMMAND)
@@ -256,7 +216,7 @@ class Walk:
             file.write_text(self.draw((text[:20], f"{text} ")))
 
     def kill(self):
-        process = self.start("snakemake", "-j2")
+        process = self.experiment.start("snakemake", "-j2")
         time.sleep(self.generator.uniform(0.5, 3.0))
         how = self.draw((signal.SIGKILL, signal.SIGKILL, signal.SIGINT))
         if process.poll() is None:
@@ -267,7 +227,7 @@ class Walk:
         other = self.folder / ".other" / "pywavelets-99.dist-info"
         other.mkdir(parents=True, exist_ok=True)
         (other / "METADATA").write_text("Metadata-Version: 2.1\nName: PyWavelets\nVersion: 99\n")
-        self.variables["PYTHONPATH"] = str(other.parent)
+        self.experiment.variables["PYTHONPATH"] = str(other.parent)
 
     def keep_own_file(self):
         for name in ("features/mine.parquet", "touches/mine/mine.parquet"):
@@ -283,54 +243,52 @@ class CleanRuns:
         self._folder = folder
         self._known = {}
 
-    def results_of(self, walked, variables):
-        """Give the results of a clean run of a folder's parameters, code and meshes."""
-        inputs = ["params.yaml", "workflow", "meshes", "Snakefile", "profiles", "src", "packages"]
-        key = hashlib.sha256(str(variables).encode())
-        for name in inputs:
-            path = walked / name
+    def results_of(self, walked):
+        """Give the results of a clean run of an experiment's parameters, code and meshes."""
+        key = hashlib.sha256(str(walked.variables).encode())
+        clean = Experiment(Path(tempfile.mkdtemp(dir=self._folder)), walked.variables)
+        for name in (
+            "params.yaml",
+            "workflow",
+            "meshes",
+            "Snakefile",
+            "profiles",
+            "src",
+            "packages",
+        ):
+            path = walked.folder / name
             for file in [path] if path.is_file() else sorted(path.rglob("*")):
-                if (
-                    file.is_file()
-                    and "__pycache__" not in file.parts
-                    and "downloaded" not in file.parts
-                ):
-                    key.update(str(file.relative_to(walked)).encode() + file.read_bytes())
+                place = file.relative_to(walked.folder)
+                if file.is_file() and not {"__pycache__", "downloaded"} & {*place.parts}:
+                    key.update(str(place).encode() + file.read_bytes())
+                    (clean.folder / place).parent.mkdir(parents=True, exist_ok=True)
+                    shutil.copy2(file, clean.folder / place)
         if key.digest() not in self._known:
-            folder = Path(tempfile.mkdtemp(dir=self._folder))
-            for name in inputs:
-                if (walked / name).is_dir():
-                    shutil.copytree(
-                        walked / name,
-                        folder / name,
-                        ignore=shutil.ignore_patterns("__pycache__", "downloaded"),
-                    )
-                else:
-                    shutil.copy2(walked / name, folder / name)
-            must(folder, "snakemake", "-j2", "dvc_all", **variables)
-            self._known[key.digest()] = digests(folder)
-            shutil.rmtree(folder)
+            clean.snakemake("dvc_all")
+            self._known[key.digest()] = digests(clean.folder)
+        shutil.rmtree(clean.folder)
         return self._known[key.digest()]
 
 
 def walk(repository, folder, seed, clean):
     """Take one walk; give its steps, the sentences it met, and what was wrong."""
     generator = np.random.default_rng(seed)
+    walked = Experiment(folder)
     if generator.integers(3):
         shutil.copytree(repository, folder, symlinks=True)
     else:
-        must(repository.parent, "git", "clone", "-q", str(repository), str(folder))
-        must(folder, "git", "fetch", "-q", "origin", "other:other")
-        must(folder, "dvc", "pull")
-    taken = Walk(folder, generator)
+        Experiment(repository.parent).run("git", "clone", "-q", str(repository), str(folder))
+        walked.run("git", "fetch", "-q", "origin", "other:other")
+        walked.run("dvc", "pull")
+    taken = Walk(walked, generator)
     for _ in range(generator.integers(2, 5)):
         taken.take_step()
     mine = list((folder / "results").rglob("mine.parquet"))
-    status, output = run(folder, "snakemake", "-j2", "dvc_all", **taken.variables)
-    if status:
-        wrong = f"the last run failed: {output[-1500:]}"
+    last = walked.snakemake("dvc_all", check=False)
+    if last.returncode:
+        wrong = f"the last run failed: {last.stdout[-1500:]}"
     else:
-        wrong = _difference(folder, clean.results_of(folder, taken.variables))
+        wrong = _difference(folder, clean.results_of(walked))
     if not wrong and not all(file.exists() for file in mine):
         wrong = "a file of the user is gone"
     return {"seed": int(seed), "steps": taken.steps, "sentences": taken.sentences, "wrong": wrong}
@@ -378,13 +336,11 @@ def take_walks(folder, count, first=0, seconds=float("inf")):
 
 
 if __name__ == "__main__":
-    arguments = [float(argument) for argument in sys.argv[1:]]
+    count, first, seconds = [
+        *map(float, sys.argv[1:]),
+        *(500, 0, float("inf"))[len(sys.argv) - 1 :],
+    ]
     with tempfile.TemporaryDirectory() as scratch:
-        report = take_walks(
-            scratch,
-            int(arguments[0]) if arguments else 500,
-            int(arguments[1]) if len(arguments) > 1 else 0,
-            arguments[2] if len(arguments) > 2 else float("inf"),
-        )
+        report = take_walks(scratch, int(count), int(first), seconds)
     sys.stdout.write(json.dumps(report, indent=1) + "\n")
     sys.exit(bool(report["wrong"]))

@@ -1,4 +1,4 @@
-"""Shared by all rules: parameters, objects, blocks of viewpoints, and code as input."""
+"""Shared by all rules: parameters, objects, blocks of viewpoints, and what each job takes."""
 
 import json
 import os
@@ -51,7 +51,7 @@ from visuohaptic_workflow.planning import (
     values_of_option,
 )
 from visuohaptic_workflow.records import PREFIX
-from visuohaptic_workflow.why import ASKED, answer
+from visuohaptic_workflow.why import ASKED, verify, why
 
 set_job_environment(*SOURCES)
 # Another workflow that uses this one as a module decides by its own means.
@@ -61,13 +61,8 @@ HERE = f"{platform.node()}:{os.getpid()}"
 IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
 # In a storage, where records can't be read at the start, and in another workflow, Snakemake's own memory decides.
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None
-if IS_KEYED and IS_PLANNER:
-    os.environ[PREFIX] = sys.prefix
-    if set(values_of_option(sys.argv, "--rerun-triggers")) - {"mtime"}:
-        raise WorkflowError(
-            "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
-            "leave out --rerun-triggers, or say --rerun-triggers mtime."
-        )
+# Whether this process decides by keys what runs.
+DECIDES = IS_KEYED and IS_PLANNER
 DIGESTS = Digests(".cache/digests.json")
 
 # Snakemake imports pandas, for half a second, to look for data frames among parameters; here are
@@ -84,15 +79,20 @@ def or_stop(function, *arguments):
         raise WorkflowError(str(error)) from None
 
 
-if IS_KEYED and IS_PLANNER and ASKED not in os.environ:
-    or_stop(check_writable)
+if DECIDES:
+    os.environ[PREFIX] = sys.prefix
+    if set(values_of_option(sys.argv, "--rerun-triggers")) - {"mtime"}:
+        raise WorkflowError(
+            "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
+            "leave out --rerun-triggers, or say --rerun-triggers mtime."
+        )
+    if ASKED not in os.environ:
+        or_stop(check_writable)
 
 
 def shipped(path):
     """Give the path of a file or folder of the repository, relative to the working folder."""
-    if Path(path).exists():
-        return path
-    return os.path.relpath(ROOT / path)
+    return path if Path(path).exists() else os.path.relpath(ROOT / path)
 
 
 # From another folder the workflow runs with that folder's parameters, or else with its own.
@@ -130,6 +130,19 @@ DOWNLOADED = {
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
 OBJECT_BLOCKS = divide(OBJECTS, PARAMETERS.workflow.objects_per_job)
+# The viewpoints of a job, by names such as 00-15.
+VIEW_BLOCKS = {}
+for start in range(0, PARAMETERS.viewpoints.total, PARAMETERS.workflow.views_per_job):
+    end = min(start + PARAMETERS.workflow.views_per_job, PARAMETERS.viewpoints.total)
+    VIEW_BLOCKS[f"{start:02d}-{end - 1:02d}"] = list(range(start, end))
+# What wildcards stand for, in rules that do not list their jobs' wildcards.
+VALUES = {
+    "objects": OBJECT_BLOCKS,
+    "views": VIEW_BLOCKS,
+    "pipeline": PARAMETERS.recognition.pipelines,
+    "strategy": PARAMETERS.probing.strategies,
+}
+VALUES_OF_RULES = {}
 
 
 wildcard_constraints:
@@ -146,16 +159,14 @@ def in_clone(files):
 
 def sources_of(wildcards):
     """List the model file of each object of a block."""
-    return [source_of(key) for key in OBJECT_BLOCKS[wildcards.objects]]
-
-
-def source_of(key):
-    """Give an object's model file."""
-    if key in OWN:
-        return in_clone([OWN[key]])[0]
-    if key in DOWNLOADED:
-        return f"meshes/downloaded/{key}.ply.gz"
-    return in_clone([shipped(f"meshes/paper/{key}.ply.gz")])[0]
+    return [
+        (
+            f"meshes/downloaded/{key}.ply.gz"
+            if key in DOWNLOADED
+            else local(str(OWN.get(key) or shipped(f"meshes/paper/{key}.ply.gz")))
+        )
+        for key in OBJECT_BLOCKS[wildcards.objects]
+    ]
 
 
 def companions_of(wildcards):
@@ -173,24 +184,12 @@ def models_of(wildcards):
     }
 
 
-def view_blocks():
-    """Name the blocks of viewpoints, one a job, such as 00-15."""
-    count, step = PARAMETERS.viewpoints.total, PARAMETERS.workflow.views_per_job
-    starts = range(0, count, step)
-    return [f"{start:02d}-{min(start + step, count) - 1:02d}" for start in starts]
-
-
-def viewpoints_of(wildcards):
-    """List the viewpoints of a block."""
-    first, last = wildcards.views.split("-")
-    return list(range(int(first), int(last) + 1))
-
-
 def blocks_with(objects):
     """Name the blocks that hold at least one of some objects."""
-    wanted = set(objects)
     return [
-        name for name, block in OBJECT_BLOCKS.items() if not wanted.isdisjoint(block)
+        name
+        for name, block in OBJECT_BLOCKS.items()
+        if not {*block}.isdisjoint(objects)
     ]
 
 
@@ -199,50 +198,24 @@ def meshes_of(objects=OBJECTS):
     return expand("results/meshes/{objects}", objects=blocks_with(objects))
 
 
-def files_by_block(table, suffix="parquet"):
-    """List the files of a table with one file a block of objects."""
-    return expand(f"results/{table}/{{objects}}.{suffix}", objects=OBJECT_BLOCKS)
-
-
-def parts_of(table, suffix="parquet", objects=OBJECTS, views=None):
-    """List the files of a table, one a block of objects and of viewpoints, that hold some objects and may hold others."""
-    return expand(
-        "results/{table}/{objects}/{views}.{suffix}",
-        table=table,
-        suffix=suffix,
-        objects=blocks_with(objects),
-        views=views or view_blocks(),
-    )
+def files_of(table, each="{objects}/{views}", suffix="parquet", **chosen):
+    """List the files of a table, one for each value of some wildcards, or for those that are chosen."""
+    return expand(f"results/{table}/{each}.{suffix}", **{**VALUES, **chosen})
 
 
 def views_of(table):
     """List the files of a table that belong to one block of objects, which a job names."""
-    return [f"results/{table}/{{objects}}/{views}.parquet" for views in view_blocks()]
+    return [f"results/{table}/{{objects}}/{views}.parquet" for views in VIEW_BLOCKS]
 
 
-def scores_of(table, suffix="parquet"):
-    """List the files of a table of the recognition phase."""
-    return expand(
-        "results/{table}/{pipeline}/{strategy}.{suffix}",
-        table=table,
-        suffix=suffix,
-        pipeline=PARAMETERS.recognition.pipelines,
-        strategy=PARAMETERS.probing.strategies,
-    )
-
-
-# What each rule runs and takes; planned_jobs() reads it.
+# What each rule runs and takes.
 DECLARED = {}
-# Rules that list their jobs' wildcards.
-VALUES_OF_RULES = {}
-# Records of studies that are left as they are.
-KEPT_RECORDS = set()
 # What the jobs of this run are given: in the process that plans it, and in those of other machines, which read it.
 GIVEN_FILE = Path("logs/given.json")
 GIVEN = {}
 
 
-def takes(name, script, check=None, runs=(), chosen=(), **inputs):
+def takes(name, script, runs=(), chosen=(), **inputs):
     """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits.
 
     The script `runs` modules of which it does not know; of registries the entries count that are `chosen`.
@@ -250,63 +223,54 @@ def takes(name, script, check=None, runs=(), chosen=(), **inputs):
     start = Start(ROOT / "workflow/scripts" / script, tuple(runs), tuple(chosen))
     DECLARED[name] = Declared(start, inputs)
 
-    def chosen(wildcards):
-        if check is not None:
-            check()
+    def found(wildcards):
         files = DECLARED[name].files(wildcards)
         if not IS_KEYED:
-            return {**files, "code": code_of_rule(name)}
-        record = fill(str(getattr(rules, name).output.record), wildcards)
+            code = in_clone(map(os.path.relpath, find_code(start).files))
+            return {**files, "code": code}
         if not IS_PLANNER:
             return files
-        reason = None if record in KEPT_RECORDS else keys().reason(record)
+        record = fill(str(getattr(rules, name).output.record), wildcards)
+        reason = keys().why(record)
         if reason is None:
-            return {part: keep_times_out(item) for part, item in files.items()}
+            return {
+                part: ancient(item) if isinstance(item, str) else [*map(ancient, item)]
+                for part, item in files.items()
+            }
         GIVEN[record] = keys().given(record)
-        if is_another_run_at_work():  # which makes it, or will be waited for
+        if is_claimed_by_another():  # which makes it, or will be waited for
             return files
         marker = or_stop(mark_stale, record, reason)
         return {**files, "why": [*marker, *sorted(keys().stale_behind(record))]}
 
-    return unpack(chosen)
+    return unpack(found)
 
 
-@cache
-def is_another_run_at_work():
-    """Whether another process makes results in this folder, as at a dry run beside it."""
-    return is_claimed_by_another()
-
-
-def keep_times_out(item):
-    """Mark files whose times say nothing."""
-    return ancient(item) if isinstance(item, str) else [ancient(file) for file in item]
-
-
-def code_of_rule(name):
-    """List the files of code that a rule runs, as inputs."""
-    return in_clone(
-        os.path.relpath(file) for file in find_code(DECLARED[name].start).files
-    )
-
-
-def key_of_rule(name):
+def key_of_job(wildcards, output):
     """Give what tells a job its key, and what it was planned with."""
-
-    def given(wildcards):
-        if not IS_KEYED:
-            return None
-        record = fill(str(getattr(rules, name).output.record), wildcards)
-        if not IS_PLANNER:
-            return json.loads(GIVEN_FILE.read_text(encoding="utf-8")).get(record)
-        return GIVEN.setdefault(record, keys().given(record))
-
-    return given
+    if not IS_KEYED:
+        return None
+    if not IS_PLANNER:
+        return json.loads(GIVEN_FILE.read_text(encoding="utf-8")).get(output.record)
+    return GIVEN.setdefault(output.record, keys().given(output.record))
 
 
 @cache
 def keys():
     """Give the keys of all jobs that today's parameters and objects ask for."""
-    return Keys(planned_jobs(), find_code, DIGESTS, ROOT, KEPT_RECORDS)
+    jobs = [
+        job
+        for name, declared in DECLARED.items()
+        for job in plan_jobs(
+            name, declared, getattr(rules, name), VALUES_OF_RULES.get(name, VALUES)
+        )
+    ]
+    kept = {
+        job.record
+        for job in jobs
+        if any(study.owns(job.outputs[0]) for study in KEPT_STUDIES)
+    }
+    return Keys(jobs, find_code, DIGESTS, ROOT, kept)
 
 
 @cache
@@ -336,75 +300,46 @@ def all_cores(wildcards):
     return workflow.cores or 1
 
 
-@cache
-def planned_jobs():
-    """List the jobs of all rules that today's parameters and objects ask for."""
-    values = {
-        "objects": OBJECT_BLOCKS,
-        "views": view_blocks(),
-        "pipeline": PARAMETERS.recognition.pipelines,
-        "strategy": PARAMETERS.probing.strategies,
-    }
-    return [
-        job
-        for name, declared in DECLARED.items()
-        for job in plan_jobs(
-            name, declared, getattr(rules, name), VALUES_OF_RULES.get(name, values)
-        )
-    ]
-
-
-def answer_why():
-    """Say why jobs would run, if `make why` or `make verify` asks."""
-    if IS_KEYED and IS_PLANNER:
-        answer(keys(), map(str, rules.all.input))
+def answer():
+    """Say why jobs would run, or which records do not fit, and end, if `make why` or `make verify` asks."""
+    if DECIDES and ASKED in os.environ:
+        is_fine = True
+        if os.environ[ASKED] == "verify":
+            lines, is_fine = verify(keys())
+        else:
+            lines = why(keys(), map(str, rules.all.input))
+        print(*lines, sep="\n")
+        sys.exit(not is_fine)
 
 
 def claim():
     """Allow one run at a time in this folder, and say what its jobs were planned with."""
-    if IS_KEYED and IS_PLANNER:
+    if DECIDES:
         or_stop(claim_folder)
         write_whole(GIVEN_FILE, json.dumps(GIVEN))
         DIGESTS.save()
 
 
-def check_recognition():
-    """Stop before the first job where recognition is asked for and has no classes to tell apart."""
-    or_stop(check_classes, OBJECTS)
-
-
-FRONTIER_FOLDERS = (
-    "study_features",
-    "study_blocks",
-    "records/features_of_study",
-    "records/block_of_study",
-)
-
-
 def close_run():
     """Put aside what is no longer named, and say what was left out, what is of an earlier state, and what the report holds, once it is today's."""
-    if not (IS_KEYED and IS_PLANNER):
+    if not DECIDES:
         return
     # Outputs of a stage of DVC, which a frontier without features or settings does not make.
-    for folder in FRONTIER_FOLDERS:
-        Path("results", folder, "frontier").mkdir(parents=True, exist_ok=True)
-    kept = {record: read_record(record).get("key") for record in keys().jobs}
-    earlier = [
-        record for record, key in kept.items() if key not in (None, keys().key(record))
-    ]
-    page = "results/records/report.json"
-    is_whole = kept[page] == keys().key(page)
-    named = {file for job in planned_jobs() for file in job.outputs}
-    moved = put_aside(named) if is_whole else None
-    for line in [
-        *([moved] if moved else []),
-        *(
-            [
-                f"{len(earlier)} records are of an earlier state: `make verify` lists them."
-            ]
-            if earlier
-            else []
-        ),
-        *lines_at_end(report_is_current=is_whole),
-    ]:
+    for rule, folder in (("features", "study_features"), ("block", "study_blocks")):
+        for made in (folder, f"records/{rule}_of_study"):
+            Path("results", made, "frontier").mkdir(parents=True, exist_ok=True)
+    found = {record: read_record(record).get("key") for record in keys().jobs}
+    stale = {record: key for record, key in found.items() if key != keys().key(record)}
+    report_is_current = "results/records/report.json" not in stale
+    lines = lines_at_end(report_is_current=report_is_current)
+    if any(stale.values()):
+        count = sum(key is not None for key in stale.values())
+        lines = [
+            f"{count} records are of an earlier state: `make verify` lists them.",
+            *lines,
+        ]
+    if report_is_current:
+        named = {file for job in keys().jobs.values() for file in job.outputs}
+        lines = [*put_aside(named), *lines]
+    for line in lines:
         print(line, file=sys.stderr)

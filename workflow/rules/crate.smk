@@ -20,7 +20,7 @@ rule crate:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("crate"),
+        key=key_of_job,
         root=os.path.relpath(ROOT),
         parameters={
             **PARAMETERS.model_dump(exclude={"workflow"}),

@@ -28,9 +28,9 @@ rule export:
         takes(
             "export",
             "export.py",
-            touches=parts_of("touches"),
-            features=parts_of("features"),
-            predictions=scores_of("predictions"),
+            touches=files_of("touches"),
+            features=files_of("features"),
+            predictions=files_of("predictions", "{pipeline}/{strategy}"),
             metrics="reports/metrics.json",
             credits=CREDITS,
         ),
@@ -42,7 +42,7 @@ rule export:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("export"),
+        key=key_of_job,
         seed=PARAMETERS.seed,
         commit=packed_commit,
         parameters=PARAMETERS.model_dump(mode="json", exclude={"workflow"}),

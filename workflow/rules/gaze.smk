@@ -32,7 +32,7 @@ rule gaze:
         "../envs/visuohaptic.yaml"
     threads: all_cores
     params:
-        key=key_of_rule("gaze"),
+        key=key_of_job,
         looking={
             "viewpoints": PARAMETERS.viewpoints.model_dump(),
             "rendering": PARAMETERS.rendering.model_dump(),

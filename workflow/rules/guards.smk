@@ -11,8 +11,8 @@ rule guards_of_training:
         takes(
             "guards_of_training",
             "guards_of_training.py",
-            features=parts_of("features"),
-            fixations=parts_of("fixations"),
+            features=files_of("features"),
+            fixations=files_of("fixations"),
             meshes=meshes_of(),
         ),
     output:
@@ -23,7 +23,7 @@ rule guards_of_training:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("guards_of_training"),
+        key=key_of_job,
         pipelines=list(PARAMETERS.recognition.pipelines),
         recognition=PARAMETERS.recognition.model_dump(
             exclude={"pipelines", "intervals"}
@@ -47,7 +47,7 @@ rule guards_hold:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("guards_hold"),
+        key=key_of_job,
     message:
         "reading what the guards found"
     script:

@@ -12,7 +12,7 @@ CREDITS = in_clone(map(shipped, ["meshes/catalogue.csv", "meshes/paper/credits.c
 rule meshes_all:
     input:
         meshes_of(),
-        files_by_block("records/meshes", "json"),
+        files_of("records/meshes", "{objects}", "json"),
         ["meshes/downloaded/credits.csv"] if DOWNLOADED else [],
 
 
@@ -39,7 +39,7 @@ rule downloads:
         "../envs/visuohaptic.yaml"
     threads: 2
     params:
-        key=key_of_rule("downloads"),
+        key=key_of_job,
         models=[
             {name: value for name, value in asdict(model).items() if name != "credit"}
             for _, model in sorted(DOWNLOADED.items())
@@ -65,7 +65,7 @@ rule credits:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("credits"),
+        key=key_of_job,
         models=[asdict(model) for _, model in sorted(DOWNLOADED.items())],
     message:
         "writing the credits of the downloaded models"
@@ -90,7 +90,7 @@ rule meshes:
         "../envs/visuohaptic.yaml"
     params:
         **phase_of("meshes").written_values(PARAMETERS),
-        key=key_of_rule("meshes"),
+        key=key_of_job,
         models=models_of,
     message:
         "preparing {wildcards.objects} and others"

@@ -27,7 +27,7 @@ rule model:
         takes(
             "model",
             "model.py",
-            features=parts_of("features"),
+            features=files_of("features"),
         ),
     output:
         model="results/models/{model}.skops",
@@ -37,7 +37,7 @@ rule model:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("model"),
+        key=key_of_job,
         pipeline="best",
         classifier="support_vector_machine",
         strategy=lambda wildcards: MODELS[wildcards.model],

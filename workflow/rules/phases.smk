@@ -4,25 +4,13 @@ Each takes a block of objects and a block of viewpoints through one phase, from 
 The effect logs, results/effects/<views or touches>/, say why each effect was needed, and its run time.
 """
 
-
-def writes_of(phase):
-    """Give the files that a job of a phase makes, by table."""
-    return {
-        table: f"results/{folder}/{{objects}}/{{views}}.parquet"
-        for table, folder in phase.writes.items()
-    }
+PART = "results/{}/{{objects}}/{{views}}.parquet"
 
 
 def reads_of(phase):
     """Give the files that a job of a phase takes, by table; a folder of meshes."""
-    files = {
-        table: f"results/{table}/{{objects}}/{{views}}.parquet" for table in phase.takes
-    }
-    return (
-        {"meshes": "results/meshes/{objects}", **files}
-        if "meshes" in phase.reads
-        else files
-    )
+    meshes = {"meshes": "results/meshes/{objects}"} if "meshes" in phase.reads else {}
+    return {**meshes, **{table: PART.format(table) for table in phase.takes}}
 
 
 for one in OF_OBJECT:
@@ -31,8 +19,8 @@ for one in OF_OBJECT:
         name:
             f"{one.name}_all"
         input:
-            [parts_of(folder) for folder in one.writes.values()],
-            parts_of(f"records/{one.name}", "json"),
+            [files_of(folder) for folder in one.writes.values()],
+            files_of(f"records/{one.name}", suffix="json"),
 
     rule:
         name:
@@ -46,7 +34,7 @@ for one in OF_OBJECT:
                 **reads_of(one),
             ),
         output:
-            **writes_of(one),
+            **{table: PART.format(folder) for table, folder in one.writes.items()},
             record=f"results/records/{one.name}/{{objects}}/{{views}}.json",
         log:
             f"logs/{one.name}/{{objects}}/{{views}}.log",
@@ -54,9 +42,9 @@ for one in OF_OBJECT:
             "../envs/visuohaptic.yaml"
         params:
             **one.written_values(PARAMETERS),
-            key=key_of_rule(one.name),
+            key=key_of_job,
             work=one.work.name,
-            viewpoints_of_block=viewpoints_of,
+            viewpoints_of_block=lambda wildcards: VIEW_BLOCKS[wildcards.views],
         message:
             f"{one.doing} {{wildcards.objects}} and others, viewpoints {{wildcards.views}}"
         script:

@@ -13,8 +13,8 @@ SHOWN = frozenset(sample_objects(OBJECTS, OBJECTS_AT_MOST))
 
 rule pictures_all:
     input:
-        files_by_block("pictures"),
-        files_by_block("records/pictures", "json"),
+        files_of("pictures", "{objects}"),
+        files_of("records/pictures", "{objects}", "json"),
 
 
 rule pictures:
@@ -35,7 +35,7 @@ rule pictures:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("pictures"),
+        key=key_of_job,
         shown=lambda wildcards: [
             key for key in OBJECT_BLOCKS[wildcards.objects] if key in SHOWN
         ],

@@ -6,9 +6,9 @@ Takes results/features/; gives the tables results/scores/ and results/prediction
 
 rule recognition_all:
     input:
-        scores_of("scores"),
-        scores_of("predictions"),
-        scores_of("records/recognition", "json"),
+        files_of("scores", "{pipeline}/{strategy}"),
+        files_of("predictions", "{pipeline}/{strategy}"),
+        files_of("records/recognition", "{pipeline}/{strategy}", "json"),
 
 
 rule recognition:
@@ -16,9 +16,10 @@ rule recognition:
         takes(
             "recognition",
             "recognition.py",
-            check=check_recognition,
-            features=parts_of("features"),
+            features=files_of("features"),
         ),
+        # Stops before the first job where there are no classes to tell apart.
+        checked=lambda wildcards: or_stop(check_classes, OBJECTS) or [],
     output:
         scores="results/scores/{pipeline}/{strategy}.parquet",
         predictions="results/predictions/{pipeline}/{strategy}.parquet",
@@ -29,7 +30,7 @@ rule recognition:
         "../envs/visuohaptic.yaml"
     params:
         **phase_of("recognition").written_values(PARAMETERS),
-        key=key_of_rule("recognition"),
+        key=key_of_job,
     message:
         "training and testing on touches by {wildcards.strategy}, pipeline {wildcards.pipeline}"
     script:

@@ -31,8 +31,8 @@ rule metrics:
         takes(
             "metrics",
             "metrics.py",
-            scores=scores_of("scores"),
-            predictions=scores_of("predictions"),
+            scores=files_of("scores", "{pipeline}/{strategy}"),
+            predictions=files_of("predictions", "{pipeline}/{strategy}"),
             training="results/guards_of_training.parquet",
         ),
     output:
@@ -59,7 +59,7 @@ rule metrics:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("metrics"),
+        key=key_of_job,
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
@@ -74,26 +74,22 @@ rule report:
             "report",
             "report.py",
             metrics="reports/metrics.json",
-            predictions=scores_of("predictions"),
-            views=parts_of("views"),
-            fixations=parts_of("fixations"),
-            touches=parts_of("touches"),
-            features=parts_of("features"),
-            effects=[*parts_of("effects/views"), *parts_of("effects/touches")],
+            predictions=files_of("predictions", "{pipeline}/{strategy}"),
+            views=files_of("views"),
+            fixations=files_of("fixations"),
+            touches=files_of("touches"),
+            features=files_of("features"),
+            effects=[*files_of("effects/views"), *files_of("effects/touches")],
             meshes=meshes_of(),
             studies=[file for study in STUDIES_OF_RUN for file in study.shown],
-            stability=files_by_block("stability"),
-            pictures=files_by_block("pictures"),
+            stability=files_of("stability", "{objects}"),
+            pictures=files_of("pictures", "{objects}"),
             guards="results/guards.parquet",
             # Only where recordings are given.
             gaze=GAZE_TABLES if RECORDED_GAZE else [],
             # Not part of `all`; once present they are shown in the report.
             measured=[
-                *(
-                    file
-                    for file, study in SHOWN_FILES.items()
-                    if is_shown(file, study)
-                ),
+                *SHOWN_FILES,
                 *in_clone(filter(os.path.exists, MEASURED_BESIDE)),
             ],
             credits=CREDITS,
@@ -107,7 +103,7 @@ rule report:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("report"),
+        key=key_of_job,
         parameters=PARAMETERS.model_dump(exclude={"workflow"}),
         objects=OBJECTS,
         studies=shown_studies,

@@ -7,8 +7,8 @@ exceeded fails no job: the tables say so, the report shows it, and the run's las
 
 rule stability_all:
     input:
-        files_by_block("stability"),
-        files_by_block("records/stability", "json"),
+        files_of("stability", "{objects}"),
+        files_of("records/stability", "{objects}", "json"),
 
 
 rule stability_of_object:
@@ -28,7 +28,7 @@ rule stability_of_object:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("stability_of_object"),
+        key=key_of_job,
         attention=PARAMETERS.attention.model_dump(),
         sensor=PARAMETERS.sensor.model_dump(),
         scene=PARAMETERS.scene.model_dump(),

@@ -15,29 +15,24 @@ wildcard_constraints:
     block=r"\d+-\d+",
 
 
-for study in STUDIES.values():
+# Studies of the package and of Python have a second name; those that are part of every run have it without the report.
+for name, study, report_of_name in [
+    *((f"study_{one.name}", one, report_of_study) for one in STUDIES.values()),
+    *(
+        (f"{one.name}_all", one, [] if one.is_part_of_run else report_of_study)
+        for one in STUDIES.values()
+        if one.is_coded
+    ),
+]:
 
     rule:
         name:
-            f"study_{study.name}"
+            name
         input:
             study.targets,
             # By name, so that a lost block is missed although its figures are there.
             study_blocks(study.name),
-            report_of_study,
-
-
-# Those of the package and of Python; those that are part of every run, without the report.
-for study in STUDIES.values():
-    if study.is_coded:
-
-        rule:
-            name:
-                f"{study.name}_all"
-            input:
-                study.targets,
-                study_blocks(study.name),
-                [] if study.is_part_of_run else report_of_study,
+            report_of_name,
 
 
 rule features_of_study:
@@ -57,9 +52,9 @@ rule features_of_study:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("features_of_study"),
-        phase=recomputed_phase,
-        sample=sample_of_study,
+        key=key_of_job,
+        phase=lambda wildcards: recomputation_of(wildcards).phase,
+        sample=lambda wildcards: sample_of(wildcards.study),
         parameters=recomputation_parameters,
     message:
         "recomputing features for study {wildcards.study}, from its {params.phase} on"
@@ -72,8 +67,7 @@ rule block_of_study:
         takes(
             "block_of_study",
             "study_block.py",
-            features=own_features,
-            made=block_features,
+            **features_for(),
         ),
     output:
         "results/study_blocks/{study}/{block}.parquet",
@@ -83,10 +77,10 @@ rule block_of_study:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("block_of_study"),
-        conditions=block_conditions,
-        sample=sample_of_study,
-        recomputed=block_keys,
+        key=key_of_job,
+        conditions=lambda wildcards: describe_conditions(conditions_of(wildcards)),
+        sample=lambda wildcards: sample_of(wildcards.study),
+        recomputed=keys_of,
         parameters=PARAMETERS.model_dump(**OF_CONDITIONS),
     message:
         "measuring conditions {wildcards.block} of study {wildcards.study}"
@@ -99,7 +93,7 @@ rule figures_of_study:
         takes(
             "figures_of_study",
             "study_figures.py",
-            parts=study_parts,
+            parts=lambda wildcards: study_blocks(wildcards.study),
         ),
     output:
         figures="results/studies/{study}.parquet",
@@ -110,8 +104,10 @@ rule figures_of_study:
     conda:
         "../envs/visuohaptic.yaml"
     params:
-        key=key_of_rule("figures_of_study"),
-        study=described_study,
+        key=key_of_job,
+        study=lambda wildcards: describe_study(
+            STUDIES[wildcards.study], PLANS[wildcards.study]
+        ),
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
@@ -142,20 +138,8 @@ for study, step in STEPS:
         # What measures run times works on one, and takes all there are, so that no other job is in its way.
         threads: all_cores if step.is_alone else 1
         params:
-            key=key_of_rule(step.name),
-            study=study.name,
-            work=step.work,
-            inputs=list(inputs_of_step(study, step)),
-            files=len(step.files),
-            parameters=PARAMETERS.model_dump(**step.needs),
-            measured=(
-                measured_objects(study, step)
-                if {"meshes", "fixations"} & {*step.takes}
-                else None
-            ),
-            sample=sample_of(study.name),
-            recomputed=recomputed_for(study, step),
-            condition=described_condition(study, step),
+            **params_of_step(study, step),
+            key=key_of_job,
         message:
             f"study {study.name}: {step.name.replace('_', ' ')}"
         script:

@@ -43,44 +43,43 @@ ASKED_STUDIES = studies_asked_for(ARGUMENTS, STUDIES.values())
 KEPT_STUDIES = [
     study
     for study in STUDIES.values()
-    if IS_KEYED
-    and IS_PLANNER
+    if DECIDES
     and not study.is_part_of_run
     and (study.is_on_request or not PARAMETERS.workflow.keep_studies_current)
     and study.name not in ASKED_STUDIES
     and Path(study.shown[0]).exists()
 ]
 
-VALUES_OF_RULES["features_of_study"] = [
-    {"study": name, "key": key}
-    for name, plan in PLANS.items()
-    for key in plan.recomputations
-]
-VALUES_OF_RULES["block_of_study"] = [
-    {"study": name, "block": block}
-    for name, blocks in BLOCKS.items()
-    for block in blocks
-]
-VALUES_OF_RULES["figures_of_study"] = [
-    {"study": study.name} for study in STUDIES.values() if study.has_figures
-]
-for study, step in STEPS:
-    if "condition" in step.wildcards:
-        VALUES_OF_RULES[step.name] = [
+VALUES_OF_RULES |= {
+    "features_of_study": [
+        {"study": name, "key": key}
+        for name, plan in PLANS.items()
+        for key in plan.recomputations
+    ],
+    "block_of_study": [
+        {"study": name, "block": block}
+        for name, blocks in BLOCKS.items()
+        for block in blocks
+    ],
+    "figures_of_study": [
+        {"study": study.name} for study in STUDIES.values() if study.has_figures
+    ],
+    **{
+        step.name: [
             {"condition": one.condition.name} for one in PLANS[study.name].conditions
         ]
+        for study, step in STEPS
+        if "condition" in step.wildcards
+    },
+}
 
 
 def study_blocks(study):
     """List the files of a study's blocks, and of steps that count as blocks."""
+    steps = (step for step in STUDIES[study].steps if step.is_block)
     return [
         *(f"results/study_blocks/{study}/{block}.parquet" for block in BLOCKS[study]),
-        *(
-            file
-            for step in STUDIES[study].steps
-            if step.is_block
-            for file in of_pipelines(step.files)
-        ),
+        *(file for step in steps for file in of_pipelines(step.files)),
     ]
 
 
@@ -89,34 +88,14 @@ def of_pipelines(patterns):
     return expand(patterns, pipeline=PARAMETERS.recognition.pipelines)
 
 
-def recomputed_from(table, phases):
-    """Give what lists the parts of a table for features that are recomputed from these phases on."""
-
-    def files(wildcards):
-        if recomputed_phase(wildcards) not in phases:
-            return []
-        objects = objects_of_study(wildcards.study)
-        if table == "meshes":
-            return meshes_of(objects)
-        return parts_of(table, objects=objects)
-
-    return files
-
-
-def objects_of_study(study):
+def objects_of(study):
     """List the objects that a study measures."""
     return SAMPLE if STUDIES[study].is_sampled else OBJECTS
 
 
-def sample_of_study(wildcards):
-    """List the objects that a study takes of blocks that may hold more; nothing where it takes all."""
-    return sample_of(wildcards.study)
-
-
 def sample_of(study):
-    """List the objects that a study takes of blocks that may hold more, by its name."""
-    objects = objects_of_study(study)
-    return None if objects == OBJECTS else objects
+    """List the objects that a study takes of blocks that may hold more; nothing where it takes all."""
+    return None if objects_of(study) == OBJECTS else objects_of(study)
 
 
 def recomputation_of(wildcards):
@@ -124,9 +103,18 @@ def recomputation_of(wildcards):
     return PLANS[wildcards.study].recomputations[wildcards.key]
 
 
-def recomputed_phase(wildcards):
-    """Give the first phase that a job recomputes."""
-    return recomputation_of(wildcards).phase
+def recomputed_from(table, phases):
+    """Give what lists the parts of a table for features that are recomputed from these phases on."""
+
+    def files(wildcards):
+        if recomputation_of(wildcards).phase not in phases:
+            return []
+        objects = objects_of(wildcards.study)
+        if table == "meshes":
+            return meshes_of(objects)
+        return files_of(table, objects=blocks_with(objects))
+
+    return files
 
 
 def recomputation_parameters(wildcards):
@@ -136,10 +124,22 @@ def recomputation_parameters(wildcards):
     )
 
 
-def block_keys(wildcards):
-    """Name the features of a block, those of the run left out."""
-    block = BLOCKS[wildcards.study][wildcards.block]
-    return sorted({one.key for one in block} - {None})
+def conditions_of(wildcards, study=None):
+    """List the conditions of a job: those of its block, or the one of a study's step."""
+    if study is None:
+        return BLOCKS[wildcards.study][wildcards.block]
+    conditions = PLANS[study].conditions
+    return [one for one in conditions if one.condition.name == wildcards.condition]
+
+
+def keys_of(wildcards, study=None):
+    """Name the features that a job's conditions need and the run does not have."""
+    return sorted({one.key for one in conditions_of(wildcards, study)} - {None})
+
+
+def features_of(study):
+    """List the run's own features of a study's objects."""
+    return files_of("features", objects=blocks_with(objects_of(study)))
 
 
 def made_features(study, keys):
@@ -147,31 +147,17 @@ def made_features(study, keys):
     return [f"results/study_features/{study}/{key}.parquet" for key in keys]
 
 
-def block_features(wildcards):
-    """List the files of features that a block needs and the run does not have."""
-    return made_features(wildcards.study, block_keys(wildcards))
+def features_for(study=None):
+    """Give what lists the features of a job's conditions: the run's own, where one needs them, and others."""
 
+    def own(wildcards):
+        is_needed = any(one.key is None for one in conditions_of(wildcards, study))
+        return features_of(study or wildcards.study) if is_needed else []
 
-def block_conditions(wildcards):
-    """Give the conditions of a block."""
-    return describe_conditions(BLOCKS[wildcards.study][wildcards.block])
+    def made(wildcards):
+        return made_features(study or wildcards.study, keys_of(wildcards, study))
 
-
-def described_study(wildcards):
-    """Give the description of a study for its figures."""
-    return describe_study(STUDIES[wildcards.study], PLANS[wildcards.study])
-
-
-def study_parts(wildcards):
-    """List the files of a study's blocks."""
-    return study_blocks(wildcards.study)
-
-
-def own_features(wildcards):
-    """List the run's own features for a block that needs them."""
-    needed = any(one.key is None for one in BLOCKS[wildcards.study][wildcards.block])
-    objects = objects_of_study(wildcards.study)
-    return parts_of("features", objects=objects) if needed else []
+    return {"features": own, "made": made}
 
 
 def code_of_step(step):
@@ -189,7 +175,7 @@ def sources_of_step(step):
 
 def measured_objects(study, step):
     """List the objects whose meshes and fixations a step takes."""
-    objects = objects_of_study(study.name)
+    objects = objects_of(study.name)
     counts = {"timed": PARAMETERS.cost.objects, "two": 2}
     return some_of(objects, counts[step.objects]) if step.objects in counts else objects
 
@@ -197,98 +183,73 @@ def measured_objects(study, step):
 def inputs_of_step(study, step):
     """Give what a step takes: files by name, or functions of its job's wildcards that list them."""
     if "condition" in step.wildcards:
-        return {
-            "features": lambda wildcards: (
-                [] if keys_of_condition(study, wildcards) else parts_of("features")
-            ),
-            "made": lambda wildcards: made_features(
-                study.name, keys_of_condition(study, wildcards)
-            ),
-        }
+        return features_for(study.name)
     measured = measured_objects(study, step)
-    tables = {
-        "meshes": lambda: meshes_of(measured),
+    found = {
+        "meshes": meshes_of(measured),
         # Of the first viewpoints, which are enough.
-        "fixations": lambda: parts_of(
-            "fixations", objects=measured, views=view_blocks()[:1]
+        "fixations": files_of(
+            "fixations", objects=blocks_with(measured), views=[*VIEW_BLOCKS][:1]
         ),
-        "features": lambda: parts_of("features", objects=objects_of_study(study.name)),
-        "blocks": lambda: study_blocks(study.name),
-        "made": lambda: made_features(study.name, PLANS[study.name].recomputations),
+        "features": features_of(study.name),
+        "blocks": study_blocks(study.name),
+        "made": made_features(study.name, PLANS[study.name].recomputations),
     }
-    found = {name: tables[name]() for name in step.takes if name in tables}
-    others = [
-        *(name for name in step.takes if name not in tables),
-        *(
-            file
-            for name, file in step.takes_where.items()
-            if attrgetter(name)(PARAMETERS)
-        ),
-    ]
-    return {**found, **({"tables": of_pipelines(others)} if others else {})}
+    where = step.takes_where.items()
+    found["tables"] = of_pipelines(
+        [
+            *(name for name in step.takes if name not in found),
+            *(file for name, file in where if attrgetter(name)(PARAMETERS)),
+        ]
+    )
+    names = (*step.takes, *(["tables"] if found["tables"] else []))
+    return {name: found[name] for name in names if name in found}
 
 
-def condition_of(study, wildcards):
-    """Give the planned condition of a job."""
-    conditions = {one.condition.name: one for one in PLANS[study.name].conditions}
-    return conditions[wildcards.condition]
-
-
-def keys_of_condition(study, wildcards):
-    """Name the features of a job's condition, unless they are the run's."""
-    key = condition_of(study, wildcards).key
-    return [] if key is None else [key]
-
-
-def recomputed_for(study, step):
-    """Give the keys of the features that a step's job takes, or a function of its wildcards that does."""
+def params_of_step(study, step):
+    """Give what a step's job is told, but for its key."""
+    told = {
+        "study": study.name,
+        "work": step.work,
+        "inputs": list(inputs_of_step(study, step)),
+        "files": len(step.files),
+        "parameters": PARAMETERS.model_dump(**step.needs),
+        "measured": None,
+        "sample": sample_of(study.name),
+        "recomputed": [],
+        "condition": None,
+    }
+    if {"meshes", "fixations"} & {*step.takes}:
+        told["measured"] = measured_objects(study, step)
+    if "made" in step.takes:
+        told["recomputed"] = list(PLANS[study.name].recomputations)
     if "condition" in step.wildcards:
-        return lambda wildcards: keys_of_condition(study, wildcards)
-    return list(PLANS[study.name].recomputations) if "made" in step.takes else []
+        told["recomputed"] = lambda wildcards: keys_of(wildcards, study.name)
+        told["condition"] = lambda wildcards: describe_conditions(
+            conditions_of(wildcards, study.name)
+        )[0]
+    return told
 
 
-def described_condition(study, step):
-    """Give a function that describes the condition of a step's job; of other steps, nothing."""
-    if "condition" not in step.wildcards:
-        return None
-    return lambda wildcards: describe_conditions([condition_of(study, wildcards)])[0]
-
-
-# What the report shows beside the run itself, by file.
+# What the report shows beside the run itself: files that exist, or that this run makes, with their studies.
 SHOWN_FILES = {
-    file: study.name
+    file: study
     for study in STUDIES.values()
     if not study.is_part_of_run
     for file in study.shown
+    if file in ARGUMENTS or names_rules_of(ARGUMENTS, study.name) or Path(file).exists()
 }
-
-
-def is_shown(file, study):
-    """Whether the report shows a file of a study: one that exists, or that this run makes."""
-    is_made = file in ARGUMENTS or names_rules_of(ARGUMENTS, study)
-    return is_made or Path(file).exists()
 
 
 def shown_studies(wildcards):
     """Say by which keys the report knows that a study is of today's state."""
     shown = {}
     for file, study in SHOWN_FILES.items() if IS_KEYED else ():
-        if is_shown(file, study):
-            figures = STUDIES[study].shown[0]
-            found = shown.setdefault(study, {"figures": figures, "keys": {}})
-            found["keys"] |= {
-                record: keys().key(record) for record in keys().makers([file])
-            }
+        figures = {"figures": study.shown[0], "keys": {}}
+        shown.setdefault(study.name, figures)["keys"] |= {
+            record: keys().key(record) for record in keys().makers([file])
+        }
     return shown
-
-
-def keep_studies():
-    """Name the records of studies that are left as they are."""
-    KEPT_RECORDS.update(
-        job.record
-        for job in (planned_jobs() if KEPT_STUDIES else [])
-        if any(study.owns(job.outputs[0]) for study in KEPT_STUDIES)
-    )
 
 
 def report_of_study(wildcards):

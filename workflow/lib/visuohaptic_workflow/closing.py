@@ -15,8 +15,16 @@ REPORT = "reports/report.html"
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
     """Give all that a run says at its end; figures only of a current report, as others are another run's."""
-    results = describe_results() if report_is_current else []
-    return [*objects_left_out(), *tolerances_exceeded(), *results]
+    from visuohaptic.stability.rows import broken_tolerances
+
+    meshes = sorted(Path("results/meshes").glob("*/*/*.ply"), key=object_of)
+    reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
+    exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
+    return [
+        *(f"{key} was left out: {reason}" for key, reason in reasons.items() if reason),
+        *(f"warning: {sentence}" for sentence in exceeded),
+        *(describe_results() if report_is_current else []),
+    ]
 
 
 def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:
@@ -30,23 +38,6 @@ def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT)
     if Path(report).is_file():
         lines.append(f"The report is at {report}.")
     return lines
-
-
-def objects_left_out(meshes: str | Path = "results/meshes") -> list[str]:
-    """Name the objects among the prepared meshes that can't be used, sorted, each with the reason."""
-    return [
-        f"{object_of(mesh)} was left out: {reason}"
-        for mesh in sorted(Path(meshes).glob("*/*/*.ply"), key=object_of)
-        if (reason := set_aside_reason(mesh))
-    ]
-
-
-def tolerances_exceeded(results: str | Path = "results") -> list[str]:
-    """Name the tolerances that objects exceeded, in a warning each."""
-    from visuohaptic.stability.rows import broken_tolerances
-
-    sentences = broken_tolerances(sorted(Path(results, "stability").rglob("*.parquet")))
-    return [f"warning: {sentence}" for sentence in sentences]
 
 
 def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:

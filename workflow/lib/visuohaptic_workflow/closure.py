@@ -6,7 +6,7 @@ import ast
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -34,7 +34,6 @@ DISTRIBUTIONS = {
 }
 """Packages whose module has another name."""
 
-_DATA = (".json", ".parquet")
 _NAMED = re.compile(r"\bFunction\(\s*\"([\w.]+):")
 """Functions by their names, which count as imports (`visuohaptic.functions`)."""
 
@@ -66,32 +65,28 @@ def code_of(start: Start, sources: tuple[Path, ...]) -> Code:
     Imports anywhere count, those inside functions too, and functions by their names; what only a type checker sees
     does not. Data beside a module that imports `importlib.resources` counts, too.
     """
-    packages = {
-        package.name: package
-        for source in sources
-        for package in source.iterdir()
-        if (package / "__init__.py").exists()
-    }
+    packages = {file.parent.name for source in sources for file in source.glob("*/__init__.py")}
     graph = _graph(tuple(sorted(packages)))
-    files, others, chosen = {start.script}, set(ALWAYS), dict(start.chosen)
-    direct = {*start.modules, *_imports_of(start.script.read_text(encoding="utf-8"))} - {MACHINERY}
-    waiting = direct | {name for one in direct for name in _lazy_modules(one, packages)}
-    seen: set[str] = set()
+    chosen = dict(start.chosen)
+    files, others, seen = {start.script}, set(ALWAYS), {MACHINERY}
+    waiting = _with_lazy({*start.modules, *_imports_of(start.script)}, sources)
+    others |= {module.partition(".")[0] for module in waiting}
     while waiting:
         module = waiting.pop()
-        top = module.partition(".")[0]
-        if module in seen or not graph.modules >= {module}:
+        if module in seen or module not in graph.modules:
             continue
         seen.add(module)
-        if top not in packages:
-            others |= {top} - sys.stdlib_module_names
+        file = _file_of(module, sources)
+        if file is None:
+            others.add(module.partition(".")[0])
             continue
-        waiting |= {module.rpartition(".")[0]} - {""}
-        file = _file_of(module, packages)
         named = chosen[module] if module in chosen else _named_in(file)
         found = graph.find_modules_directly_imported_by(module) | named
-        files |= {file, *(_data_beside(file) if "importlib" in found else ())}
-        waiting |= found | {name for one in found for name in _lazy_modules(one, packages)}
+        files.add(file)
+        if "importlib" in found:
+            files |= {one for one in file.parent.iterdir() if one.suffix in {".json", ".parquet"}}
+        waiting |= {module.rpartition(".")[0]} | _with_lazy(found, sources)
+    others -= {"", *sys.stdlib_module_names, *packages}
     return Code(tuple(sorted(files)), {name: version_of(name) for name in sorted(others)})
 
 
@@ -102,23 +97,15 @@ def with_plug_ins(code: Code, plug_ins: Iterable[PlugIn], sources: tuple[Path, .
     """
     files, versions = set(code.files), dict(code.versions)
     for plug_in in plug_ins:
-        if not {_module_file(home, sources) for home in plug_in.homes} & set(code.files):
+        if {_file_of(home, sources) for home in plug_in.homes}.isdisjoint(code.files):
             continue
         if plug_in.file is None:
             versions[str(plug_in.package)] = version_of(str(plug_in.package))
             continue
         own = code_of(Start(plug_in.file), sources)
         files |= {*own.files, Path(os.path.relpath(plug_in.file))} - {plug_in.file}
-        names = _imports_of(plug_in.file.read_text(encoding="utf-8"))
-        packages = {package.name for source in sources for package in source.iterdir()}
-        others = {name.partition(".")[0] for name in names} - sys.stdlib_module_names - packages
-        versions |= own.versions | {name: version_of(name) for name in others}
+        versions |= own.versions
     return Code(tuple(sorted(files)), dict(sorted(versions.items())))
-
-
-def _module_file(module: str, sources: tuple[Path, ...]) -> Path:
-    paths = [source.joinpath(*module.split(".")).with_suffix(".py") for source in sources]
-    return next((path for path in paths if path.exists()), paths[0])
 
 
 @cache
@@ -134,8 +121,8 @@ def _graph(packages: tuple[str, ...]) -> Any:
     )
 
 
-def _imports_of(text: str, package: str = "") -> Iterator[str]:
-    for node in ast.walk(ast.parse(text)):
+def _imports_of(file: Path, package: str = "") -> Iterator[str]:
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.level:
@@ -145,10 +132,11 @@ def _imports_of(text: str, package: str = "") -> Iterator[str]:
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
-def _file_of(module: str, packages: dict[str, Path]) -> Path:
-    top, _, rest = module.partition(".")
-    path = packages[top].joinpath(*rest.split(".")) if rest else packages[top]
-    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+@cache
+def _file_of(module: str, sources: tuple[Path, ...]) -> Path | None:
+    paths = [source.joinpath(*module.split(".")) for source in sources]
+    files = [file for path in paths for file in (path / "__init__.py", path.with_suffix(".py"))]
+    return next((file for file in files if file.exists()), None)
 
 
 @cache
@@ -156,18 +144,14 @@ def _named_in(file: Path) -> frozenset[str]:
     return frozenset(_NAMED.findall(file.read_text(encoding="utf-8")))
 
 
-def _data_beside(file: Path) -> list[Path]:
-    return [beside for beside in file.parent.iterdir() if beside.suffix in _DATA]
-
-
-def _lazy_modules(module: str, packages: dict[str, Path]) -> Sequence[str]:
-    """List what a package loads with the names that are taken of it, by the stub beside its `__init__`."""
-    if module == FRONT_DOOR or module.partition(".")[0] not in packages:
-        return ()
-    stub = _file_of(module, packages).with_suffix(".pyi")
-    if stub.name != "__init__.pyi" or not stub.exists():
-        return ()
-    return tuple(_imports_of(stub.read_text(encoding="utf-8"), module))
+def _with_lazy(modules: Iterable[str], sources: tuple[Path, ...]) -> set[str]:
+    """Add what packages load with the names that are taken of them, by the stub beside their `__init__`."""
+    found = set(modules)
+    for module in found - {FRONT_DOOR}:
+        file = _file_of(module, sources)
+        if file and file.name == "__init__.py" and (stub := file.with_suffix(".pyi")).exists():
+            found = found.union(_imports_of(stub, module))
+    return found
 
 
 @cache

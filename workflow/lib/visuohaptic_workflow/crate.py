@@ -49,7 +49,9 @@ def write_crate(
     require("crate", "rocrate")
     from rocrate.rocrate import ROCrate
 
-    root, results = Path(root), sorted({file for name in results for file in _files_of(name)})
+    root = Path(root)
+    listed = (Path(name).glob("[!.]*") if Path(name).is_dir() else [name] for name in results)
+    names = sorted({str(file) for files in listed for file in files})
     crate = ROCrate()
     crate.name = "A run of visuohaptic"
     crate.description = (
@@ -77,10 +79,10 @@ def write_crate(
         _entity(crate, f"#{name}", "PropertyValue", name=name, value=json.dumps(value))
         for name, value in parameters.items()
     ]
-    made = [_add(crate, name, Path()) for name in results]
+    made = [_add(crate, name, Path()) for name in names]
     run = crate.add_action(workflow, object=given, result=made)
     run["name"] = "Run of the workflow"
-    newest = max(Path(name).stat().st_mtime for name in results)
+    newest = max(Path(name).stat().st_mtime for name in names)
     run["endTime"] = datetime.fromtimestamp(newest, UTC).isoformat(timespec="seconds")
     run["actionStatus"] = "http://schema.org/CompletedActionStatus"
     crate.root_dataset.append_to("mentions", run)
@@ -96,17 +98,11 @@ def list_code(root: str | Path) -> list[str]:
         for name in ("Snakefile", "pyproject.toml", "requirements.lock", "meshes/catalogue.csv")
     ]
     for folder in ("workflow", "src", "packages/contourlets/src", "plugins"):
-        files += [
-            file for file in sorted((root / folder).rglob("*"))
-            if file.is_file() and "__pycache__" not in file.parts and file != root / "workflow/Snakefile"
-        ]  # fmt: skip
-    return [str(file.relative_to(root)) for file in files if file.exists()]
-
-
-def _files_of(name: str) -> list[str]:
-    """Give a file, or those of a folder."""
-    path = Path(name)
-    return [str(file) for file in path.glob("[!.]*")] if path.is_dir() else [name]
+        files += sorted(
+            file for file in (root / folder).rglob("*") if "__pycache__" not in file.parts
+        )
+    found = [str(file.relative_to(root)) for file in files if file.is_file()]
+    return [name for name in found if name != "workflow/Snakefile"]
 
 
 def _add(crate: Any, name: str, folder: Path) -> Any:

@@ -25,8 +25,7 @@ def set_job_environment(*folders: str | Path) -> None:
     They import the package of this checkout, even if another is installed.
     """
     inherited = os.environ.get("PYTHONPATH", "").split(os.pathsep)
-    ours = [str(folder) for folder in folders]
-    paths = [*ours, *(path for path in inherited if path and path not in ours)]
+    paths = dict.fromkeys([*map(str, folders), *filter(None, inherited)])
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -80,75 +80,64 @@ class Keys:
         self._find_code, self._digests = find_code, digests
         self._root, self._kept = root, frozenset(kept)
         self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
-        self._parts: dict[str, Parts] = {}
-        self._keys: dict[str, str] = {}
-        self._code: dict[Start, dict[str, str]] = {}
-        self._reasons: dict[str, str | None] = {}
-        self._behind: dict[str, set[str]] = {}
 
     def makers(self, files: Iterable[str]) -> dict[str, None]:
         """Name the records of the jobs that make some files, each once."""
         return {self._makers[file]: None for file in files if file in self._makers}
 
+    @cache  # noqa: B019 - a process has one such object, or few
     def parts(self, record: str) -> Parts:
         """Give the parts of a job's key.
 
         ``code`` and ``sources``: digests by file; ``packages``: versions; ``parameters``; ``from``: the key of each
         job that it takes from, by record.
         """
-        if record not in self._parts:
-            job = self.jobs[record]
-            sources = [file for file in job.inputs if file not in self._makers]
-            self._parts[record] = {
-                "code": self._code_of(job.start),
-                "packages": self._find_code(job.start).versions,
-                "parameters": json.loads(json.dumps({**job.find_params(), **job.wildcards})),
-                "sources": {self._named(file): self._digest(file) for file in sources},
-                "from": {
-                    maker: self._key_taken(maker, record) for maker in self.makers(job.inputs)
-                },
-            }
-        return self._parts[record]
+        job = self.jobs[record]
+        return {
+            "code": self._code_of(job.start),
+            "packages": self._find_code(job.start).versions,
+            "parameters": json.loads(json.dumps({**job.find_params(), **job.wildcards})),
+            "sources": self._digests_of(self._sources(record)),
+            "from": {maker: self._key_taken(maker, record) for maker in self.makers(job.inputs)},
+        }
 
+    @cache  # noqa: B019
     def key(self, record: str) -> str:
         """Give a job's key."""
-        if record not in self._keys:
-            self._keys[record] = key_of(self.parts(record))
-        return self._keys[record]
+        return key_of(self.parts(record))
 
     def given(self, record: str) -> Parts:
         """Give what a job checks itself by: its key's parts, its files of code and sources, and what marks these today."""
-        job = self.jobs[record]
-        code = [os.path.relpath(file) for file in self._find_code(job.start).files]
-        sources = [file for file in job.inputs if file not in self._makers]
-        files = {"code": code, "sources": sources}
-        return {"parts": self.parts(record), "files": files, "stamps": stamps_of([*code, *sources])}
+        code = [os.path.relpath(file) for file in self._find_code(self.jobs[record].start).files]
+        files = {"code": code, "sources": self._sources(record)}
+        stamps = stamps_of([*code, *files["sources"]])
+        return {"parts": self.parts(record), "files": files, "stamps": stamps}
 
+    @cache  # noqa: B019
     def reason(self, record: str) -> str | None:
         """Say why a job's files are not what it would make today; None where they are."""
-        if record not in self._reasons:
-            self._reasons[record] = self._find_reason(record)
-        return self._reasons[record]
+        kept, tables = read_record(record), self.jobs[record].tables
+        if not kept:
+            return "record: none of this version" if any(map(os.path.exists, tables)) else NEW
+        if kept["key"] != self.key(record):
+            return self._difference(kept["parts"], self.parts(record))
+        edited = (file for file in tables if self._digest(file) != kept["tables"].get(file))
+        return next((f"table: {file}" for file in edited), None)
 
+    def why(self, record: str) -> str | None:
+        """Give the reason to run a job; None for one whose files are today's, or are left as they are."""
+        return None if record in self._kept else self.reason(record)
+
+    @cache  # noqa: B019
     def stale_behind(self, record: str) -> set[str]:
         """Name the records of stale jobs from which a job is parted by current ones alone.
 
         From a job that runs Snakemake goes on to those that take its files, and passes over all others behind it
         (https://github.com/snakemake/snakemake/issues/4166): a stale job must take something of these itself.
         """
-        if record not in self._behind:
-            current = [maker for maker in self._makers_of(record) if not self._runs(maker)]
-            nearest = {
-                one for maker in current for one in self._makers_of(maker) if self._runs(one)
-            }
-            self._behind[record] = nearest.union(*map(self.stale_behind, current))
-        return self._behind[record]
-
-    def _makers_of(self, record: str) -> dict[str, None]:
-        return self.makers(self.jobs[record].inputs)
-
-    def _runs(self, record: str) -> bool:
-        return record not in self._kept and self.reason(record) is not None
+        current = [maker for maker in self._makers_of(record) if self.why(maker) is None]
+        nearest = {one for maker in current for one in self._makers_of(maker) if self.why(one)}
+        return nearest.union(*map(self.stale_behind, current))
 
     def needed_for(self, files: Iterable[str]) -> list[str]:
         """Name the records of all jobs behind some files, in no order of work."""
@@ -161,24 +150,18 @@ class Keys:
                 waiting += self._makers_of(record)
         return list(found)
 
-    def _find_reason(self, record: str) -> str | None:
-        kept, today = read_record(record), self.parts(record)
-        if not kept:
-            tables = self.jobs[record].tables
-            return "record: none of this version" if any(map(os.path.exists, tables)) else NEW
-        if kept["key"] != self.key(record):
-            return self._difference(kept["parts"], today)
-        for file in self.jobs[record].tables:
-            if self._digest(file) != kept["tables"].get(file):
-                return f"table: {file}"
-        return None
+    def _makers_of(self, record: str) -> dict[str, None]:
+        return self.makers(self.jobs[record].inputs)
 
     def _difference(self, kept: Parts, today: Parts) -> str:
-        for name in ("parameters", "sources", "code", "packages"):
-            if (place := _first_difference(kept.get(name), today[name])) is not None:
-                return f"{name.removesuffix('s') if name == 'sources' else name}: {place}".rstrip(
-                    ": "
-                )
+        for part, name in (
+            ("parameters", "parameters"),
+            ("sources", "source"),
+            ("code", "code"),
+            ("packages", "packages"),
+        ):
+            if (place := _first_difference(kept.get(part, {}), today[part])) is not None:
+                return f"{name}: {place}"
         for maker, key in today["from"].items():
             if kept.get("from", {}).get(maker) != key:
                 return self.reason(maker) or f"from: {self.jobs[maker].rule}"
@@ -189,15 +172,23 @@ class Keys:
             return str(kept["key"])
         return self.key(maker)
 
+    @cache  # noqa: B019
     def _code_of(self, start: Start) -> dict[str, str]:
-        if start not in self._code:
-            files = self._find_code(start).files
-            self._code[start] = {self._named(file): self._digest(file) for file in files}
-        return self._code[start]
+        return self._digests_of(self._find_code(start).files)
 
-    def _named(self, file: str | Path) -> str:
-        path = Path(os.path.abspath(file))  # noqa: PTH100 - links stay
-        return str(path.relative_to(self._root)) if path.is_relative_to(self._root) else str(file)
+    def _sources(self, record: str) -> list[str]:
+        return [file for file in self.jobs[record].inputs if file not in self._makers]
+
+    def _digests_of(self, files: Iterable[str | Path]) -> dict[str, str]:
+        """Give digests by file, of the clone by its place there."""
+        # Made absolute without following links.
+        paths = {file: Path(os.path.abspath(file)) for file in files}  # noqa: PTH100
+        return {
+            str(
+                path.relative_to(self._root) if path.is_relative_to(self._root) else file
+            ): self._digest(file)
+            for file, path in paths.items()
+        }
 
     def _digest(self, file: str | Path) -> str:
         try:
@@ -206,12 +197,12 @@ class Keys:
             return "missing"
 
 
-def _first_difference(kept: Any, today: Any, place: Sequence[str] = ()) -> str | None:
+def _first_difference(kept: Any, today: Any, place: str = "") -> str | None:
     """Name the first place at which two values differ, such as ``sensor.largest_size``."""
     if kept == today:
         return None
     if isinstance(kept, dict) and isinstance(today, dict):
         for name in [*today, *kept]:
             if kept.get(name) != today.get(name):
-                return _first_difference(kept.get(name), today.get(name), [*place, name])
-    return ".".join(place)
+                return _first_difference(kept.get(name), today.get(name), f"{place}.{name}")
+    return place.removeprefix(".")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,36 +14,22 @@ RECORDS = Path("results/records")
 ASIDE = Path(".cache/aside")
 
 
-def put_aside(named: Collection[str]) -> str | None:
+def put_aside(named: Collection[str]) -> Iterator[str]:
     """Move what records name, but for the files of today's jobs, to a folder beside the results, and say so in a sentence.
 
     A reader of a folder would meet an object's rows twice where blocks were other ones. Nothing else is touched.
     """
-    wanted = set(named)
     stale = []
-    for record in sorted(RECORDS.rglob("*.json")):
-        if str(record) not in wanted:
-            stale += [record, *(file for file in _files_of(record) if str(file) not in wanted)]
+    for record in sorted(set(map(str, RECORDS.rglob("*.json"))).difference(named)):
+        kept = read_record(record)
+        stale += [record, *(kept["tables"] if kept else ()), *([kept["log"]] if kept else ())]
     target = ASIDE / time.strftime("%Y-%m-%d-%H%M%S")
-    moved = 0
-    for file in stale:
-        with suppress(FileNotFoundError):
-            (target / file).parent.mkdir(parents=True, exist_ok=True)
-            file.rename(target / file)
-            moved += 1
-            _remove_empty(file.parent)
-    return (
-        f"{moved} files that today's run no longer names were put into {target}." if moved else None
-    )
-
-
-def _files_of(record: Path) -> list[Path]:
-    kept = read_record(record)
-    return [Path(file) for file in (*kept["tables"], kept["log"])] if kept else []
-
-
-def _remove_empty(folder: Path) -> None:
-    with suppress(OSError):
-        while len(folder.parts) > 1:
-            folder.rmdir()
-            folder = folder.parent
+    moved = [file for file in dict.fromkeys(stale) if file not in named and os.path.lexists(file)]
+    for file in map(Path, moved):
+        (target / file).parent.mkdir(parents=True, exist_ok=True)
+        file.rename(target / file)
+        with suppress(OSError):  # until a folder that holds something
+            for folder in file.parents[:-2]:
+                folder.rmdir()
+    if moved:
+        yield f"{len(moved)} files that today's run no longer names were put into {target}."

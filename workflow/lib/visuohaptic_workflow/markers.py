@@ -28,23 +28,14 @@ def mark_stale(record: str, reason: str) -> list[str]:
     marker = FOLDER / reason.replace("../", "").replace("{", "(").replace("}", ")")
     try:
         marker.mkdir(parents=True, exist_ok=True)
-        os.utime(marker, (_OF_A_MARKER, _OF_A_MARKER))
-        if not path.exists():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text("{}\n", encoding="utf-8")
-        if path.is_symlink() or path.stat().st_nlink > 1:
-            _replace_by_copy(path)  # a link leads to DVC's cache, whose times are its own
-        os.utime(path, (_OF_A_RECORD, _OF_A_RECORD))
+        with suppress(PermissionError):  # another user's has that time
+            os.utime(marker, (_OF_A_MARKER, _OF_A_MARKER))
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # A copy takes its place: it may be a link to DVC's cache, whose times are its own, or another user's.
+        copy = path.with_name(f".{path.name}-copy")
+        copy.write_bytes(path.read_bytes() if path.exists() else b"{}\n")
+        os.utime(copy, (_OF_A_RECORD, _OF_A_RECORD))
+        copy.replace(path)
     except PermissionError:
-        with suppress(OSError):
-            _replace_by_copy(path)
-            os.utime(path, (_OF_A_RECORD, _OF_A_RECORD))
-            return [str(marker)]
         raise not_writable("permission denied") from None
     return [str(marker)]
-
-
-def _replace_by_copy(path: Path) -> None:
-    copy = path.with_name(f".{path.name}-copy")
-    copy.write_bytes(path.read_bytes())
-    copy.replace(path)

@@ -6,6 +6,7 @@ import os
 import sys
 import time
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import IO
 
@@ -27,16 +28,29 @@ def claim_folder() -> None:
 
     Raises `FolderInUseError` if another run, or the jobs of one that was killed, are at work here.
     """
-    if _held:
-        return
-    _held.append(_lock_owner_file())
-    with _JOBS.open("a", encoding="utf-8") as stream:
-        if _try_lock(stream, seconds=0):
+    try:
+        STATE.mkdir(exist_ok=True)
+        owner = _OWNER.open("a+", encoding="utf-8")
+    except OSError as error:
+        raise not_writable(str(error.strerror)) from error
+    # A dry run may look at the lock for a moment.
+    if not _lock(owner, seconds=0.5):
+        owner.seek(0)
+        process = owner.read().strip() or "unknown"
+        raise FolderInUseError(
+            f"another run (process {process}) is at work in {Path.cwd()}; wait until it has ended."
+        )
+    owner.truncate(0)
+    owner.write(str(os.getpid()))
+    owner.flush()
+    _held.append(owner)
+    with _JOBS.open("a", encoding="utf-8") as jobs:
+        if _lock(jobs):
             return
         sys.stderr.write(
             "Jobs of a run that was killed are still at work; waiting for their end.\n"
         )
-        if not _try_lock(stream, seconds=_SECONDS_TO_WAIT):
+        if not _lock(jobs, seconds=_SECONDS_TO_WAIT):
             raise FolderInUseError(
                 f"jobs of an earlier run have been at work in {Path.cwd()} for more than "
                 f"{_SECONDS_TO_WAIT:.0f} s; end them, or wait."
@@ -57,58 +71,34 @@ def not_writable(reason: str) -> FolderInUseError:
     )
 
 
+@cache
 def is_claimed_by_another() -> bool:
-    """Whether another run is at work in this folder; nothing is written."""
-    try:
-        with _OWNER.open(encoding="utf-8") as stream:
-            return not _try_lock(stream, seconds=0, shared=True)
-    except OSError:
-        return False
+    """Whether another run is at work in this folder, as at a dry run beside it; nothing is written."""
+    with suppress(OSError), _OWNER.open(encoding="utf-8") as stream:
+        return not _lock(stream, shared=True)
+    return False
 
 
 def hold_job_lock() -> None:
     """Let runs that start later wait until this process has ended, even if its own run is killed."""
     with suppress(OSError):
-        stream = _JOBS.open("a", encoding="utf-8")
-        _held.append(stream)
-        _try_lock(stream, seconds=0, shared=True)
+        _held.append(_JOBS.open("a", encoding="utf-8"))
+        _lock(_held[-1], shared=True)
 
 
-def _lock_owner_file() -> IO[str]:
-    try:
-        STATE.mkdir(exist_ok=True)
-        stream = _OWNER.open("a+", encoding="utf-8")
-    except OSError as error:
-        raise not_writable(str(error.strerror)) from error
-    # A dry run may look at the lock for a moment.
-    if not _try_lock(stream, seconds=0.5):
-        stream.seek(0)
-        owner = stream.read().strip() or "unknown"
-        stream.close()
-        raise FolderInUseError(
-            f"another run (process {owner}) is at work in {Path.cwd()}; wait until it has ended."
-        )
-    stream.truncate(0)
-    stream.write(str(os.getpid()))
-    stream.flush()
-    return stream
-
-
-def _try_lock(stream: IO[str], seconds: float, *, shared: bool = False) -> bool:
+def _lock(stream: IO[str], seconds: float = 0, *, shared: bool = False) -> bool:
     """Lock a file for this process; False where others have it locked for so long."""
-    # Where the file system has no locks, it counts as locked by this process.
     import fcntl
 
-    mode = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
     limit = time.monotonic() + seconds
     while True:
         try:
-            fcntl.flock(stream, mode | fcntl.LOCK_NB)
+            fcntl.flock(stream, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
         except BlockingIOError:
             if time.monotonic() >= limit:
                 return False
             time.sleep(0.05)
         except OSError:
-            return True
+            return True  # as if locked, where the file system has no locks
         else:
             return True

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from types import SimpleNamespace
 from typing import Any
@@ -46,14 +47,17 @@ def plan_jobs(
         chosen = [dict(zip(names, values, strict=True)) for values in found]
     for wildcards in chosen:
         asked = SimpleNamespace(**wildcards)
+        listed = (
+            [files] if isinstance(files, str) else files for files in declared.files(asked).values()
+        )
         yield Job(
             rule=rule,
             wildcards=wildcards,
             start=declared.start,
-            inputs=tuple(map(str, _flat(declared.files(asked).values()))),
+            inputs=tuple(str(file) for files in listed for file in files),
             outputs=tuple(fill(str(file), asked) for file in made.output),
             record=fill(record, asked),
-            find_params=_params_of(made, asked),
+            find_params=partial(_params_of, made, asked),
         )
 
 
@@ -62,12 +66,10 @@ def values_of_option(arguments: Sequence[str], *names: str) -> list[str]:
     found: list[str] = []
     taking = False
     for argument in arguments:
-        name, is_joined, value = argument.partition("=")
-        if name in names:
-            taking = True
-            found += [value] if is_joined else []
-        elif argument.startswith("-"):
-            taking = False
+        name, _, value = argument.partition("=")
+        if argument.startswith("-"):
+            taking = name in names
+            found += [value] if taking and value else []
         elif taking:
             found.append(argument)
     return found
@@ -84,17 +86,9 @@ def _filled(item: Any, wildcards: Any) -> Any:
     return fill(item, wildcards) if _WILDCARD.search(item) else item  # flags of Snakemake stay
 
 
-def _flat(items: Iterable[Any]) -> Iterator[str]:
-    for item in items:
-        yield from [item] if isinstance(item, str) else item
-
-
-def _params_of(made: Any, asked: Any) -> Callable[[], dict[str, Any]]:
-    def find() -> dict[str, Any]:
-        return {
-            name: value(asked) if callable(value) else value
-            for name, value in made.params.items()
-            if name != "key"
-        }
-
-    return find
+def _params_of(made: Any, asked: Any) -> dict[str, Any]:
+    return {
+        name: value(asked) if callable(value) else value
+        for name, value in made.params.items()
+        if name != "key"
+    }

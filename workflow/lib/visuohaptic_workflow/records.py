@@ -6,7 +6,7 @@ import json
 import os
 import sys
 from collections.abc import Mapping
-from pathlib import Path
+from contextlib import suppress
 from typing import Any
 
 from visuohaptic.errors import VisuohapticError
@@ -26,34 +26,23 @@ class StateError(VisuohapticError):
 def check_inputs(given: Mapping[str, Any]) -> None:
     """Refuse files of another state than the run's, by what `Keys.given` gave to the job.
 
-    Raises `StateError` if code or sources were changed since the run began, or what it takes was made in another state.
+    Raises `StateError` if packages, code or sources are others than when the run began, or what it takes was made in
+    another state. Versions in an environment of its own (conda, a container) are left to its definition.
     """
-    check_versions(given)
+    if os.environ.get(PREFIX) == sys.prefix:
+        for module, planned in given["parts"]["packages"].items():
+            if (found := version_of(module)) != planned:
+                raise StateError(
+                    f"{module} is {found} here, and {planned} where the run was planned."
+                )
     check_unchanged(given)
-    digests = Digests()
     for record, key in given["parts"]["from"].items():
         kept = read_record(record)
         if kept.get("key") != key:
             raise StateError(f"{record} is of another state than this run's; run again.")
         for file, digest in kept["tables"].items():
-            try:
-                is_whole = digests.of(file) == digest
-            except OSError:
-                is_whole = False
-            if not is_whole:
+            if not _holds(file, digest):
                 raise StateError(f"{file} is not what its record says; run again.")
-
-
-def check_versions(given: Mapping[str, Any]) -> None:
-    """Refuse other packages than those of the process that planned the run, with a `StateError`.
-
-    An environment of its own (conda, a container) is left to its definition.
-    """
-    if os.environ.get(PREFIX) != sys.prefix:
-        return
-    for module, planned in given["parts"]["packages"].items():
-        if (found := version_of(module)) != planned:
-            raise StateError(f"{module} is {found} here, and {planned} where the run was planned.")
 
 
 def check_unchanged(given: Mapping[str, Any]) -> None:
@@ -61,10 +50,10 @@ def check_unchanged(given: Mapping[str, Any]) -> None:
 
     Raises `StateError` if one has another content, inode, time of change or size.
     """
-    files, digests = given["files"], Digests()
+    files = given["files"]
     for part in ("code", "sources"):
         for file, (name, digest) in zip(files[part], given["parts"][part].items(), strict=True):
-            if not Path(file).exists() or digests.of(file) != digest:
+            if not _holds(file, digest):
                 raise StateError(f"{name} was changed while this run was at work; run again.")
     if stamps_of([*files["code"], *files["sources"]]) != given["stamps"]:
         raise StateError(
@@ -76,11 +65,16 @@ def write_record(snakemake: Any, given: Mapping[str, Any] | None) -> None:
     """Write the record of the job that runs now, once its tables are there; one without a key fits never."""
     path = str(snakemake.output.record)
     tables = [str(file) for file in snakemake.output if str(file) != path]
-    digests = Digests()
     record = {
         "key": key_of(given["parts"]) if given else None,
         "parts": given["parts"] if given else {},
-        "tables": {file: digests.of(file) for file in tables},
+        "tables": {file: Digests().of(file) for file in tables},
         "log": str(snakemake.log[0]),
     }
     write_whole(path, json.dumps(record, indent=1, sort_keys=True) + "\n")
+
+
+def _holds(file: str, digest: str) -> bool:
+    with suppress(OSError):
+        return Digests().of(file) == digest
+    return False

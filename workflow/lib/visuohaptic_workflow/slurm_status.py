@@ -7,29 +7,18 @@ import re
 import subprocess
 import sys
 
-_FAILED = frozenset(
-    [
-        "BOOT_FAIL",
-        "CANCELLED",
-        "DEADLINE",
-        "FAILED",
-        "NODE_FAIL",
-        "OUT_OF_MEMORY",
-        "PREEMPTED",
-        "TIMEOUT",
-    ]
+_FAILED = re.compile(
+    # Pending until an administrator releases it.
+    r"Reason=launch_failed_requeued_held|"
+    r"\bJobState=(BOOT_FAIL|CANCELLED|DEADLINE|FAILED|NODE_FAIL|OUT_OF_MEMORY|PREEMPTED|TIMEOUT)\b"
 )
 
 
 def judge(answer: str) -> str:
-    """Judge a job by what `scontrol show job` says of it, nothing while the controller is down: running, success or failed."""
-    # Such a job is pending until an administrator releases it.
-    if "Reason=launch_failed_requeued_held" in answer:
+    """Judge a job by what `scontrol show job` says of it, nothing while the controller is down."""
+    if _FAILED.search(answer):
         return "failed"
-    states = re.findall(r"\bJobState=([A-Z_]+)", answer)
-    if not states or not {"COMPLETED", *_FAILED}.intersection(states):
-        return "running"
-    return "failed" if _FAILED.intersection(states) else "success"
+    return "success" if re.search(r"\bJobState=COMPLETED\b", answer) else "running"
 
 
 def main(job: str) -> None:
