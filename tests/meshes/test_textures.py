@@ -202,7 +202,9 @@ def test_a_broken_image_is_named(tmp_path):
     noise = np.random.default_rng(0).integers(0, 255, (90, 90, 3), np.uint8)
     path = write_square(tmp_path, noise)
     (tmp_path / "t.png").write_bytes((tmp_path / "t.png").read_bytes()[:2000])
-    with pytest.raises(MeshError, match=r"a\.obj: A texture can't be read: ") as caught:
+    with pytest.raises(
+        MeshError, match=r"a\.obj can't be read as one surface: A texture can't be read: "
+    ) as caught:
         read_model(path)
     assert "\n" not in str(caught.value)
 
@@ -210,7 +212,9 @@ def test_a_broken_image_is_named(tmp_path):
 def test_an_image_of_too_many_pixels_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
     path = write_square(tmp_path, BOARD)
     Image.new("L", (8193, 8192)).save(tmp_path / "t.png")
-    with pytest.raises(MeshError, match=r"a\.obj: A texture has 8193 × 8192 pixels"):
+    with pytest.raises(
+        MeshError, match=r"a\.obj can't be read as one surface: A texture has 8193 × 8192 pixels"
+    ):
         read_model(path)
     monkeypatch.setattr(module, "MOST_PIXELS_TOGETHER", 127)
     with pytest.raises(MeshError, match="Textures have 128 pixels together"):

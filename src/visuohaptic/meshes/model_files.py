@@ -13,7 +13,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
 from visuohaptic.meshes.collada import checked_collada
 from visuohaptic.meshes.gltf_files import add_wraps, check_gltf, gltf_document
-from visuohaptic.meshes.in_memory import surface_of_trimesh
+from visuohaptic.meshes.in_memory import reason_of, surface_of_trimesh
 from visuohaptic.meshes.obj_files import checked_obj
 from visuohaptic.meshes.off_files import read_off
 from visuohaptic.meshes.ply_files import checked_ply
@@ -104,8 +104,7 @@ def _surface(data: bytes, name: str, suffix: str, resolver: Any) -> Surface:
     try:
         found = _read(data, kind, resolver)
     except Exception as error:
-        reason = " ".join(str(error).split())[:200].rstrip(".!") or "it is broken or truncated"
-        raise MeshError(f"{name} can't be read as {kind.upper()}: {reason}.") from error
+        raise MeshError(f"{name} can't be read as {kind.upper()}: {reason_of(error)}.") from error
     return surface_of_trimesh(found, name)
 
 

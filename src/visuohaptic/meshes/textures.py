@@ -139,7 +139,7 @@ def _read_image(painted: _Painted, halvings: int) -> NDArray[np.uint8]:
         image = _pixels(painted.image)
     # A broken image may fail in any way.
     except Exception as error:
-        raise MeshError(f"A texture can't be read: {error}.") from error
+        raise MeshError(f"A texture can't be read: {error}") from error
     if painted.tint != (1.0, 1.0, 1.0):
         image = _tinted(image, painted)
     for _ in range(halvings):

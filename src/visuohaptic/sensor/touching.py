@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,16 +134,12 @@ def batches(count: int) -> list[NDArray[np.intp]]:
 
 
 def _join(parts: Sequence[Touches]) -> Touches:
-    return Touches(
-        images=np.concatenate([part.images for part in parts]),
-        size=np.concatenate([part.size for part in parts]),
-        contact_state=np.concatenate([part.contact_state for part in parts]),
-        penetration=np.concatenate([part.penetration for part in parts]),
-        normals=np.concatenate([part.normals for part in parts]),
-        tangents=np.concatenate([part.tangents for part in parts]),
-        gaps=np.concatenate([part.gaps for part in parts]),
-        effects=merge_records([part.effects for part in parts]),
-    )
+    arrays = {
+        field.name: np.concatenate([getattr(part, field.name) for part in parts])
+        for field in fields(Touches)
+        if field.name != "effects"
+    }
+    return Touches(**arrays, effects=merge_records([part.effects for part in parts]))
 
 
 def contact_states(
