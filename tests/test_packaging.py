@@ -37,7 +37,7 @@ OF_AN_EXTRA = {
         "src/visuohaptic/report/measured_runs.py",
     ),
     "src/visuohaptic/meshes/collada.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
-    "src/visuohaptic/meshes/xml_claims.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
+    "src/visuohaptic/meshes/claims.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
     "workflow/lib/visuohaptic_workflow/crate.py": (
         "crate",
         "workflow/lib/visuohaptic_workflow/crate.py",
