@@ -48,7 +48,6 @@ BROUGHT_BY = {
     "markupsafe": "jinja2",
     "pydantic-core": "pydantic",
     "snakemake-interface-logger-plugins": "snakemake",
-    "typing-extensions": "pydantic",
 }
 SOURCES = sorted(
     path
