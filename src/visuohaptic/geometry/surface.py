@@ -132,10 +132,9 @@ def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:
 def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None:
     """Write a surface as binary PLY, gzipped where the name ends in ``.gz``; its folder is made where missing.
 
-    Vertices are stored as float32 (the precision of the ray caster), colours a byte a channel.
-    Images are in the same file: each face has the number of its image and its corners' places
-    there, and elements `image` and `texel` follow; programs that don't know these show the faces'
-    colours. The bytes depend on the surface and the comment, a line of the header, alone.
+    Vertices are stored as float32, the precision of the ray caster. Each face has the number of its
+    image and its corners' places there, and elements `image` and `texel` follow, which other
+    programs pass over. The bytes depend on the surface and the comment, a line of the header, alone.
     """
     from plyfile import PlyData, PlyElement
 

@@ -30,12 +30,9 @@ def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     """Read a model file with trimesh, all its parts as one surface, with its colours and textures.
 
     The surface is in the file's own frame and unit, polygons cut into triangles. Materials give a
-    face its diffuse colour; vertex colours are averaged over the corners. Textures stay images upon
-    the faces. They are looked for beside the file and below, never elsewhere; a missing one leaves
-    the diffuse colour. 3MF and DAE need extra `formats`.
-
-    Raises `MeshError` if the file can't be read, is larger than the limit, in 10⁶ bytes, or has no
-    triangle.
+    face its diffuse colour; vertex colours are averaged over the corners. Textures are looked for
+    beside the file and below, never elsewhere; a missing one leaves the diffuse colour. Raises
+    `MeshError` if the file can't be read, is larger than the limit, in 10⁶ bytes, or has no triangle.
     """
     path = Path(path)
     _check_suffix(path.suffix, str(path))

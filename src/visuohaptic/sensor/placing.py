@@ -41,12 +41,10 @@ class Placement:
 def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode) -> Placement:
     """Place sensors on the object, each as large as the object allows, whatever else is in the batch.
 
-    Rays start outside the object, so that they hit everything in the corridor of approach; if the
-    centre's own approach is obstructed, they start within the sensor's clearance instead.
-
-    A touch needs an adaptive size if the object's bounding box reaches above its tangent plane.
-    Then the surface's crossings of that plane bound the square in closed form before it is cast.
-    What still penetrates (an overhang crosses no plane) bounds it again.
+    Rays start outside the object; if the centre's own approach is obstructed, within the sensor's
+    clearance instead. A touch needs an adaptive size if the object's bounding box reaches above its
+    tangent plane. Then the surface's crossings of that plane bound the square in closed form before
+    it is cast; what still penetrates (an overhang crosses no plane) bounds it again.
     """
     tolerance, resolution = parameters.penetration_tolerance, parameters.resolution
     way_out = approach_distances(caster, poses, tolerance)

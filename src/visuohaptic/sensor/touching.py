@@ -28,15 +28,13 @@ TOUCHES_AT_A_TIME = 256
 class Touches:
     """What n touches gave; r is the sensor's resolution, lengths are in object radii.
 
-    `images` (n, r, r), float32, are in [0, 1]: 1 is contact with the sensor's plane (with a cover:
-    full scale), 0 is out of the depth range or nothing met (no pressure). With the normalisation
-    `per_imprint` the nearest point of each imprint is 1 and its farthest 0; a flat contact is 1 all
-    over. `size` (n,) are the squares' edges, `contact_state` (n,) is of `tables.CONTACT_STATES`,
-    and `penetration` (n,) how high the object still stands above the tangent plane within the
-    square, at least 0. `normals` and `tangents` (n, 3) are the sensor's outward normal and its
-    +column axis. `gaps` (n, r, r) are from the sensor's plane, resting on the highest point within
-    the square, down to the object; infinite where nothing is met, negative only for what stands
-    above the sensor's clearance. `effects` are in the order in which they act.
+    `images` (n, r, r) are in [0, 1]: 1 is contact with the sensor's plane (with a cover: full scale), 0
+    out of the depth range (no pressure); `per_imprint` makes the nearest point of each 1 and its
+    farthest 0. `size` (n,) are the squares' edges, `contact_state` (n,) is of `tables.CONTACT_STATES`,
+    and `penetration` (n,) how high the object still stands above the tangent plane within the square.
+    `normals` and `tangents` (n, 3) are the sensor's outward normal and its +column axis. `gaps`
+    (n, r, r) are from the sensor's plane, resting on the highest point within the square, down to the
+    object: infinite where nothing is met, negative only for what stands above the clearance.
     """
 
     images: NDArray[np.float32]
@@ -60,10 +58,9 @@ def touch(
 ) -> Touches:
     """Touch an object at n places, each independent of what else is in the batch, bit for bit.
 
-    Probing locations and their outward unit normals are (n, 3), object frame. `fields` is the
-    source of random numbers, one chain of names a touch; `ParameterError` is raised where the scene
-    has scattered gains, dead cells or noise and there is none. `faces` (n,), int64, lie under the
-    locations, for the normal `face`; without them the given normals are taken.
+    Probing locations and their outward unit normals are (n, 3), object frame. Without `fields`
+    `ParameterError` is raised where the scene has scattered gains, dead cells or noise. `faces` (n,)
+    lie under the locations, for the normal `face`; without them the given normals are taken.
     """
     mode = scene.effects.adaptive_size
     return feel(
@@ -88,10 +85,7 @@ def place_sensors(
     mode: Mode,
     faces: Integers | None = None,
 ) -> Iterator[Placed]:
-    """Place sensors as `touch` does, batch by batch; `mode` says when their size adapts.
-
-    That is all of touching that depends on the object, and nothing else of the scene counts.
-    """
+    """Place sensors as `touch` does, batch by batch; of the scene only the mode of the adaptive size counts."""
     poses = stand(caster, points, normals, parameters, faces)
     for rows in batches(len(points)):
         yield Placed(rows, poses[rows], place(caster, poses[rows], parameters, mode))
@@ -103,10 +97,7 @@ def feel(
     scene: Scene,
     fields: RandomFields | None = None,
 ) -> Touches:
-    """Give what placed sensors feel in a scene whose mode of the adaptive size they were placed by.
-
-    Takes and raises what `touch` does.
-    """
+    """Give what placed sensors feel in a scene whose mode of the adaptive size they were placed by."""
     return _join([_feel_batch(one, parameters, scene, fields) for one in placed])
 
 
@@ -195,11 +186,7 @@ def _feel_batch(
 
 
 def stretch(signal: Floats, least_span: float) -> Floats:
-    """Stretch each image (n, r, r) to [0, 1], one of a smaller span than the least only as far as that allows.
-
-    The largest value of each becomes 1, its least 0 or, for nearly flat images, nearer to 1; an
-    image of zeros stays.
-    """
+    """Stretch each image (n, r, r) to [0, 1], one of a smaller span than the least only as far as that allows."""
     peak = signal.max(axis=(1, 2), keepdims=True)
     span = np.maximum(peak - signal.min(axis=(1, 2), keepdims=True), least_span)
     return np.where(peak > 0, np.clip(1.0 - (peak - signal) / span, 0.0, 1.0), 0.0)
