@@ -22,9 +22,8 @@ def surface_of(mesh):
 
 @pytest.fixture(scope="module")
 def lopsided():
-    mesh = trimesh.util.concatenate(
-        [trimesh.creation.icosphere(2), trimesh.creation.box((3, 0.2, 0.5))]
-    )
+    box = trimesh.creation.box((3, 0.2, 0.5)).apply_translation((1, 0.5, 0))
+    mesh = trimesh.util.concatenate([trimesh.creation.icosphere(2), box])
     return surface_of(mesh)
 
 
