@@ -16,7 +16,7 @@ from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.placing import Placement, place
+from visuohaptic.sensor.placing import Placed, place
 from visuohaptic.sensor.planner import Situation
 from visuohaptic.sensor.random_fields import RandomFields
 
@@ -68,15 +68,6 @@ def touch(
     )
 
 
-@dataclass(frozen=True)
-class Placed:
-    """A batch of sensors on an object: which of the touches they are, their frames, and what lies under them."""
-
-    rows: NDArray[np.intp]
-    poses: Poses
-    placement: Placement
-
-
 def place_sensors(
     caster: RayCaster,
     points: Floats,
@@ -88,7 +79,7 @@ def place_sensors(
     """Place sensors as `touch` does, batch by batch; of the scene only the mode of the adaptive size counts."""
     poses = stand(caster, points, normals, parameters, faces)
     for rows in batches(len(points)):
-        yield Placed(rows, poses[rows], place(caster, poses[rows], parameters, mode))
+        yield place(caster, poses[rows], parameters, mode)
 
 
 def feel(
@@ -98,7 +89,13 @@ def feel(
     fields: RandomFields | None = None,
 ) -> Touches:
     """Give what placed sensors feel in a scene whose mode of the adaptive size they were placed by."""
-    return _join([_feel_batch(one, parameters, scene, fields) for one in placed])
+    parts, start = [], 0
+    for one in placed:
+        rows = np.arange(start, start + len(one.poses))
+        own = None if fields is None else fields.select(rows)
+        parts.append(_feel_batch(one, parameters, scene, own))
+        start += len(rows)
+    return _join(parts)
 
 
 def stand(
@@ -156,32 +153,31 @@ def contact_states(
 def _feel_batch(
     placed: Placed, parameters: SensorParameters, scene: Scene, fields: RandomFields | None
 ) -> Touches:
-    poses, placement = placed.poses, placed.placement
-    states = contact_states(placement.heights, placement.sizes, placement.blocked, parameters)
-    highest = placement.heights.max(axis=(1, 2))
+    states = contact_states(placed.heights, placed.sizes, placed.blocked, parameters)
+    highest = placed.heights.max(axis=(1, 2))
     # A rigid plane goes no deeper than the first thing it meets: the probed point itself, or
     # what stands higher within the square.
     resting = np.clip(highest, 0.0, parameters.clearance)
-    gaps = resting[:, None, None] - placement.heights
+    gaps = resting[:, None, None] - placed.heights
     contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
     situation = Situation(
         scene,
         scene.object_radius_m * np.maximum(gaps, 0.0),
-        scene.object_radius_m * placement.sizes / parameters.resolution,
-        None if fields is None else fields.select(placed.rows),
+        scene.object_radius_m * placed.sizes / parameters.resolution,
+        fields,
     )
     signal, records = simulate(situation, contact)
     if parameters.normalisation == "per_imprint":
         signal = stretch(signal, parameters.flatness / parameters.depth_range)
     return Touches(
         signal.astype(np.float32),
-        placement.sizes,
+        placed.sizes,
         states,
         np.maximum(highest, 0.0),
-        poses.normals,
-        poses.columns,
+        placed.poses.normals,
+        placed.poses.columns,
         gaps,
-        (placement.record, *records),
+        (placed.record, *records),
     )
 
 
