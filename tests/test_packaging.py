@@ -33,7 +33,7 @@ OF_AN_EXTRA = {
         ("src/visuohaptic", "report/", "report", "cli/report.py"),
         ("src/visuohaptic", "report/measured_runs.py", "workflow", "report/measured_runs.py"),
         ("src/visuohaptic", "meshes/collada.py", "formats", "meshes/catalogue.py"),
-        ("src/visuohaptic", "meshes/xml_claims.py", "formats", "meshes/catalogue.py"),
+        ("src/visuohaptic", "meshes/claims.py", "formats", "meshes/catalogue.py"),
         ("workflow/lib/visuohaptic_workflow", "crate.py", "crate", "crate.py"),
     )
 }
@@ -42,7 +42,6 @@ BROUGHT_BY = {
     "markupsafe": "jinja2",
     "pydantic-core": "pydantic",
     "snakemake-interface-logger-plugins": "snakemake",
-    "typing-extensions": "pydantic",
 }
 SOURCES = sorted(
     path

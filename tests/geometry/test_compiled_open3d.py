@@ -12,12 +12,8 @@ pytestmark = pytest.mark.slow
 SOURCE = Path(__file__).parents[2] / "src"
 
 
-def in_a_fresh_process(program):
-    subprocess.run([sys.executable, "-c", program], check=True, env={"PYTHONPATH": str(SOURCE)})
-
-
 def test_open3d_is_loaded_without_its_web_viewer_and_once_for_who_imports_it_later():
-    in_a_fresh_process("""
+    program = """
 import sys
 from visuohaptic.geometry.compiled_open3d import open3d as compiled
 RaycastingScene = compiled.t.geometry.RaycastingScene
@@ -25,19 +21,8 @@ assert not {"dash", "flask"} & set(sys.modules)
 import open3d
 assert open3d.t.geometry.RaycastingScene is RaycastingScene
 assert compiled is open3d.pybind
-""")
-
-
-def test_what_was_imported_whole_before_is_taken():
-    in_a_fresh_process("""
-import ctypes
-import libusb_package
-# Whoever imports Open3D whole has the library that its wheel needs.
-ctypes.CDLL(str(libusb_package.get_library_path()), mode=ctypes.RTLD_GLOBAL)
-import open3d
-from visuohaptic.geometry.compiled_open3d import open3d as compiled
-assert compiled is open3d.pybind
-""")
+"""
+    subprocess.run([sys.executable, "-c", program], check=True, env={"PYTHONPATH": str(SOURCE)})
 
 
 def test_open3d_is_imported_whole_where_its_compiled_part_is_not_where_it_was(monkeypatch):

@@ -120,30 +120,17 @@ def test_other_tools_read_a_file_with_images_or_without_as_one_with_colours(
         np.testing.assert_array_equal(np.asarray(other.triangles), surface.faces)
 
 
-@pytest.mark.parametrize(
-    ("spoil", "says"),
-    [
-        (lambda texture: replace(texture, image=texture.image + np.int32(1)), "none of the 3"),
-        (lambda texture: replace(texture, image=texture.image - np.int32(1)), "none of the 3"),
-        (lambda texture: replace(texture, wraps=texture.wraps + np.uint8(1)), "how it goes on"),
-        (lambda texture: replace(texture, corners=texture.corners * np.inf), "how it goes on"),
-    ],
-)
-def test_images_that_do_not_fit_are_refused_by_name(painted, tmp_path, spoil, says):
-    write_surface(replace(painted, texture=spoil(painted.texture)), tmp_path / "a.ply")
-    with pytest.raises(MeshError, match=rf"a\.ply is no coloured triangle mesh.*{says}"):
-        read_surface(tmp_path / "a.ply")
-
-
-@pytest.mark.parametrize(
-    ("place", "value"), [(0, 6), (0, -5), (0, 2**31 - 1), (4, 0), (4, -(2**31))]
-)
-def test_sizes_of_images_that_do_not_fit_the_texels_are_refused(painted, tmp_path, place, value):
+def test_images_that_do_not_fit_are_refused_by_name(painted, tmp_path):
     path = tmp_path / "a.ply"
+    for step in (1, -1):
+        texture = replace(painted.texture, image=painted.texture.image + np.int32(step))
+        write_surface(replace(painted, texture=texture), path)
+        with pytest.raises(MeshError, match=r"a\.ply is no coloured triangle mesh.*none of the 3"):
+            read_surface(path)
     write_surface(painted, path)
-    data = bytearray(path.read_bytes())
-    start = data.index(b"\x05\x00\x00\x00\x03\x00\x00\x00\x00\x01")
-    data[start + place : start + place + 4] = value.to_bytes(4, "little", signed=True)
-    path.write_bytes(data)
-    with pytest.raises(MeshError, match="don't have 32 texels together"):
-        read_surface(path)
+    data = path.read_bytes()
+    first = np.array([5, 3], "<i4").tobytes()
+    for size in ((6, 3), (5, 0), (-5, 3), (2**31 - 1, 3)):
+        path.write_bytes(data.replace(first, np.array(size, "<i4").tobytes(), 1))
+        with pytest.raises(MeshError, match=r"a\.ply is no coloured triangle mesh"):
+            read_surface(path)

@@ -112,34 +112,18 @@ def as_ply(points, faces, form="binary_little_endian"):
     return head + np.asarray(points, "<f8").tobytes() + b"".join(rows)
 
 
-def as_stl(points, faces):
-    rows = np.zeros(len(faces), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
-    rows["corners"] = np.asarray(points)[np.asarray(faces)]
-    return bytes(80) + struct.pack("<I", len(faces)) + rows.tobytes()
-
-
-def as_text_stl(points, faces):
-    rows = ["solid vertex of a solid"]
-    for face in faces:
-        corners = ["vertex {!r} {!r} {!r}".format(*map(float, points[corner])) for corner in face]
-        rows += ["facet normal 0 0 0", "outer loop", *corners, "endloop", "endfacet"]
-    return "\n".join([*rows, "endsolid vertex of a solid", ""]).encode()
-
-
-def as_gltf(points, faces, change=lambda document: None, kind="gltf"):
-    """Write a glTF of one buffer, within its text or as GLB, after a change of its document."""
-    mesh = trimesh.Trimesh(points, faces, process=False)
-    if kind == "glb":
-        return mesh.export(file_type="glb")
-    scene = trimesh.Scene(mesh)
+def as_gltf(points, faces, change=lambda document: None):
+    """Write a glTF of one buffer, within its text, after a change of its document."""
+    scene = trimesh.Scene(trimesh.Trimesh(points, faces, process=False))
     files = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True, embed_buffers=True)
     document = json.loads(files["model.gltf"])
     change(document)
     return json.dumps(document).encode()
 
 
-def as_glb(points, faces):
-    return as_gltf(points, faces, kind="glb")
+def exported(points, faces, kind):
+    """Write triangles as trimesh does."""
+    return trimesh.Trimesh(points, faces, process=False).export(file_type=kind)
 
 
 def packed(files, method=zipfile.ZIP_DEFLATED):
@@ -168,13 +152,6 @@ def model(resources, build=BUILD, before=""):
 
 def three_mf(text):
     return packed({"3D/3dmodel.model": text})
-
-
-def as_3mf(points, faces):
-    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*map(float, p)) for p in points)
-    triangles = "".join('<triangle v1="{}" v2="{}" v3="{}"/>'.format(*face) for face in faces)
-    shape = f"<vertices>{vertices}</vertices><triangles>{triangles}</triangles>"
-    return three_mf(model(object_of(f"<mesh>{shape}</mesh>")))
 
 
 COLLADA = "http://www.collada.org/2005/11/COLLADASchema"

@@ -58,6 +58,19 @@ def test_a_polygon_that_is_not_flat_is_cut_as_seen_along_its_area_vector():
             assert (vectors @ whole > 0).all()
 
 
+def test_a_polygon_that_crosses_itself_is_cut_only_where_that_comes_nearer_to_its_area():
+    random = np.random.default_rng(0)
+    for _ in range(500):
+        points = np.column_stack([random.random((12, 2)), np.zeros(12)])
+        fan = area_vectors(points, polygons.fan(12))
+        whole = fan.sum(axis=0)
+        for triangles in cut(points).values():
+            vectors = area_vectors(points, triangles)
+            assert (vectors @ whole >= 0).all()
+            excess = np.abs(fan).sum() - np.abs(whole).sum()
+            assert abs(np.abs(vectors).sum() - np.abs(whole).sum()) < excess
+
+
 @pytest.mark.parametrize(
     "points",
     [

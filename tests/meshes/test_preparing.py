@@ -13,7 +13,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import UP_AXES, clean, normalise, prepare_object
+from visuohaptic.meshes.preparing import UP_AXES, clean, normalise, place, prepare_object
 
 
 def surface_of(mesh):
@@ -22,9 +22,8 @@ def surface_of(mesh):
 
 @pytest.fixture(scope="module")
 def lopsided():
-    mesh = trimesh.util.concatenate(
-        [trimesh.creation.icosphere(2), trimesh.creation.box((3, 0.2, 0.5))]
-    )
+    box = trimesh.creation.box((3, 0.2, 0.5)).apply_translation((1, 0.5, 0))
+    mesh = trimesh.util.concatenate([trimesh.creation.icosphere(2), box])
     return surface_of(mesh)
 
 
@@ -76,6 +75,18 @@ def test_coincident_vertices_merge_and_useless_faces_go(lopsided):
     assert len(result.faces) == len(clean(lopsided, 1e-6).faces)
     assert len(result.vertices) == len(clean(lopsided, 1e-6).vertices)
     assert (result.face_areas > 0).all()
+
+
+def test_the_way_leads_to_the_vertices_also_where_faces_go(lopsided):
+    twice = lopsided.faces[:300]
+    doubled = Surface(
+        lopsided.vertices,
+        np.concatenate([lopsided.faces, twice]),
+        np.concatenate([lopsided.face_colours, lopsided.face_colours[:300]]),
+    )
+    made, way = place(doubled, "doubled", UP_AXES["z"], (1, 2, 3))
+    led = doubled.triangles @ way[:3, :3].T + way[:3, 3]
+    np.testing.assert_allclose(led[: len(made.faces)], made.triangles, atol=1e-6)
 
 
 def test_colours_and_images_stay_with_their_faces():

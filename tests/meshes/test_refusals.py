@@ -13,9 +13,8 @@ from meshes.generated import (
     as_gltf,
     as_off,
     as_ply,
-    as_stl,
-    as_text_stl,
     collada,
+    exported,
     model,
     object_of,
     packed,
@@ -30,8 +29,9 @@ from visuohaptic.meshes.preparing import prepare_object
 
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 FACES = [[0, 1, 2], [0, 2, 3]]
-OFF, STL, TEXT_STL, PLY = (make(POINTS, FACES) for make in (as_off, as_stl, as_text_stl, as_ply))
-TEXT_PLY, GLB = as_ply(POINTS, FACES, "ascii"), as_gltf(POINTS, FACES, kind="glb")
+OFF, PLY, TEXT_PLY = as_off(POINTS, FACES), as_ply(POINTS, FACES), as_ply(POINTS, FACES, "ascii")
+STL, GLB = exported(POINTS, FACES, "stl"), exported(POINTS, FACES, "glb")
+TEXT_STL = exported(POINTS, FACES, "stl_ascii").encode() + b"\n"
 VERTICES = b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 RANDOM = np.random.default_rng(0)
 CROSSING = "".join(f"v {x} {y} 0\n" for x, y in RANDOM.random((5000, 2)))

@@ -2,7 +2,6 @@
 
 import csv
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -154,25 +153,13 @@ def test_gltf_says_how_an_image_goes_on(tmp_path, code, wrap):
         for texture in document["textures"]:
             texture["sampler"] = 0
 
-    scene = trimesh.Scene([trimesh.creation.box(), square_of(places=3 * PLACES - 1.2)])
+    scene = trimesh.Scene([trimesh.creation.box(), square_of(places=PLACES - 4)])
     path = write_gltf(tmp_path, scene, sample)
-    surface = read_model(path)
-    np.testing.assert_array_equal(surface.texture.wraps, [[wrap, REPEAT]])
-    square = replace(
-        surface,
-        faces=surface.faces[surface.texture.textured],
-        texture=surface.texture.take(surface.texture.textured),
-    )
-    points = np.random.default_rng(0).uniform(0, 1, (200, 2))
-    column, row = np.floor(8 * (3 * points - 1.2)).astype(int).T
-    column = {
-        REPEAT: column % 8,
-        CLAMP: column.clip(0, 7),
-        MIRROR: np.concatenate([np.arange(8), np.arange(8)[::-1]])[column % 16],
-    }[wrap]
-    expected = BOARD[7 - row % 8, column]
-    same = (colours_at(square, points) == expected).all(axis=1)
-    assert same.mean() > 0.97  # but for points within 1e-4 of a border
+    texture = read_model(path).texture
+    np.testing.assert_array_equal(texture.wraps, [[wrap, REPEAT]])
+    # An image that is clamped is not the same some images further on.
+    across = texture.corners[texture.textured][..., 0]
+    assert (across.min(), across.max()) == ((-4, -3) if wrap == CLAMP else (0, 1))
 
 
 def test_places_far_off_are_moved_by_whole_images():
@@ -202,7 +189,7 @@ def test_a_broken_image_is_named(tmp_path):
     noise = np.random.default_rng(0).integers(0, 255, (90, 90, 3), np.uint8)
     path = write_square(tmp_path, noise)
     (tmp_path / "t.png").write_bytes((tmp_path / "t.png").read_bytes()[:2000])
-    with pytest.raises(MeshError, match=r"a\.obj: A texture can't be read: ") as caught:
+    with pytest.raises(MeshError, match=r"a\.obj .*A texture can't be read: ") as caught:
         read_model(path)
     assert "\n" not in str(caught.value)
 
@@ -210,7 +197,7 @@ def test_a_broken_image_is_named(tmp_path):
 def test_an_image_of_too_many_pixels_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
     path = write_square(tmp_path, BOARD)
     Image.new("L", (8193, 8192)).save(tmp_path / "t.png")
-    with pytest.raises(MeshError, match=r"a\.obj: A texture has 8193 × 8192 pixels"):
+    with pytest.raises(MeshError, match=r"a\.obj .*A texture has 8193 × 8192 pixels"):
         read_model(path)
     monkeypatch.setattr(module, "MOST_PIXELS_TOGETHER", 127)
     with pytest.raises(MeshError, match="Textures have 128 pixels together"):
@@ -224,14 +211,6 @@ def test_images_of_too_many_texels_together_are_halved(monkeypatch):
     images = surface_of_trimesh(scene, "scene").texture.images
     np.testing.assert_array_equal(images[0], BOARD[:4, :4])
     np.testing.assert_array_equal(images[1], BOARD[:4, 3::-1])
-
-
-def test_a_faces_colour_is_the_mean_light_of_its_image(tmp_path):
-    image = np.zeros((64, 64, 3), np.uint8)
-    image[::2] = 255
-    surface = read_model(write_square(tmp_path, image))
-    half = 255 * encode_srgb(np.full((2, 3), 0.5))
-    np.testing.assert_allclose(surface.face_colours, half, atol=2)
 
 
 def test_an_image_of_one_colour_is_a_colour():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from meshes.generated import PLACED, TRIANGLES, as_3mf, collada, model, object_of, packed
+from meshes.generated import PLACED, TRIANGLES, collada, exported, model, object_of, packed
 from PIL import Image
 
 from visuohaptic import optional_packages
@@ -108,7 +108,7 @@ def test_a_texture_of_a_dae_is_read_beside_it_alone(tmp_path, place, is_read):
 )
 def test_without_the_extra_one_sentence_says_what_to_install(tmp_path, monkeypatch, name, packages):
     (tmp_path / "cup").mkdir()
-    path = put(tmp_path / "cup", name, as_3mf([[0, 0, 0]], []))
+    path = put(tmp_path / "cup", name, exported(np.eye(3), [[0, 1, 2]], "3mf"))
     assert list(find_own_models(tmp_path).models.values()) == [path]
     monkeypatch.setattr(optional_packages, "find_spec", lambda name: None)
     says = rf"{name} can't be read yet: {packages} .* `pip install 'visuohaptic\[formats\]'`"

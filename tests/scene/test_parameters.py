@@ -3,14 +3,9 @@ import pytest
 from visuohaptic.scene.parameters import PRESETS, Scene
 
 
-def test_the_default_scene_is_ideal_and_calls_for_nothing():
-    scene = Scene()
-    assert scene == Scene(preset="ideal")
-    assert (scene.cover, scene.readout, scene.bits, scene.noise) == ("none", "ideal", None, 0)
-
-
 @pytest.mark.parametrize("preset", sorted(PRESETS))
 def test_a_preset_fills_what_is_not_given(preset):
+    assert Scene() == Scene(preset="ideal")
     scene = Scene(preset=preset)
     for name, value in PRESETS[preset].items():
         assert getattr(scene, name) == value

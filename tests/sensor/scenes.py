@@ -17,44 +17,44 @@ def always(scene: Scene) -> Scene:
     return with_modes(scene, **dict.fromkeys(TACTILE_EFFECTS, "always"))
 
 
-@st.composite
-def scenes(draw):
+def scenes():
     """Any mix of effects, each off in about half of the scenes."""
-    off_or = lambda neutral, values: draw(st.one_of(st.just(neutral), values))  # noqa: E731
-    return Scene(
-        preset=draw(st.sampled_from(sorted(PRESETS))),
-        press_depths_m=draw(
-            st.lists(st.sampled_from([0.0, 1e-4, 5e-4, 1e-3, 3e-3]), min_size=1, max_size=3)
-        ),
-        hold_time_s=draw(st.sampled_from([0.5, 1.0, 30.0])),
-        cover=draw(st.sampled_from(["none", "winkler", "half_space"])),
-        break_pressure_pa=off_or(0.0, st.floats(1e2, 5e4)),
-        saturation_pressure_pa=off_or(None, st.floats(1e4, 1e7)),
-        gain_scatter=off_or(0.0, st.floats(0.01, 0.25)),
-        hysteresis=off_or(0.0, st.floats(0.01, 0.5)),
-        drift_per_decade=off_or(0.0, st.floats(-0.2, 0.2)),
-        dead_fraction=off_or(0.0, st.floats(0.01, 1)),
-        readout=draw(st.sampled_from(["ideal", "grounded", "floating"])),
-        line_resistance_ohm=off_or(0.0, st.floats(0.1, 1000)),
-        noise=off_or(0.0, st.floats(1e-4, 0.5)),
-        bits=off_or(None, st.integers(1, 16)),
+    off_or = lambda neutral, *limits: st.just(neutral) | st.floats(*limits)  # noqa: E731
+    depths = st.sampled_from([0.0, 1e-4, 5e-4, 1e-3, 3e-3])
+    return st.builds(
+        Scene,
+        preset=st.sampled_from(sorted(PRESETS)),
+        press_depths_m=st.lists(depths, min_size=1, max_size=3),
+        hold_time_s=st.sampled_from([0.5, 1.0, 30.0]),
+        cover=st.sampled_from(["none", "winkler", "half_space"]),
+        break_pressure_pa=off_or(0.0, 1e2, 5e4),
+        saturation_pressure_pa=off_or(None, 1e4, 1e7),
+        gain_scatter=off_or(0.0, 0.01, 0.25),
+        hysteresis=off_or(0.0, 0.01, 0.5),
+        drift_per_decade=off_or(0.0, -0.2, 0.2),
+        dead_fraction=off_or(0.0, 0.01, 1),
+        readout=st.sampled_from(["ideal", "grounded", "floating"]),
+        line_resistance_ohm=off_or(0.0, 0.1, 1000),
+        noise=off_or(0.0, 1e-4, 0.5),
+        bits=st.none() | st.integers(1, 16),
     )
 
 
 @st.composite
 def parameter_sets(draw):
     largest = draw(st.floats(0.05, 0.6))
-    return SensorParameters(
-        resolution=draw(st.sampled_from([2, 5, 8])),
-        largest_size=largest,
-        smallest_size=draw(st.floats(0.005, 1)) * largest,
-        penetration_tolerance=draw(st.sampled_from([1e-5, 1e-3, 0.01])),
-        depth_range=draw(st.sampled_from([0.02, 0.3])),
-        clearance=draw(st.sampled_from([0.02, 0.3])),
-        normal=draw(st.sampled_from(["face", "given", "smoothed"])),
-        orientation=draw(st.sampled_from(["upright", "transported"])),
-        normalisation=draw(st.sampled_from(["per_imprint", "absolute"])),
-    )
+    smallest = draw(st.floats(0.005, 1)) * largest
+    choices = {
+        "resolution": [2, 5, 8],
+        "penetration_tolerance": [1e-5, 1e-3, 0.01],
+        "depth_range": [0.02, 0.3],
+        "clearance": [0.02, 0.3],
+        "normal": ["face", "given", "smoothed"],
+        "orientation": ["upright", "transported"],
+        "normalisation": ["per_imprint", "absolute"],
+    }
+    chosen = {name: draw(st.sampled_from(values)) for name, values in choices.items()}
+    return SensorParameters(largest_size=largest, smallest_size=smallest, **chosen)
 
 
 @st.composite
@@ -87,8 +87,5 @@ def probes_on(surface, count: int, seed: int):
     rows = generator.choice(len(share), count, p=share)
     weights = generator.dirichlet([1, 1, 1], count)
     points = np.einsum("ij,ijk->ik", weights, surface.triangles[rows])
-    return (
-        points,
-        surface.face_normals[rows],
-        RandomFields(seed, [("probe", k) for k in range(count)]),
-    )
+    fields = RandomFields(seed, [("probe", k) for k in range(count)])
+    return points, surface.face_normals[rows], fields

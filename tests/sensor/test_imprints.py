@@ -1,4 +1,4 @@
-"""Heights against closed forms; the worst error is split into the mesh's and the caster's."""
+"""Heights against those of the mesh in closed form."""
 
 import numpy as np
 import pytest
@@ -14,19 +14,16 @@ def torus(x, z, ring=0.45, tube=0.3):
     return np.sqrt(np.maximum(tube**2 - (np.hypot(x - ring, z) - ring) ** 2, 0.0)) - tube
 
 
-SMOOTH_SHAPES = {
+SHAPES = {
     "sphere": lambda x, z: np.sqrt(1 - x**2 - z**2) - 1,
     "cylinder": lambda x, z: np.sqrt(0.16 - x**2) - 0.4 + 0 * z,
     "torus": torus,
     "saddle": lambda x, z: 0.8 * (x**2 - z**2),
     "sine": lambda x, z: 0.02 * np.cos(40 * x) - 0.02 + 0 * z,
-}
-# Piecewise linear along mesh lines: the mesh is the shape itself.
-LINEAR_SHAPES = {
     "groove": lambda x, z: 3 * np.abs(np.abs(x) - 0.1) - 0.3 + 0 * z,
     "roof": lambda x, z: -0.7 * np.abs(x) + 0 * z,
+    "cone": lambda x, z: -0.7 * np.hypot(x, z),
 }
-SHAPES = {**SMOOTH_SHAPES, **LINEAR_SHAPES, "cone": lambda x, z: -0.7 * np.hypot(x, z)}
 
 
 def mesh_height(height, x, z, half=HALF, cells=CELLS):
@@ -60,16 +57,6 @@ def heights_over(surface, aside=0.0):
     poses = stand_on(np.array([[aside, 0.0, 0.0]]), np.array([[0, 1.0, 0]]))
     np.testing.assert_allclose(poses.columns[0], (1, 0, 0), atol=1e-12)
     return cast_heights(RayCaster(surface), poses, np.array([SIZE]), np.array([2.0]), 32)[0]
-
-
-@pytest.mark.parametrize("name", SMOOTH_SHAPES)
-def test_the_meshs_own_error_falls_with_the_square_of_its_cells(name):
-    height = SMOOTH_SHAPES[name]
-    errors = [
-        np.abs(heights_over(sheet(height, HALF, cells)) - height(*sensing_grid(SIZE, 32))).max()
-        for cells in (37, 148)
-    ]
-    assert 8 < errors[0] / errors[1] < 32
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -115,15 +102,14 @@ def test_sensing_points_are_the_centres_of_equal_cells():
 
 
 class LeakyCaster(RayCaster):
-    """Loses a few rays of its first cast in float32, as through cracks between faces."""
-
-    lost = (100, 333, 700)
+    """Loses a few rays of its first cast in float32, or lets them fall deeper, as through cracks between faces."""
 
     def _cast(self, origins, directions):
         hits, doubtful = super()._cast(origins, directions)
         if len(origins) == 32 * 32:
-            hits.distance[list(self.lost)] = np.inf
-            hits.face[list(self.lost)] = MISS
+            hits.distance[[100, 333]] = np.inf
+            hits.face[[100, 333]] = MISS
+            hits.distance[700] += 5 * SIZE / 32
         return hits, doubtful
 
 

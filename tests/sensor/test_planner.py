@@ -42,9 +42,9 @@ def test_an_effect_runs_for_the_touches_of_its_mode_alone(mode, factors, runs):
 
 
 def test_a_separate_peak_goes_through_an_effect_too():
-    now, peak = np.ones((4, 3, 3)), np.full((4, 3, 3), 5.0)
+    ones = np.ones((4, 3, 3))
     effect = doubling([True, False, False, False], [])
-    signal, _ = apply_effect(effect, "auto", situation(), Signal(now, peak))
+    signal, _ = apply_effect(effect, "auto", situation(), Signal(ones, 5 * ones))
     np.testing.assert_array_equal(signal.now[:, 0, 0], [2, 1, 1, 1])
     np.testing.assert_array_equal(signal.peak[:, 0, 0], [10, 5, 5, 5])
 

@@ -10,11 +10,10 @@ def laplacian(conductances):
     """Kirchhoff's current law written out node by node: first the rows, then the columns."""
     size = len(conductances)
     system = np.zeros((2 * size, 2 * size))
-    for i in range(size):
-        for j in range(size):
-            for a, b in ((i, size + j), (size + j, i)):
-                system[a, a] += conductances[i, j]
-                system[a, b] -= conductances[i, j]
+    for (row, column), value in np.ndenumerate(conductances):
+        for a, b in ((row, size + column), (size + column, row)):
+            system[a, a] += value
+            system[a, b] -= value
     return system
 
 
@@ -36,26 +35,22 @@ def floating_reading(conductances, row, column):
     return 1 / (voltages[row] - voltages[size + column])
 
 
-def random_cells(seed, size=4):
-    return np.random.default_rng(seed).uniform(0, 1e-3, (size, size))
+def readings(read, cells, *settings):
+    return [[read(cells, row, column, *settings) for column in range(4)] for row in range(4)]
+
+
+CELLS = np.random.default_rng(1).uniform(0, 1e-3, (4, 4))
 
 
 @pytest.mark.parametrize("line_resistance", [1.0, 100.0, 5000.0])
 def test_grounded_reading_obeys_kirchhoff_on_a_four_by_four_network(line_resistance):
-    cells = random_cells(1)
-    expected = [
-        [nodal_reading(cells, row, column, line_resistance) for column in range(4)]
-        for row in range(4)
-    ]
-    np.testing.assert_allclose(read_grounded(cells[None], line_resistance)[0], expected, rtol=1e-12)
+    expected = readings(nodal_reading, CELLS, line_resistance)
+    np.testing.assert_allclose(read_grounded(CELLS[None], line_resistance)[0], expected, rtol=1e-12)
 
 
 def test_floating_reading_obeys_kirchhoff_on_a_four_by_four_network():
-    cells = random_cells(2)
-    expected = [
-        [floating_reading(cells + 1e-6, row, column) for column in range(4)] for row in range(4)
-    ]
-    np.testing.assert_allclose(read_floating(cells[None], 1e-6)[0], expected, rtol=1e-10)
+    expected = readings(floating_reading, CELLS + 1e-6)
+    np.testing.assert_allclose(read_floating(CELLS[None], 1e-6)[0], expected, rtol=1e-10)
 
 
 def test_a_uniform_floating_network_has_its_closed_form():
@@ -65,13 +60,10 @@ def test_a_uniform_floating_network_has_its_closed_form():
     np.testing.assert_allclose(read, conductance * size**2 / (2 * size - 1), rtol=1e-6)
 
 
-def test_without_line_resistance_each_cell_reads_as_it_is():
+def test_without_line_resistance_each_cell_reads_as_it_is_and_an_untouched_array_nothing():
     cells = np.random.default_rng(3).uniform(0, 2, (5, 32, 32))
     np.testing.assert_array_equal(read_grounded(cells, 0.0), cells)
-
-
-def test_an_untouched_array_reads_nothing():
-    np.testing.assert_array_equal(read_grounded(np.zeros((2, 8, 8)), 0.3), np.zeros((2, 8, 8)))
+    np.testing.assert_array_equal(read_grounded(0 * cells, 0.3), 0)
 
 
 def test_sneak_paths_make_an_untouched_cell_read():

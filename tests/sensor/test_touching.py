@@ -196,39 +196,36 @@ def test_presets_call_for_the_effects_that_they_are_about(preset):
 
 
 @pytest.mark.slow
-def test_ten_thousand_touches_of_a_large_mesh_fit_into_memory_and_split_into_batches():
+def test_ten_thousand_touches_of_a_large_mesh_fit_into_memory():
     mesh = trimesh.creation.icosphere(6)
     bumps = 1 + 0.01 * np.sin(40 * mesh.vertices).sum(axis=1, keepdims=True)
     surface = surface_of(0.95 * bumps * mesh.vertices, mesh.faces)
     surface = joined(surface, sheet(lambda x, z: 0.2 * x * z, half=0.5, cells=100))
     assert len(surface.faces) > 100_000
     caster = RayCaster(surface)
-    points, normals, _ = probes_on(surface, 10_000, 0)
+    points, normals, fields = probes_on(surface, 10_000, 0)
+    noisy, last = Scene(noise=0.01), np.arange(9901, 10_000)
     tracemalloc.start()
-    together = touch(caster, points, normals, SensorParameters(), Scene())
+    together = touch(caster, points, normals, SensorParameters(), noisy, fields)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 2**29
-    for start in range(0, 10_000, 1000):
-        rows = slice(start + 900, start + 1000)
-        alone = touch(caster, points[rows], normals[rows], SensorParameters(), Scene())
-        np.testing.assert_array_equal(alone.images, together.images[rows])
-        np.testing.assert_array_equal(alone.contact_state, together.contact_state[rows])
+    of_last = fields.select(last)
+    alone = touch(caster, points[last], normals[last], SensorParameters(), noisy, of_last)
+    np.testing.assert_array_equal(alone.images, together.images[last])
 
 
 def test_the_largest_depth_range_is_no_limit():
     """Whatever lies below the sensor is felt; a taxel is 0 where nothing lies there at all."""
-    high = joined(
-        box((-0.05, -0.05, -0.9), (0.05, 0.05, 0.9)), box((-0.4, -0.4, -0.95), (0.4, 0.4, -0.9))
-    )
+    post = box((-0.05, -0.05, -0.9), (0.05, 0.05, 0.9))
+    foot = box((-0.4, -0.4, -0.95), (0.4, 0.4, -0.9))
     deep, shallow = (
         touch_one(
-            high, (0.0, 0.0, 0.9), (0.0, 0.0, 1.0), depth_range=reach, normalisation="absolute"
+            joined(post, foot), (0, 0, 0.9), (0, 0, 1), depth_range=depth, normalisation="absolute"
         )
-        for reach in (2.0, 0.1)
+        for depth in (2.0, 0.1)
     )
     assert np.isfinite(deep.gaps).all()
-    assert (deep.images > 0).all()
     np.testing.assert_allclose(deep.images.min(), 1 - 1.8 / 2.0, atol=1e-6)
     assert deep.contact_state[0] == "full"
     assert (shallow.images == 0).any()

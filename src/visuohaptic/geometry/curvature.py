@@ -1,11 +1,9 @@
 """Normals and curvature of a triangle surface that may be open, folded and in many parts.
 
-Both follow the same reading of a mesh: faces that meet at less than the crease
-angle approximate one smooth surface, faces that meet at more are folded there.
-The smooth part has a shape operator, the fold a curvature that is concentrated
-on its edge. Together they are the mean curvature measure of the normal cycle
-(Cohen-Steiner & Morvan 2003, "Restricted Delaunay triangulations and normal
-cycle"), which is finite on any triangulation.
+Faces that meet at less than the crease angle approximate one smooth surface, with a shape operator;
+faces that meet at more are folded there, with a curvature on the edge. Together these are the mean
+curvature measure of the normal cycle (Cohen-Steiner & Morvan 2003, "Restricted Delaunay
+triangulations and normal cycle"), which is finite on any triangulation.
 """
 
 from __future__ import annotations
@@ -41,12 +39,11 @@ class FaceAdjacency:
 class SurfaceShape:
     """Normals and curvature of a surface, ready to be looked up at any point of it; float64.
 
-    `corner_normals` (f, 3, 3) are unit, on the side that the face's winding gives.
-    `corner_curvature` (f, 3) is the curvedness of the smooth surface at each corner, per object
-    radius. `crease_angles` (f, 3) are the folds along each edge, radians, zero where the surface is
-    smooth or ends, and `crease_scales` (f, 3) the density of a fold's curvature on its own edge.
-    `heights` (f, 3) are the distances of each edge from the corner across, and `crease_width` is
-    how far a fold's curvature reaches to either side, object radii.
+    `corner_normals` (f, 3, 3) are unit, on the side of the face's winding, and `corner_curvature` (f, 3)
+    the curvedness of the smooth surface, per object radius. `crease_angles` (f, 3) are the folds along
+    each edge, radians, and `crease_scales` (f, 3) the density of their curvature on the edge. `heights`
+    (f, 3) are the distances of each edge from the corner across, and `crease_width` is how far a
+    fold's curvature reaches to either side, object radii.
     """
 
     corner_normals: Floats
@@ -58,11 +55,7 @@ class SurfaceShape:
 
     @property
     def largest(self) -> float:
-        """The curvedness at which the measure stops, per object radius.
-
-        A face thinner than rounding could hold any density; three folds by a
-        right angle reach this one.
-        """
+        """The curvedness at which the measure stops, per object radius: that of three folds by a right angle."""
         return 3.0 / self.crease_width
 
     def normals(self, faces: Integers, weights: Floats) -> Floats:
@@ -102,8 +95,7 @@ def measure_shape(
     """Measure the normals and the curvature of a surface.
 
     Open sheets, loose parts, mixed windings and edges of more than two faces are allowed; a free
-    edge has no curvature across it. Vertices at the same place are taken as one. Faces whose
-    normals differ by more than the crease angle are folded, not curved.
+    edge has no curvature across it. Vertices at the same place are taken as one.
     """
     faces = weld_vertices(surface)
     normals = unit_vectors(surface.face_crosses)
@@ -161,11 +153,9 @@ def face_adjacency(faces: Integers) -> FaceAdjacency:
 def consistent_sides(count: int, adjacency: FaceAdjacency) -> Floats:
     """Find which of `count` faces to flip (-1) so that neighbours have the same winding; 1 is to keep.
 
-    Every face gets two nodes, one for each side; neighbours link equal sides where they are wound
-    alike and opposite sides where they are not. A part whose two sides fall apart is orientable,
-    and all its faces take one side. The first face of each part is kept, and so is every face of a
-    one-sided part.
+    The first face of each part is kept, and so is every face of a one-sided part.
     """
+    # Each face is two nodes, one for each side; in an orientable part the two sides fall apart.
     first, second = adjacency.faces.T
     across = np.where(adjacency.aligned, 0, count)
     rows = np.concatenate([first, first + count])

@@ -17,11 +17,9 @@ _STAND_OFF = 1e-5
 def orient_outwards(caster: RayCaster, points: Floats, normals: Floats) -> Floats:
     """Turn unit normals (n, 3) at points (n, 3) of the surface to the side from which a sensor can come.
 
-    A ray is sent off each side. The side with the longer free way is outside; a ray that leaves the
-    object has an endless one. Where both ways end, as in a gap, a side that lies in no solid, by
-    the winding of the faces that its ray crosses, is outside if the other lies in one. Where both
-    sides are equally free (a single sheet), outside is the side that faces away from the object's
-    centre, independent of the face's winding.
+    The side with the longer free way is outside. Where both ways end, as in a gap, a side that lies
+    in no solid, by the winding of the faces that its ray crosses, is outside if the other lies in
+    one. Where both are equally free (a single sheet), it is the side away from the object's centre.
     """
     facing_away = np.einsum("ij,ij->i", points, normals) >= 0
     normals = np.where(facing_away[:, None], normals, -normals)

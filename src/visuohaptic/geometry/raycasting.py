@@ -114,13 +114,11 @@ class RayCaster:
     ) -> Hits:
         """Cast rays (n, 3) and give the first hit of each, the same bits on every x86-64 processor.
 
-        Origins and directions are in the frame and unit of the surface's vertices. Doubtful is a
-        ray that meets its face so near an edge or vertex, or so grazing, that float32 may have
-        taken the wrong face; and all that `suspects` names, such as a miss between hits: it takes
-        the distances (n,) of the first cast and gives further doubtful rays (n,), bool. These are
-        settled in float64. Every ray is compared in float64 with the faces that are too narrow for
-        float32, if the surface has such. A ray's hit is independent of what else is in the batch as
-        far as `suspects` is.
+        Doubtful is a ray that meets its face so near an edge or vertex, or so grazing, that float32 may
+        have taken the wrong face; and all that `suspects` names, such as a miss between hits: it
+        takes the distances (n,) of the first cast and gives further doubtful rays (n,), bool. These
+        are settled in float64. A ray's hit is independent of what else is in the batch as far as
+        `suspects` is.
         """
         hits, doubtful = self._cast(origins, directions)
         if suspects is not None:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
-from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
+from visuohaptic.geometry.texture import NO_IMAGE, Texture
 
 _BLOCK_BYTES = 1 << 20
 
@@ -132,10 +132,9 @@ def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:
 def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None:
     """Write a surface as binary PLY, gzipped where the name ends in ``.gz``; its folder is made where missing.
 
-    Vertices are stored as float32 (the precision of the ray caster), colours a byte a channel.
-    Images are in the same file: each face has the number of its image and its corners' places
-    there, and elements `image` and `texel` follow; programs that don't know these show the faces'
-    colours. The bytes depend on the surface and the comment, a line of the header, alone.
+    Vertices are stored as float32, the precision of the ray caster. Each face has the number of its
+    image and its corners' places there, and elements `image` and `texel` follow, which other
+    programs pass over. The bytes depend on the surface and the comment, a line of the header, alone.
     """
     from plyfile import PlyData, PlyElement
 
@@ -210,23 +209,15 @@ def _image_elements(texture: Texture, face: NDArray[Any]) -> dict[str, NDArray[A
 
 
 def _read_texture(data: Any) -> Texture:
-    """Give the images of a file; raises `ValueError` if they are none that `write_surface` writes."""
+    """Give the images of a file; raises `ValueError` if faces, sizes and texels don't fit each other."""
     face, image, texel = data["face"], data["image"], data["texel"]
     sizes = np.column_stack([image[name] for name in ("height", "width")]).astype(np.int64)
     wraps = np.column_stack([image[name] for name in ("wrap_u", "wrap_v")]).astype(np.uint8)
     numbers = np.asarray(face["image"], dtype=np.int32)
     corners = np.column_stack([face[name] for name in _PLACES]).astype(np.float32)
     texels = np.column_stack([texel[name] for name in _CHANNELS]).astype(np.uint8)
-    if sizes.min(initial=1) < 1 or sum(int(rows) * int(columns) for rows, columns in sizes) != len(
-        texels
-    ):
-        raise ValueError(f"its images don't have {len(texels)} texels together")
-    if not len(sizes):
-        raise ValueError("it has no image")
     if numbers.min(initial=0) < NO_IMAGE or numbers.max(initial=NO_IMAGE) >= len(sizes):
         raise ValueError(f"a face has an image that is none of the {len(sizes)}")
-    if wraps.max(initial=0) >= len(WRAPS) or not np.isfinite(corners).all():
-        raise ValueError("a place in an image, or how it goes on there, is no number that is known")
     ends = np.cumsum(sizes.prod(axis=1))[:-1]
     images = tuple(
         part.reshape(*size, 3) for part, size in zip(np.split(texels, ends), sizes, strict=True)

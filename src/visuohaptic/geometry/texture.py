@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.srgb import decode_srgb, encode_bytes
 
-WRAPS = REPEAT, CLAMP, MIRROR = 0, 1, 2
+REPEAT, CLAMP, MIRROR = 0, 1, 2
 """How an image goes on beyond its edges: again, as its last texels, or mirrored."""
 
 NO_IMAGE = -1
@@ -37,11 +37,10 @@ _QUARTERS = np.array(
 class Texture:
     """Images upon faces; a texel is one number triple of an image, a square of one colour.
 
-    `corners` (f, 3, 2), float32, are the places of each face's corners in its image; (0, 0) is the
-    image's lower left and (1, 1) its upper right, and anything finite stands for a face without
-    image. `image` (f,), int32, is the number of each face's image, or `NO_IMAGE`. Each of `images`
-    is (h, w, 3), uint8, sRGB, the upper row first; `wraps` (i, 2), uint8, is `REPEAT`, `CLAMP` or
-    `MIRROR` across and up, for each.
+    `corners` (f, 3, 2) are the places of each face's corners in its image, (0, 0) its lower left and
+    (1, 1) its upper right. `image` (f,) is the number of each face's image, or `NO_IMAGE`. Each of
+    `images` is (h, w, 3), sRGB, the upper row first; `wraps` (i, 2) is `REPEAT`, `CLAMP` or `MIRROR`
+    across and up, for each.
     """
 
     corners: NDArray[np.float32]
@@ -66,8 +65,7 @@ class Texture:
         """Give the mean linear light (n, 3), 0 to 1, of patches of faces (n,) that have an image.
 
         A patch is a parallelogram: `weights` (n, 3) are the barycentric ones of its middle, and
-        `steps` (n, 2, 2) say how the second and third weight change along each of its two sides. Of
-        an image of one colour it is exactly that.
+        `steps` (n, 2, 2) say how the second and third weight change along each of its two sides.
 
         The patch is taken for the ellipse that its sides span, and that for equal squares along its
         longer axis, as graphics cards filter anisotropically (`EXT_texture_filter_anisotropic`): as

@@ -119,7 +119,10 @@ def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModel
     folder = Path(folder)
     models: dict[Model, Path] = {}
     set_aside: dict[Path, str] = {}
-    for file in _files_below(folder):
+    # A class may be a link to a folder elsewhere, which `**` alone would not follow.
+    for file in sorted({*folder.glob("*"), *folder.glob("*/**/*")}):
+        if not _may_be_meant(file, folder):
+            continue
         found = Model(file.parent.name, file.stem)
         why = _why_not(file, folder) or _taken(found, taken, models)
         if why is None:
@@ -127,18 +130,6 @@ def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModel
         else:
             set_aside[file] = f"{_shown(file)} {why}"
     return OwnModels(models, set_aside)
-
-
-def _files_below(folder: Path) -> list[Path]:
-    """List what may be meant as a model; a class may be a link to a folder elsewhere."""
-    if not folder.is_dir():
-        return []
-    found: list[Path] = []
-    for entry in sorted(folder.iterdir()):
-        inside = [entry] if not entry.is_dir() else sorted(entry.iterdir())
-        for one in inside:
-            found += sorted(one.rglob("*")) if one.is_dir() else [one]
-    return [file for file in found if _may_be_meant(file, folder)]
 
 
 def _may_be_meant(file: Path, folder: Path) -> bool:

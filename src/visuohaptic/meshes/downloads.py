@@ -9,27 +9,21 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import io
 import logging
 import re
 import shutil
 import subprocess
-import sys
 import tarfile
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.model_files import surface_from_archive
 from visuohaptic.whole_files import whole_file
-
-if TYPE_CHECKING:
-    from typing_extensions import Buffer
 
 DEBIAN_PACKAGE = "sweethome3d-furniture"
 DEBIAN_SHA256 = "3ccb90c63f9525e887a767b9cd5c8b6933b8b6b2973a615a5359ee68a2118668"
@@ -41,6 +35,7 @@ LIBRARY_FOLDER = "usr/share/sweethome3d/furniture"
 
 _LARGEST_ARCHIVE_BYTES = 400 * 10**6
 _LARGEST_MEMBER_BYTES = 100 * 10**6
+_BLOCK_BYTES = 10**6
 
 
 def fetch_models(
@@ -102,25 +97,20 @@ def download(address: str, path: Path, sha256: str | None = None) -> Path:
     return path
 
 
-def _download_bounded(address: str, path: str, registry: object) -> None:
-    """Download as pooch does, but no more than the largest archive that is expected."""
-    import pooch
+def _download_bounded(address: str, path: str, _: object) -> None:
+    """Download no more than the largest archive that is expected."""
+    import requests
+    from tqdm import tqdm
 
-    with _BoundedFile(path, "wb") as stream:
-        bar = sys.stderr.isatty()
-        pooch.HTTPDownloader(progressbar=bar, timeout=60)(address, stream, registry)
-
-
-class _BoundedFile(io.FileIO):
-    """A file that refuses to grow beyond the largest archive."""
-
-    def write(self, data: Buffer, /) -> int:
-        if self.tell() + memoryview(data).nbytes > _LARGEST_ARCHIVE_BYTES:
-            raise DownloadError(
-                f"{self.name} grows beyond {_LARGEST_ARCHIVE_BYTES / 1e6:.0f} MB; "
-                "that is not the pinned archive."
-            )
-        return super().write(data)
+    with requests.get(address, stream=True, timeout=60) as answer, Path(path).open("wb") as stream:
+        answer.raise_for_status()
+        for block in tqdm(answer.iter_content(_BLOCK_BYTES), unit="MB", disable=None):
+            stream.write(block)
+            if stream.tell() > _LARGEST_ARCHIVE_BYTES:
+                raise DownloadError(
+                    f"{address} grows beyond {_LARGEST_ARCHIVE_BYTES / 1e6:.0f} MB; that is not the "
+                    "pinned archive."
+                )
 
 
 def extract_libraries(package: Path, libraries: Mapping[str, Path]) -> None:

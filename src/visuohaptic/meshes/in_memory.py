@@ -38,34 +38,19 @@ def surface_of_trimesh(mesh: Any, name: str) -> Surface:
     Materials and vertex colours become a colour a face; images stay images. Raises `MeshError`
     if there are no faces, or an image can't be read.
     """
-    parts = [part for part in _checked_parts(mesh, name) if len(part.faces)]
-    if not parts:
-        raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
-    flat = [part.vertices.shape for part in parts if part.vertices.shape[1:] != (3,)]
-    if flat:
-        raise MeshError(
-            f"{name} has vertices of shape {flat[0]}; three coordinates for each are needed."
-        )
-    offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
-    faces = [
-        np.asarray(part.faces, dtype=np.int64) + offset
-        for part, offset in zip(parts, offsets, strict=True)
-    ]
+    # Parts that don't fit each other may fail in any way; the scene is what is wrong.
     try:
-        for part in parts:
-            # An index too high would name a vertex of the next part.
-            check_corners(np.ravel(part.faces), len(part.vertices))
-        colours, texture = add_textures(
-            parts, np.concatenate([face_colours(part) for part in parts])
-        )
-    except MeshError as error:
-        raise MeshError(f"{name}: {str(error).rstrip('.')}.") from error
-    return Surface(
-        np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),
-        np.concatenate(faces),
-        colours,
-        texture,
-    )
+        parts = [part for part in _parts(mesh) if len(part.faces)]
+        if parts:
+            return _joined(parts)
+    except Exception as error:
+        raise MeshError(f"{name} can't be read as one surface: {reason_of(error)}.") from error
+    raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
+
+
+def reason_of(error: Exception) -> str:
+    """Give what went wrong in a library, on one line without a stop."""
+    return " ".join(str(error).split())[:200].rstrip(".!") or "it is broken or truncated"
 
 
 @dataclass(frozen=True)
@@ -77,13 +62,26 @@ class _Part:
     visual: Any
 
 
-def _checked_parts(mesh: Any, name: str) -> list[_Part]:
-    try:
-        return list(_parts(mesh))
-    # Parts that don't fit each other may fail in any way; the scene is what is wrong.
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200].rstrip(".!") or type(error).__name__
-        raise MeshError(f"{name} can't be read as one surface: {reason}.") from error
+def _joined(parts: list[_Part]) -> Surface:
+    for part in parts:
+        if part.vertices.shape[1:] != (3,):
+            raise MeshError(f"vertices have the shape {part.vertices.shape}; (n, 3) is needed")
+        # An index too high would name a vertex of the next part.
+        check_corners(np.ravel(part.faces), len(part.vertices))
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
+    colours = np.concatenate([face_colours(part) for part in parts])
+    colours, texture = add_textures(parts, colours)
+    return Surface(
+        np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),
+        np.concatenate(
+            [
+                np.asarray(part.faces, dtype=np.int64) + start
+                for part, start in zip(parts, starts, strict=True)
+            ]
+        ),
+        colours,
+        texture,
+    )
 
 
 def _parts(mesh: Any) -> Iterator[_Part]:

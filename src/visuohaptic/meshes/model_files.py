@@ -13,7 +13,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
 from visuohaptic.meshes.collada import checked_collada
 from visuohaptic.meshes.gltf_files import add_wraps, check_gltf, gltf_document
-from visuohaptic.meshes.in_memory import surface_of_trimesh
+from visuohaptic.meshes.in_memory import reason_of, surface_of_trimesh
 from visuohaptic.meshes.obj_files import checked_obj
 from visuohaptic.meshes.off_files import read_off
 from visuohaptic.meshes.ply_files import checked_ply
@@ -30,12 +30,9 @@ def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     """Read a model file with trimesh, all its parts as one surface, with its colours and textures.
 
     The surface is in the file's own frame and unit, polygons cut into triangles. Materials give a
-    face its diffuse colour; vertex colours are averaged over the corners. Textures stay images upon
-    the faces. They are looked for beside the file and below, never elsewhere; a missing one leaves
-    the diffuse colour. 3MF and DAE need extra `formats`.
-
-    Raises `MeshError` if the file can't be read, is larger than the limit, in 10⁶ bytes, or has no
-    triangle.
+    face its diffuse colour; vertex colours are averaged over the corners. Textures are looked for
+    beside the file and below, never elsewhere; a missing one leaves the diffuse colour. Raises
+    `MeshError` if the file can't be read, is larger than the limit, in 10⁶ bytes, or has no triangle.
     """
     path = Path(path)
     _check_suffix(path.suffix, str(path))
@@ -104,8 +101,7 @@ def _surface(data: bytes, name: str, suffix: str, resolver: Any) -> Surface:
     try:
         found = _read(data, kind, resolver)
     except Exception as error:
-        reason = " ".join(str(error).split())[:200].rstrip(".!") or "it is broken or truncated"
-        raise MeshError(f"{name} can't be read as {kind.upper()}: {reason}.") from error
+        raise MeshError(f"{name} can't be read as {kind.upper()}: {reason_of(error)}.") from error
     return surface_of_trimesh(found, name)
 
 

@@ -67,14 +67,10 @@ def normalise(
     """Turn, stretch, clean, centre and scale a surface of any frame and unit into the object frame.
 
     A rotation (3, 3) turns the model so that y is up. `dimensions` are the extents along x, y and z
-    to stretch to after that; an extent of zero stays zero. The centre is the surface's centroid,
-    weighted by area: it turns with the object and does not move when triangles are subdivided. The
-    vertex farthest from it gets distance 1. Vertices nearer than the merge tolerance, in units of
-    the result, become one.
-
-    No face without area is left: those go that have none in the file, whose vertices merge, or that
-    have none when vertices are rounded. Thin ones with some area stay. Vertices are numbers that
-    float32 holds exactly, so that a float64 oracle and the float32 caster see the same surface.
+    to stretch to after that; an extent of zero stays zero. The centre is the surface's centroid, and
+    the vertex farthest from it gets distance 1. Vertices nearer than the merge tolerance, in units of
+    the result, become one. No face without area is left. Vertices are numbers that float32 holds
+    exactly, so that a float64 oracle and the float32 caster see the same surface.
 
     Raises `MeshError` if a vertex is NaN or infinite, a face names no vertex, or there is no area.
     """

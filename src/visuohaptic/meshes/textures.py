@@ -49,12 +49,9 @@ def add_textures(
     """Give the colours (f, 3), uint8, sRGB, and the images of the faces of parts, one part after another.
 
     Each part has `vertices`, `faces` and a trimesh `visual`. Faces with an image have the mean of
-    it as their colour, others the given one. There is no texture if no image has more than one
-    colour. Images are multiplied by their material's colour: glTF's base colour as light, an MTL's
-    `Kd` as stored, unless it is black, as some programs write it beside an image. Transparency is
-    left out.
-
-    Raises `MeshError` if an image can't be read or is too large.
+    it as their colour, others the given one. Images are multiplied by their material's colour: glTF's
+    base colour as light, an MTL's `Kd` as stored, unless it is black, as some programs write it
+    beside an image. Transparency is left out. There is no texture if no image has more than one colour.
     """
     texture = _texture_of(parts)
     if texture is None:
@@ -139,7 +136,7 @@ def _read_image(painted: _Painted, halvings: int) -> NDArray[np.uint8]:
         image = _pixels(painted.image)
     # A broken image may fail in any way.
     except Exception as error:
-        raise MeshError(f"A texture can't be read: {error}.") from error
+        raise MeshError(f"A texture can't be read: {error}") from error
     if painted.tint != (1.0, 1.0, 1.0):
         image = _tinted(image, painted)
     for _ in range(halvings):

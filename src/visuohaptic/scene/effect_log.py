@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 import pyarrow as pa
 
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.tables.phases import EFFECTS, owner_columns
 from visuohaptic.tables.schema import build_table
-
-_COPIED = ("effect", "mode", "reason", "touches", "needed", "runs", "seconds")
 
 
 def effect_table(
@@ -21,5 +20,6 @@ def effect_table(
     `scene` is the name of its preset, or `any` for effects that no preset sets.
     """
     columns = owner_columns(key) | {"first_viewpoint": first_viewpoint, "scene": scene}
-    columns |= {column: [getattr(record, column) for record in records] for column in _COPIED}
+    for field in fields(EffectRecord):
+        columns[field.name] = [getattr(record, field.name) for record in records]
     return build_table(EFFECTS, columns)

@@ -27,16 +27,15 @@ def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> Floats:
     The plane is at a height above the tangent plane: the penetration tolerance. The surface that
     penetrates it is bounded by where it crosses it, so rays within the plane, from the centre
     towards `PERIMETER_RAYS` points of the square's perimeter, meet that bound exactly: also sheets
-    along the normal, which no ray along the normal sees. With directions of length one in the
-    maximum norm, the distance along the ray is the half size itself; it is infinite where no ray
-    meets anything.
+    along the normal, which no ray along the normal sees. It is infinite where none meets anything.
     """
     free = np.full(len(poses), np.inf)
     step = RAYS_IN_FLIGHT // PERIMETER_RAYS
     perimeter = _perimeter_directions()
     for start in range(0, len(poses), step):
         part = poses[start : start + step]
-        # Component by component, so that NumPy's inner loops run along the rays.
+        # Directions are one in the maximum norm, so that distances are half sizes; and component by
+        # component, so that NumPy's inner loops run along the rays.
         directions = (
             perimeter[:, 0] * part.columns.T[:, :, None] + perimeter[:, 1] * part.rows.T[:, :, None]
         )

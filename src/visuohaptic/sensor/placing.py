@@ -24,29 +24,28 @@ from visuohaptic.sensor.parameters import SensorParameters
 
 
 @dataclass(frozen=True)
-class Placement:
-    """How n sensors are placed on the object.
+class Placed:
+    """How n sensors of some poses are placed on the object.
 
     `heights` (n, r, r) are those of the surface above the tangent plane and `sizes` (n,) the
     squares' edges, object radii; `blocked` (n,) says where the approach is obstructed. The seconds
     of the adaptive size's record include the decision.
     """
 
+    poses: Poses
     heights: Floats
     sizes: Floats
     blocked: Booleans
     record: EffectRecord
 
 
-def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode) -> Placement:
+def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode) -> Placed:
     """Place sensors on the object, each as large as the object allows, whatever else is in the batch.
 
-    Rays start outside the object, so that they hit everything in the corridor of approach; if the
-    centre's own approach is obstructed, they start within the sensor's clearance instead.
-
-    A touch needs an adaptive size if the object's bounding box reaches above its tangent plane.
-    Then the surface's crossings of that plane bound the square in closed form before it is cast.
-    What still penetrates (an overhang crosses no plane) bounds it again.
+    Rays start outside the object; if the centre's own approach is obstructed, within the sensor's
+    clearance instead. A touch needs an adaptive size if the object's bounding box reaches above its
+    tangent plane. Then the surface's crossings of that plane bound the square in closed form before
+    it is cast; what still penetrates (an overhang crosses no plane) bounds it again.
     """
     tolerance, resolution = parameters.penetration_tolerance, parameters.resolution
     way_out = approach_distances(caster, poses, tolerance)
@@ -82,7 +81,7 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
         len(rows),
         sizing,
     )
-    return Placement(heights, sizes, obstructed | tall, record)
+    return Placed(poses, heights, sizes, obstructed | tall, record)
 
 
 def _shrink_further(

@@ -16,10 +16,9 @@ from visuohaptic.seeds import spawn_generator
 class RandomFields:
     """Source of the random numbers of a sensor array.
 
-    Each field depends only on the seed, the effect, and the key of the sensor or touch, so other
-    effects, batching and the order of touches do not matter. `touches` holds one chain of names a
-    touch, such as ``("cup/mug", 3, "fixation", 0)``; `sensor` names the sensor, whose gains and
-    dead cells stay from touch to touch.
+    Each field depends only on the seed, the effect, and the key of the sensor or touch. `touches` holds
+    one chain of names a touch, such as ``("cup/mug", 3, "fixation", 0)``; `sensor` names the sensor,
+    whose gains and dead cells stay from touch to touch.
     """
 
     seed: int

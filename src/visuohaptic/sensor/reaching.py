@@ -23,11 +23,8 @@ def reachable(
 
     A place is in reach if the sensor at its smallest size, on its way along the outward normal and
     turned about it as the touch is, meets nothing before its centre touches. What stands no higher
-    above the tangent plane than the penetration tolerance is not met. The places are given as to
-    `touch`.
-
-    Neither the depth range nor whether the size adapts matters. Where it does, a touch is in state
-    ``blocked`` or ``at_minimum`` at places out of reach alone.
+    above the tangent plane than the penetration tolerance is not met. Where the size adapts, a touch
+    is ``blocked`` or ``at_minimum`` at places out of reach alone.
     """
     poses = stand(caster, points, normals, parameters, faces)
     parts = [_reachable_part(caster, poses[rows], parameters) for rows in batches(len(poses))]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.placing import Placement, place
+from visuohaptic.sensor.placing import Placed, place
 from visuohaptic.sensor.planner import Situation
 from visuohaptic.sensor.random_fields import RandomFields
 
@@ -28,15 +28,13 @@ TOUCHES_AT_A_TIME = 256
 class Touches:
     """What n touches gave; r is the sensor's resolution, lengths are in object radii.
 
-    `images` (n, r, r), float32, are in [0, 1]: 1 is contact with the sensor's plane (with a cover:
-    full scale), 0 is out of the depth range or nothing met (no pressure). With the normalisation
-    `per_imprint` the nearest point of each imprint is 1 and its farthest 0; a flat contact is 1 all
-    over. `size` (n,) are the squares' edges, `contact_state` (n,) is of `tables.CONTACT_STATES`,
-    and `penetration` (n,) how high the object still stands above the tangent plane within the
-    square, at least 0. `normals` and `tangents` (n, 3) are the sensor's outward normal and its
-    +column axis. `gaps` (n, r, r) are from the sensor's plane, resting on the highest point within
-    the square, down to the object; infinite where nothing is met, negative only for what stands
-    above the sensor's clearance. `effects` are in the order in which they act.
+    `images` (n, r, r) are in [0, 1]: 1 is contact with the sensor's plane (with a cover: full scale), 0
+    out of the depth range (no pressure); `per_imprint` makes the nearest point of each 1 and its
+    farthest 0. `size` (n,) are the squares' edges, `contact_state` (n,) is of `tables.CONTACT_STATES`,
+    and `penetration` (n,) how high the object still stands above the tangent plane within the square.
+    `normals` and `tangents` (n, 3) are the sensor's outward normal and its +column axis. `gaps`
+    (n, r, r) are from the sensor's plane, resting on the highest point within the square, down to the
+    object: infinite where nothing is met, negative only for what stands above the clearance.
     """
 
     images: NDArray[np.float32]
@@ -60,24 +58,14 @@ def touch(
 ) -> Touches:
     """Touch an object at n places, each independent of what else is in the batch, bit for bit.
 
-    Probing locations and their outward unit normals are (n, 3), object frame. `fields` is the
-    source of random numbers, one chain of names a touch; `ParameterError` is raised where the scene
-    has scattered gains, dead cells or noise and there is none. `faces` (n,), int64, lie under the
-    locations, for the normal `face`; without them the given normals are taken.
+    Probing locations and their outward unit normals are (n, 3), object frame. Without `fields`
+    `ParameterError` is raised where the scene has scattered gains, dead cells or noise. `faces` (n,)
+    lie under the locations, for the normal `face`; without them the given normals are taken.
     """
     mode = scene.effects.adaptive_size
     return feel(
         place_sensors(caster, points, normals, parameters, mode, faces), parameters, scene, fields
     )
-
-
-@dataclass(frozen=True)
-class Placed:
-    """A batch of sensors on an object: which of the touches they are, their frames, and what lies under them."""
-
-    rows: NDArray[np.intp]
-    poses: Poses
-    placement: Placement
 
 
 def place_sensors(
@@ -88,13 +76,10 @@ def place_sensors(
     mode: Mode,
     faces: Integers | None = None,
 ) -> Iterator[Placed]:
-    """Place sensors as `touch` does, batch by batch; `mode` says when their size adapts.
-
-    That is all of touching that depends on the object, and nothing else of the scene counts.
-    """
+    """Place sensors as `touch` does, batch by batch; of the scene only the mode of the adaptive size counts."""
     poses = stand(caster, points, normals, parameters, faces)
     for rows in batches(len(points)):
-        yield Placed(rows, poses[rows], place(caster, poses[rows], parameters, mode))
+        yield place(caster, poses[rows], parameters, mode)
 
 
 def feel(
@@ -103,11 +88,14 @@ def feel(
     scene: Scene,
     fields: RandomFields | None = None,
 ) -> Touches:
-    """Give what placed sensors feel in a scene whose mode of the adaptive size they were placed by.
-
-    Takes and raises what `touch` does.
-    """
-    return _join([_feel_batch(one, parameters, scene, fields) for one in placed])
+    """Give what placed sensors feel in a scene whose mode of the adaptive size they were placed by."""
+    parts, start = [], 0
+    for one in placed:
+        rows = np.arange(start, start + len(one.poses))
+        own = None if fields is None else fields.select(rows)
+        parts.append(_feel_batch(one, parameters, scene, own))
+        start += len(rows)
+    return _join(parts)
 
 
 def stand(
@@ -134,16 +122,12 @@ def batches(count: int) -> list[NDArray[np.intp]]:
 
 
 def _join(parts: Sequence[Touches]) -> Touches:
-    return Touches(
-        images=np.concatenate([part.images for part in parts]),
-        size=np.concatenate([part.size for part in parts]),
-        contact_state=np.concatenate([part.contact_state for part in parts]),
-        penetration=np.concatenate([part.penetration for part in parts]),
-        normals=np.concatenate([part.normals for part in parts]),
-        tangents=np.concatenate([part.tangents for part in parts]),
-        gaps=np.concatenate([part.gaps for part in parts]),
-        effects=merge_records([part.effects for part in parts]),
-    )
+    arrays = {
+        field.name: np.concatenate([getattr(part, field.name) for part in parts])
+        for field in fields(Touches)
+        if field.name != "effects"
+    }
+    return Touches(**arrays, effects=merge_records([part.effects for part in parts]))
 
 
 def contact_states(
@@ -169,41 +153,36 @@ def contact_states(
 def _feel_batch(
     placed: Placed, parameters: SensorParameters, scene: Scene, fields: RandomFields | None
 ) -> Touches:
-    poses, placement = placed.poses, placed.placement
-    states = contact_states(placement.heights, placement.sizes, placement.blocked, parameters)
-    highest = placement.heights.max(axis=(1, 2))
+    states = contact_states(placed.heights, placed.sizes, placed.blocked, parameters)
+    highest = placed.heights.max(axis=(1, 2))
     # A rigid plane goes no deeper than the first thing it meets: the probed point itself, or
     # what stands higher within the square.
     resting = np.clip(highest, 0.0, parameters.clearance)
-    gaps = resting[:, None, None] - placement.heights
+    gaps = resting[:, None, None] - placed.heights
     contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
     situation = Situation(
         scene,
         scene.object_radius_m * np.maximum(gaps, 0.0),
-        scene.object_radius_m * placement.sizes / parameters.resolution,
-        None if fields is None else fields.select(placed.rows),
+        scene.object_radius_m * placed.sizes / parameters.resolution,
+        fields,
     )
     signal, records = simulate(situation, contact)
     if parameters.normalisation == "per_imprint":
         signal = stretch(signal, parameters.flatness / parameters.depth_range)
     return Touches(
         signal.astype(np.float32),
-        placement.sizes,
+        placed.sizes,
         states,
         np.maximum(highest, 0.0),
-        poses.normals,
-        poses.columns,
+        placed.poses.normals,
+        placed.poses.columns,
         gaps,
-        (placement.record, *records),
+        (placed.record, *records),
     )
 
 
 def stretch(signal: Floats, least_span: float) -> Floats:
-    """Stretch each image (n, r, r) to [0, 1], one of a smaller span than the least only as far as that allows.
-
-    The largest value of each becomes 1, its least 0 or, for nearly flat images, nearer to 1; an
-    image of zeros stays.
-    """
+    """Stretch each image (n, r, r) to [0, 1], one of a smaller span than the least only as far as that allows."""
     peak = signal.max(axis=(1, 2), keepdims=True)
     span = np.maximum(peak - signal.min(axis=(1, 2), keepdims=True), least_span)
     return np.where(peak > 0, np.clip(1.0 - (peak - signal) / span, 0.0, 1.0), 0.0)

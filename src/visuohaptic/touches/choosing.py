@@ -33,9 +33,8 @@ def choose_places(
     """Choose the probing locations that are touched, among rows of `tables.FIXATIONS`.
 
     A sequence takes its first locations. Where those out of reach are replaced, as column
-    ``unreachable`` says or else `wanted`, it passes over them and takes the next ones, and ends
-    before the one that would be the `SPARE` + first passed over. So its touches don't depend on how
-    many are asked for.
+    ``unreachable`` says or else `wanted`, it takes the next ones, and ends before the one that would
+    be the `SPARE` + first passed over. So its touches don't depend on how many are asked for.
 
     Gives the rows with column ``touch`` counted anew, and that column (n,), int64, as it was.
     """

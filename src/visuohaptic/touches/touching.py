@@ -13,8 +13,9 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.sensor.placing import Placed
 from visuohaptic.sensor.random_fields import RandomFields
-from visuohaptic.sensor.touching import Placed, Touches, feel, place_sensors
+from visuohaptic.sensor.touching import Touches, feel, place_sensors
 from visuohaptic.tables.phases import (
     EFFECTS,
     FIXATIONS,

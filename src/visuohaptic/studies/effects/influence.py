@@ -23,7 +23,8 @@ from visuohaptic.scene.parameters import (
 )
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.touching import Placed, Touches, feel
+from visuohaptic.sensor.placing import Placed
+from visuohaptic.sensor.touching import Touches, feel
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FIXATIONS, by_object
 from visuohaptic.tables.schema import build_rows, read_table, write_table
