@@ -171,10 +171,9 @@ class ExperimentParameters(BaseModel):
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object], source: str = "params.yaml") -> Self:
-        """Check sections and their values as a YAML or JSON file gives them.
+        """Check sections and values as a YAML or JSON file gives them.
 
-        Raises `ParameterError`, which names the source, and each unknown name or wrong value with
-        its path.
+        Raises `ParameterError`, which names the source, and each unknown name or wrong value.
         """
         try:
             return cls.model_validate(dict(values))
@@ -203,11 +202,10 @@ def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:
 
 
 def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
-    """Refuse parameters with which touching or recognition would fail.
+    """Refuse parameters with which touching or recognition would fail: `ParameterError`, which names them.
 
-    A study may try them all the same: its table says which conditions failed. Raises
-    `ParameterError`, which names the parameters and their source, if the contourlets have no bands
-    for imprints of the resolution, or a sequence is to have more touches than a view has fixations.
+    These are imprints of which the contourlets have no bands, and sequences of more touches than fixations. A
+    study may try them all the same: its table says which conditions failed.
     """
     found = [*_odd_imprints(parameters)]
     # Who touches and doesn't recognise leaves recognition's default as it is.
@@ -273,8 +271,8 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
 def check_spelling(path: str | Path) -> None:
     """Refuse a YAML file with values that a parser reads as others than are written, or a name twice.
 
-    ``yes`` and ``off`` would be truth values, ``010`` be 8, ``1:30`` be 90, ``1e400`` be infinite,
-    and the last of two equal names would count. Raises `ParameterError`, which gives the line.
+    ``yes`` would be a truth value, ``010`` be 8, ``1:30`` be 90, ``1e400`` be infinite, and the last of two
+    equal names would count. Raises `ParameterError`, which gives the line.
     """
     import yaml
 
@@ -297,9 +295,8 @@ def as_parameters(
 ) -> ExperimentParameters:
     """Give parameters as a caller in Python names them, checked.
 
-    A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or
-    both; what it leaves out takes its default. Raises `ParameterError` if a name is unknown or
-    given twice, or a value not allowed.
+    A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or both.
+    Raises `ParameterError` if a name is unknown or given twice, or a value not allowed.
     """
     load_installed()
     if values is None:

@@ -1,13 +1,8 @@
 """Image pyramids in which every average is taken over the object only.
 
-A plane has a certainty, 1 on the object and 0 outside it, and is stored
-multiplied by it. Smoothing both and dividing is normalised convolution
-(Knutsson & Westin 1993): pixels outside the object have no influence, so its
-outline makes no step in any plane.
-
-All grids are centred on the image. The usual reduction that keeps every other
-pixel moves the image by half a pixel a level, which at the coarse levels is a
-large part of the object and makes a mirrored view look different.
+A plane is stored multiplied by its certainty, 1 on the object and 0 outside; smoothing both and dividing
+is normalised convolution (Knutsson & Westin 1993), so an outline makes no step in any plane. All grids
+are centred: keeping every other pixel would move the image by half a pixel a level.
 """
 
 from __future__ import annotations
@@ -32,8 +27,7 @@ _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)
 def to_working_size(plane: Plane) -> Plane:
     """Resample planes (h, w) or (h, w, k), multiplied by the certainty, to the square working image.
 
-    A view that is not square is centred and padded with zeros. Larger views are averaged by area,
-    smaller ones interpolated; a [1 2 1] kernel then limits the bandwidth.
+    A view that is not square is padded with zeros; a [1 2 1] kernel limits the bandwidth.
     """
     square = _padded_to_square(plane)
     size = (WORKING_SIZE, WORKING_SIZE)
@@ -64,8 +58,7 @@ def blur(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
 def reduce(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
     """Halve both sides of (2n, 2n[, k]) with the kernel [1 3 3 1] / 8, which is centred on the new pixel.
 
-    The border is `NOTHING_BEYOND` for planes that are multiplied by their certainty, `GOES_ON` for
-    an image that fills its grid.
+    The border `GOES_ON` is for an image that fills its grid.
     """
     half = plane.shape[0] // 2
     return cv2.resize(blur(plane, border), (half, half), interpolation=cv2.INTER_AREA)
@@ -87,10 +80,7 @@ def reductions(plane: Plane, count: int, border: int = NOTHING_BEYOND) -> list[P
 
 
 def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
-    """Put planes (n, n) into stacks (n, n, 4), for which OpenCV is fastest with float32.
-
-    They are padded with zeros; beside each is the number of planes in it.
-    """
+    """Put planes (n, n) into stacks (n, n, 4), padded with zeros, and the number of planes beside each."""
     stacks = []
     for start in range(0, len(planes), 4):
         group = list(planes[start : start + 4])
@@ -105,11 +95,10 @@ def reciprocal(certainty: Plane) -> Plane:
 
 
 def filled(plane: Plane, certainty: Plane) -> Plane:
-    """Extend a plane beyond the object, so that filters find no step at its outline.
+    """Extend a plane (n, n), multiplied by the certainty, beyond the object, so that filters find no outline.
 
-    The plane (n, n), n a multiple of 4, is multiplied by the certainty. On the object are its own
-    values, and outside averages of its nearest parts over increasingly large neighbourhoods
-    (pull-push, Gortler et al. 1996, "The Lumigraph").
+    Outside are averages of its nearest parts over increasingly large neighbourhoods (pull-push, Gortler et
+    al. 1996, "The Lumigraph"); n is a multiple of 4.
     """
     planes, certainties = [plane], [certainty]
     while planes[-1].shape[0] > 4:

@@ -48,10 +48,7 @@ _NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)
 def conspicuity_maps(
     view: WorkingView, channels: tuple[str, ...], parameters: AttentionParameters
 ) -> dict[str, Plane]:
-    """Compute the conspicuity maps (MAP_SIZE, MAP_SIZE), float32, at least 0, of channels out of `CHANNELS`.
-
-    A map that reaches 1 has a single peak.
-    """
+    """Compute the conspicuity maps (MAP_SIZE, MAP_SIZE), float32, of some channels; 1 is a single peak."""
     deepest = max(parameters.centre_levels) + max(parameters.surround_offsets)
     certainties = reductions(view.certainty, deepest)
     scales = _scales(certainties, parameters)
@@ -88,11 +85,7 @@ def on_view(plane: Plane, mask: Booleans, interpolation: int = cv2.INTER_LINEAR)
 
 
 def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
-    """Apply the operator N: few strong peaks are promoted over many similar ones.
-
-    Each of the planes (n, n, 4), at least 0 and scaled to a largest value of 1 or less, is treated
-    by itself.
-    """
+    """Apply the operator N to each of the planes (n, n, 4), from 0 to a largest value of 1 or less."""
     match parameters.normalisation:
         case "local_maxima":
             return _promote_by_local_maxima(planes)

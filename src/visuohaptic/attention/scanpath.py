@@ -29,10 +29,8 @@ CLOSED = -1.0
 class Scanpath:
     """The k fixations on one view, in order; no pixel is fixated twice.
 
-    `rows` and `columns` (k,), int64, count pixels from the view's upper left. `points` (k, 3), in
-    the frame of the view's points, and `normals` (k, 3), unit and towards the camera, are float64;
-    `faces` (k,) int64. `saliency` (k,), float64, is in units of the view's maximum. `asked`
-    fixations were asked for; k is smaller if no pixel was left outside the foci.
+    `rows` and `columns` (k,), int64, are pixels, `points` and `normals` (k, 3), float64, as the view has
+    them, `faces` (k,) int64, `saliency` (k,) of the view's maximum. k is below `asked` if no pixel was left.
     """
 
     rows: Integers
@@ -63,11 +61,10 @@ def scan(
     face: Integers,
     parameters: AttentionParameters,
 ) -> Scanpath:
-    """Find the fixations on a saliency map (h, w), float32, 0 to 1, among the pixels of a mask.
+    """Find the fixations on a saliency map (h, w), float32, 0 to 1, of a surface as `attend` takes it.
 
-    The surface is as `attend` takes it, for one view. There are at most as many fixations as asked
-    for. Among maxima that tie, the largest within one focus of the first, in row order, wins; of
-    values that differ by rounding, the first.
+    Among maxima that tie, the largest within one focus of the first, in row order, wins; of values that
+    differ by rounding, the first.
     """
     rows, columns, depth = _off_outline(mask)
     pixels = rows * mask.shape[1] + columns

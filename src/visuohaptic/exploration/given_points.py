@@ -31,9 +31,8 @@ def touch_points(
 ) -> tuple[Tables, dict[str, float]]:
     """Touch an object at given points, as `TouchableObject.touch` describes them.
 
-    Gives all tables of an exploration, that of the views empty, and the seconds of touching and
-    describing. Raises `ParameterError` if points or normals are none, or a point is too far off the
-    surface.
+    Gives all tables of an exploration, that of the views empty, and each phase's seconds. Raises
+    `ParameterError` if points or normals are none, or a point is too far off the surface.
     """
     from visuohaptic.fixations.locations import location_table
     from visuohaptic.fixations.places import ProbingLocations

@@ -33,10 +33,8 @@ def draw_exploration(
 ) -> Image.Image:
     """Draw every view with its touches, and the imprints beside it: a cell a viewpoint.
 
-    Without views there is one cell of imprints. A filled number is a touch that the eye sees, a
-    hollow one lies behind the object; the square is the sensor at its true size. Beside the view
-    each imprint, contact white, with the edge of its square in object radii and the contact's
-    state.
+    A filled number is a touch that the eye sees, a hollow one lies behind the object; the square is the
+    sensor. Each imprint, contact white, has the edge of its square in object radii and the contact's state.
     """
     caster = RayCaster(surface)
     cameras = place_cameras(parameters.viewpoints)

@@ -25,10 +25,7 @@ Track = Callable[[Steps], Iterable[Callable[[], None]]]
 def touch_seen_points(
     key: str, surface: Surface, parameters: ExperimentParameters, track: Track
 ) -> tuple[Tables, dict[str, float]]:
-    """Look at an object and touch it, as `TouchableObject.touch` describes it.
-
-    Gives all tables of an exploration, the same as the workflow makes, and the seconds of each phase.
-    """
+    """Look at an object and touch it: all tables, as the workflow makes them, and each phase's seconds."""
     # The workflow's surfaces come from files.
     find_caster = lambda: RayCaster(as_stored(surface))  # noqa: E731
     subject = Subject(key, find_caster, range(parameters.viewpoints.total))

@@ -35,16 +35,13 @@ SHADOW_OFFSET = 1e-4
 
 @dataclass(frozen=True)
 class Views:
-    """What n cameras see, each over h rows and w columns; lengths are in object radii.
+    """What n cameras see, each over h rows and w columns, object frame; lengths are in object radii.
 
-    `colour` (n, h, w, 3), float32, is sRGB, 0 to 1; `mask` (n, h, w) says whether a pixel sees the
-    surface. `depth` (n, h, w), float32, is along the viewing axis from the camera's plane, infinite
-    on the background. `point` and `normal` (n, h, w, 3), float64, are the seen point and the
-    interpolated unit normal on the side of the camera, object frame, zero on the background; `face`
-    (n, h, w), int64, is -1 there. `curvature` (n, h, w), float32, is the curvedness of the surface,
-    at least 0, zero on the background. `lit` (n, h, w) says whether no cast shadow falls on the
-    pixel; true where none is simulated or needed. In the records of `effects` a view counts as a
-    touch.
+    `colour` (n, h, w, 3), float32, is sRGB, 0 to 1; the other arrays are zero on the background, but `face`,
+    int64, -1, and `depth`, float32, along the viewing axis from the camera's plane, infinite. `point` and
+    `normal` (n, h, w, 3), float64, are the seen point and the interpolated unit normal towards the camera;
+    `curvature`, float32, is the surface's curvedness. `lit` is true but where a cast shadow is simulated
+    and falls. In the records of `effects` a view counts as a touch.
     """
 
     colour: NDArray[np.float32]
@@ -74,11 +71,9 @@ def render_views(
 ) -> Views:
     """Render a surface from several cameras; each view depends on its own camera alone.
 
-    One ray goes through the centre of each pixel. The light is fixed to the camera, so rotating the
-    object is the same as rotating the camera. A pixel that meets an image has the mean light of the
-    part of the image that it covers, on the plane of the face that its ray meets (`Texture.light`).
-    The modes are by default those of a scene where nothing is given; simulating an effect that is
-    not needed changes no bit.
+    One ray goes through the centre of each pixel, and an image gives the mean light of the part that the
+    pixel covers, on the plane of the face that its ray meets (`Texture.light`). The light turns with the
+    camera. Simulating an effect that is not needed changes no bit.
     """
     return colour_views(
         caster, cameras, meet_surface(caster, cameras, parameters), parameters, modes
@@ -89,8 +84,7 @@ def render_views(
 class Met:
     """Where the rays of one camera meet the surface: p pixels see it.
 
-    `pixels` and `faces` have the shape (p,), int64, `curvature` (p,), and `directions` of the rays, `points`,
-    their barycentric `weights` and `normals` (p, 3), float64.
+    `pixels` and `faces` (p,) are int64, `curvature` (p,) and the rest (p, 3) float64; `weights` are barycentric.
     """
 
     pixels: Integers

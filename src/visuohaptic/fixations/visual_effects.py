@@ -26,10 +26,7 @@ class VisualPlan:
 def plan_visual(
     modes: VisualModes, colours: NDArray[np.uint8], ambient: float
 ) -> tuple[VisualPlan, ...]:
-    """Decide which of `VISUAL_EFFECTS` the views of an object need; to simulate another one changes no view.
-
-    `colours` (n, 3), uint8, are those of all faces and images.
-    """
+    """Decide which of `VISUAL_EFFECTS` an object of some colours (n, 3), uint8, needs in a light."""
     coloured = bool((colours != colours[:, :1]).any())
     patterned = bool((colours != colours[:1]).any())
     slanted = ambient < 1
@@ -55,8 +52,7 @@ def seen_colours(
 ) -> NDArray[np.uint8]:
     """Give the faces' colours (f, 3), uint8, without the effects that are never simulated.
 
-    Without texture all faces have the mean colour by area; without colour each face has the grey of
-    its luma (ITU-R BT.601).
+    Without texture it is the mean by area; without colour the grey of their luma (ITU-R BT.601).
     """
     if "never" not in (modes.texture, modes.colour):
         return face_colours

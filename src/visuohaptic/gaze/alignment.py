@@ -24,12 +24,11 @@ _REFINEMENTS = 2
 def align(
     points: NDArray[np.float64], caster: RayCaster, name: str, largest_error: float
 ) -> tuple[NDArray[np.float64], float]:
-    """Bring recorded points (n, 3), in any unit and with the mesh's axes, to the surface by one scale and a shift.
+    """Bring recorded points (n, 3), with the mesh's axes, to the surface by one scale and a shift.
 
-    These come from the bounding boxes, refined by least squares to the nearest points. Gives the
-    nearest points of the surface (n, 3), and the distance from it, in the mesh's unit, that 95 % of
-    the points keep within. Raises `GazeError`, with the recording's `name`, if the points have no
-    extent, or that distance is above `largest_error`.
+    They come from the bounding boxes, refined by least squares to the nearest points. Gives these (n, 3), and
+    the distance, mesh unit, that 95 % keep within. Raises `GazeError`, with the recording's `name`, if the
+    points have no extent, or that distance is above `largest_error`.
     """
     low, high = points.min(axis=0), points.max(axis=0)
     extent = float(np.linalg.norm(high - low))
@@ -57,8 +56,8 @@ def align(
 def reconstruct(recording: Recording) -> Surface:
     """Make a surface from a recording's points and normals, for one that has no mesh.
 
-    Screened Poisson reconstruction (Kazhdan & Hoppe 2013, ACM Trans. Graph. 32(3)), without what lies
-    far from every point. Raises `GazeError` where points or normals are missing.
+    Screened Poisson reconstruction (Kazhdan & Hoppe 2013, ACM Trans. Graph. 32(3)), without what lies far
+    from every point. Raises `GazeError` where points or normals are missing.
     """
     from visuohaptic.geometry.compiled_open3d import open3d
 

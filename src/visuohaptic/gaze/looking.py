@@ -49,14 +49,11 @@ REACH = 3.0
 class GazedObject:
     """What the eye sees of an object, and where people looked.
 
-    `points` (n, 3) on the `surface`, in the object frame, are some of the recorded ones; `gazed` is
-    time and area there. `planes` (v, k, m, m), float32, are `COLUMNS` of each view on the maps'
-    grid, of which `shown` (v, m, m) says which cells show the object; `cells` (v, n) is the grid
-    cell of each point, counted row by row, and `visible` (v, n) whether a view sees it.
-
-    95 % of the recorded points keep within `error` object radii of the mesh. People spent `seconds`
-    on the object, `seen_share` of them on points that a view sees. `peer` (n,) is what others
-    predicted at the points; None where nothing is at hand.
+    `points` (n, 3) on the `surface`, object frame, are some of the recorded ones; `gazed` is time and area
+    there. `planes` (v, k, m, m), float32, are `COLUMNS` of each view, and `shown` (v, m, m) says which cells
+    show the object; `cells` (v, n) is each point's cell, counted row by row, `visible` (v, n) whether a view
+    sees it. 95 % of all points keep within `error` object radii of the mesh; people spent `seconds` on it,
+    `seen_share` of them on seen points. `peer` (n,) is what others predicted there.
     """
 
     name: str
@@ -101,8 +98,7 @@ def look_at(
 ) -> GazedObject:
     """Read a recording and its mesh, and look at the object from every viewpoint.
 
-    Raises `GazeError` where the recording can't be read or does not fit its mesh, and `MeshError`
-    where the mesh can't be read.
+    Raises `GazeError` where the recording can't be read or does not fit, and `MeshError` for the mesh.
     """
     recording = read_recording(file.gaze, gaze.largest_megabytes)
     if file.mesh is None:

@@ -1,7 +1,6 @@
 """Predictions that others made for recorded objects: text or npz as recordings are, or coloured points.
 
-A PLY file of points has its values as colours of the scale ``jet``, as public repositories keep them; they are
-found again to 1 in 255.
+Points of a PLY file have their values as colours of the scale ``jet``, found again to 1 in 255.
 """
 
 from __future__ import annotations
@@ -31,10 +30,7 @@ _FARTHEST = 3.0
 
 
 def find_peer(folder: str | Path, name: str) -> Path | None:
-    """Give the file that holds the prediction for an object, None where there is none.
-
-    Raises `GazeError` if there is no such folder.
-    """
+    """Give the file with the prediction for an object, None without; `GazeError` if there is no such folder."""
     folder = Path(folder)
     if not folder.is_dir():
         raise GazeError(f"gaze.peer is {folder}, which is no folder.")
@@ -47,10 +43,9 @@ def find_peer(folder: str | Path, name: str) -> Path | None:
 def read_peer(
     path: Path, largest_megabytes: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Read a prediction: points, shape (n, 3), in the file's frame, and values, shape (n,), at least 0.
+    """Read a prediction: points (n, 3), in the file's frame, and values (n,), at least 0.
 
-    Raises `GazeError` if the file can't be read, is too large, has no points, or has colours that
-    are not of the scale.
+    Raises `GazeError` if the file can't be read, is too large, or has no points or other colours.
     """
     if path.suffix.lower() == ".ply":
         return _read_coloured(path, largest_megabytes)

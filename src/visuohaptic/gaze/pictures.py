@@ -61,7 +61,7 @@ def picture_table(
 def draw_values(one: GazedObject, values: Sequence[NDArray[np.float64]]) -> bytes:
     """Draw an object once for each array of values at its points, side by side, as PNG.
 
-    It is seen from the viewpoint that shows most of people's time, of the default ring.
+    It is seen from the viewpoint of the default ring that shows most of people's time.
     """
     import cv2
     from scipy.spatial import cKDTree

@@ -22,8 +22,7 @@ SHOWN = ("correlation", "auc_top", "auc_gaze", "normalised_saliency", "divergenc
 class PredictorRow:
     """One predictor over all objects of a part: `measures` by the names of `SHOWN`.
 
-    `gain` is the correlation less that of what it is compared with, over the same objects; on
-    `positive` of the `objects` the correlation is above 0.
+    `gain` is the correlation less that of what it is compared with; on `positive` objects it is above 0.
     """
 
     predictor: Predictor
@@ -34,10 +33,7 @@ class PredictorRow:
 
 
 def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
-    """Sum up rows of `tables.GAZE` of one part, in the order of `PREDICTORS`; empty without rows.
-
-    Those of a peer are left out, as it has other objects. Gains are over predictor ``equal``.
-    """
+    """Sum up rows of `tables.GAZE` of one part but the peer's, by `PREDICTORS`, with gains over ``equal``."""
     rows = [row for row in table.to_pylist() if row["part"] == part]
     return _summed([row for row in rows if row["predictor"] != "peer"], "equal")
 
