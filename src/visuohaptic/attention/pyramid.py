@@ -35,21 +35,6 @@ def to_working_size(plane: Plane) -> Plane:
     return blur(cv2.resize(square, size, interpolation=method))
 
 
-def from_map_size(
-    plane: Plane, shape: tuple[int, int], interpolation: int = cv2.INTER_CUBIC
-) -> Plane:
-    """Resample a square map of at least 0 to the rows and columns of a view.
-
-    `interpolation` is OpenCV's constant; cubic can place a peak between pixels of the map, linear
-    is faster.
-    """
-    side = max(shape)
-    large = cv2.resize(plane, (side, side), interpolation=interpolation)
-    large = cv2.threshold(large, 0.0, 0.0, cv2.THRESH_TOZERO)[1]
-    top, left = (side - shape[0]) // 2, (side - shape[1]) // 2
-    return np.ascontiguousarray(large[top : top + shape[0], left : left + shape[1]])
-
-
 def blur(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
     """Smooth with the kernel [1 2 1] / 4 in rows and columns."""
     return cv2.sepFilter2D(plane, -1, _BINOMIAL, _BINOMIAL, borderType=border)
@@ -117,12 +102,5 @@ def _padded_to_square(plane: Plane) -> Plane:
         return plane
     side = max(rows, columns)
     top, left = (side - rows) // 2, (side - columns) // 2
-    return cv2.copyMakeBorder(
-        plane,
-        top,
-        side - rows - top,
-        left,
-        side - columns - left,
-        cv2.BORDER_CONSTANT,
-        value=0,
-    )
+    margins = [(top, side - rows - top), (left, side - columns - left), (0, 0)]
+    return np.pad(plane, margins[: plane.ndim])

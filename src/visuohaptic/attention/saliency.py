@@ -19,7 +19,6 @@ from .plain_filters import plain_kernel
 from .pyramid import (
     WORKING_SIZE,
     enlarge,
-    from_map_size,
     quads,
     reciprocal,
     reduce,
@@ -80,8 +79,12 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
 
 def on_view(plane: Plane, mask: Booleans, interpolation: int = cv2.INTER_LINEAR) -> Plane:
     """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels (h, w) of its view, and set the background to zero."""
-    large = from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation)
-    return cv2.copyTo(large, mask.view(np.uint8))
+    rows, columns = mask.shape
+    side = max(rows, columns)
+    large = _rectified(cv2.resize(plane, (side, side), interpolation=interpolation))
+    top, left = (side - rows) // 2, (side - columns) // 2
+    shown = np.ascontiguousarray(large[top : top + rows, left : left + columns])
+    return cv2.copyTo(shown, mask.view(np.uint8))
 
 
 def promote(planes: Plane, parameters: AttentionParameters) -> Plane:

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from visuohaptic.errors import MeshError
-from visuohaptic.exploration.exploring import load
-
-if TYPE_CHECKING:
-    from visuohaptic.exploration.exploring import TouchableObject
+from visuohaptic.exploration.exploring import TouchableObject, load
 
 FOLDER = Path(__file__).with_name("examples")
 

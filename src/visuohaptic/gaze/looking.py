@@ -22,6 +22,7 @@ from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.peers import find_peer, read_peer
 from visuohaptic.gaze.recordings import Recording, RecordingFile, read_recording
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.model_files import read_model
@@ -60,17 +61,17 @@ class GazedObject:
     is_test: bool
     digest: str
     surface: Surface
-    points: NDArray[np.float64]
+    points: Floats
     gazed: GazedSurface
     planes: NDArray[np.float32]
-    shown: NDArray[np.bool_]
-    cells: NDArray[np.int64]
-    visible: NDArray[np.bool_]
+    shown: Booleans
+    cells: Integers
+    visible: Booleans
     error: float
     is_reconstructed: bool
     seconds: float
     seen_share: float
-    peer: NDArray[np.float64] | None = None
+    peer: Floats | None = None
 
     @property
     def family(self) -> str:
@@ -78,7 +79,7 @@ class GazedObject:
         return self.name.rstrip("0123456789") or self.name
 
     @cached_property
-    def features(self) -> NDArray[np.float64]:
+    def features(self) -> Floats:
         """Features of each point, averaged over the views that see it, shape (n, k); zero if none."""
         views, kinds = self.planes.shape[:2]
         total = np.zeros((self.visible.shape[1], kinds))
@@ -120,7 +121,7 @@ def look_at(
     visible = sighted[:, chosen]
     front = spawn_generator(seed, "gaze front", file.name)
     planes, shown = _feature_planes(caster, cameras, rendering, attention, front)
-    seen: NDArray[np.bool_] = np.asarray(visible.any(axis=0))
+    seen: Booleans = np.asarray(visible.any(axis=0))
     if not (density[chosen] * area[chosen])[seen].sum() > 0:
         raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
     return GazedObject(
@@ -142,7 +143,7 @@ def look_at(
     )
 
 
-def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]:
+def _recorded_points(recording: Recording, mesh: Surface) -> Floats:
     if recording.points is not None:
         return recording.points
     if len(recording.seconds) != len(mesh.vertices):
@@ -154,12 +155,8 @@ def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]
 
 
 def _spread(
-    points: NDArray[np.float64],
-    seconds: NDArray[np.float64],
-    surface: Surface,
-    spread: float,
-    seed: int,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    points: Floats, seconds: Floats, surface: Surface, spread: float, seed: int
+) -> tuple[Floats, Floats]:
     """Give each recorded point its area and, by a Gaussian, the time per area around it."""
     from scipy.sparse import csr_matrix
     from scipy.spatial import cKDTree
@@ -179,8 +176,8 @@ def _spread(
 
 
 def _predicted_by_peer(
-    points: NDArray[np.float64], caster: RayCaster, name: str, gaze: GazeParameters
-) -> NDArray[np.float64] | None:
+    points: Floats, caster: RayCaster, name: str, gaze: GazeParameters
+) -> Floats | None:
     from scipy.spatial import cKDTree
 
     file = find_peer(gaze.peer, name) if gaze.peer else None
@@ -188,7 +185,7 @@ def _predicted_by_peer(
         return None
     theirs, values = read_peer(file, gaze.largest_megabytes)
     placed, _ = align(theirs, caster, str(file), gaze.largest_error)
-    found: NDArray[np.float64] = values[cKDTree(placed).query(points)[1]]
+    found: Floats = values[cKDTree(placed).query(points)[1]]
     return found
 
 
@@ -198,7 +195,7 @@ def _feature_planes(
     rendering: RenderingParameters,
     attention: AttentionParameters,
     front: np.random.Generator,
-) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+) -> tuple[NDArray[np.float32], Booleans]:
     """Give `COLUMNS` and the cells that show the object; `front` draws how far it is turned."""
     planes, shown = [], []
     angle = front.uniform(0, 2 * np.pi)
@@ -224,7 +221,7 @@ def _feature_planes(
     return np.stack(planes), np.stack(shown)
 
 
-def _cells(camera: Camera, points: NDArray[np.float64], size: int) -> NDArray[np.int64]:
+def _cells(camera: Camera, points: Floats, size: int) -> Integers:
     """Give the grid cell in which a camera sees each point; those outside the view at its edge."""
     right, up, back = camera.axes
     offset = points - camera.eye

@@ -9,11 +9,11 @@ import io
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.parameters import GAZE_SUFFIXES
 from visuohaptic.gaze.recordings import MOST_POINTS, read_bounded, read_recording
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 
 ENDINGS = ("", "_pred")
@@ -40,9 +40,7 @@ def find_peer(folder: str | Path, name: str) -> Path | None:
     return next((file for file in files if file.is_file()), None)
 
 
-def read_peer(
-    path: Path, largest_megabytes: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def read_peer(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
     """Read a prediction: points (n, 3), in the file's frame, and values (n,), at least 0.
 
     Raises `GazeError` if the file can't be read, is too large, or has no points or other colours.
@@ -55,9 +53,7 @@ def read_peer(
     return found.points, found.seconds
 
 
-def _read_coloured(
-    path: Path, largest_megabytes: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _read_coloured(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
     from plyfile import PlyData, PlyParseError
     from scipy.spatial import cKDTree
 

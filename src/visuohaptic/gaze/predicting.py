@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.attention.registry import CHANNELS, TERMS
 from visuohaptic.attention.surface_measures import correlation
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import COLUMNS, FEATURES, TURNING, GazedObject
 from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.geometry.arrays import Floats
 
 MOST_FITTED = 1500
 """Points of an object that weights are fitted to, evenly spread over the evaluated ones."""
@@ -74,9 +74,7 @@ PREDICTORS = (
 BY_NAME = {one.name: one for one in PREDICTORS}
 
 
-def predict(
-    one: GazedObject, predictor: Predictor, weights: Mapping[str, float]
-) -> NDArray[np.float64]:
+def predict(one: GazedObject, predictor: Predictor, weights: Mapping[str, float]) -> Floats:
     """Give the saliency of each point over all views; a view that does not see it adds 0.
 
     A fitted model has the exponential of the features, averaged over the views that see a point, times the
@@ -95,7 +93,7 @@ def predict(
     peak = np.where(one.shown, total, 0.0).max(axis=(1, 2), keepdims=True)
     total = total / np.where(peak > 0, peak, 1.0)
     at = np.take_along_axis(total.reshape(len(total), -1), one.cells, axis=1)
-    found: NDArray[np.float64] = (at * one.visible).mean(axis=0, dtype=np.float64)
+    found: Floats = (at * one.visible).mean(axis=0, dtype=np.float64)
     return found
 
 
@@ -183,7 +181,7 @@ def _fit(
     used = deviation > _RARE
     scaled = np.where(used, (rows - rows.mean(axis=0)) / np.where(used, deviation, 1.0), 0.0)
 
-    def loss(weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    def loss(weights: Floats) -> tuple[float, Floats]:
         exponent = offsets + scaled @ weights
         exponent -= np.maximum.reduceat(exponent, starts)[owners]
         value = np.exp(exponent)
@@ -235,9 +233,7 @@ def weights_of(
     return found
 
 
-def _example(
-    one: GazedObject, columns: list[int]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _example(one: GazedObject, columns: list[int]) -> tuple[Floats, Floats, Floats]:
     """Give features, the logarithm of area times share of views, and shares of time at some points."""
     gazed = one.gazed
     places = np.flatnonzero(gazed.seen & (gazed.area > 0))

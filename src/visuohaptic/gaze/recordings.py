@@ -15,10 +15,10 @@ from pathlib import Path
 from zipfile import BadZipFile, ZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.parameters import GAZE_SUFFIXES
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
 MOST_POINTS = 1_000_000
@@ -51,9 +51,9 @@ class Recording:
     """
 
     name: str
-    points: NDArray[np.float64] | None
-    normals: NDArray[np.float64] | None
-    seconds: NDArray[np.float64]
+    points: Floats | None
+    normals: Floats | None
+    seconds: Floats
     digest: str
 
 
@@ -124,7 +124,7 @@ def read_bounded(path: Path, largest_megabytes: float) -> bytes:
     return data
 
 
-_Arrays = dict[str, NDArray[np.float64]]
+_Arrays = dict[str, Floats]
 
 
 def _read_text(data: bytes, _: float) -> _Arrays:

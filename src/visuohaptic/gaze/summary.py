@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from visuohaptic.gaze.predicting import PREDICTORS, Predictor
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.recognition.intervals import Interval, object_intervals
 from visuohaptic.recognition.parameters import IntervalParameters
 
@@ -74,6 +74,6 @@ def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRo
     ]
 
 
-def _figures(rows: Sequence[Mapping[str, Any]]) -> NDArray[np.float64]:
+def _figures(rows: Sequence[Mapping[str, Any]]) -> Floats:
     """Give the measures of `SHOWN`, shape (objects, measures)."""
     return np.array([[row[name] for name in SHOWN] for row in rows], dtype=np.float64)
