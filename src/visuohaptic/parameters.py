@@ -164,7 +164,14 @@ class ExperimentParameters(BaseModel):
 
     @model_validator(mode="after")
     def _sections_agree(self) -> Self:
-        found = [*_repeated(self), *_odd_viewpoints(self)]
+        found = list(_repeated(self))
+        chosen = self.viewpoints
+        if chosen.total > MOST_VIEWPOINTS:
+            found.append(
+                f"viewpoints.count is {chosen.count} and viewpoints.elevations_degrees has "
+                f"{len(chosen.elevations_degrees)} rings: {chosen.total} viewpoints, and "
+                f"{MOST_VIEWPOINTS} are allowed"
+            )
         if found:
             raise ValueError("; ".join(found))
         return self
@@ -191,46 +198,29 @@ def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
             yield f"{name} names {twice} {count} times; once is allowed"
 
 
-def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:
-    chosen = parameters.viewpoints
-    if chosen.total > MOST_VIEWPOINTS:
-        yield (
-            f"viewpoints.count is {chosen.count} and viewpoints.elevations_degrees has "
-            f"{len(chosen.elevations_degrees)} rings: {chosen.total} viewpoints, and "
-            f"{MOST_VIEWPOINTS} are allowed"
-        )
-
-
 def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
     """Refuse parameters with which touching or recognition would fail: `ParameterError`, which names them.
 
     These are imprints of which the contourlets have no bands, and sequences of more touches than fixations. A
     study may try them all the same: its table says which conditions failed.
     """
-    found = [*_odd_imprints(parameters)]
-    # Who touches and doesn't recognise leaves recognition's default as it is.
-    if "touches" in parameters.recognition.model_fields_set:
-        found += _odd_touches(parameters)
-    if found:
-        raise ParameterError(f"{source}: {'; '.join(found)}.")
-
-
-def _odd_imprints(parameters: ExperimentParameters) -> Iterator[str]:
-    resolution = parameters.sensor.resolution
+    found = []
+    resolution, fixations = parameters.sensor.resolution, parameters.attention.fixations
     if resolution % 2 == 0 and resolution % IMPRINT_MULTIPLE:
-        yield (
+        found.append(
             f"sensor.resolution is {resolution}, and features takes {DIRECTIONS} directional bands of "
             f"an imprint: a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed"
         )
-
-
-def _odd_touches(parameters: ExperimentParameters) -> Iterator[str]:
-    touches, fixations = parameters.recognition.touches, parameters.attention.fixations
+    # Who touches and doesn't recognise leaves recognition's default as it is.
+    is_chosen = "touches" in parameters.recognition.model_fields_set
+    touches = parameters.recognition.touches if is_chosen else None
     if touches is not None and touches > fixations:
-        yield (
+        found.append(
             f"recognition.touches is {touches} and attention.fixations is {fixations}: a view has no "
             "more touches than fixations; lower the first or raise the second"
         )
+    if found:
+        raise ParameterError(f"{source}: {'; '.join(found)}.")
 
 
 def read_parameters(path: str | Path) -> ExperimentParameters:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
 from typing import Any
 
 import cv2
@@ -61,9 +62,7 @@ def conspicuity_maps(
             if name in totals:
                 totals[name] += total[:, :, index]
                 strongest[name] = max(strongest[name], float(peaks[index]))
-    every = tuple(CHANNELS)
-    for start in range(0, len(every), 4):
-        _promote_sums(every[start : start + 4], totals, strongest, parameters)
+    _promote_sums(totals, strongest, parameters)
     return maps
 
 
@@ -207,20 +206,18 @@ def _difference(pyramid: list[Plane], scale: _Scale) -> Plane:
 
 
 def _promote_sums(
-    names: tuple[str, ...],
-    totals: Mapping[str, Plane],
-    strongest: Mapping[str, float],
-    parameters: AttentionParameters,
+    totals: Mapping[str, Plane], strongest: Mapping[str, float], parameters: AttentionParameters
 ) -> None:
-    """Promote up to four channels' sums in place; each is as conspicuous as its strongest map."""
+    """Promote the channels' sums in place; each is as conspicuous as its strongest map."""
     # Itti, Koch & Niebur scale every channel's sum to full range before the last N, so a channel in
     # which nothing stands out still counts; here it does not.
-    names = tuple(name for name in names if name in totals)
-    for stack, count in quads([totals[name] for name in names]):
+    names = iter(totals)
+    for stack, count in quads(list(totals.values())):
+        group = list(islice(names, count))
         scale = np.zeros(4, dtype=np.float32)
-        scale[:count] = [strongest[name] for name in names]
+        scale[:count] = [strongest[name] for name in group]
         planes = cv2.split(_times(promote(_scaled(stack), parameters), scale))
-        for name, plane in zip(names, planes, strict=False):
+        for name, plane in zip(group, planes, strict=False):
             totals[name][:] = plane
 
 
