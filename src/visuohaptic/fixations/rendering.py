@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -124,18 +122,18 @@ def colour_views(
     """Colour what each camera's rays have met: the rest of `render_views`, which says what it takes."""
     modes = modes or VisualModes()
     surface = caster.surface
-    log = _EffectLog(plan_visual(modes, surface.stored_colours(), parameters.ambient))
-    with log.clock("texture" if modes.texture == "never" else "colour"):
+    plans = plan_visual(modes, surface.stored_colours(), parameters.ambient)
+    with plans["texture" if modes.texture == "never" else "colour"].clock():
         colours = seen_colours(surface.face_colours, surface.face_areas, modes) / 255.0
-        texture = surface.texture if log.simulates("texture") else None
+        texture = surface.texture if plans["texture"].simulated else None
         texture = None if texture is None else seen_texture(texture, modes)
     views = _background(len(cameras), parameters)
     for number, (camera, one) in enumerate(zip(cameras, met, strict=True)):
-        seen = _seen_surface(caster, one, colours, texture, camera, parameters, log)
+        seen = _seen_surface(caster, one, colours, texture, camera, parameters, plans)
         for name, values in seen.items():
             view = views[name][number]
             view.reshape(-1, *view.shape[2:])[one.pixels] = values
-    return Views(**views, effects=log.records(len(cameras)))
+    return Views(**views, effects=tuple(plan.record(len(cameras)) for plan in plans.values()))
 
 
 def light_direction(camera: Camera, parameters: RenderingParameters) -> Floats:
@@ -144,40 +142,6 @@ def light_direction(camera: Camera, parameters: RenderingParameters) -> Floats:
     (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
     right, up, back = camera.axes
     return level * (aside * right + ahead * back) + rise * up
-
-
-class _EffectLog:
-    """Which visual effects are simulated, and the time that each takes."""
-
-    def __init__(self, plans: Sequence[VisualPlan]) -> None:
-        self._plans = {plan.effect: plan for plan in plans}
-        self._seconds = dict.fromkeys(self._plans, 0.0)
-
-    def needs(self, effect: str) -> bool:
-        return self._plans[effect].needed
-
-    def simulates(self, effect: str) -> bool:
-        return self._plans[effect].simulated
-
-    @contextmanager
-    def clock(self, effect: str) -> Iterator[None]:
-        started = time.process_time()
-        yield
-        self._seconds[effect] += time.process_time() - started
-
-    def records(self, views: int) -> tuple[EffectRecord, ...]:
-        return tuple(
-            EffectRecord(
-                plan.effect,
-                plan.mode,
-                plan.reason,
-                views,
-                views * plan.needed,
-                views * plan.simulated,
-                self._seconds[plan.effect],
-            )
-            for plan in self._plans.values()
-        )
 
 
 def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArray[Any]]:
@@ -201,25 +165,25 @@ def _seen_surface(
     texture: Texture | None,
     camera: Camera,
     parameters: RenderingParameters,
-    log: _EffectLog,
+    plans: Mapping[str, VisualPlan],
 ) -> dict[str, NDArray[Any]]:
     """Give what the pixels see that see the surface, by the names of `Views`."""
     faces, points, weights, normals = met.faces, met.points, met.weights, met.normals
     light = light_direction(camera, parameters)
     colours = face_colours.take(faces, axis=0)
     if texture is not None:
-        with log.clock("texture"):
+        with plans["texture"].clock():
             on = np.flatnonzero(texture.textured.take(faces))
             depths = dot(camera.eye - points[on], camera.axes[2][None])
             sides = camera.pixel_sides(parameters.resolution, depths)
             steps = _weight_steps(caster, faces[on], met.directions[on], sides)
             colours[on] = encode_srgb(texture.light(faces[on], weights[on], steps))
     lit = np.ones(len(faces), dtype=bool)
-    if log.simulates("cast_shadows"):
-        with log.clock("cast_shadows"):
+    if plans["cast_shadows"].simulated:
+        with plans["cast_shadows"].clock():
             lit = _lit(caster, points, normals, light)
-    if log.simulates("shading"):
-        with log.clock("shading"):
+    if plans["shading"].simulated:
+        with plans["shading"].clock():
             colours = _shade(colours, normals, lit, light, parameters.ambient)
     return {
         "colour": colours,
@@ -229,7 +193,7 @@ def _seen_surface(
         "normal": normals,
         "face": faces,
         "curvature": met.curvature,
-        "lit": lit | (not log.needs("cast_shadows")),
+        "lit": lit | (not plans["cast_shadows"].needed),
     }
 
 

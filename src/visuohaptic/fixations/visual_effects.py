@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,22 +13,37 @@ from numpy.typing import NDArray
 from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, Mode, VisualModes
+from visuohaptic.scene.records import EffectRecord
 
 
-@dataclass(frozen=True)
+@dataclass
 class VisualPlan:
-    """Whether a visual effect is needed by the object or the light and is simulated, and why or why not."""
+    """Whether a visual effect is needed and simulated, why or why not, and the time that it takes."""
 
     effect: str
     mode: Mode
     needed: bool
     simulated: bool
     reason: str
+    seconds: float = 0.0
+
+    @contextmanager
+    def clock(self) -> Iterator[None]:
+        """Add what is done within to the effect's time."""
+        started = time.process_time()
+        yield
+        self.seconds += time.process_time() - started
+
+    def record(self, views: int) -> EffectRecord:
+        """Give the effect's record, in which a view counts as a touch."""
+        runs = views * self.simulated
+        needed = views * self.needed
+        return EffectRecord(self.effect, self.mode, self.reason, views, needed, runs, self.seconds)
 
 
 def plan_visual(
     modes: VisualModes, colours: NDArray[np.uint8], ambient: float
-) -> tuple[VisualPlan, ...]:
+) -> dict[str, VisualPlan]:
     """Decide which of `VISUAL_EFFECTS` an object of some colours (n, 3), uint8, needs in a light."""
     coloured = bool((colours != colours[:, :1]).any())
     patterned = bool((colours != colours[:1]).any())
@@ -44,7 +62,12 @@ def plan_visual(
             light if shaded or not slanted else "without shading no light is blocked",
         ),
     }
-    return tuple(_plan(modes, effect, *needs[effect]) for effect in VISUAL_EFFECTS)
+    plans = {}
+    for effect in VISUAL_EFFECTS:
+        mode, (needed, reason) = getattr(modes, effect), needs[effect]
+        simulated = mode == "always" or (mode == "auto" and needed)
+        plans[effect] = VisualPlan(effect, mode, needed, simulated, reason)
+    return plans
 
 
 def seen_colours(
@@ -78,9 +101,3 @@ def seen_texture(texture: Texture, modes: VisualModes) -> Texture:
 def _greys(colours: Floats) -> Floats:
     luma = np.einsum("...c,c->...", colours, np.array([0.299, 0.587, 0.114]))
     return np.repeat(luma[..., None], 3, axis=-1)
-
-
-def _plan(modes: VisualModes, effect: str, needed: bool, reason: str) -> VisualPlan:  # noqa: FBT001
-    mode: Mode = getattr(modes, effect)
-    simulated = mode == "always" or (mode == "auto" and needed)
-    return VisualPlan(effect, mode, needed, simulated, reason)
