@@ -8,7 +8,7 @@ import pytest
 from gaze.made_up import made_up_object, write_object
 
 from visuohaptic.attention import CHANNELS, TERMS, AttentionParameters
-from visuohaptic.errors import GazeError, MeshError
+from visuohaptic.errors import GazeError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.gaze.files import look_at_folder, make_gaze
 from visuohaptic.gaze.looking import COLUMNS, look_at
@@ -134,12 +134,6 @@ def test_a_recording_of_other_length_than_the_mesh_is_refused(egg, tmp_path):
     np.savetxt(tmp_path / "egg.txt", np.ones(7))
     with pytest.raises(GazeError, match=r"7 times and its mesh 642 vertices"):
         look(replace(egg, gaze=tmp_path / "egg.txt"))
-
-
-def test_a_mesh_that_can_not_be_read_is_named(egg, tmp_path):
-    (tmp_path / "egg.obj").write_bytes(b"\x00\x01nothing")
-    with pytest.raises(MeshError, match="egg"):
-        look(replace(egg, mesh=tmp_path / "egg.obj"))
 
 
 def test_too_few_objects_are_refused():
