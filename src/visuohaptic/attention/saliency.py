@@ -17,14 +17,7 @@ from .channels import WorkingView
 from .errors import AttentionError
 from .parameters import AttentionParameters
 from .plain_filters import plain_kernel
-from .pyramid import (
-    WORKING_SIZE,
-    enlarge,
-    quads,
-    reciprocal,
-    reduce,
-    reductions,
-)
+from .pyramid import WORKING_SIZE, enlarge, quads, reciprocal, reduce, reductions
 from .registry import CHANNELS, channel
 
 MAP_SIZE = WORKING_SIZE // 2

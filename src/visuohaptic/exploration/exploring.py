@@ -17,12 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from visuohaptic.errors import MeshError, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
 from visuohaptic.exploration.pose_files import write_poses
-from visuohaptic.exploration.recognising import (
-    UNKNOWN,
-    Recogniser,
-    check_alike,
-    read_recogniser,
-)
+from visuohaptic.exploration.recognising import UNKNOWN, Recogniser, check_alike, read_recogniser
 from visuohaptic.exploration.showing import (
     VIEWS_SHOWN,
     png_of,
@@ -41,11 +36,7 @@ from visuohaptic.exploration.touching import (
 from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.parameters import (
-    ExperimentParameters,
-    as_parameters,
-    check_run,
-)
+from visuohaptic.parameters import ExperimentParameters, as_parameters, check_run
 from visuohaptic.tables.schema import images, write_table
 
 if TYPE_CHECKING:

@@ -11,12 +11,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.fixations.visual_effects import (
-    VisualPlan,
-    plan_visual,
-    seen_colours,
-    seen_texture,
-)
+from visuohaptic.fixations.visual_effects import VisualPlan, plan_visual, seen_colours, seen_texture
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.curvature import SurfaceShape, shape_of
 from visuohaptic.geometry.elementary import sin_cos

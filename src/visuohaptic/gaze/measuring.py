@@ -14,13 +14,7 @@ from visuohaptic.attention.surface_measures import MEASURES
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import GazedObject
 from visuohaptic.gaze.parameters import GazeParameters
-from visuohaptic.gaze.predicting import (
-    BY_NAME,
-    PREDICTORS,
-    fit_predictor,
-    predict,
-    weights_of,
-)
+from visuohaptic.gaze.predicting import BY_NAME, PREDICTORS, fit_predictor, predict, weights_of
 from visuohaptic.tables.gaze import GAZE
 from visuohaptic.tables.schema import build_rows
 
