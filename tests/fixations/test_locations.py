@@ -14,9 +14,12 @@ from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParam
 from visuohaptic.fixations.places import draw_by_area, face_outwards
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.sight import Sight
 from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.scene.parameters import VisualModes
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS, SPARE
 from visuohaptic.tables.schema import check_table, matrix
@@ -61,6 +64,9 @@ def test_locations_lie_on_their_faces_and_face_outwards(caster, looks, strategy)
     corners = caster.surface.triangles[table.column("face").to_numpy()]
     offsets = np.einsum("nk,nk->n", points - corners[:, 0], flat)
     np.testing.assert_allclose(offsets, 0, atol=1e-6)
+    for row in table.filter(pc.is_valid(table.column("pixel_row"))).to_pylist():
+        seen = looks[row["viewpoint"]].seen.point[row["viewpoint"]]
+        assert tuple(seen[row["pixel_row"], row["pixel_column"]]) == (row["x"], row["y"], row["z"])
     # A convex box: outwards is away from its centre.
     assert (np.abs(np.sum(flat * normals, axis=1)) > 0.7).all()
     assert (np.sum(points * normals, axis=1) > 0).all()
@@ -93,6 +99,15 @@ def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, s
             locate(blind, strategy.name, ATTENTION, 3)
     else:
         assert locate(blind, strategy.name, ATTENTION, 3).equals(first)
+
+
+def test_no_view_is_rendered_for_strategies_that_need_none(caster):
+    subject = Subject("box/brick", lambda: caster, range(2))
+    sections = ViewpointParameters(count=4), RENDERING, ATTENTION
+    for strategies, is_seen in ((("random", "random_walk"), False), (("random", "human"), True)):
+        sight = Sight(subject, *sections, strategies, VisualModes(), 3)
+        assert set(sight.fixations.column("strategy").to_pylist()) == set(strategies)
+        assert ("seen" in vars(sight)) == is_seen
 
 
 def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caster, looks):

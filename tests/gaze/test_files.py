@@ -10,6 +10,7 @@ from gaze.made_up import made_up_object, write_object
 from visuohaptic.attention import CHANNELS, TERMS, AttentionParameters
 from visuohaptic.errors import GazeError
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.gaze import looking
 from visuohaptic.gaze.files import look_at_folder, make_gaze
 from visuohaptic.gaze.looking import COLUMNS, look_at
 from visuohaptic.gaze.measuring import measure_all
@@ -106,6 +107,15 @@ def test_time_is_where_people_looked_and_area_adds_up(looked):
     height, density = looked.points[:, 1], looked.gazed.density
     assert np.corrcoef(density, np.maximum(height, 0) ** 2)[0, 1] > 0.95
     assert density[height < -0.5].max() < 0.01 * density.max()
+
+
+@pytest.mark.slow
+def test_of_many_points_some_are_seen_as_they_are_among_all(egg, looked, monkeypatch):
+    monkeypatch.setattr(looking, "MOST_EVALUATED", 60)
+    some = look(egg)
+    places = [np.abs(looked.points - point).sum(axis=1).argmin() for point in some.points]
+    np.testing.assert_array_equal(some.points, looked.points[places])
+    np.testing.assert_array_equal(some.visible, looked.visible[:, places])
 
 
 @pytest.mark.slow
