@@ -7,8 +7,6 @@ are centred: keeping every other pixel would move the image by half a pixel a le
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import cv2
 import numpy as np
 
@@ -62,16 +60,6 @@ def reductions(plane: Plane, count: int, border: int = NOTHING_BEYOND) -> list[P
     for _ in range(count):
         levels.append(reduce(levels[-1], border))
     return levels
-
-
-def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
-    """Put planes (n, n) into stacks (n, n, 4), padded with zeros, and the number of planes beside each."""
-    stacks = []
-    for start in range(0, len(planes), 4):
-        group = list(planes[start : start + 4])
-        filling = [np.zeros_like(group[0])] * (4 - len(group))
-        stacks.append((cv2.merge(group + filling), len(group)))
-    return stacks
 
 
 def reciprocal(certainty: Plane) -> Plane:
