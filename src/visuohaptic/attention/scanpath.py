@@ -127,11 +127,7 @@ def _release(progress: Plane) -> Plane:
 
 def _off_outline(mask: Booleans) -> tuple[Integers, Integers, Plane]:
     """Give the rows and columns off the outline, near the middle of thin parts, and their distances from it."""
-    inside = mask.view(np.uint8)
-    left, top, width, height = cv2.boundingRect(inside)
-    # One row and column more, so that there is one where the mask is empty.
-    around = inside[top : top + height + 1, left : left + width + 1]
-    padded = cv2.copyMakeBorder(around, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    padded = cv2.copyMakeBorder(mask.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     depth = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)
     margin = OUTLINE_MARGIN * max(mask.shape)
     reach = 2 * round(margin) + 1
@@ -139,4 +135,4 @@ def _off_outline(mask: Booleans) -> tuple[Integers, Integers, Plane]:
     middle = cv2.dilate(depth, window, borderType=cv2.BORDER_CONSTANT, borderValue=0)
     kept = (depth > 0.0) & (depth >= np.minimum(margin, THIN_PART * middle))
     rows, columns = np.nonzero(kept)
-    return rows + top - 1, columns + left - 1, depth[kept]
+    return rows - 1, columns - 1, depth[kept]
