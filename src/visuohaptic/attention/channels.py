@@ -120,20 +120,15 @@ def entropy_planes(view: WorkingView, bins: int) -> list[Plane]:
     Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is shared between the two
     nearest grey levels, so that the plane depends on grey continuously.
     """
-    inside = np.flatnonzero(view.certainty)
-    certainty = view.certainty.reshape(-1).take(inside)
-    intensity = view.intensity.reshape(-1).take(inside)
-    position = np.minimum(intensity, 1.0) * np.float32(bins - 1)
+    position = np.minimum(view.intensity, 1.0) * np.float32(bins - 1)
     weight = reciprocal(_box(view.certainty))
     entropy = np.zeros_like(weight)
     for start in range(0, bins, 4):
         members = [
-            np.maximum(1.0 - np.abs(position - np.float32(level)), 0.0) * certainty
+            np.maximum(1.0 - np.abs(position - np.float32(level)), 0.0) * view.certainty
             for level in range(start, start + 4)
         ]
-        quad = np.zeros((*view.certainty.shape, 4), dtype=np.float32)
-        quad.reshape(-1, 4)[inside] = np.stack(members, axis=1)
-        share = np.maximum(_box(quad) * cv2.merge([weight] * 4), np.float32(1e-12))
+        share = np.maximum(_box(cv2.merge(members)) * cv2.merge([weight] * 4), np.float32(1e-12))
         entropy -= sum(cv2.split(share * cv2.log(share)))
     fraction = np.maximum(entropy / np.float32(np.log(bins)), np.float32(0.0))
     return [enlarge(fraction, len(view.certainty)) * view.certainty]
