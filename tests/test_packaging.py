@@ -130,19 +130,6 @@ def test_every_import_is_of_a_package_that_is_asked_for_and_locked():
     assert imports_without_a_requirement(SOURCES) == []
 
 
-def test_an_import_that_nothing_asks_for_is_found_wherever_it_is(tmp_path):
-    text = """
-import numpy, moto.server
-from . import beside
-def late():
-    from hypothesis import given
-    importlib.import_module("flask_cors.core")
-"""
-    assert imported_packages(text) == {"numpy", "moto", "hypothesis", "flask_cors"}
-    rule = "if True:\n    from yaml import safe_load\nimport os\n"
-    assert imported_packages(rule, is_python=False) == {"yaml"}
-
-
 @pytest.mark.parametrize(("extra", "refusing"), sorted(set(OF_AN_EXTRA.values())))
 def test_what_needs_an_extra_says_so(extra, refusing):
     calls = [

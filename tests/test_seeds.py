@@ -21,10 +21,7 @@ def test_other_names_give_other_numbers(seed, keys, others):
     assert (one.bytes(16) == two.bytes(16)) == same
 
 
-def test_another_seed_gives_other_numbers():
+def test_another_seed_gives_other_numbers_and_names_are_kept_apart():
     assert spawn_generator(0, "a").bytes(16) != spawn_generator(1, "a").bytes(16)
-
-
-def test_names_are_kept_apart():
     assert spawn_generator(0, "ab", "c").bytes(16) != spawn_generator(0, "a", "bc").bytes(16)
     assert spawn_generator(0, "a", "b").bytes(16) != spawn_generator(0, "a\x1fb").bytes(16)

@@ -13,8 +13,7 @@ from typing import Any, get_type_hints
 class Function:
     """A function of a module, which is imported when it is first called.
 
-    Its name is ``module:function``, written out: keys find in the source which code stands behind
-    it.
+    Its name is ``module:function``, written out: keys find in the source which code stands behind it.
     """
 
     name: str

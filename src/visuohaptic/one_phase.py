@@ -33,11 +33,9 @@ def run_files(
 ) -> None:
     """Take the objects of some files through one phase.
 
-    `work` takes a `Subject`, its rows of each input, and the arguments, of built-in types; it gives
-    an object with a table for each output. `meshes` are mesh files by `class/name`, none where the
-    phase needs none; `inputs` and `outputs` are files by the names of their tables. Without inputs
-    each object has its mesh alone, and one that was set aside has no rows. `viewpoints` are
-    numbers, for a phase that looks.
+    `work` takes a `Subject`, its rows of each input, and the arguments, of built-in types; it gives an object
+    with a table for each output. `meshes` are files by `class/name`. Without inputs each object has its mesh
+    alone, and one that was set aside has no rows. `viewpoints` are numbers, for a phase that looks.
     """
     checked = work.checked(arguments)
     parts = {name: [SCHEMAS[name].arrow.empty_table()] for name in outputs}

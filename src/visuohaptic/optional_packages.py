@@ -9,10 +9,7 @@ from visuohaptic.errors import MissingPackageError
 
 
 def require(extra: str, *packages: str) -> None:
-    """Refuse, before any work, what needs packages that are not installed.
-
-    `extra` of this package brings them, such as ``report``. Raises `MissingPackageError`.
-    """
+    """Refuse, before any work, what needs packages of an extra that are not installed: `MissingPackageError`."""
     if sentence := what_is_missing(extra, *packages):
         raise MissingPackageError(sentence)
 

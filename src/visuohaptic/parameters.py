@@ -164,17 +164,23 @@ class ExperimentParameters(BaseModel):
 
     @model_validator(mode="after")
     def _sections_agree(self) -> Self:
-        found = [*_repeated(self), *_odd_viewpoints(self)]
+        found = list(_repeated(self))
+        chosen = self.viewpoints
+        if chosen.total > MOST_VIEWPOINTS:
+            found.append(
+                f"viewpoints.count is {chosen.count} and viewpoints.elevations_degrees has "
+                f"{len(chosen.elevations_degrees)} rings: {chosen.total} viewpoints, and "
+                f"{MOST_VIEWPOINTS} are allowed"
+            )
         if found:
             raise ValueError("; ".join(found))
         return self
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object], source: str = "params.yaml") -> Self:
-        """Check sections and their values as a YAML or JSON file gives them.
+        """Check sections and values as a YAML or JSON file gives them.
 
-        Raises `ParameterError`, which names the source, and each unknown name or wrong value with
-        its path.
+        Raises `ParameterError`, which names the source, and each unknown name or wrong value.
         """
         try:
             return cls.model_validate(dict(values))
@@ -192,47 +198,29 @@ def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
             yield f"{name} names {twice} {count} times; once is allowed"
 
 
-def _odd_viewpoints(parameters: ExperimentParameters) -> Iterator[str]:
-    chosen = parameters.viewpoints
-    if chosen.total > MOST_VIEWPOINTS:
-        yield (
-            f"viewpoints.count is {chosen.count} and viewpoints.elevations_degrees has "
-            f"{len(chosen.elevations_degrees)} rings: {chosen.total} viewpoints, and "
-            f"{MOST_VIEWPOINTS} are allowed"
-        )
-
-
 def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
-    """Refuse parameters with which touching or recognition would fail.
+    """Refuse parameters with which touching or recognition would fail: `ParameterError`, which names them.
 
-    A study may try them all the same: its table says which conditions failed. Raises
-    `ParameterError`, which names the parameters and their source, if the contourlets have no bands
-    for imprints of the resolution, or a sequence is to have more touches than a view has fixations.
+    These are imprints of which the contourlets have no bands, and sequences of more touches than fixations. A
+    study may try them all the same: its table says which conditions failed.
     """
-    found = [*_odd_imprints(parameters)]
-    # Who touches and doesn't recognise leaves recognition's default as it is.
-    if "touches" in parameters.recognition.model_fields_set:
-        found += _odd_touches(parameters)
-    if found:
-        raise ParameterError(f"{source}: {'; '.join(found)}.")
-
-
-def _odd_imprints(parameters: ExperimentParameters) -> Iterator[str]:
-    resolution = parameters.sensor.resolution
+    found = []
+    resolution, fixations = parameters.sensor.resolution, parameters.attention.fixations
     if resolution % 2 == 0 and resolution % IMPRINT_MULTIPLE:
-        yield (
+        found.append(
             f"sensor.resolution is {resolution}, and features takes {DIRECTIONS} directional bands of "
             f"an imprint: a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed"
         )
-
-
-def _odd_touches(parameters: ExperimentParameters) -> Iterator[str]:
-    touches, fixations = parameters.recognition.touches, parameters.attention.fixations
+    # Who touches and doesn't recognise leaves recognition's default as it is.
+    is_chosen = "touches" in parameters.recognition.model_fields_set
+    touches = parameters.recognition.touches if is_chosen else None
     if touches is not None and touches > fixations:
-        yield (
+        found.append(
             f"recognition.touches is {touches} and attention.fixations is {fixations}: a view has no "
             "more touches than fixations; lower the first or raise the second"
         )
+    if found:
+        raise ParameterError(f"{source}: {'; '.join(found)}.")
 
 
 def read_parameters(path: str | Path) -> ExperimentParameters:
@@ -273,8 +261,8 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
 def check_spelling(path: str | Path) -> None:
     """Refuse a YAML file with values that a parser reads as others than are written, or a name twice.
 
-    ``yes`` and ``off`` would be truth values, ``010`` be 8, ``1:30`` be 90, ``1e400`` be infinite,
-    and the last of two equal names would count. Raises `ParameterError`, which gives the line.
+    ``yes`` would be a truth value, ``010`` be 8, ``1:30`` be 90, ``1e400`` be infinite, and the last of two
+    equal names would count. Raises `ParameterError`, which gives the line.
     """
     import yaml
 
@@ -297,9 +285,8 @@ def as_parameters(
 ) -> ExperimentParameters:
     """Give parameters as a caller in Python names them, checked.
 
-    A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or
-    both; what it leaves out takes its default. Raises `ParameterError` if a name is unknown or
-    given twice, or a value not allowed.
+    A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or both.
+    Raises `ParameterError` if a name is unknown or given twice, or a value not allowed.
     """
     load_installed()
     if values is None:

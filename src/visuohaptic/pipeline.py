@@ -31,15 +31,12 @@ VIEWPOINTS_AT_ONCE = 8
 
 @dataclass(frozen=True)
 class Phase:
-    """One step of the experiment.
+    """One step of the experiment; `name` is also that of its rule, of its stage of DVC and of its records.
 
-    `name` is also that of its rule, of its stage of DVC and of the folder of its records; its jobs
-    say `doing`. `work` does it: for a phase with a `verb`, which is what is done with one object at
-    a time, it takes a `Subject`, one table for each that is read, and the arguments, and gives an
-    object with a table for each that is written. `arguments` are parameters that decide what its
-    tables hold. `reads` are tables of the run; ``meshes`` are files. `writes` are folders below
-    results/, by table. `chooses` are registries whose entries are chosen by parameters; code of
-    those not chosen is none of its.
+    `work` does it: for a phase with a `verb`, which takes one object at a time, it takes a `Subject`, one
+    table for each that is read, and the `arguments`, which are parameters, and gives an object with a table
+    for each that is written. `reads` are tables of the run; ``meshes`` are files. `writes` are folders below
+    results/, by table. `chooses` are registries: code of entries not chosen by parameters is none of its.
     """
 
     name: str
@@ -181,11 +178,10 @@ def phase(name: str) -> Phase:
 
 
 def run(subject: Subject, parameters: ExperimentParameters, tables: Tables | None = None) -> Tables:
-    """Take one object through the phases: look, touch, describe.
+    """Take one object through the phases: look, touch, describe, the same as the workflow does.
 
-    `tables` are what is known of the object: it goes on behind the last of these; without them it
-    is looked at. Gives these, and of each later phase what the next ones read, and ``features``;
-    the same as the workflow writes.
+    `tables` are what is known: it goes on behind the last of these. Gives these, and of each later phase
+    what the next ones read, and ``features``.
     """
     if tables:
         return _go_on(subject, parameters, tables)

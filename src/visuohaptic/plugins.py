@@ -45,10 +45,9 @@ _KINDS = {
 
 @dataclass(frozen=True)
 class PlugIn:
-    """A plug-in that was loaded.
+    """A plug-in that was loaded; `source` is its file, as an absolute path, or its module.
 
-    `source` is its file, as an absolute path, or its module; `homes` are the modules that hold what
-    it registered, and `package` is the installed package that brings it, if any.
+    `homes` are the modules that hold what it registered, `package` the installed one that brings it, if any.
     """
 
     source: str
@@ -98,8 +97,7 @@ def register(entry: object) -> None:
 def load_files(files: object, folder: str | Path = ".") -> None:
     """Run the files of plug-ins that ``plugins`` names, below a folder, each once in a process.
 
-    Raises `PlugInError` if they are no list of names, or one is missing, fails, or registers
-    nothing.
+    Raises `PlugInError` if they are no list, or one is missing, fails, or registers nothing.
     """
     if isinstance(files, str) or not isinstance(files, Sequence):
         raise PlugInError(f"plugins is {files!r}; a list of files of Python is needed.")
@@ -111,10 +109,7 @@ def load_files(files: object, folder: str | Path = ".") -> None:
 
 @cache
 def load_installed() -> None:
-    """Import the plug-ins of installed packages, once in a process.
-
-    Raises `PlugInError` if one can't be imported. A process that was handed its plug-ins has them.
-    """
+    """Import the plug-ins of installed packages, once; a process that was handed its plug-ins has them."""
     from importlib.metadata import entry_points
 
     for one in () if GIVEN in os.environ else entry_points(group=GROUP):

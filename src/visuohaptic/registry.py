@@ -26,10 +26,9 @@ Entry = TypeVar("Entry", bound=Named)
 class Registry(Generic[Entry]):
     """All variants of one kind, in order; errors name the kind, such as ``probing strategy``.
 
-    As metadata of a string, as in ``Annotated[str, STRATEGIES]``, it makes pydantic allow the
-    registered names alone, those that are added later among them. Raises `RegistryError` if two
-    entries have one name, or a name is not made of ``a`` to ``z`` and ``_``, as it becomes a part
-    of file names.
+    As metadata of a string, as in ``Annotated[str, STRATEGIES]``, it makes pydantic allow the registered
+    names alone, later ones too. Raises `RegistryError` if a name is there twice, or is not made of ``a`` to
+    ``z`` and ``_``, as it becomes a part of file names.
     """
 
     def __init__(self, kind: str, *entries: Entry) -> None:
@@ -46,10 +45,9 @@ class Registry(Generic[Entry]):
         return tuple(self._entries)
 
     def add(self, entry: Entry, source: str, before: str | None = None) -> None:
-        """Add an entry of a plug-in, the last one or in front of another.
+        """Add an entry of a plug-in, the last one or in front of another; its source may replace it.
 
-        One that the same source added before is replaced, so that a cell of a notebook can run
-        twice. Raises `RegistryError` if the name is taken, or can't be one.
+        Raises `RegistryError` if the name is taken, or can't be one.
         """
         if self._sources.get(entry.name) != source:
             self._check_name(entry.name)

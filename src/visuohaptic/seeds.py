@@ -9,11 +9,9 @@ import numpy as np
 
 
 def spawn_generator(seed: int, *keys: object) -> np.random.Generator:
-    """Give the random generator that belongs to a seed, at least 0, and a chain of names.
+    """Give the random generator, a PCG64, of a seed, at least 0, and names, such as ``("random", "cup/mug", 3)``.
 
-    A name is taken by its ``str``, as in ``("random", "cup/mug", 3)``. The generator, a PCG64,
-    depends only on the seed and the names: not on the order of jobs, the number of processes, or
-    other generators.
+    It depends on these alone, a name being its ``str``: not on the order of jobs, or other generators.
     """
     # JSON quotes each name, so that no two chains of names read the same.
     names = json.dumps([str(key) for key in keys])

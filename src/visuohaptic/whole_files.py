@@ -14,11 +14,10 @@ _unfinished: set[Path] = set()
 
 @contextmanager
 def whole_file(path: str | Path) -> Iterator[Path]:
-    """Give an empty file beside a path, which takes its place once it is written.
+    """Give an empty file beside a path, which takes its place once it is written; its folder is made.
 
-    The folder is made where missing. A reader finds the old file or the new one, never a part of
-    it; where writing fails, the old one stays. The hidden name has no suffix that a reader of
-    tables would take.
+    A reader finds the old file or the new one; where writing fails, the old one stays. The hidden name has
+    no suffix that a reader of tables would take.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

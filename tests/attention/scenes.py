@@ -56,8 +56,4 @@ def look(surface, cameras, attention=None, modes=None, background=0.85, **eye):
     attention = AttentionParameters() if attention is None else attention
     rendering = RenderingParameters(background=background)
     views = render_views(RayCaster(surface), cameras, rendering, modes)
-    return views, attend_to(views, attention, **eye)
-
-
-def attend_to(views, attention, **eye):
-    return attend(**views.arrays(), parameters=attention, **eye)
+    return views, attend(**views.arrays(), parameters=attention, **eye)

@@ -30,13 +30,6 @@ def test_an_unknown_channel_is_refused():
             ask()
 
 
-def test_weights_have_a_field_for_each_channel():
-    fields = ChannelWeights.model_fields
-    assert {name: (one.default, one.description) for name, one in fields.items()} == {
-        name: (entry.weight, entry.description) for name, entry in CHANNELS.items()
-    }
-
-
 def test_another_number_of_planes_than_the_entry_says_is_refused(monkeypatch):
     monkeypatch.setitem(CHANNELS, "edge", replace(CHANNELS["edge"], planes=lambda *_: [FLAT, FLAT]))
     with pytest.raises(AttentionError, match="edge gave 2 planes; its entry says 1"):

@@ -1,18 +1,18 @@
 import numpy as np
 import pytest
+from attention.displays import as_views
 
 from visuohaptic.attention import AttentionParameters, scan
 
 SIZE = 96
 ROWS, COLUMNS = np.mgrid[:SIZE, :SIZE]
+PANEL = as_views(np.zeros((SIZE, SIZE, 3)))
 
 
-def flat_panel(saliency, mask=None, parameters=None):
-    mask = np.ones((SIZE, SIZE), dtype=bool) if mask is None else mask
-    point = np.stack([COLUMNS / SIZE, -ROWS / SIZE, np.zeros_like(ROWS)], axis=-1).astype(float)
-    normal = np.broadcast_to([0.0, 0.0, 1.0], point.shape)
+def flat_panel(saliency, mask=PANEL["mask"][0], parameters=None):
+    point, normal = PANEL["point"][0], PANEL["normal"][0]
+    parameters = parameters or AttentionParameters()
     face = ROWS * SIZE + COLUMNS
-    parameters = AttentionParameters() if parameters is None else parameters
     return scan(saliency.astype(np.float32), mask, point, normal, face, parameters)
 
 

@@ -21,17 +21,11 @@ def test_every_example_has_an_author_and_a_licence():
     assert all(credit.author and credit.licence for credit in credited.values())
 
 
-def test_there_is_an_example_of_each_class_that_the_packages_model_knows(recogniser):
+def test_the_packages_model_knows_the_examples_classes_and_learnt_none_of_them(recogniser):
     assert tuple(examples()) == recogniser.model.classes
-
-
-def test_the_packages_model_learnt_no_example(recogniser):
     learnt = {"/".join(key) for key in recogniser.model.objects}
     assert len(learnt) == 12
     assert not learnt & {vh.example(name).key for name in examples()}
-
-
-def test_the_packages_model_learnt_from_touches_by_the_default_parameters(recogniser):
     default = ExperimentParameters().model_dump(include=touching_sections())
     assert recogniser.parameters.model_dump(include=touching_sections()) == default
 

@@ -10,7 +10,7 @@ from cli.models import fit_on_nonsense
 from phases_by_files import run_phases
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError, RecognitionError
+from visuohaptic.errors import MeshError, ParameterError, RecognitionError
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.parameters import ExperimentParameters
@@ -58,6 +58,8 @@ def test_one_line_from_a_file_to_a_table(ring_file):
     assert found.features.num_rows == 15
     assert found.parameters.viewpoints.count == 3
     assert set(found.seconds) == {"prepare", "look", "touch", "describe"}
+    with pytest.raises(ParameterError, match=r"^touch: sensor\.resolution is 34"):
+        vh.load(ring_file).touch(parameters={"sensor.resolution": 34})
     with pytest.raises(MeshError, match="'ring' is no key"):
         vh.load(ring_file, key="ring")
 

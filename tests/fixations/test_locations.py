@@ -9,14 +9,15 @@ from numerics.surfaces import build_plain_surface, of_trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.locations import candidate_table, locate
-from visuohaptic.fixations.looking import Standpoint, attend_to
+from visuohaptic.fixations.looking import Standpoint
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.places import draw_by_area, face_outwards
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.sight import Sight
 from visuohaptic.fixations.strategies.farthest_point import spread_far
-from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.scene.parameters import VisualModes
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS, SPARE
 from visuohaptic.tables.schema import check_table, matrix
@@ -33,16 +34,15 @@ def caster():
     return RayCaster(of_trimesh(mesh, colours))
 
 
-def looks_of(caster, block=(0, 1, 2), attention=ATTENTION):
-    placed = place_cameras(ViewpointParameters(count=4))
-    cameras = {number: placed[number] for number in block}
-    seen = render_views(caster, list(cameras.values()), RENDERING)
-    return attend_to(seen, caster, "box/brick", cameras, attention)
+def sight_of(caster, block=(0, 1, 2), attention=ATTENTION, strategies=()):
+    subject = Subject("box/brick", lambda: caster, block)
+    viewpoints = ViewpointParameters(count=4)
+    return Sight(subject, viewpoints, RENDERING, attention, strategies, VisualModes(), 3)
 
 
 @pytest.fixture(scope="module")
 def looks(caster):
-    return looks_of(caster)
+    return sight_of(caster).looks
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES.names)
@@ -61,6 +61,9 @@ def test_locations_lie_on_their_faces_and_face_outwards(caster, looks, strategy)
     corners = caster.surface.triangles[table.column("face").to_numpy()]
     offsets = np.einsum("nk,nk->n", points - corners[:, 0], flat)
     np.testing.assert_allclose(offsets, 0, atol=1e-6)
+    for row in table.filter(pc.is_valid(table.column("pixel_row"))).to_pylist():
+        seen = looks[row["viewpoint"]].seen.point[row["viewpoint"]]
+        assert tuple(seen[row["pixel_row"], row["pixel_column"]]) == (row["x"], row["y"], row["z"])
     # A convex box: outwards is away from its centre.
     assert (np.abs(np.sum(flat * normals, axis=1)) > 0.7).all()
     assert (np.sum(points * normals, axis=1) > 0).all()
@@ -71,9 +74,9 @@ def test_locations_depend_on_their_own_viewpoint_alone_and_fewer_are_the_first_o
     caster, looks, strategy
 ):
     many = locate(looks[2], strategy, ATTENTION, 3)
-    assert many.equals(locate(looks_of(caster, (2,))[0], strategy, ATTENTION, 3))
+    assert many.equals(locate(sight_of(caster, (2,)).looks[0], strategy, ATTENTION, 3))
     shorter = AttentionParameters(fixations=3)
-    few = locate(looks_of(caster, (2,), shorter)[0], strategy, shorter, 3)
+    few = locate(sight_of(caster, (2,), shorter).looks[0], strategy, shorter, 3)
     assert few.num_rows > 3
     assert few.equals(many.slice(0, 3 + SPARE))
 
@@ -93,6 +96,13 @@ def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, s
             locate(blind, strategy.name, ATTENTION, 3)
     else:
         assert locate(blind, strategy.name, ATTENTION, 3).equals(first)
+
+
+def test_no_view_is_rendered_for_strategies_that_need_none(caster):
+    for strategies, is_seen in ((("random", "random_walk"), False), (("random", "human"), True)):
+        sight = sight_of(caster, strategies=strategies)
+        assert set(sight.fixations.column("strategy").to_pylist()) == set(strategies)
+        assert ("seen" in vars(sight)) == is_seen
 
 
 def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caster, looks):
@@ -123,7 +133,7 @@ def test_the_most_curved_places_of_a_box_are_its_edges(looks):
 
 def test_a_surface_without_curvature_has_places_too():
     flat = build_plain_surface([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
-    one = looks_of(RayCaster(flat), block=(0,))[0]
+    one = sight_of(RayCaster(flat), block=(0,)).looks[0]
     assert locate(one, "curvature", ATTENTION, 3).num_rows >= 6
 
 

@@ -41,14 +41,11 @@ def test_steps_are_as_long_as_asked():
     assert (steps < 0.7 + 2 * np.sqrt(2) / 24).all()
 
 
-def test_a_hole_and_a_smaller_part_have_no_place():
+def test_a_hole_a_smaller_part_and_a_view_of_nothing_have_no_place():
     mask = DISC.copy()
     mask[25:39, 25:39] = False
     mask[1:4, 1:4] = True
     np.testing.assert_array_equal(follow(mask), follow())
-
-
-def test_a_view_of_nothing_has_no_place():
     assert not len(follow(np.zeros((SIZE, SIZE), dtype=bool)))
 
 

@@ -17,7 +17,7 @@ PATTERN = np.array([[200, 10, 10], [10, 200, 10], [10, 10, 200], [90, 90, 90]], 
     ],
 )
 def test_an_object_calls_for_what_it_shows_and_modes_overrule_it(colours, modes, simulated):
-    plans = plan_visual(EffectModes(**modes), colours, ambient=0.4)
+    plans = plan_visual(EffectModes(**modes), colours, ambient=0.4).values()
     assert {plan.effect for plan in plans if plan.simulated} == simulated
     needed = {plan.effect for plan in plans if plan.needed} & {"colour", "texture"}
     assert needed == (set() if colours is GREY else {"colour", "texture"})

@@ -73,6 +73,7 @@ def test_weights_do_not_depend_on_the_object_held_out(name, folds):
         for some in (made, other)
     )
     assert first == second
+    assert (len(first) < len(FEATURES)) == (name == "chosen")
 
 
 def test_what_people_look_at_is_chosen_and_little_else():

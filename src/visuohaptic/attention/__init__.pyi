@@ -18,26 +18,3 @@ from .scanpath import Scanpath as Scanpath
 from .scanpath import scan as scan
 from .surface_measures import MEASURES as MEASURES
 from .surface_measures import GazedSurface as GazedSurface
-
-__all__ = [
-    "CHANNELS",
-    "MEASURES",
-    "TERMS",
-    "Attention",
-    "AttentionError",
-    "AttentionParameters",
-    "ChannelWeights",
-    "Example",
-    "GazedSurface",
-    "Scanpath",
-    "TermWeights",
-    "WorkingView",
-    "attend",
-    "conspicuity_maps",
-    "feature_planes",
-    "fit_weights",
-    "prepare_view",
-    "reasons_to_skip",
-    "saliency_map",
-    "scan",
-]

@@ -1,8 +1,7 @@
 """The eight channels: their feature planes of a view, on the working image.
 
-No plane depends on the view's overall brightness: intensities are fractions of
-the brightest value on the object. Every plane is multiplied by the certainty of
-its pixels, so that only the object counts.
+No plane depends on the view's brightness, and each is multiplied by the certainty of its pixels, so
+that only the object counts.
 """
 
 from __future__ import annotations
@@ -38,10 +37,9 @@ FULL_SYMMETRY = 4.95
 class WorkingView:
     """A view on the working image; every plane is (n, n), float32.
 
-    `certainty` is the share of each pixel that lies on the object; `colour` holds the means of red,
-    green and blue over that share, as fractions of the brightest value on the object, and
-    `intensity` their mean. `backdrop` is intensity, extended beyond the object; `curvature` the
-    logarithm of 1 + the surface's curvedness.
+    `certainty` is the share of each pixel on the object; `colour` holds red, green and blue there as
+    fractions of the brightest value on it, and `intensity` their mean. `backdrop` is intensity, extended
+    beyond the object; `curvature` the logarithm of 1 + the surface's curvedness.
     """
 
     certainty: Plane
@@ -52,11 +50,7 @@ class WorkingView:
 
 
 def prepare_view(colour: Plane, mask: Booleans, curvature: Plane) -> WorkingView:
-    """Resample a view to the working image, of `pyramid.WORKING_SIZE`.
-
-    Colour (h, w, 3) is float32, the object's mask (h, w) bool, and curvature (h, w) float32, per
-    unit of length.
-    """
+    """Resample a view's colour (h, w, 3), mask (h, w) and curvature (h, w) to the working image."""
     share = mask.astype(np.float32)
     inside = mask.view(np.uint8)
     hues = cv2.split(np.ascontiguousarray(colour))
@@ -78,11 +72,9 @@ def prepare_view(colour: Plane, mask: Booleans, curvature: Plane) -> WorkingView
 
 
 def colour_planes(view: WorkingView) -> list[Plane]:
-    """Red-green and blue-yellow opponency.
+    """Red-green and blue-yellow opponency: (r - g) and (b - min(r, g)) over the largest of the three.
 
-    Walther & Koch 2006, "Modeling attention to salient proto-objects": (r - g)
-    and (b - min(r, g)) over the largest of the three. Both signs are kept, so a
-    green spot on red differs as much as a red one on green; centre minus
+    Walther & Koch 2006, "Modeling attention to salient proto-objects". Both signs are kept: centre minus
     surround of the signed plane is the double opponency.
     """
     red, green, blue = view.colour
@@ -101,9 +93,8 @@ def intensity_planes(view: WorkingView) -> list[Plane]:
 def contrast_planes(view: WorkingView) -> list[Plane]:
     """Local root mean square contrast: deviation over mean in a Gaussian window.
 
-    Moulden, Kingdom & Gatley 1990 for the measure; Reinagel & Zador 1999 for its
-    effect on fixations. A tenth of full scale is added to the mean: below it the
-    eye does not adapt further.
+    Moulden, Kingdom & Gatley 1990; Reinagel & Zador 1999 for its effect on fixations. A tenth of full
+    scale is added to the mean: below it the eye does not adapt further.
     """
     weight = reciprocal(_window(view.certainty))
     mean = _window(view.intensity * view.certainty) * weight
@@ -112,11 +103,7 @@ def contrast_planes(view: WorkingView) -> list[Plane]:
 
 
 def curvature_planes(view: WorkingView) -> list[Plane]:
-    """Logarithm of the curvedness of the surface.
-
-    Lee, Varshney & Jacobs 2005, "Mesh saliency", for centre-surround differences
-    of curvature; here they are taken in the view.
-    """
+    """Logarithm of the curvedness of the surface (Lee, Varshney & Jacobs 2005, "Mesh saliency")."""
     return [view.curvature * view.certainty]
 
 
@@ -130,36 +117,28 @@ def edge_planes(view: WorkingView) -> list[Plane]:
 def entropy_planes(view: WorkingView, bins: int) -> list[Plane]:
     """Entropy of the grey levels in a window, as a fraction of the largest possible.
 
-    Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is
-    shared between the two nearest grey levels, so that a small change of grey
-    changes the entropy by little.
+    Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is shared between the two
+    nearest grey levels, so that the plane depends on grey continuously.
     """
-    inside = np.flatnonzero(view.certainty)
-    certainty = view.certainty.reshape(-1).take(inside)
-    intensity = view.intensity.reshape(-1).take(inside)
-    position = np.minimum(intensity, 1.0) * np.float32(bins - 1)
+    position = np.minimum(view.intensity, 1.0) * np.float32(bins - 1)
     weight = reciprocal(_box(view.certainty))
     entropy = np.zeros_like(weight)
     for start in range(0, bins, 4):
         members = [
-            np.maximum(1.0 - np.abs(position - np.float32(level)), 0.0) * certainty
+            np.maximum(1.0 - np.abs(position - np.float32(level)), 0.0) * view.certainty
             for level in range(start, start + 4)
         ]
-        quad = np.zeros((*view.certainty.shape, 4), dtype=np.float32)
-        quad.reshape(-1, 4)[inside] = np.stack(members, axis=1)
-        share = np.maximum(_box(quad) * cv2.merge([weight] * 4), np.float32(1e-12))
+        share = np.maximum(_box(cv2.merge(members)) * cv2.merge([weight] * 4), np.float32(1e-12))
         entropy -= sum(cv2.split(share * cv2.log(share)))
     fraction = np.maximum(entropy / np.float32(np.log(bins)), np.float32(0.0))
     return [enlarge(fraction, len(view.certainty)) * view.certainty]
 
 
 def symmetry_planes(view: WorkingView, radii: tuple[int, ...]) -> list[Plane]:
-    """Radial symmetry by gradient votes, dark and bright centres alike.
+    """Radial symmetry by gradient votes, dark and bright centres alike, on half the working image's pixels.
 
-    Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest",
-    on half the working image's rows and columns. A vote is shared between the
-    four pixels around its point, and faint gradients have a fraction of a vote, so
-    that the plane depends on the view continuously.
+    Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest". A vote is shared between
+    the four pixels around its point, and faint gradients have a fraction of one, for continuity.
     """
     across, down = _gradient(reduce(view.backdrop, GOES_ON))
     certainty = reduce(view.certainty).reshape(-1)
@@ -187,10 +166,9 @@ def symmetry_planes(view: WorkingView, radii: tuple[int, ...]) -> list[Plane]:
 def orientation_planes(view: WorkingView, count: int, levels: tuple[int, ...]) -> list[list[Plane]]:
     """Local energy of Gabor pairs at each angle, minus the mean over all angles, on each level.
 
-    Itti, Koch & Niebur 1998, with the filters of their authors' toolbox: 9 x 9 pixels, period 7,
-    deviation 7/3, phases 0 and 90 degrees, zero mean, unit norm. Angles inhibit each other (Heeger
-    1992, "Normalization of cell responses in cat striate cortex", in its subtractive form); without
-    this the two ends of an upright bar would count as two horizontal bars.
+    Itti, Koch & Niebur 1998, with their authors' filters: 9 x 9 pixels, period 7, deviation 7/3, zero mean,
+    unit norm. Angles inhibit each other (Heeger 1992, "Normalization of cell responses in cat striate
+    cortex"), or the two ends of an upright bar would count as two horizontal bars.
     """
     images = reductions(view.backdrop, max(levels), GOES_ON)
     certainties = reductions(view.certainty, max(levels))

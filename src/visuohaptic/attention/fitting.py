@@ -18,9 +18,8 @@ from .registry import CHANNELS
 class Example:
     """One view and the places that people looked at.
 
-    `conspicuity` holds maps (h, w), float32, by channel, as in `Attention.conspicuity` with equal
-    weights; a channel that did not run counts as zero. `mask` (h, w) says where the object is, and
-    `places` (k, 2), int64, are rows and columns.
+    `conspicuity` holds maps (h, w), float32, by channel, as in `Attention.conspicuity` with equal weights;
+    one that is missing counts as zero. `places` (k, 2), int64, are rows and columns.
     """
 
     object_name: str
@@ -34,13 +33,10 @@ def fit_weights(
 ) -> ChannelWeights:
     """Fit non-negative channel weights, whose mean is 1, to the places that people look at.
 
-    Each example's places become a density on the object, a Gaussian around each, whose standard
-    deviation is `spread` of the view's longer edge, and the weighted sum of conspicuity maps is
-    fitted to it by non-negative least squares (Zhao & Koch 2011, "Learning a saliency map using
-    fixated locations in natural scenes").
-
-    Raises `AttentionError` if an example shows one of the `tested` objects, there are no examples,
-    or no channel predicts the places.
+    Each example's places become a density on the object, Gaussians of standard deviation `spread` of the
+    longer edge, to which the weighted sum of maps is fitted by least squares (Zhao & Koch 2011, "Learning
+    a saliency map using fixated locations in natural scenes"). Raises `AttentionError` if an example shows
+    one of the `tested` objects, there is none, or no channel predicts the places.
     """
     leaked = sorted({example.object_name for example in examples} & set(tested))
     if leaked:

@@ -30,10 +30,8 @@ SMALLEST_PEAK = 1e-30
 class Attention:
     """Saliency and fixations of one view.
 
-    `saliency` (h, w), float32, is 0 to 1, the view's maximum 1, and zero on the background.
-    `conspicuity` holds for each channel that ran a map (h, w), float32, at least 0, before its
-    weight: larger where fewer places stand out in that channel. `skipped` says, by channel, why the
-    others did not run.
+    `saliency` (h, w), float32, is 0 to 1, zero on the background; `conspicuity` holds, for each channel that
+    ran, a map (h, w), float32, at least 0, before its weight, and `skipped` why the others did not run.
     """
 
     saliency: Plane
@@ -81,11 +79,10 @@ def feature_planes(
     eye: Floats,
     parameters: AttentionParameters,
 ) -> tuple[dict[str, Plane], Plane]:
-    """Give all that saliency is a weighted sum of, for one view, to fit weights to.
+    """Give all that saliency is a weighted sum of, for one view as `attend` takes it, to fit weights to.
 
-    Takes one view's part of what `attend` takes. Gives planes (MAP_SIZE, MAP_SIZE), float32, of
-    every channel, then every term, and the share of each cell that shows the object; a channel
-    without weight is zero.
+    These are planes (MAP_SIZE, MAP_SIZE), float32, of every channel, zero without weight, then every term;
+    and the share of each cell that shows the object.
     """
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     ran = tuple(name for name in CHANNELS if name not in skipped)
@@ -99,10 +96,9 @@ def feature_planes(
 def reasons_to_skip(
     colour: Plane, mask: Booleans, curvature: Plane, parameters: AttentionParameters
 ) -> dict[str, str]:
-    """Give the channels that a view, as `prepare_view` takes it, does not need, and why.
+    """Give the channels, in order, that a view as `prepare_view` takes it does not need, and why.
 
-    A channel is skipped only if its map would be zero, or if its weight is zero: the saliency map
-    is the same, bit for bit. Reasons are in the order of `CHANNELS`.
+    Their maps would be zero, or their weights are: the saliency map is the same, bit for bit.
     """
     found = _dull_channels(colour, mask, curvature)
     weights = parameters.weights.model_dump()

@@ -20,10 +20,7 @@ NAMED_WEIGHTS = ("equal", "human", "human_channels")
 
 @cache
 def read_learnt() -> dict[str, Any]:
-    """Give weights that were fitted to where people looked, `channels` and `terms` by name, and their origin.
-
-    No recording is part of this package.
-    """
+    """Give weights fitted to where people looked, `channels` and `terms` by name, and their origin."""
     text = files(__package__).joinpath("human_weights.json").read_text(encoding="utf-8")
     found: dict[str, Any] = json.loads(text)
     return found
@@ -81,8 +78,7 @@ _SOURCES: dict[str, str] = {}
 def add_channel(entry: Channel, source: str) -> None:
     """Add a channel of a plug-in, and its weight in all parameters that are made from now on.
 
-    One that the same source added before is replaced. Raises `AttentionError` if its name is taken, or
-    can't be one.
+    One that the same source added is replaced. Raises `AttentionError` if its name is taken, or can't be one.
     """
     taken = entry.name in CHANNELS and _SOURCES.get(entry.name) != source
     if taken or not re.fullmatch("[a-z_]+", entry.name):

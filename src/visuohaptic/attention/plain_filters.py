@@ -16,9 +16,8 @@ from .arrays import Plane
 def plain_filters() -> Iterator[None]:
     """Let OpenCV give the same bits on every x86-64 processor.
 
-    It has each filter in several versions, for newer instructions, such as a product and a sum with one
-    rounding; their last bits differ, and the largest of nearly equal saliencies with them.
-    OpenCV's settings are as they were afterwards.
+    Its versions of a filter for newer instructions differ in the last bits, and the largest of nearly equal
+    saliencies with them. OpenCV's settings are as they were afterwards.
     """
     optimised, primitives = cv2.useOptimized(), cv2.ipp.useIPP()
     cv2.setUseOptimized(False)

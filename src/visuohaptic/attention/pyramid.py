@@ -1,18 +1,11 @@
 """Image pyramids in which every average is taken over the object only.
 
-A plane has a certainty, 1 on the object and 0 outside it, and is stored
-multiplied by it. Smoothing both and dividing is normalised convolution
-(Knutsson & Westin 1993): pixels outside the object have no influence, so its
-outline makes no step in any plane.
-
-All grids are centred on the image. The usual reduction that keeps every other
-pixel moves the image by half a pixel a level, which at the coarse levels is a
-large part of the object and makes a mirrored view look different.
+A plane is stored multiplied by its certainty, 1 on the object and 0 outside; smoothing both and dividing
+is normalised convolution (Knutsson & Westin 1993), so an outline makes no step in any plane. All grids
+are centred: keeping every other pixel would move the image by half a pixel a level.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -32,28 +25,12 @@ _BINOMIAL = np.array([0.25, 0.5, 0.25], dtype=np.float32)
 def to_working_size(plane: Plane) -> Plane:
     """Resample planes (h, w) or (h, w, k), multiplied by the certainty, to the square working image.
 
-    A view that is not square is centred and padded with zeros. Larger views are averaged by area,
-    smaller ones interpolated; a [1 2 1] kernel then limits the bandwidth.
+    A view that is not square is padded with zeros; a [1 2 1] kernel limits the bandwidth.
     """
     square = _padded_to_square(plane)
     size = (WORKING_SIZE, WORKING_SIZE)
     method = cv2.INTER_AREA if square.shape[0] > WORKING_SIZE else cv2.INTER_LINEAR
     return blur(cv2.resize(square, size, interpolation=method))
-
-
-def from_map_size(
-    plane: Plane, shape: tuple[int, int], interpolation: int = cv2.INTER_CUBIC
-) -> Plane:
-    """Resample a square map of at least 0 to the rows and columns of a view.
-
-    `interpolation` is OpenCV's constant; cubic can place a peak between pixels of the map, linear
-    is faster.
-    """
-    side = max(shape)
-    large = cv2.resize(plane, (side, side), interpolation=interpolation)
-    large = cv2.threshold(large, 0.0, 0.0, cv2.THRESH_TOZERO)[1]
-    top, left = (side - shape[0]) // 2, (side - shape[1]) // 2
-    return np.ascontiguousarray(large[top : top + shape[0], left : left + shape[1]])
 
 
 def blur(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
@@ -64,8 +41,7 @@ def blur(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
 def reduce(plane: Plane, border: int = NOTHING_BEYOND) -> Plane:
     """Halve both sides of (2n, 2n[, k]) with the kernel [1 3 3 1] / 8, which is centred on the new pixel.
 
-    The border is `NOTHING_BEYOND` for planes that are multiplied by their certainty, `GOES_ON` for
-    an image that fills its grid.
+    The border `GOES_ON` is for an image that fills its grid.
     """
     half = plane.shape[0] // 2
     return cv2.resize(blur(plane, border), (half, half), interpolation=cv2.INTER_AREA)
@@ -86,30 +62,16 @@ def reductions(plane: Plane, count: int, border: int = NOTHING_BEYOND) -> list[P
     return levels
 
 
-def quads(planes: Sequence[Plane]) -> list[tuple[Plane, int]]:
-    """Put planes (n, n) into stacks (n, n, 4), for which OpenCV is fastest with float32.
-
-    They are padded with zeros; beside each is the number of planes in it.
-    """
-    stacks = []
-    for start in range(0, len(planes), 4):
-        group = list(planes[start : start + 4])
-        filling = [np.zeros_like(group[0])] * (4 - len(group))
-        stacks.append((cv2.merge(group + filling), len(group)))
-    return stacks
-
-
 def reciprocal(certainty: Plane) -> Plane:
     """Give 1 over the certainty, and zero where nothing is certain; a smoothed plane times this is an average."""
     return np.divide(1.0, certainty, out=np.zeros_like(certainty), where=certainty > EMPTY)
 
 
 def filled(plane: Plane, certainty: Plane) -> Plane:
-    """Extend a plane beyond the object, so that filters find no step at its outline.
+    """Extend a plane (n, n), multiplied by the certainty, beyond the object, so that filters find no outline.
 
-    The plane (n, n), n a multiple of 4, is multiplied by the certainty. On the object are its own
-    values, and outside averages of its nearest parts over increasingly large neighbourhoods
-    (pull-push, Gortler et al. 1996, "The Lumigraph").
+    Outside are averages of its nearest parts over increasingly large neighbourhoods (pull-push, Gortler et
+    al. 1996, "The Lumigraph"); n is a multiple of 4.
     """
     planes, certainties = [plane], [certainty]
     while planes[-1].shape[0] > 4:
@@ -128,12 +90,5 @@ def _padded_to_square(plane: Plane) -> Plane:
         return plane
     side = max(rows, columns)
     top, left = (side - rows) // 2, (side - columns) // 2
-    return cv2.copyMakeBorder(
-        plane,
-        top,
-        side - rows - top,
-        left,
-        side - columns - left,
-        cv2.BORDER_CONSTANT,
-        value=0,
-    )
+    margins = [(top, side - rows - top), (left, side - columns - left), (0, 0)]
+    return np.pad(plane, margins[: plane.ndim])

@@ -60,11 +60,10 @@ class Channel:
 
 @dataclass(frozen=True)
 class Term:
-    """One thing that people's gaze depends on besides the channels, a factor of what these say.
+    """One thing that people's gaze depends on besides the channels; `source` says who found it.
 
-    `source` says who found that people use it, or where the measure comes from. `plane` takes a
-    `SeenSurface` and gives (n, n), float32, of about unit size. `kind` is ``view``, ``place`` or
-    ``shape``: what of the surface it depends on.
+    `plane` takes a `SeenSurface` and gives (n, n), float32, of about unit size. `kind` is ``view``,
+    ``place`` or ``shape``: what of the surface it depends on.
     """
 
     name: str

@@ -5,26 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from .arrays import Booleans, Plane
 from .channels import WorkingView
 from .errors import AttentionError
 from .parameters import AttentionParameters
 from .plain_filters import plain_kernel
-from .pyramid import (
-    WORKING_SIZE,
-    enlarge,
-    from_map_size,
-    quads,
-    reciprocal,
-    reduce,
-    reductions,
-)
+from .pyramid import WORKING_SIZE, enlarge, reciprocal, reduce, reductions
 from .registry import CHANNELS, channel
 
 MAP_SIZE = WORKING_SIZE // 2
@@ -48,10 +38,7 @@ _NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)
 def conspicuity_maps(
     view: WorkingView, channels: tuple[str, ...], parameters: AttentionParameters
 ) -> dict[str, Plane]:
-    """Compute the conspicuity maps (MAP_SIZE, MAP_SIZE), float32, at least 0, of channels out of `CHANNELS`.
-
-    A map that reaches 1 has a single peak.
-    """
+    """Compute the conspicuity maps (MAP_SIZE, MAP_SIZE), float32, of some channels; 1 is a single peak."""
     deepest = max(parameters.centre_levels) + max(parameters.surround_offsets)
     certainties = reductions(view.certainty, deepest)
     scales = _scales(certainties, parameters)
@@ -59,15 +46,14 @@ def conspicuity_maps(
     window = _window(certainties, parameters)
     totals = {name: plane[window] for name, plane in maps.items()}
     strongest = dict.fromkeys(channels, 0.0)
-    for stack in _stacks(view, channels, parameters):
-        total, peaks = _promoted_stack(stack, scales[stack.level], window, parameters)
-        for index, name in enumerate(stack.channels):
-            if name in totals:
-                totals[name] += total[:, :, index]
-                strongest[name] = max(strongest[name], float(peaks[index]))
-    every = tuple(CHANNELS)
-    for start in range(0, len(every), 4):
-        _promote_sums(every[start : start + 4], totals, strongest, parameters)
+    for name, level, pyramid in _pyramids(view, channels, parameters):
+        total, peak = _promoted(name, pyramid, scales[level], window, parameters)
+        totals[name] += total
+        strongest[name] = max(strongest[name], peak)
+    # Itti, Koch & Niebur scale every channel's sum to full range before the last N, so a channel in
+    # which nothing stands out still counts; here it is as conspicuous as its strongest map.
+    for name, total in totals.items():
+        total[:] = promote(_scaled(total), parameters) * np.float32(strongest[name])
     return maps
 
 
@@ -83,57 +69,40 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
 
 def on_view(plane: Plane, mask: Booleans, interpolation: int = cv2.INTER_LINEAR) -> Plane:
     """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels (h, w) of its view, and set the background to zero."""
-    large = from_map_size(plane, (mask.shape[0], mask.shape[1]), interpolation)
-    return cv2.copyTo(large, mask.view(np.uint8))
+    rows, columns = mask.shape
+    side = max(rows, columns)
+    large = _rectified(cv2.resize(plane, (side, side), interpolation=interpolation))
+    top, left = (side - rows) // 2, (side - columns) // 2
+    shown = np.ascontiguousarray(large[top : top + rows, left : left + columns])
+    return cv2.copyTo(shown, mask.view(np.uint8))
 
 
-def promote(planes: Plane, parameters: AttentionParameters) -> Plane:
-    """Apply the operator N: few strong peaks are promoted over many similar ones.
-
-    Each of the planes (n, n, 4), at least 0 and scaled to a largest value of 1 or less, is treated
-    by itself.
-    """
+def promote(plane: Plane, parameters: AttentionParameters) -> Plane:
+    """Apply the operator N to a map, from 0 to a largest value of 1 or less."""
     match parameters.normalisation:
         case "local_maxima":
-            return _promote_by_local_maxima(planes)
+            return _promote_by_local_maxima(plane)
         case "iterative":
-            return _promote_iteratively(planes, parameters.iterations)
+            return _promote_iteratively(plane, parameters.iterations)
         case "none":
-            return planes
+            return plane
 
 
-@dataclass(frozen=True)
-class _Stack:
-    """Planes (n, n, 4) of the channels, on centre level `level` and the coarser ones; the rest is zero."""
-
-    level: int
-    pyramid: list[Plane]
-    channels: tuple[str, ...]
-
-
-def _stacks(
+def _pyramids(
     view: WorkingView, channels: Sequence[str], parameters: AttentionParameters
-) -> Iterator[_Stack]:
-    """Give the planes of some channels for each centre level, four together, which OpenCV is fastest with."""
-    entries = [channel(name) for name in channels]
+) -> Iterator[tuple[str, int, list[Plane]]]:
+    """Give each plane of some channels on each centre level and the coarser ones, with channel and level."""
     steps = max(parameters.surround_offsets)
-    # Each plane has a fixed place, so that no channel's numbers depend on which other channels run.
-    places = [entry.name for entry in CHANNELS.values() if entry.planes for _ in range(entry.count)]
-    for start in range(0, len(places), 4):
-        slots = tuple(places[start : start + 4])
-        found = {name: _planes(name, view, parameters) for name in {*slots} & {*channels}}
-        if not found:
+    coarsest = max(parameters.centre_levels) + steps
+    for entry in [channel(name) for name in channels]:
+        if entry.stacks:
+            stacks = entry.stacks(view, parameters)
+            for level, planes in zip(parameters.centre_levels, stacks, strict=False):
+                yield from ((entry.name, level, reductions(plane, steps)) for plane in planes)
             continue
-        empty = np.zeros_like(view.certainty)
-        planes = [found[name].pop(0) if name in found else empty for name in slots]
-        ((stack, _),) = quads(planes)
-        pyramid = reductions(stack, max(parameters.centre_levels) + steps)
-        yield from (_Stack(level, pyramid[level:], slots) for level in parameters.centre_levels)
-    for entry in entries:
-        levels = entry.stacks(view, parameters) if entry.stacks else []
-        for level, planes in zip(parameters.centre_levels, levels, strict=False):
-            for stack, count in quads(planes):
-                yield _Stack(level, reductions(stack, steps), (entry.name,) * count)
+        pyramids = [reductions(plane, coarsest) for plane in _planes(entry.name, view, parameters)]
+        for level in parameters.centre_levels:
+            yield from ((entry.name, level, pyramid[level:]) for pyramid in pyramids)
 
 
 def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> list[Plane]:
@@ -174,33 +143,30 @@ def _scales(certainties: list[Plane], parameters: AttentionParameters) -> dict[i
         for offset in parameters.surround_offsets:
             surround = enlarge(certainties[level + offset], len(centre))
             planes = (reciprocal(centre), reciprocal(surround), centre * surround)
-            scales[level].append(_Scale(offset, *(cv2.merge([plane] * 4) for plane in planes)))
+            scales[level].append(_Scale(offset, *planes))
     return scales
 
 
-def _promoted_stack(
-    stack: _Stack,
+def _promoted(
+    name: str,
+    pyramid: list[Plane],
     scales: list[_Scale],
     window: tuple[slice, slice],
     parameters: AttentionParameters,
-) -> tuple[Plane, Plane]:
-    """Add up the promoted maps of each plane of a stack, and give the largest value of any map."""
+) -> tuple[Plane, float]:
+    """Add up the promoted maps of a plane, and give the largest value of any."""
     # Presence of a feature stands out, absence does not (search asymmetry, Treisman & Gormley 1988):
     # most channels count only where the centre has more than the surround. Colour and intensity have
     # two sides, and each is a map of its own, as a red spot among green ones is alone on its side.
-    total = np.zeros((MAP_SIZE, MAP_SIZE, 4), dtype=np.float32)[window]
-    strongest = np.zeros(4, dtype=np.float32)
-    two_sided = np.zeros(4, dtype=bool)
-    two_sided[: len(stack.channels)] = [CHANNELS[name].two_sided for name in stack.channels]
+    total = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)[window]
+    strongest = 0.0
     for scale in scales:
-        difference = _difference(stack.pyramid, scale)[window]
-        promoted = promote(_scaled(_rectified(difference - NOISE)), parameters)
-        total += promoted
-        strongest = np.maximum(strongest, _peaks(promoted))
-        if two_sided.any():
-            promoted = promote(_scaled(_rectified(-difference - NOISE)), parameters)
-            total += _times(promoted, two_sided.astype(np.float32))
-            strongest = np.maximum(strongest, _peaks(promoted) * two_sided)
+        difference = _difference(pyramid, scale)[window]
+        sides = [difference, -difference] if CHANNELS[name].two_sided else [difference]
+        for side in sides:
+            promoted = promote(_scaled(_rectified(side - NOISE)), parameters)
+            total += promoted
+            strongest = max(strongest, _peak(promoted))
     return total, strongest
 
 
@@ -210,78 +176,54 @@ def _difference(pyramid: list[Plane], scale: _Scale) -> Plane:
     return _at_map_size((centre - surround) * scale.support)
 
 
-def _promote_sums(
-    names: tuple[str, ...],
-    totals: Mapping[str, Plane],
-    strongest: Mapping[str, float],
-    parameters: AttentionParameters,
-) -> None:
-    """Promote up to four channels' sums in place; each is as conspicuous as its strongest map."""
-    # Itti, Koch & Niebur scale every channel's sum to full range before the last N, so a channel in
-    # which nothing stands out still counts; here it does not.
-    names = tuple(name for name in names if name in totals)
-    for stack, count in quads([totals[name] for name in names]):
-        scale = np.zeros(4, dtype=np.float32)
-        scale[:count] = [strongest[name] for name in names]
-        planes = cv2.split(_times(promote(_scaled(stack), parameters), scale))
-        for name, plane in zip(names, planes, strict=False):
-            totals[name][:] = plane
-
-
 def _at_map_size(plane: Plane) -> Plane:
     while len(plane) > MAP_SIZE:
         plane = reduce(plane)
     return enlarge(plane, MAP_SIZE)
 
 
-def _peaks(planes: Plane) -> Plane:
-    """Give the largest value of each plane of a stack, shape (4,)."""
-    return cv2.reduce(planes, 0, cv2.REDUCE_MAX)[0].max(axis=0)
+def _peak(plane: Plane) -> float:
+    return float(plane.max(initial=0.0))
 
 
-def _times(planes: Plane, factors: NDArray[np.floating[Any]]) -> Plane:
-    """Multiply each plane of a stack by its own factor."""
-    return cv2.multiply(planes, tuple(factors.tolist()))
+def _rectified(plane: Plane) -> Plane:
+    return cv2.threshold(plane, 0.0, 0.0, cv2.THRESH_TOZERO)[1]
 
 
-def _rectified(planes: Plane) -> Plane:
-    return cv2.threshold(planes, 0.0, 0.0, cv2.THRESH_TOZERO)[1]
+def _scaled(plane: Plane) -> Plane:
+    return plane * (np.float32(1.0) / max(np.float32(_peak(plane)), np.float32(FAINT)))
 
 
-def _scaled(planes: Plane) -> Plane:
-    return _times(planes, np.float32(1.0) / np.maximum(_peaks(planes), np.float32(FAINT)))
-
-
-def _promote_by_local_maxima(planes: Plane) -> Plane:
+def _promote_by_local_maxima(plane: Plane) -> Plane:
     """Apply Itti, Koch & Niebur 1998: times (M - mean of the other local maxima) squared."""
     # Which pixel is a maximum, and whether it is high enough to count, change gradually over a small
     # range, and a peak between pixels counts once: on a symmetric object rounding would otherwise
     # decide between one peak and two.
-    below = cv2.dilate(planes, _NEIGHBOURS) - planes
+    below = cv2.dilate(plane, _NEIGHBOURS) - plane
     topmost = _rectified(1.0 - below * np.float32(1.0 / PLATEAU))
     crowd = cv2.boxFilter(topmost, -1, (3, 3), normalize=False, borderType=cv2.BORDER_CONSTANT)
-    level = np.clip((planes - LOWEST_MAXIMUM) * np.float32(1.0 / COUNTED_RANGE), 0.0, 1.0)
+    level = np.clip((plane - LOWEST_MAXIMUM) * np.float32(1.0 / COUNTED_RANGE), 0.0, 1.0)
     votes = topmost / np.maximum(crowd, np.float32(1.0)) * level
-    counts = np.array(cv2.sumElems(votes))
-    sums = np.array(cv2.sumElems(votes * planes))
-    largest = _peaks(planes).astype(np.float64)
-    others = np.maximum(sums - largest, 0.0) / np.maximum(counts - 1.0, 1.0)
-    return _times(planes, np.maximum((largest - others) ** 2, REMNANT))
+    # One after the other, in float64: OpenCV's own sum hangs on the processor's instructions.
+    count, total = (np.cumsum(one, dtype=np.float64)[-1] for one in (votes, votes * plane))
+    largest = _peak(plane)
+    others = max(total - largest, 0.0) / max(count - 1.0, 1.0)
+    return cv2.multiply(plane, max((largest - others) ** 2, REMNANT))
 
 
-def _promote_iteratively(planes: Plane, rounds: int) -> Plane:
+def _promote_iteratively(plane: Plane, rounds: int) -> Plane:
     """Itti & Koch 2000: differences of Gaussians, rectified, in several rounds."""
-    excitation, inhibition = _gaussians(len(planes))
+    excitation, inhibition = _gaussians(len(plane))
     support = cv2.sepFilter2D(
-        np.ones_like(planes), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT
+        np.ones_like(plane), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT
     )
     for _ in range(rounds):
-        near = cv2.sepFilter2D(planes, -1, excitation, excitation, borderType=cv2.BORDER_CONSTANT)
-        far = cv2.sepFilter2D(planes, -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT)
+        near = cv2.sepFilter2D(plane, -1, excitation, excitation, borderType=cv2.BORDER_CONSTANT)
+        far = cv2.sepFilter2D(plane, -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT)
         change = np.float32(EXCITATION**2) * near - np.float32(INHIBITION**2) * far / support
-        floor = np.float32(CONSTANT_INHIBITION) * _peaks(planes)
-        planes = _rectified(planes + change - floor)
-    return planes
+        floor = np.float32(CONSTANT_INHIBITION) * np.float32(_peak(plane))
+        plane = _rectified(plane + change - floor)
+    return plane
 
 
 @cache

@@ -29,10 +29,8 @@ CLOSED = -1.0
 class Scanpath:
     """The k fixations on one view, in order; no pixel is fixated twice.
 
-    `rows` and `columns` (k,), int64, count pixels from the view's upper left. `points` (k, 3), in
-    the frame of the view's points, and `normals` (k, 3), unit and towards the camera, are float64;
-    `faces` (k,) int64. `saliency` (k,), float64, is in units of the view's maximum. `asked`
-    fixations were asked for; k is smaller if no pixel was left outside the foci.
+    `rows` and `columns` (k,), int64, are pixels, `points` and `normals` (k, 3), float64, as the view has
+    them, `faces` (k,) int64, `saliency` (k,) of the view's maximum. k is below `asked` if no pixel was left.
     """
 
     rows: Integers
@@ -63,11 +61,10 @@ def scan(
     face: Integers,
     parameters: AttentionParameters,
 ) -> Scanpath:
-    """Find the fixations on a saliency map (h, w), float32, 0 to 1, among the pixels of a mask.
+    """Find the fixations on a saliency map (h, w), float32, 0 to 1, of a surface as `attend` takes it.
 
-    The surface is as `attend` takes it, for one view. There are at most as many fixations as asked
-    for. Among maxima that tie, the largest within one focus of the first, in row order, wins; of
-    values that differ by rounding, the first.
+    Among maxima that tie, the largest within one focus of the first, in row order, wins; of values that
+    differ by rounding, the first.
     """
     rows, columns, depth = _off_outline(mask)
     pixels = rows * mask.shape[1] + columns
@@ -130,11 +127,7 @@ def _release(progress: Plane) -> Plane:
 
 def _off_outline(mask: Booleans) -> tuple[Integers, Integers, Plane]:
     """Give the rows and columns off the outline, near the middle of thin parts, and their distances from it."""
-    inside = mask.view(np.uint8)
-    left, top, width, height = cv2.boundingRect(inside)
-    # One row and column more, so that there is one where the mask is empty.
-    around = inside[top : top + height + 1, left : left + width + 1]
-    padded = cv2.copyMakeBorder(around, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    padded = cv2.copyMakeBorder(mask.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     depth = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)
     margin = OUTLINE_MARGIN * max(mask.shape)
     reach = 2 * round(margin) + 1
@@ -142,4 +135,4 @@ def _off_outline(mask: Booleans) -> tuple[Integers, Integers, Plane]:
     middle = cv2.dilate(depth, window, borderType=cv2.BORDER_CONSTANT, borderValue=0)
     kept = (depth > 0.0) & (depth >= np.minimum(margin, THIN_PART * middle))
     rows, columns = np.nonzero(kept)
-    return rows + top - 1, columns + left - 1, depth[kept]
+    return rows - 1, columns - 1, depth[kept]

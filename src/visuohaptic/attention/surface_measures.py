@@ -1,7 +1,7 @@
 """How well a prediction agrees with where people looked, on points of a surface.
 
-Measures are those of Bylinskii et al. 2019, "What do different evaluation metrics tell us about saliency
-models?", IEEE TPAMI 41(3), with a point's share of the surface in place of a pixel.
+Measures of Bylinskii et al. 2019, "What do different evaluation metrics tell us about saliency models?",
+IEEE TPAMI 41(3), with a point's share of the surface in place of a pixel.
 """
 
 from __future__ import annotations
@@ -23,11 +23,9 @@ SMALLEST_SHARE = 2.2204e-16
 
 @dataclass(frozen=True)
 class GazedSurface:
-    """Points of a surface, shape (n,), and how long people looked at them.
+    """Points of a surface, shape (n,): time per area that people looked at each, its area, whether it is seen.
 
-    `density` is time per area at each point, in any unit; `area` is what each point stands for;
-    `seen` are the points that count, because a viewpoint sees them. Raises `AttentionError` if
-    shapes differ, a value is negative or not finite, or no time or area is seen.
+    Raises `AttentionError` if shapes differ, a value is negative or not finite, or no time or area is seen.
     """
 
     density: Floats
@@ -77,10 +75,7 @@ def correlation(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
 
 
 def area_under_curve_of_top(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
-    """Give the probability that a place of the most looked at fifth is above one of the rest.
-
-    Both places are drawn by area; 0.5 is chance, and ties count half.
-    """
+    """Give the probability that a place of the most looked at fifth, by area, is above one of the rest."""
     weights, density = gazed.weights(), gazed.density[gazed.seen]
     order = np.argsort(-density, kind="stable")
     top = np.zeros(len(order), dtype=bool)
@@ -89,10 +84,7 @@ def area_under_curve_of_top(predicted: NDArray[np.floating], gazed: GazedSurface
 
 
 def area_under_curve_of_gaze(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
-    """Give the probability that a place drawn by time is above one drawn by area (AUC-Judd).
-
-    0.5 is chance, and ties count half. Time takes the part of fixations.
-    """
+    """Give the probability that a place drawn by time is above one drawn by area (AUC-Judd)."""
     return _probability_above(gazed.of_seen(predicted), gazed.shares(), gazed.weights())
 
 

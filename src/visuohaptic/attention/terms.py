@@ -19,11 +19,9 @@ SMALLEST_LENGTH = 1e-9
 class SeenSurface:
     """What a view shows of a surface, averaged over the object in each cell of the maps' grid, float32.
 
-    `point` (n, n, 3) is in the frame of the view's points, y up and z to the front, the object's
-    middle at the origin and its farthest point at 1; `normal` (n, n, 3) is unit; both are zero off
-    the object. `certainty` (n, n) is the share of each cell that shows the object, and `facing` (n,
-    n) the cosine, 0 to 1, between the normal and the direction to the eye. `sight` (3,) is the unit
-    vector from the eye to the middle of what is seen, `cell` a cell's width in the points' unit.
+    `point` (n, n, 3), y up and z to the front, and unit `normal` (n, n, 3) are in the object frame, zero off
+    the object; `certainty` (n, n) is the share of each cell that shows it, `facing` (n, n) the cosine, 0 to 1,
+    of normal and eye. `sight` (3,) is the unit vector from the eye, `cell` a cell's width in the points' unit.
     `protrusions` keeps what `protrusion` found, by its reach, as two terms use each.
     """
 
@@ -37,10 +35,7 @@ class SeenSurface:
 
 
 def prepare_surface(mask: Booleans, point: Floats, normal: Floats, eye: Floats) -> SeenSurface:
-    """Bring what a view shows of a surface to the maps' grid, by normalised convolution as in `pyramid`.
-
-    Takes what `attend` takes, for one view.
-    """
+    """Bring what one view shows of a surface, as `attend` takes it, to the maps' grid."""
     cover = mask.astype(np.float32)
     certainty = reduce(to_working_size(cover))
     share = reciprocal(certainty)[..., None]
@@ -59,10 +54,7 @@ def prepare_surface(mask: Booleans, point: Floats, normal: Floats, eye: Floats) 
 
 
 def nearness_to_centre(seen: SeenSurface, reach: float) -> Plane:
-    """Give a Gaussian of the distance, across the line of sight, from the middle of what is seen.
-
-    `reach` is its standard deviation in the points' unit.
-    """
+    """Give a Gaussian of the distance, across the line of sight, from the middle of what is seen."""
     shown = seen.certainty > SEEN
     middle = seen.point[shown].mean(axis=0) if shown.any() else np.zeros(3, np.float32)
     offset = seen.point - middle
@@ -72,11 +64,11 @@ def nearness_to_centre(seen: SeenSurface, reach: float) -> Plane:
 
 
 def protrusion(seen: SeenSurface, reach: float) -> Plane:
-    """Measure how far the surface stands out of its surroundings, in units of `reach`.
+    """Measure how far the surface stands out of its surroundings, in units of `reach`; above 0 where convex.
 
     The distance, along the normal, from the centroid of what is seen around a place in a Gaussian window
-    (Clarenz, Rumpf & Telea 2004, "Robust feature detection and local classification for
-    surfaces based on moment analysis", IEEE TVCG 10(5)); above 0 where the surface is convex.
+    (Clarenz, Rumpf & Telea 2004, "Robust feature detection and local classification for surfaces based on
+    moment analysis", IEEE TVCG 10(5)).
     """
     if reach in seen.protrusions:
         return seen.protrusions[reach]

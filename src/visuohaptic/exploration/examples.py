@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from visuohaptic.errors import MeshError
-from visuohaptic.exploration.exploring import load
-
-if TYPE_CHECKING:
-    from visuohaptic.exploration.exploring import TouchableObject
+from visuohaptic.exploration.exploring import TouchableObject, load
 
 FOLDER = Path(__file__).with_name("examples")
 
@@ -17,8 +13,7 @@ FOLDER = Path(__file__).with_name("examples")
 def examples() -> dict[str, Path]:
     """Give the model of each example by its name, which is its class.
 
-    Of each of the paper's classes it is the model with the fewest triangles in the catalogue that is not among
-    the paper's twelve. Authors and licences stand in ``catalogue.csv`` beside them.
+    It is the one with the fewest triangles of its class in the catalogue beside the paper's twelve.
     """
     return {path.parent.name: path for path in sorted(FOLDER.glob("*/*/*.ply.gz"))}
 

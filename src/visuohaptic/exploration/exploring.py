@@ -15,15 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.errors import MeshError, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
-from visuohaptic.exploration.given_points import STRATEGY, touch_points
 from visuohaptic.exploration.pose_files import write_poses
-from visuohaptic.exploration.recognising import (
-    UNKNOWN,
-    Recogniser,
-    check_alike,
-    read_recogniser,
-)
-from visuohaptic.exploration.seen_points import SCHEMAS, Track, touch_seen_points
+from visuohaptic.exploration.recognising import UNKNOWN, Recogniser, check_alike, read_recogniser
 from visuohaptic.exploration.showing import (
     VIEWS_SHOWN,
     png_of,
@@ -32,13 +25,17 @@ from visuohaptic.exploration.showing import (
     view_of,
 )
 from visuohaptic.exploration.sources import is_one_source, mesh_parameters, read_source
+from visuohaptic.exploration.touching import (
+    GIVEN,
+    SCHEMAS,
+    Track,
+    touch_given_points,
+    touch_seen_points,
+)
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.parameters import (
-    ExperimentParameters,
-    as_parameters,
-    check_run,
-)
+from visuohaptic.parameters import ExperimentParameters, as_parameters, check_run
 from visuohaptic.tables.schema import images, write_table
 from visuohaptic.whole_files import unfinished_folder
 
@@ -122,7 +119,10 @@ class TouchableObject:
         """
         chosen = self._sized(parameters)
         if at is None and normals is None:
-            chosen = _with_choices(chosen, viewpoints, strategy)
+            rings = {} if viewpoints is None else {"count": viewpoints}
+            probing = {"strategies": (strategy,)}
+            chosen = _changed(chosen, "touch", probing=probing, viewpoints=rings)
+            check_run(chosen, "touch")
             tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
             if not tables["touches"].num_rows:
                 raise MeshError(
@@ -135,8 +135,8 @@ class TouchableObject:
             raise ParameterError("at leaves no choice of viewpoints: leave one of the two out.")
         else:
             check_run(chosen, "touch")
-            strategy = STRATEGY
-            tables, seconds = touch_points(self.key, self.surface, at, normals, chosen)
+            strategy = GIVEN
+            tables, seconds = touch_given_points(self.key, self.surface, at, normals, chosen)
         seconds = {"prepare": self.seconds, **seconds}
         return Exploration(self.key, self.surface, chosen, strategy, seconds, tables, self.frame)
 
@@ -146,9 +146,8 @@ class TouchableObject:
         scene = parameters.scene
         if self.frame.radius_m is None or "object_radius_m" in scene.model_fields_set:
             return parameters
-        sized = {**scene.model_dump(exclude_unset=True), "object_radius_m": self.frame.radius_m}
-        values = {**parameters.model_dump(exclude_unset=True), "scene": sized}
-        return ExperimentParameters.from_mapping(values, "the object's size")
+        size = {"object_radius_m": self.frame.radius_m}
+        return _changed(parameters, "the object's size", scene=size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +230,7 @@ class Exploration:
         return images(self.touches)
 
     @property
-    def poses(self) -> NDArray[np.float64]:
+    def poses(self) -> Floats:
         """Poses of the touches in the file's frame, shape (n, 4, 4), as `FileFrame.poses` gives them."""
         return self.frame.poses(self.touches)
 
@@ -452,14 +451,11 @@ def touch(
     return [one.touch(viewpoints, strategy, chosen) for one in track(ready)]
 
 
-def _with_choices(
-    parameters: ExperimentParameters, viewpoints: int | None, strategy: str
+def _changed(
+    parameters: ExperimentParameters, source: str, **sections: dict[str, Any]
 ) -> ExperimentParameters:
     # What the caller has left to its default stays so: nobody asked for it.
     values = parameters.model_dump(exclude_unset=True)
-    values.setdefault("probing", {})["strategies"] = (strategy,)
-    if viewpoints is not None:
-        values.setdefault("viewpoints", {})["count"] = viewpoints
-    checked = ExperimentParameters.from_mapping(values, "touch")
-    check_run(checked, "touch")
-    return checked
+    for name, choices in sections.items():
+        values[name] = {**values.get(name, {}), **choices}
+    return ExperimentParameters.from_mapping(values, source)

@@ -7,11 +7,11 @@ import math
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from visuohaptic.fixations.places import sees
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
@@ -32,10 +32,8 @@ def draw_exploration(
 ) -> Image.Image:
     """Draw every view with its touches, and the imprints beside it: a cell a viewpoint.
 
-    Without views there is one cell of imprints. A filled number is a touch that the eye sees, a
-    hollow one lies behind the object; the square is the sensor at its true size. Beside the view
-    each imprint, contact white, with the edge of its square in object radii and the contact's
-    state.
+    A filled number is a touch that the eye sees, a hollow one lies behind the object; the square is the
+    sensor. Each imprint, contact white, has the edge of its square in object radii and the contact's state.
     """
     caster = RayCaster(surface)
     cameras = place_cameras(parameters.viewpoints)
@@ -65,11 +63,11 @@ def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches:
         _mark(draw, places[number], str(number + 1), bool(visible[number]))
 
 
-def _mark(draw: ImageDraw.ImageDraw, place: NDArray[np.float64], text: str, seen: bool) -> None:  # noqa: FBT001
+def _mark(draw: ImageDraw.ImageDraw, place: Floats, text: str, seen: bool) -> None:  # noqa: FBT001
     column, row = place
     box = (column - 9, row - 9, column + 9, row + 9)
     draw.ellipse(box, fill=_MARK if seen else None, outline=_INK, width=1)
-    draw.text((column, row), text, fill=_INK, font=_font(12), anchor="mm")
+    draw.text((column, row), text, fill=_INK, font=ImageFont.load_default(12), anchor="mm")
 
 
 def _cell(title: str, view: Image.Image | None, touches: pa.Table) -> Image.Image:
@@ -82,7 +80,7 @@ def _cell(title: str, view: Image.Image | None, touches: pa.Table) -> Image.Imag
     width = seen[0] + IMPRINTS_ACROSS * (IMPRINT_PIXELS + GAP) + GAP
     cell = Image.new("RGB", (width, _LABEL + max(seen[1], deep)), _BACK)
     draw = ImageDraw.Draw(cell)
-    draw.text((0, 0), title, fill=_INK, font=_font(12))
+    draw.text((0, 0), title, fill=_INK, font=ImageFont.load_default(12))
     if view is not None:
         cell.paste(view, (0, _LABEL))
     for number, imprint in enumerate(imprints):
@@ -96,7 +94,9 @@ def _cell(title: str, view: Image.Image | None, touches: pa.Table) -> Image.Imag
             (left, top, left + IMPRINT_PIXELS - 1, top + IMPRINT_PIXELS - 1), outline=_INK
         )
         label = f"{number + 1}: {sizes[number]:.2f} {states[number].replace('_', ' ')}"
-        draw.text((left, top + IMPRINT_PIXELS + 1), label, fill=_INK, font=_font(10))
+        draw.text(
+            (left, top + IMPRINT_PIXELS + 1), label, fill=_INK, font=ImageFont.load_default(10)
+        )
     return cell
 
 
@@ -108,7 +108,3 @@ def _grid(cells: list[Image.Image]) -> Image.Image:
         down, right = divmod(number, across)
         picture.paste(cell, (right * width + GAP, down * height + GAP))
     return picture
-
-
-def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(size)

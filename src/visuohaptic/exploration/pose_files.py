@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from visuohaptic.errors import ParameterError
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.sensor.imprints import Poses, stand_on
 from visuohaptic.tables.schema import matrix
 
@@ -20,7 +21,7 @@ NORMAL = ("normal_x", "normal_y", "normal_z")
 ROLL = "roll"
 
 
-def write_poses(poses: NDArray[np.float64], path: str | Path) -> None:
+def write_poses(poses: Floats, path: str | Path) -> None:
     """Write poses, shape (n, 4, 4), with the shortest digits that read back as the same numbers."""
     from scipy.spatial.transform import Rotation
 
@@ -32,7 +33,7 @@ def write_poses(poses: NDArray[np.float64], path: str | Path) -> None:
         writer.writerows(rows.tolist())
 
 
-def read_poses(path: str | Path) -> NDArray[np.float64]:
+def read_poses(path: str | Path) -> Floats:
     """Read poses.
 
     Parameters
@@ -94,7 +95,7 @@ def turned(stands: Poses, roll: ArrayLike) -> Poses:
     return replace(stands, columns=columns, rows=rows)
 
 
-def matrices(stands: Poses) -> NDArray[np.float64]:
+def matrices(stands: Poses) -> Floats:
     """Give poses (n, 4, 4): x along the columns, y against the rows, z along the normal."""
     poses = np.tile(np.eye(4), (len(stands), 1, 1))
     axes = (stands.columns, -stands.rows, stands.normals, stands.points)

@@ -15,6 +15,7 @@ from visuohaptic.exploration.pose_files import matrices, turned
 from visuohaptic.exploration.showing import png_of
 from visuohaptic.exploration.sources import surface_in_memory
 from visuohaptic.exploration.units import UNITS
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import as_parameters
@@ -56,9 +57,9 @@ class Pressed:
     """
 
     images: NDArray[np.float32]
-    heights: NDArray[np.float64]
-    poses: NDArray[np.float64]
-    sizes: NDArray[np.float64]
+    heights: Floats
+    poses: Floats
+    sizes: Floats
 
     def __repr__(self) -> str:
         count, rows, columns = self.images.shape
@@ -71,14 +72,14 @@ class Pressed:
         return png_of(self.picture())
 
     @property
-    def points(self) -> NDArray[np.float64]:
+    def points(self) -> Floats:
         """Points of the surface that are felt, shape (n, r, c, 3), mesh frame; NaN where there is none."""
         _, rows, columns = self.heights.shape
         aside = 0.5 * self.sizes[:, :1] * sensing_offsets(columns)
         down = 0.5 * self.sizes[:, 1:] * sensing_offsets(rows)
         heights = np.where(np.isfinite(self.heights), self.heights, np.nan)
         x, y, z = (self.poses[:, None, None, :3, axis] for axis in range(3))
-        found: NDArray[np.float64] = (
+        found: Floats = (
             self.poses[:, None, None, :3, 3]
             + aside[:, None, :, None] * x
             - down[:, :, None, None] * y
@@ -196,13 +197,13 @@ def press(
 
 
 def _readings(
-    contact: NDArray[np.float64],
-    heights: NDArray[np.float64],
-    sizes: NDArray[np.float64],
+    contact: Floats,
+    heights: Floats,
+    sizes: Floats,
     scene: Scene | Mapping[str, Any] | str,
     unit: str | None,
     seed: int,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Give the readings of sensors in a scene, of full scale."""
     if unit not in UNITS:
         raise ParameterError(
@@ -245,7 +246,7 @@ def _stand(
     return stand_on(where, unit_rows(normals, "normals", len(where)), orientation)
 
 
-def _check_poses(poses: NDArray[np.float64]) -> None:
+def _check_poses(poses: Floats) -> None:
     if poses.ndim != 3 or poses.shape[1:] != (4, 4) or not np.isfinite(poses).all():
         raise ParameterError(
             f"poses has the shape {poses.shape}; (n, 4, 4), all finite, is needed."
@@ -269,7 +270,7 @@ def _grid(resolution: int | tuple[int, int]) -> tuple[int, int]:
     return int(counts[0]), int(counts[-1])
 
 
-def _sizes(size: ArrayLike | None, count: int) -> NDArray[np.float64]:
+def _sizes(size: ArrayLike | None, count: int) -> Floats:
     """Give width and height of each sensor, shape (n, 2)."""
     if size is None:
         raise ParameterError("size is missing: the edge of the sensors, in the mesh's unit.")
@@ -286,7 +287,7 @@ def _sizes(size: ArrayLike | None, count: int) -> NDArray[np.float64]:
     return _positive(np.broadcast_to(given, (count, 2)), "size").copy()
 
 
-def _unit_surface(mesh: Mesh) -> tuple[Surface, NDArray[np.float64], float]:
+def _unit_surface(mesh: Mesh) -> tuple[Surface, Floats, float]:
     """Give the mesh within the unit ball, where rays are exact enough, its centre and radius."""
     surface = surface_in_memory(mesh, "mesh")
     if surface is None:
@@ -307,7 +308,7 @@ def _unit_surface(mesh: Mesh) -> tuple[Surface, NDArray[np.float64], float]:
     return replace(surface, vertices=(vertices - centre) / radius), centre, radius
 
 
-def _positive(values: NDArray[np.float64], name: str) -> NDArray[np.float64]:
+def _positive(values: Floats, name: str) -> Floats:
     if not (np.isfinite(values) & (values > 0)).all():
         raise ParameterError(
             f"{name} holds {values.min():g}; positive, finite lengths are allowed."

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from visuohaptic.errors import MeshError
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, Model, read_catalogue
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
@@ -32,11 +32,11 @@ _ALLOWED = "a path, a trimesh.Trimesh or Scene, (vertices, faces) or an open bin
 
 def read_source(
     source: Source, file_type: str | None, parameters: MeshParameters
-) -> tuple[str, Surface, NDArray[np.float64]]:
-    """Read an object from wherever it is, and make it ready: its key, its surface, and the way from its file's frame.
+) -> tuple[str, Surface, Floats]:
+    """Read an object from wherever it is: its key, its surface made ready, and the way from its file's frame.
 
-    `file_type` is the format of an open file, such as ``obj``; without it as its name ends. Raises
-    `MeshError` if it is no source, can't be read, or has nothing to touch.
+    `file_type` is the format of an open file, such as ``obj``. Raises `MeshError` if it is no source, can't
+    be read, or has nothing to touch.
     """
     if isinstance(source, str | Path):
         model = _model_of(Path(source))
@@ -72,10 +72,7 @@ def is_one_source(value: Any) -> bool:
 def mesh_parameters(
     values: MeshParameters | ExperimentParameters | Mapping[str, Any] | None,
 ) -> MeshParameters:
-    """Take section `meshes` from whichever parameters are given, or from a mapping of its own names.
-
-    Raises `ParameterError` if a name is unknown or a value not allowed.
-    """
+    """Take section `meshes` from whichever parameters are given, or from a mapping of its own names."""
     if isinstance(values, MeshParameters):
         return values
     if isinstance(values, Mapping) and values and set(values) <= set(MeshParameters.model_fields):

@@ -18,11 +18,10 @@ from visuohaptic.tables.schema import build_table
 
 
 def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
-    """Choose where to touch: rows of `tables.FIXATIONS`, `SPARE` more than fixations are asked for.
+    """Choose where to touch: rows of `tables.FIXATIONS`, up to `SPARE` more than fixations are asked for.
 
-    There are fewer where the view has no more; fewer are the first of more. What is drawn depends on
-    the seed, the strategy, the object and the viewpoint alone. `one` is a `Look` where the strategy
-    looks. Raises `RegistryError` if there is no such strategy.
+    Fewer are the first of more. What is drawn depends on seed, strategy, object and viewpoint alone. `one` is
+    a `Look` where the strategy looks. Raises `RegistryError` if there is no such strategy.
     """
     entry = STRATEGIES[strategy]
     generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)
@@ -32,10 +31,7 @@ def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed:
 
 
 def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:
-    """List those of an object's points that a viewpoint sees, for `adaptive` to choose among.
-
-    Rows of `tables.FIXATIONS` of strategy ``adaptive``, in the crowd's order.
-    """
+    """List those of an object's points that a viewpoint sees, for strategy ``adaptive``, in their order."""
     shown = crowd.take(np.flatnonzero(sees(one.caster, one.camera, crowd.points)))
     turned = turn_towards(shown, one.camera)
     return location_table(one.key, one.viewpoint, "adaptive", turned)

@@ -1,14 +1,13 @@
-"""Views of an object, and attention in them."""
+"""Viewpoints of an object, with attention or without."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.model import Attention, attend
+from visuohaptic.attention.model import Attention
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath, scan
 from visuohaptic.fixations.rendering import Views
@@ -39,19 +38,3 @@ class Look(Standpoint):
         seen, place = self.seen, self.place
         surface = (seen.mask[place], seen.point[place], seen.normal[place], seen.face[place])
         return scan(saliency, *surface, attention)
-
-
-def attend_to(
-    seen: Views,
-    caster: RayCaster,
-    key: str,
-    cameras: Mapping[int, Camera],
-    attention: AttentionParameters,
-) -> list[Look]:
-    """Find saliency and fixations in the views from some viewpoints, by their numbers; each is alone."""
-    eyes = np.stack([camera.eye for camera in cameras.values()]) if cameras else None
-    attentions = attend(**seen.arrays(), parameters=attention, eye=eyes)
-    return [
-        Look(key, number, caster, camera, seen, place, attentions[place])
-        for place, (number, camera) in enumerate(cameras.items())
-    ]

@@ -36,10 +36,10 @@ class ProbingLocations:
 
 
 def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -> ProbingLocations:
-    """Draw points uniformly over a surface, by area; hidden parts are as likely as visible ones.
+    """Draw points uniformly over a surface, by area, hidden parts too; fewer are the first of more.
 
-    Fewer points are the first of more. A triangle is drawn by its share of the area, a point in it by
-    the square-root map of the unit square (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1).
+    A triangle is drawn by its share of the area, a point in it by the square-root map of the unit square
+    (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1).
     """
     cumulative = np.cumsum(surface.face_areas)
     drawn, outer, along = generator.random((count, 3)).T
@@ -52,10 +52,7 @@ def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -
 
 
 def sees(caster: RayCaster, camera: Camera, points: Floats) -> Booleans:
-    """Find which points of a surface, shape (n, 3), a camera sees: shape (n,), bool.
-
-    They are within its view, a square about its axis, and not behind another part.
-    """
+    """Find which points of a surface, shape (n, 3), are within a camera's square view, and not hidden."""
     offsets = points - camera.eye
     across, along, towards = np.einsum("nd,kd->kn", offsets, camera.axes)
     depth = -towards

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,12 +11,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.fixations.visual_effects import (
-    VisualPlan,
-    plan_visual,
-    seen_colours,
-    seen_texture,
-)
+from visuohaptic.fixations.visual_effects import VisualPlan, plan_visual, seen_colours, seen_texture
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.curvature import SurfaceShape, shape_of
 from visuohaptic.geometry.elementary import sin_cos
@@ -35,16 +28,13 @@ SHADOW_OFFSET = 1e-4
 
 @dataclass(frozen=True)
 class Views:
-    """What n cameras see, each over h rows and w columns; lengths are in object radii.
+    """What n cameras see, each over h rows and w columns, object frame; lengths are in object radii.
 
-    `colour` (n, h, w, 3), float32, is sRGB, 0 to 1; `mask` (n, h, w) says whether a pixel sees the
-    surface. `depth` (n, h, w), float32, is along the viewing axis from the camera's plane, infinite
-    on the background. `point` and `normal` (n, h, w, 3), float64, are the seen point and the
-    interpolated unit normal on the side of the camera, object frame, zero on the background; `face`
-    (n, h, w), int64, is -1 there. `curvature` (n, h, w), float32, is the curvedness of the surface,
-    at least 0, zero on the background. `lit` (n, h, w) says whether no cast shadow falls on the
-    pixel; true where none is simulated or needed. In the records of `effects` a view counts as a
-    touch.
+    `colour` (n, h, w, 3), float32, is sRGB, 0 to 1; the other arrays are zero on the background, but `face`,
+    int64, -1, and `depth`, float32, along the viewing axis from the camera's plane, infinite. `point` and
+    `normal` (n, h, w, 3), float64, are the seen point and the interpolated unit normal towards the camera;
+    `curvature`, float32, is the surface's curvedness. `lit` is true but where a cast shadow is simulated
+    and falls. In the records of `effects` a view counts as a touch.
     """
 
     colour: NDArray[np.float32]
@@ -74,11 +64,9 @@ def render_views(
 ) -> Views:
     """Render a surface from several cameras; each view depends on its own camera alone.
 
-    One ray goes through the centre of each pixel. The light is fixed to the camera, so rotating the
-    object is the same as rotating the camera. A pixel that meets an image has the mean light of the
-    part of the image that it covers, on the plane of the face that its ray meets (`Texture.light`).
-    The modes are by default those of a scene where nothing is given; simulating an effect that is
-    not needed changes no bit.
+    One ray goes through the centre of each pixel, and an image gives the mean light of the part that the
+    pixel covers, on the plane of the face that its ray meets (`Texture.light`). The light turns with the
+    camera. Simulating an effect that is not needed changes no bit.
     """
     return colour_views(
         caster, cameras, meet_surface(caster, cameras, parameters), parameters, modes
@@ -89,8 +77,7 @@ def render_views(
 class Met:
     """Where the rays of one camera meet the surface: p pixels see it.
 
-    `pixels` and `faces` have the shape (p,), int64, `curvature` (p,), and `directions` of the rays, `points`,
-    their barycentric `weights` and `normals` (p, 3), float64.
+    `pixels` and `faces` (p,) are int64, `curvature` (p,) and the rest (p, 3) float64; `weights` are barycentric.
     """
 
     pixels: Integers
@@ -130,18 +117,18 @@ def colour_views(
     """Colour what each camera's rays have met: the rest of `render_views`, which says what it takes."""
     modes = modes or VisualModes()
     surface = caster.surface
-    log = _EffectLog(plan_visual(modes, surface.stored_colours(), parameters.ambient))
-    with log.clock("texture" if modes.texture == "never" else "colour"):
+    plans = plan_visual(modes, surface.stored_colours(), parameters.ambient)
+    with plans["texture" if modes.texture == "never" else "colour"].clock():
         colours = seen_colours(surface.face_colours, surface.face_areas, modes) / 255.0
-        texture = surface.texture if log.simulates("texture") else None
+        texture = surface.texture if plans["texture"].simulated else None
         texture = None if texture is None else seen_texture(texture, modes)
     views = _background(len(cameras), parameters)
     for number, (camera, one) in enumerate(zip(cameras, met, strict=True)):
-        seen = _seen_surface(caster, one, colours, texture, camera, parameters, log)
+        seen = _seen_surface(caster, one, colours, texture, camera, parameters, plans)
         for name, values in seen.items():
             view = views[name][number]
             view.reshape(-1, *view.shape[2:])[one.pixels] = values
-    return Views(**views, effects=log.records(len(cameras)))
+    return Views(**views, effects=tuple(plan.record(len(cameras)) for plan in plans.values()))
 
 
 def light_direction(camera: Camera, parameters: RenderingParameters) -> Floats:
@@ -150,40 +137,6 @@ def light_direction(camera: Camera, parameters: RenderingParameters) -> Floats:
     (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
     right, up, back = camera.axes
     return level * (aside * right + ahead * back) + rise * up
-
-
-class _EffectLog:
-    """Which visual effects are simulated, and the time that each takes."""
-
-    def __init__(self, plans: Sequence[VisualPlan]) -> None:
-        self._plans = {plan.effect: plan for plan in plans}
-        self._seconds = dict.fromkeys(self._plans, 0.0)
-
-    def needs(self, effect: str) -> bool:
-        return self._plans[effect].needed
-
-    def simulates(self, effect: str) -> bool:
-        return self._plans[effect].simulated
-
-    @contextmanager
-    def clock(self, effect: str) -> Iterator[None]:
-        started = time.process_time()
-        yield
-        self._seconds[effect] += time.process_time() - started
-
-    def records(self, views: int) -> tuple[EffectRecord, ...]:
-        return tuple(
-            EffectRecord(
-                plan.effect,
-                plan.mode,
-                plan.reason,
-                views,
-                views * plan.needed,
-                views * plan.simulated,
-                self._seconds[plan.effect],
-            )
-            for plan in self._plans.values()
-        )
 
 
 def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArray[Any]]:
@@ -207,25 +160,25 @@ def _seen_surface(
     texture: Texture | None,
     camera: Camera,
     parameters: RenderingParameters,
-    log: _EffectLog,
+    plans: Mapping[str, VisualPlan],
 ) -> dict[str, NDArray[Any]]:
     """Give what the pixels see that see the surface, by the names of `Views`."""
     faces, points, weights, normals = met.faces, met.points, met.weights, met.normals
     light = light_direction(camera, parameters)
     colours = face_colours.take(faces, axis=0)
     if texture is not None:
-        with log.clock("texture"):
+        with plans["texture"].clock():
             on = np.flatnonzero(texture.textured.take(faces))
             depths = dot(camera.eye - points[on], camera.axes[2][None])
             sides = camera.pixel_sides(parameters.resolution, depths)
             steps = _weight_steps(caster, faces[on], met.directions[on], sides)
             colours[on] = encode_srgb(texture.light(faces[on], weights[on], steps))
     lit = np.ones(len(faces), dtype=bool)
-    if log.simulates("cast_shadows"):
-        with log.clock("cast_shadows"):
+    if plans["cast_shadows"].simulated:
+        with plans["cast_shadows"].clock():
             lit = _lit(caster, points, normals, light)
-    if log.simulates("shading"):
-        with log.clock("shading"):
+    if plans["shading"].simulated:
+        with plans["shading"].clock():
             colours = _shade(colours, normals, lit, light, parameters.ambient)
     return {
         "colour": colours,
@@ -235,7 +188,7 @@ def _seen_surface(
         "normal": normals,
         "face": faces,
         "curvature": met.curvature,
-        "lit": lit | (not log.needs("cast_shadows")),
+        "lit": lit | (not plans["cast_shadows"].needed),
     }
 
 

@@ -10,9 +10,10 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.locations import locate
-from visuohaptic.fixations.looking import Look, Standpoint, attend_to
+from visuohaptic.fixations.looking import Look, Standpoint
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.fixations.rendering import Views, render_views
@@ -57,8 +58,13 @@ class Sight:
     @cached_property
     def looks(self) -> list[Look]:
         """Saliency and fixations of each view."""
-        subject = self.subject
-        return attend_to(self.seen, subject.caster, subject.key, self.cameras, self.attention)
+        key, caster = self.subject.key, self.subject.caster
+        eyes = np.stack([camera.eye for camera in self.cameras.values()])
+        attended = attend(**self.seen.arrays(), parameters=self.attention, eye=eyes)
+        return [
+            Look(key, number, caster, camera, self.seen, place, attended[place])
+            for place, (number, camera) in enumerate(self.cameras.items())
+        ]
 
     @property
     def needs_looks(self) -> bool:

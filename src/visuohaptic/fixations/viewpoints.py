@@ -19,10 +19,9 @@ GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 class Camera:
     """One viewpoint: an eye that looks at the origin of the object frame from a distance in object radii.
 
-    The azimuth is around the vertical axis, from +z towards +x; the elevation above the horizontal
-    plane, -90 to 90; the field of view the angle between the view's top and bottom edge; the roll a
-    turn about the viewing axis, counter-clockwise as the camera sees itself turn. `projection` is
-    ``perspective`` or ``orthographic``.
+    The azimuth is around the vertical axis, from +z towards +x; the elevation above the horizontal plane; the
+    field of view from top to bottom edge; the roll about the viewing axis, counter-clockwise as the camera
+    sees itself turn. `projection` is ``perspective`` or ``orthographic``.
     """
 
     azimuth_degrees: float
@@ -34,11 +33,7 @@ class Camera:
 
     @cached_property
     def axes(self) -> Floats:
-        """Unit vectors right, up and back (towards the eye), rows of a rotation, shape (3, 3).
-
-        They follow from the angles without a cross product, so a camera
-        straight above the object has an upright view too.
-        """
+        """Unit vectors right, up and back (towards the eye), rows of a rotation (3, 3), upright at the poles too."""
         angles = [self.azimuth_degrees, self.elevation_degrees, self.roll_degrees]
         (east, rise, turn), (north, level, upright) = sin_cos(np.radians(angles))
         right = np.array([north, 0.0, -east])
@@ -57,10 +52,9 @@ class Camera:
         return 2.0 * self.distance * self._half_height
 
     def window(self, points: Floats, resolution: int) -> Integers:
-        """List the pixels (m,), int64, of the least upright rectangle that shows all of some points (k, 3).
+        """List the pixels (m,), counted row by row, of the least rectangle that shows all of some points (k, 3).
 
-        They are counted row by row from the view's upper left. Only they can see a surface whose
-        corners are the points. All pixels where a point is not in front of the camera.
+        Only they can see a surface with these corners. All pixels where a point is not in front of the camera.
         """
         right, up, back = np.einsum("nd,kd->kn", points, self.axes)
         depth = np.full_like(back, self.distance)
@@ -75,8 +69,7 @@ class Camera:
     def rays(self, resolution: int, pixels: Integers | None = None) -> tuple[Floats, Floats]:
         """Give origins and directions (m, 3) of the rays through the centres of pixels (m,), by default of all.
 
-        Pixels are counted as `window` does, over a square view. A direction's component along the
-        optical axis has length 1, so the distance along a ray is the depth along the viewing axis.
+        A direction's component along the optical axis has length 1, so the distance along a ray is the depth.
         """
         right, up, back = self.axes
         steps = self._steps(resolution)
@@ -108,11 +101,10 @@ class Camera:
 
 
 def place_cameras(parameters: ViewpointParameters) -> list[Camera]:
-    """Place every camera of an arrangement.
+    """Place every camera of an arrangement: rings by their elevations, or a Fibonacci sphere from the top.
 
-    Rings follow each other in the order of their elevations, each from its first azimuth on. The
-    Fibonacci sphere runs from top to bottom: heights at the middle of equal slices, turned by the
-    golden angle (Swinbank & Purser 2006, Q. J. R. Meteorol. Soc. 132).
+    Its heights are the middles of equal slices, turned by the golden angle (Swinbank & Purser 2006, Q. J. R.
+    Meteorol. Soc. 132).
     """
     if parameters.arrangement == "fibonacci":
         angles = _fibonacci_angles(parameters.count)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,26 +13,38 @@ from numpy.typing import NDArray
 from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, Mode, VisualModes
+from visuohaptic.scene.records import EffectRecord
 
 
-@dataclass(frozen=True)
+@dataclass
 class VisualPlan:
-    """Whether a visual effect is needed by the object or the light and is simulated, and why or why not."""
+    """Whether a visual effect is needed and simulated, why or why not, and the time that it takes."""
 
     effect: str
     mode: Mode
     needed: bool
     simulated: bool
     reason: str
+    seconds: float = 0.0
+
+    @contextmanager
+    def clock(self) -> Iterator[None]:
+        """Add what is done within to the effect's time."""
+        started = time.process_time()
+        yield
+        self.seconds += time.process_time() - started
+
+    def record(self, views: int) -> EffectRecord:
+        """Give the effect's record, in which a view counts as a touch."""
+        runs = views * self.simulated
+        needed = views * self.needed
+        return EffectRecord(self.effect, self.mode, self.reason, views, needed, runs, self.seconds)
 
 
 def plan_visual(
     modes: VisualModes, colours: NDArray[np.uint8], ambient: float
-) -> tuple[VisualPlan, ...]:
-    """Decide which of `VISUAL_EFFECTS` the views of an object need; to simulate another one changes no view.
-
-    `colours` (n, 3), uint8, are those of all faces and images.
-    """
+) -> dict[str, VisualPlan]:
+    """Decide which of `VISUAL_EFFECTS` an object of some colours (n, 3), uint8, needs in a light."""
     coloured = bool((colours != colours[:, :1]).any())
     patterned = bool((colours != colours[:1]).any())
     slanted = ambient < 1
@@ -47,7 +62,12 @@ def plan_visual(
             light if shaded or not slanted else "without shading no light is blocked",
         ),
     }
-    return tuple(_plan(modes, effect, *needs[effect]) for effect in VISUAL_EFFECTS)
+    plans = {}
+    for effect in VISUAL_EFFECTS:
+        mode, (needed, reason) = getattr(modes, effect), needs[effect]
+        simulated = mode == "always" or (mode == "auto" and needed)
+        plans[effect] = VisualPlan(effect, mode, needed, simulated, reason)
+    return plans
 
 
 def seen_colours(
@@ -55,8 +75,7 @@ def seen_colours(
 ) -> NDArray[np.uint8]:
     """Give the faces' colours (f, 3), uint8, without the effects that are never simulated.
 
-    Without texture all faces have the mean colour by area; without colour each face has the grey of
-    its luma (ITU-R BT.601).
+    Without texture it is the mean by area; without colour the grey of their luma (ITU-R BT.601).
     """
     if "never" not in (modes.texture, modes.colour):
         return face_colours
@@ -82,9 +101,3 @@ def seen_texture(texture: Texture, modes: VisualModes) -> Texture:
 def _greys(colours: Floats) -> Floats:
     luma = np.einsum("...c,c->...", colours, np.array([0.299, 0.587, 0.114]))
     return np.repeat(luma[..., None], 3, axis=-1)
-
-
-def _plan(modes: VisualModes, effect: str, needed: bool, reason: str) -> VisualPlan:  # noqa: FBT001
-    mode: Mode = getattr(modes, effect)
-    simulated = mode == "always" or (mode == "auto" and needed)
-    return VisualPlan(effect, mode, needed, simulated, reason)

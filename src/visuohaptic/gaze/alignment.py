@@ -5,10 +5,10 @@ from __future__ import annotations
 from operator import itemgetter
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.recordings import Recording
+from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 
@@ -22,14 +22,13 @@ _REFINEMENTS = 2
 
 
 def align(
-    points: NDArray[np.float64], caster: RayCaster, name: str, largest_error: float
-) -> tuple[NDArray[np.float64], float]:
-    """Bring recorded points (n, 3), in any unit and with the mesh's axes, to the surface by one scale and a shift.
+    points: Floats, caster: RayCaster, name: str, largest_error: float
+) -> tuple[Floats, float]:
+    """Bring recorded points (n, 3), with the mesh's axes, to the surface by one scale and a shift.
 
-    These come from the bounding boxes, refined by least squares to the nearest points. Gives the
-    nearest points of the surface (n, 3), and the distance from it, in the mesh's unit, that 95 % of
-    the points keep within. Raises `GazeError`, with the recording's `name`, if the points have no
-    extent, or that distance is above `largest_error`.
+    They come from the bounding boxes, refined by least squares to the nearest points. Gives these (n, 3), and
+    the distance, mesh unit, that 95 % keep within. Raises `GazeError`, with the recording's `name`, if the
+    points have no extent, or that distance is above `largest_error`.
     """
     low, high = points.min(axis=0), points.max(axis=0)
     extent = float(np.linalg.norm(high - low))
@@ -37,7 +36,7 @@ def align(
         raise GazeError(f"{name}: all recorded points are at one place; an extent is needed.")
     scale = float(np.linalg.norm(caster.bounds[1] - caster.bounds[0])) / extent
     shift = caster.bounds.mean(axis=0) - scale * 0.5 * (low + high)
-    found: list[tuple[float, NDArray[np.float64]]] = []
+    found: list[tuple[float, Floats]] = []
     for _ in range(1 + _REFINEMENTS):
         moved = scale * points + shift
         nearest, _ = caster.nearest(moved)
@@ -57,8 +56,8 @@ def align(
 def reconstruct(recording: Recording) -> Surface:
     """Make a surface from a recording's points and normals, for one that has no mesh.
 
-    Screened Poisson reconstruction (Kazhdan & Hoppe 2013, ACM Trans. Graph. 32(3)), without what lies
-    far from every point. Raises `GazeError` where points or normals are missing.
+    Screened Poisson reconstruction (Kazhdan & Hoppe 2013, ACM Trans. Graph. 32(3)), without what lies far
+    from every point. Raises `GazeError` where points or normals are missing.
     """
     from visuohaptic.geometry.compiled_open3d import open3d
 
@@ -91,14 +90,12 @@ def reconstruct(recording: Recording) -> Surface:
     return grey_surface(vertices, faces)
 
 
-def grey_surface(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Surface:
+def grey_surface(vertices: Floats, faces: Integers) -> Surface:
     """Give a surface without colour, as people saw these objects."""
     return Surface(vertices, faces, np.full((len(faces), 3), GREY, dtype=np.uint8))
 
 
-def _fitted(
-    points: NDArray[np.float64], nearest: NDArray[np.float64]
-) -> tuple[float, NDArray[np.float64]]:
+def _fitted(points: Floats, nearest: Floats) -> tuple[float, Floats]:
     """Give the scale and shift that bring points closest to others, by least squares."""
     middle, other = points.mean(axis=0), nearest.mean(axis=0)
     centred = points - middle

@@ -37,8 +37,8 @@ def look_at_folder(
 ) -> list[GazedObject]:
     """Look at every recorded object in `gaze.folder`, by name; those for tests only if asked for.
 
-    Channels run with equal weights, as weights are what is fitted. `processes` change no result.
-    Raises `GazeError` or `MeshError` for the first recording or mesh that can't be used.
+    Channels run with equal weights, as weights are what is fitted. Raises `GazeError` or `MeshError` for
+    the first recording or mesh that can't be used.
     """
     from joblib import Parallel, delayed, parallel_config
 

@@ -22,6 +22,7 @@ from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.peers import find_peer, read_peer
 from visuohaptic.gaze.recordings import Recording, RecordingFile, read_recording
+from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.model_files import read_model
@@ -49,31 +50,28 @@ REACH = 3.0
 class GazedObject:
     """What the eye sees of an object, and where people looked.
 
-    `points` (n, 3) on the `surface`, in the object frame, are some of the recorded ones; `gazed` is
-    time and area there. `planes` (v, k, m, m), float32, are `COLUMNS` of each view on the maps'
-    grid, of which `shown` (v, m, m) says which cells show the object; `cells` (v, n) is the grid
-    cell of each point, counted row by row, and `visible` (v, n) whether a view sees it.
-
-    95 % of the recorded points keep within `error` object radii of the mesh. People spent `seconds`
-    on the object, `seen_share` of them on points that a view sees. `peer` (n,) is what others
-    predicted at the points; None where nothing is at hand.
+    `points` (n, 3) on the `surface`, object frame, are some of the recorded ones; `gazed` is time and area
+    there. `planes` (v, k, m, m), float32, are `COLUMNS` of each view, and `shown` (v, m, m) says which cells
+    show the object; `cells` (v, n) is each point's cell, counted row by row, `visible` (v, n) whether a view
+    sees it. 95 % of all points keep within `error` object radii of the mesh; people spent `seconds` on it,
+    `seen_share` of them on seen points. `peer` (n,) is what others predicted there.
     """
 
     name: str
     is_test: bool
     digest: str
     surface: Surface
-    points: NDArray[np.float64]
+    points: Floats
     gazed: GazedSurface
     planes: NDArray[np.float32]
-    shown: NDArray[np.bool_]
-    cells: NDArray[np.int64]
-    visible: NDArray[np.bool_]
+    shown: Booleans
+    cells: Integers
+    visible: Booleans
     error: float
     is_reconstructed: bool
     seconds: float
     seen_share: float
-    peer: NDArray[np.float64] | None = None
+    peer: Floats | None = None
 
     @property
     def family(self) -> str:
@@ -81,7 +79,7 @@ class GazedObject:
         return self.name.rstrip("0123456789") or self.name
 
     @cached_property
-    def features(self) -> NDArray[np.float64]:
+    def features(self) -> Floats:
         """Features of each point, averaged over the views that see it, shape (n, k); zero if none."""
         views, kinds = self.planes.shape[:2]
         total = np.zeros((self.visible.shape[1], kinds))
@@ -101,8 +99,7 @@ def look_at(
 ) -> GazedObject:
     """Read a recording and its mesh, and look at the object from every viewpoint.
 
-    Raises `GazeError` where the recording can't be read or does not fit its mesh, and `MeshError`
-    where the mesh can't be read.
+    Raises `GazeError` where the recording can't be read or does not fit, and `MeshError` for the mesh.
     """
     recording = read_recording(file.gaze, gaze.largest_megabytes)
     if file.mesh is None:
@@ -124,7 +121,7 @@ def look_at(
     visible = sighted[:, chosen]
     front = spawn_generator(seed, "gaze front", file.name)
     planes, shown = _feature_planes(caster, cameras, rendering, attention, front)
-    seen: NDArray[np.bool_] = np.asarray(visible.any(axis=0))
+    seen: Booleans = np.asarray(visible.any(axis=0))
     if not (density[chosen] * area[chosen])[seen].sum() > 0:
         raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
     return GazedObject(
@@ -146,7 +143,7 @@ def look_at(
     )
 
 
-def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]:
+def _recorded_points(recording: Recording, mesh: Surface) -> Floats:
     if recording.points is not None:
         return recording.points
     if len(recording.seconds) != len(mesh.vertices):
@@ -158,12 +155,8 @@ def _recorded_points(recording: Recording, mesh: Surface) -> NDArray[np.float64]
 
 
 def _spread(
-    points: NDArray[np.float64],
-    seconds: NDArray[np.float64],
-    surface: Surface,
-    spread: float,
-    seed: int,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    points: Floats, seconds: Floats, surface: Surface, spread: float, seed: int
+) -> tuple[Floats, Floats]:
     """Give each recorded point its area and, by a Gaussian, the time per area around it."""
     from scipy.sparse import csr_matrix
     from scipy.spatial import cKDTree
@@ -183,8 +176,8 @@ def _spread(
 
 
 def _predicted_by_peer(
-    points: NDArray[np.float64], caster: RayCaster, name: str, gaze: GazeParameters
-) -> NDArray[np.float64] | None:
+    points: Floats, caster: RayCaster, name: str, gaze: GazeParameters
+) -> Floats | None:
     from scipy.spatial import cKDTree
 
     file = find_peer(gaze.peer, name) if gaze.peer else None
@@ -192,7 +185,7 @@ def _predicted_by_peer(
         return None
     theirs, values = read_peer(file, gaze.largest_megabytes)
     placed, _ = align(theirs, caster, str(file), gaze.largest_error)
-    found: NDArray[np.float64] = values[cKDTree(placed).query(points)[1]]
+    found: Floats = values[cKDTree(placed).query(points)[1]]
     return found
 
 
@@ -202,7 +195,7 @@ def _feature_planes(
     rendering: RenderingParameters,
     attention: AttentionParameters,
     front: np.random.Generator,
-) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+) -> tuple[NDArray[np.float32], Booleans]:
     """Give `COLUMNS` and the cells that show the object; `front` draws how far it is turned."""
     planes, shown = [], []
     angle = front.uniform(0, 2 * np.pi)
@@ -228,7 +221,7 @@ def _feature_planes(
     return np.stack(planes), np.stack(shown)
 
 
-def _cells(camera: Camera, points: NDArray[np.float64], size: int) -> NDArray[np.int64]:
+def _cells(camera: Camera, points: Floats, size: int) -> Integers:
     """Give the grid cell in which a camera sees each point; those outside the view at its edge."""
     right, up, back = camera.axes
     offset = points - camera.eye

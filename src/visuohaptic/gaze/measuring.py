@@ -14,13 +14,7 @@ from visuohaptic.attention.surface_measures import MEASURES
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import GazedObject
 from visuohaptic.gaze.parameters import GazeParameters
-from visuohaptic.gaze.predicting import (
-    BY_NAME,
-    PREDICTORS,
-    fit_predictor,
-    predict,
-    weights_of,
-)
+from visuohaptic.gaze.predicting import BY_NAME, PREDICTORS, fit_predictor, predict, weights_of
 from visuohaptic.tables.gaze import GAZE
 from visuohaptic.tables.schema import build_rows
 
@@ -62,8 +56,7 @@ def measure_all(objects: Sequence[GazedObject], gaze: GazeParameters) -> pa.Tabl
 def human_weights(objects: Sequence[GazedObject], gaze: GazeParameters) -> dict[str, Any]:
     """Fit all channels and terms to all training objects, as `attention.weights: human` takes them.
 
-    Gives ``channels`` and ``terms`` by name, ``objects``, the names fitted to, and ``sha256`` of
-    their recordings together.
+    Beside ``channels`` and ``terms`` are the ``objects`` fitted to, and ``sha256`` of their recordings.
     """
     training = sorted((one for one in objects if not one.is_test), key=lambda one: one.name)
     tested = {one.family for one in objects if one.is_test}

@@ -1,7 +1,6 @@
 """Predictions that others made for recorded objects: text or npz as recordings are, or coloured points.
 
-A PLY file of points has its values as colours of the scale ``jet``, as public repositories keep them; they are
-found again to 1 in 255.
+Points of a PLY file have their values as colours of the scale ``jet``, found again to 1 in 255.
 """
 
 from __future__ import annotations
@@ -10,11 +9,11 @@ import io
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.parameters import GAZE_SUFFIXES
 from visuohaptic.gaze.recordings import MOST_POINTS, read_bounded, read_recording
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 
 ENDINGS = ("", "_pred")
@@ -31,10 +30,7 @@ _FARTHEST = 3.0
 
 
 def find_peer(folder: str | Path, name: str) -> Path | None:
-    """Give the file that holds the prediction for an object, None where there is none.
-
-    Raises `GazeError` if there is no such folder.
-    """
+    """Give the file with the prediction for an object, None without; `GazeError` if there is no such folder."""
     folder = Path(folder)
     if not folder.is_dir():
         raise GazeError(f"gaze.peer is {folder}, which is no folder.")
@@ -44,13 +40,10 @@ def find_peer(folder: str | Path, name: str) -> Path | None:
     return next((file for file in files if file.is_file()), None)
 
 
-def read_peer(
-    path: Path, largest_megabytes: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Read a prediction: points, shape (n, 3), in the file's frame, and values, shape (n,), at least 0.
+def read_peer(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
+    """Read a prediction: points (n, 3), in the file's frame, and values (n,), at least 0.
 
-    Raises `GazeError` if the file can't be read, is too large, has no points, or has colours that
-    are not of the scale.
+    Raises `GazeError` if the file can't be read, is too large, or has no points or other colours.
     """
     if path.suffix.lower() == ".ply":
         return _read_coloured(path, largest_megabytes)
@@ -60,9 +53,7 @@ def read_peer(
     return found.points, found.seconds
 
 
-def _read_coloured(
-    path: Path, largest_megabytes: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _read_coloured(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
     from plyfile import PlyData, PlyParseError
     from scipy.spatial import cKDTree
 

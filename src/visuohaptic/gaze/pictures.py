@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import render_views
@@ -15,6 +14,7 @@ from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.gaze.looking import GazedObject
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import BY_NAME, predict, weights_of
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.tables.gaze import GAZE_PICTURES
 from visuohaptic.tables.schema import build_table
@@ -58,10 +58,10 @@ def picture_table(
     )
 
 
-def draw_values(one: GazedObject, values: Sequence[NDArray[np.float64]]) -> bytes:
+def draw_values(one: GazedObject, values: Sequence[Floats]) -> bytes:
     """Draw an object once for each array of values at its points, side by side, as PNG.
 
-    It is seen from the viewpoint that shows most of people's time, of the default ring.
+    It is seen from the viewpoint of the default ring that shows most of people's time.
     """
     import cv2
     from scipy.spatial import cKDTree

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.attention.registry import CHANNELS, TERMS
 from visuohaptic.attention.surface_measures import correlation
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import COLUMNS, FEATURES, TURNING, GazedObject
 from visuohaptic.gaze.parameters import GazeParameters
+from visuohaptic.geometry.arrays import Floats
 
 MOST_FITTED = 1500
 """Points of an object that weights are fitted to, evenly spread over the evaluated ones."""
@@ -24,11 +24,11 @@ _CONVERGED = 1e-9
 
 @dataclass(frozen=True)
 class Predictor:
-    """A way to predict where people look, from `features` out of `COLUMNS`; from none it is the same all over.
+    """A way to predict where people look, from `features` out of `COLUMNS`.
 
-    Kinds ``floor`` and ``sum`` add features with weight 1; ``fitted`` is log-linear, with weights
-    fitted to other objects; ``chosen`` also uses those features alone that `choose_features` keeps
-    on other objects; ``peer`` was predicted by others.
+    Kinds ``floor`` and ``sum`` add features with weight 1, none being the same all over; ``fitted`` is
+    log-linear, with weights fitted to other objects, and ``chosen`` uses those features alone that
+    `choose_features` keeps there; ``peer`` was predicted by others.
     """
 
     name: str
@@ -74,14 +74,11 @@ PREDICTORS = (
 BY_NAME = {one.name: one for one in PREDICTORS}
 
 
-def predict(
-    one: GazedObject, predictor: Predictor, weights: Mapping[str, float]
-) -> NDArray[np.float64]:
+def predict(one: GazedObject, predictor: Predictor, weights: Mapping[str, float]) -> Floats:
     """Give the saliency of each point over all views; a view that does not see it adds 0.
 
-    A fitted model has the exponential of the weighted features, averaged over the views that see
-    a point, times the share of views that see it: what `fit_predictor` fits. Otherwise it is the mean over
-    all views of the weighted sum, as a share of each view's maximum, as the eye has it.
+    A fitted model has the exponential of the features, averaged over the views that see a point, times the
+    share of these views. Otherwise it is the mean of the weighted sum, of each view's maximum.
     """
     if one.peer is not None and predictor.kind == "peer":
         return np.where(one.gazed.seen, one.peer, 0.0)
@@ -96,7 +93,7 @@ def predict(
     peak = np.where(one.shown, total, 0.0).max(axis=(1, 2), keepdims=True)
     total = total / np.where(peak > 0, peak, 1.0)
     at = np.take_along_axis(total.reshape(len(total), -1), one.cells, axis=1)
-    found: NDArray[np.float64] = (at * one.visible).mean(axis=0, dtype=np.float64)
+    found: Floats = (at * one.visible).mean(axis=0, dtype=np.float64)
     return found
 
 
@@ -108,13 +105,11 @@ def fit_predictor(
 ) -> dict[str, float]:
     """Fit the weights of a log-linear model to where people looked on some objects.
 
-    The model is a conditional logistic regression: the chance that a moment of looking falls on a
-    point is proportional to the point's area, to the share of views that see it, and to the
-    exponential of its weighted features (McFadden 1974; for fixations Barthelmé et al. 2013, J.
-    Vision 13(12):1). Channels can't have weights below 0. Each object counts the same.
-
-    `features` are out of `COLUMNS`; the `penalty` is on the squared weights of features in standard
-    deviations. Raises `GazeError` if there is no object, or one of a family that is `tested`.
+    A conditional logistic regression: the chance that a moment of looking falls on a point is proportional
+    to its area, to the share of views that see it, and to the exponential of its weighted features (McFadden
+    1974; for fixations Barthelmé et al. 2013, J. Vision 13(12):1). Channels can't have weights below 0; the
+    `penalty` is on squared weights of features in standard deviations. Each object counts the same. Raises
+    `GazeError` if there is no object, or one of a family that is `tested`.
     """
     leaked = sorted({one.name for one in objects if one.family in set(tested)})
     if leaked:
@@ -132,11 +127,9 @@ def choose_features(
 ) -> tuple[str, ...]:
     """Choose the features to fit weights to, on some objects alone.
 
-    Recursive elimination (Guyon, Weston, Barnhill & Vapnik 2002, Machine Learning 46): weights are
-    fitted, the feature whose weight is smallest, in standard deviations, is left out, and so on. So
-    many features are kept as correlate best with people's time on parts of the objects that are held
-    out in turn; of equally good numbers the smallest. With fewer than two families of objects, none
-    can be held out, and all features are kept.
+    Recursive elimination (Guyon, Weston, Barnhill & Vapnik 2002, Machine Learning 46) of the smallest weight,
+    in standard deviations. So many are kept as correlate best with people's time on parts of the objects held
+    out in turn, the smallest of equally good numbers; all, with fewer than two families of objects.
     """
     families = assign_folds(objects, folds)
     if len(families) < 2:
@@ -188,7 +181,7 @@ def _fit(
     used = deviation > _RARE
     scaled = np.where(used, (rows - rows.mean(axis=0)) / np.where(used, deviation, 1.0), 0.0)
 
-    def loss(weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    def loss(weights: Floats) -> tuple[float, Floats]:
         exponent = offsets + scaled @ weights
         exponent -= np.maximum.reduceat(exponent, starts)[owners]
         value = np.exp(exponent)
@@ -222,11 +215,7 @@ def assign_folds(objects: Sequence[GazedObject], folds: int) -> dict[str, int]:
 def weights_of(
     objects: Sequence[GazedObject], predictor: Predictor, gaze: GazeParameters
 ) -> dict[str, dict[str, float]]:
-    """Give the weights of a predictor by object.
-
-    Those of a training object are fitted without its fold; those of a test object on all training
-    objects.
-    """
+    """Give a predictor's weights by object: without the fold of a training object, of all for a test object."""
     if not predictor.is_fitted:
         return {one.name: dict.fromkeys(predictor.features, 1.0) for one in objects}
     training = [one for one in objects if not one.is_test]
@@ -244,9 +233,7 @@ def weights_of(
     return found
 
 
-def _example(
-    one: GazedObject, columns: list[int]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _example(one: GazedObject, columns: list[int]) -> tuple[Floats, Floats, Floats]:
     """Give features, the logarithm of area times share of views, and shares of time at some points."""
     gazed = one.gazed
     places = np.flatnonzero(gazed.seen & (gazed.area > 0))

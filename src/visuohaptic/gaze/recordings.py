@@ -1,8 +1,8 @@
 """Recordings of gaze: files that say how long people looked at each point of a mesh.
 
-A recording is read from a text file of numbers, a point a line, as x y z seconds, x y z and a normal and
-seconds, or the same with a last column that is not used; from one number a line, a line for each vertex of
-the mesh; or from an npz file with `points` and `seconds` (and `normals`), or `seconds` alone.
+Text has a point a line: x y z seconds, x y z and a normal and seconds, or the same with a last column that
+is not used; or one number, a line for each vertex of the mesh. An npz file has `seconds`, and may have
+`points` and `normals`.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from pathlib import Path
 from zipfile import BadZipFile, ZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import GazeError
 from visuohaptic.gaze.parameters import GAZE_SUFFIXES
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
 MOST_POINTS = 1_000_000
@@ -34,10 +34,7 @@ _COLUMNS: dict[int, dict[str, int | slice]] = {
 
 @dataclass(frozen=True)
 class RecordingFile:
-    """A recording of one object, not yet read; `mesh` is a model file of the same name.
-
-    `is_test` says whether it lies in a folder for tests, which weights are never fitted on.
-    """
+    """A recording, not yet read, and the model file of its name; weights are never fitted on tests."""
 
     name: str
     gaze: Path
@@ -49,24 +46,22 @@ class RecordingFile:
 class Recording:
     """How long people looked at each point of an object.
 
-    `points` (n, 3) are in the file's own frame and unit; None where each number belongs to a vertex
-    of the mesh. `normals` (n, 3) are of length 1; None where the file has none. `seconds` (n,) are
-    at least 0; `digest` is the SHA-256 of the file.
+    `points` (n, 3) are in the file's own frame and unit, None where each number belongs to a vertex;
+    `normals` (n, 3) are unit, or None; `seconds` (n,) at least 0; `digest` is the SHA-256 of the file.
     """
 
     name: str
-    points: NDArray[np.float64] | None
-    normals: NDArray[np.float64] | None
-    seconds: NDArray[np.float64]
+    points: Floats | None
+    normals: Floats | None
+    seconds: Floats
     digest: str
 
 
 def find_recordings(folder: str | Path) -> list[RecordingFile]:
     """List the recordings in a folder and below, by name.
 
-    A mesh belongs to the recording of its name. A recording counts as a test where a folder between
-    it and `folder` has ``test`` in its name. Raises `GazeError` if there is no such folder, no
-    recording in it, or two of one name.
+    A recording is a test where a folder between has ``test`` in its name. Raises `GazeError` if there is no
+    such folder, no recording in it, or two of one name.
     """
     folder = Path(folder)
     if not folder.is_dir():
@@ -96,11 +91,7 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
 
 
 def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recording:
-    """Read one recording.
-
-    Raises `GazeError` if the file can't be read, is too large, has other columns than the module
-    says, or a number is not finite or a time below 0, or nobody looked at any point.
-    """
+    """Read one recording; `GazeError`, which names the file and the reason, if it is none or too large."""
     path = Path(path)
     data = read_bounded(path, largest_megabytes)
     read = _read_archive if path.suffix.lower() == ".npz" else _read_text
@@ -133,7 +124,7 @@ def read_bounded(path: Path, largest_megabytes: float) -> bytes:
     return data
 
 
-_Arrays = dict[str, NDArray[np.float64]]
+_Arrays = dict[str, Floats]
 
 
 def _read_text(data: bytes, _: float) -> _Arrays:

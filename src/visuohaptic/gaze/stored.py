@@ -1,8 +1,7 @@
 """What was measured once on recordings that are not part of this package, kept with it.
 
-`measured.parquet` beside this file is `tables.GAZE`, with where it comes from in its metadata;
-`python -m visuohaptic.gaze.stored results/gaze/measured.parquet COMMAND SOURCE` writes it again. It
-holds figures and hashes, and no recording.
+`measured.parquet` is `tables.GAZE`, figures and hashes, with its origin as metadata; `python -m
+visuohaptic.gaze.stored results/gaze/measured.parquet COMMAND SOURCE` writes it again.
 """
 
 from __future__ import annotations

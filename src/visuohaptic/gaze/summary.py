@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from visuohaptic.gaze.predicting import PREDICTORS, Predictor
+from visuohaptic.geometry.arrays import Floats
 from visuohaptic.recognition.intervals import Interval, object_intervals
 from visuohaptic.recognition.parameters import IntervalParameters
 
@@ -22,8 +22,7 @@ SHOWN = ("correlation", "auc_top", "auc_gaze", "normalised_saliency", "divergenc
 class PredictorRow:
     """One predictor over all objects of a part: `measures` by the names of `SHOWN`.
 
-    `gain` is the correlation less that of what it is compared with, over the same objects; on
-    `positive` of the `objects` the correlation is above 0.
+    `gain` is the correlation less that of what it is compared with; on `positive` objects it is above 0.
     """
 
     predictor: Predictor
@@ -34,10 +33,7 @@ class PredictorRow:
 
 
 def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
-    """Sum up rows of `tables.GAZE` of one part, in the order of `PREDICTORS`; empty without rows.
-
-    Those of a peer are left out, as it has other objects. Gains are over predictor ``equal``.
-    """
+    """Sum up rows of `tables.GAZE` of one part but the peer's, by `PREDICTORS`, with gains over ``equal``."""
     rows = [row for row in table.to_pylist() if row["part"] == part]
     return _summed([row for row in rows if row["predictor"] != "peer"], "equal")
 
@@ -78,6 +74,6 @@ def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRo
     ]
 
 
-def _figures(rows: Sequence[Mapping[str, Any]]) -> NDArray[np.float64]:
+def _figures(rows: Sequence[Mapping[str, Any]]) -> Floats:
     """Give the measures of `SHOWN`, shape (objects, measures)."""
     return np.array([[row[name] for name in SHOWN] for row in rows], dtype=np.float64)

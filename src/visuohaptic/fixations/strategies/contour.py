@@ -37,13 +37,10 @@ def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
 def follow_outline(
     mask: Booleans, point: Floats, saliency: NDArray[np.float32], step: float, count: int
 ) -> tuple[Integers, Integers]:
-    """Find places along the outline of what a view shows, in the order in which they are touched.
+    """Find places along the longest outline of what a view shows, just inside it: rows and columns.
 
-    The outline is the longest closed curve between object and background, on the pixels just inside
-    it. The first place is its most salient one. From there the outline is followed in one
-    direction; the next place is the first one a step (in the points' units) away from the place
-    before, until the whole outline was followed. Gives rows and columns, shape (k,) each, int64, none
-    twice; fewer are the first of more.
+    The first is its most salient one; each next one is the first, in one direction, that is a step (in the
+    points' units) away from the one before, until the outline was followed once.
     """
     rows, columns = outline_pixels(mask)
     if not len(rows):

@@ -25,18 +25,15 @@ def choose(
 def spread_far(surface: Surface, count: int, generator: np.random.Generator) -> ProbingLocations:
     """Spread at most `CANDIDATES` points over a surface, each as far as can be from all before it.
 
-    Fewer points are the first of more. Their covering radius over the candidates is at most twice the
-    least that so many points can reach (T. F. Gonzalez, Theor. Comput. Sci. 38, 1985).
+    Their covering radius over the candidates is at most twice the least that so many points can reach
+    (T. F. Gonzalez, Theor. Comput. Sci. 38, 1985).
     """
     candidates = draw_by_area(surface, CANDIDATES, generator)
     return candidates.take(farthest_order(candidates.points, count))
 
 
 def farthest_order(points: Floats, count: int) -> Integers:
-    """Order points, shape (n, d), so that each is the farthest from those before it; the first starts.
-
-    Gives places, shape (min(count, n),), int64, none twice.
-    """
+    """Order points (n, d) so that each is the farthest from those before it; the first starts, none is twice."""
     chosen = np.zeros(min(count, len(points)), dtype=np.int64)
     nearest = np.full(len(points), np.inf)
     for turn in range(1, len(chosen)):

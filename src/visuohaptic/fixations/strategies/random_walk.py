@@ -41,19 +41,17 @@ def choose(
 
 
 def walk(caster: RayCaster, count: int, generator: np.random.Generator) -> ProbingLocations:
-    """Walk over a surface at random; fewer places are the first of more.
+    """Walk over a surface at random; fewer places are the first of more, or there is no way on.
 
-    The first place is drawn uniformly by area. Each next one lies a step of length `STEP` farther
-    along the surface, in a direction drawn uniformly about the normal, on the side of the surface
-    that the walk is on. A place whose way out along the normal is obstructed, as inside a bottle,
-    is drawn again. There are fewer places where no way leads on.
+    The first place is drawn uniformly by area. Each next one lies a step of length `STEP` farther along the
+    surface, in a direction drawn uniformly about the normal. A place whose way out along the normal is
+    obstructed, as inside a bottle, is drawn again.
 
-    A step is made of `MOVES` straight moves. A move ends where it meets a part that stands in its
-    way, else on what lies below its end; past an edge it turns down, and at the rim of a thin
-    sheet to the sheet's other side. The direction is carried along by the least rotation from
-    normal to normal (parallel transport; K. Polthier and M. Schmies, Straightest geodesics on
-    polyhedral surfaces, 1998), so that on a smooth closed surface the walk comes to every part
-    in proportion to its area. Rays find the way, so the mesh needs no connections between faces.
+    A step is made of `MOVES` straight moves, each to what stands in its way, else to what lies below its end,
+    past an edge down, at the rim of a thin sheet to its other side. The direction is carried along by the
+    least rotation from normal to normal (parallel transport; K. Polthier and M. Schmies, Straightest
+    geodesics on polyhedral surfaces, 1998), so that on a smooth closed surface the walk comes to every part
+    in proportion to its area. Rays find the way, so faces need no connections.
     """
     places = [_first(caster, generator)]
     while places[-1] is not None and len(places) < count:

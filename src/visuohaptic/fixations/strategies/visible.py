@@ -30,9 +30,8 @@ def draw_visible(
 ) -> ProbingLocations:
     """Draw points uniformly, by area, over what a viewpoint sees, with normals towards the camera.
 
-    Fewer points are the first of more; there are fewer where it sees next to nothing. They are drawn
-    over the whole surface and kept where the camera sees them: pixels would count slanted parts less,
-    and hold no place between them.
+    Fewer are the first of more. They are drawn over the whole surface and kept where seen: pixels would
+    count slanted parts less, and hold no place between them.
     """
     parts: list[ProbingLocations] = []
     found = fruitless = 0

@@ -1,0 +1,107 @@
+"""Touches where the eye, or another strategy, chose to from viewpoints all around, or at given points."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from visuohaptic.errors import ParameterError
+from visuohaptic.exploration.checking import point_rows, unit_rows
+from visuohaptic.geometry.orientation import orient_outwards
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.geometry.surface import Surface, as_stored
+from visuohaptic.one_phase import SCHEMAS as OF_PHASES
+from visuohaptic.one_phase import Tables
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, after, everywhere
+from visuohaptic.tables.schema import join_parts
+
+GIVEN = "given"
+"""The strategy of points that the caller chose."""
+
+FARTHEST = 0.1
+"""A point may be so far off the surface, object radii; farther ones are in another frame."""
+
+SCHEMAS = {name: OF_PHASES[name] for phase in OF_OBJECT for name in phase.writes}
+"""The tables of an exploration."""
+
+Steps = Sequence[Callable[[], None]]
+Track = Callable[[Steps], Iterable[Callable[[], None]]]
+Explored = tuple[Tables, dict[str, float]]
+"""All tables of an exploration, the same as the workflow makes, and the seconds of each phase."""
+
+
+def touch_seen_points(
+    key: str, surface: Surface, parameters: ExperimentParameters, track: Track
+) -> Explored:
+    """Look at an object and touch it, as `TouchableObject.touch` describes it."""
+    # The workflow's surfaces come from files.
+    find_caster = lambda: RayCaster(as_stored(surface))  # noqa: E731
+    subject = Subject(key, find_caster, range(parameters.viewpoints.total))
+    return _explore(subject.blocks(VIEWPOINTS_AT_ONCE), parameters, {}, track)
+
+
+def touch_given_points(
+    key: str,
+    surface: Surface,
+    at: ArrayLike,
+    normals: ArrayLike | None,
+    parameters: ExperimentParameters,
+) -> Explored:
+    """Touch an object at given points, as `TouchableObject.touch` describes them; no view is seen.
+
+    Raises `ParameterError` if points or normals are none, or a point is too far off the surface.
+    """
+    from visuohaptic.fixations.locations import location_table
+    from visuohaptic.fixations.places import ProbingLocations
+
+    subject = Subject(key, lambda: RayCaster(surface))
+    points = point_rows(at, "at")
+    if not len(points):
+        raise ParameterError("at has no points; at least one is needed.")
+    places, faces = subject.caster.nearest(points)
+    distances = np.linalg.norm(points - places, axis=1)
+    off = np.flatnonzero(distances > FARTHEST)
+    if len(off):
+        raise ParameterError(
+            f"point {off[0]} of at is {distances[off[0]]:.2g} object radii off the surface; at most "
+            f"{FARTHEST} is allowed, in the object frame, in which `surface.vertices` are."
+        )
+    if normals is None:
+        outwards = orient_outwards(subject.caster, places, surface.face_normals[faces])
+    else:
+        outwards = unit_rows(normals, "normals", len(points))
+        # The caller's normals are the sensor's own, whatever the touched face says.
+        sensor = parameters.sensor.model_copy(update={"normal": "given"})
+        parameters = parameters.model_copy(update={"sensor": sensor})
+    fixations = location_table(key, 0, GIVEN, ProbingLocations(places, outwards, faces))
+    return _explore([subject], everywhere(parameters, fixations), {"fixations": fixations})
+
+
+def _explore(
+    blocks: Iterable[Subject], parameters: ExperimentParameters, known: Tables, track: Track = iter
+) -> Explored:
+    """Take blocks of viewpoints through the phases behind the tables that are known."""
+    parts = {
+        name: [known.get(name, schema.arrow.empty_table())] for name, schema in SCHEMAS.items()
+    }
+    seconds: dict[str, float] = {}
+
+    def step(phase: Phase, block: Subject) -> None:
+        started = time.perf_counter()
+        # The last part of each table is this block's.
+        found = phase.run(block, {name: part[-1] for name, part in parts.items()}, parameters)
+        for name in phase.writes:
+            parts[name].append(getattr(found, name))
+        verb = str(phase.verb)
+        seconds[verb] = seconds.get(verb, 0.0) + time.perf_counter() - started
+
+    steps = [partial(step, phase, block) for block in blocks for phase in after(known)]
+    for work in track(steps):
+        work()
+    return {name: join_parts(SCHEMAS[name], part) for name, part in parts.items()}, seconds
