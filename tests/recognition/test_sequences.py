@@ -10,7 +10,6 @@ from visuohaptic.recognition.sequences import (
     classes_of_two,
     gather_any,
     gather_sequences,
-    identical_objects,
     shuffle_touches,
     take_strategy,
     whole_sequences,
@@ -84,15 +83,6 @@ def test_empty_table_and_missing_column_are_refused():
             gather(table.drop_columns(["contourlet_02"]), PAPER_FEATURES, 5)
 
 
-def test_objects_with_the_same_touches_are_found():
-    table = features_table(objects=(2, 2))
-    copied = table.slice(0, 20)
-    renamed = with_column(copied, "object", ["copy"] * 20)
-    sequences = gather_sequences(pa.concat_tables([table, renamed]), PAPER_FEATURES, 5)
-    assert identical_objects(sequences) == [("class0/copy", "class0/object0")]
-    assert identical_objects(gather_sequences(table, PAPER_FEATURES, 5)) == []
-
-
 def test_a_class_with_a_single_object_is_left_out():
     features = pa.table(
         {"class": ["cup", "cup", "chair", "chair", "lamp"], "object": ["a", "a", "b", "c", "a"]}
@@ -116,21 +106,16 @@ def test_a_viewpoint_with_too_few_touches_is_left_out_for_every_strategy(touches
         assert sequences.viewpoint.tolist() == [1, 0, 1, 2, 0, 1, 2, 0, 1, 2]
 
 
-def test_fewer_touches_may_be_enough():
+def test_fewer_touches_may_be_enough_and_none_are_no_error():
     table = features_table(objects=(2, 2)).slice(0, 78)
     assert whole_sequences(table, 3) == (table, ())
     assert len(whole_sequences(table, 4)[1]) == 1
-
-
-def test_a_table_without_rows_is_left_as_it_is():
-    empty = features_table(objects=(1, 1)).slice(0, 0)
-    assert whole_sequences(empty, 5) == (empty, ())
+    assert whole_sequences(table.slice(0, 0), 5) == (table.slice(0, 0), ())
 
 
 def test_shuffled_touches_stay_whole_and_with_their_sequence():
     kept = gather_sequences(features_table(touches=5), PAPER_FEATURES, 5)
     shuffled = shuffle_touches(kept, 3)
-    assert not np.array_equal(shuffled.features, kept.features)
     for before, after in zip(kept.features, shuffled.features, strict=True):
         assert sorted(before.tolist()) == sorted(after.tolist())
     orders = {
