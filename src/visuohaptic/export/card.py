@@ -176,8 +176,8 @@ models are in `credits.csv`, licence and author also in each row.
 def _baseline_rows(experiment: Experiment) -> list[tuple[str, ...]]:
     return [
         (
-            *(one.pipeline, one.strategy, one.classifier),
-            f"{_percent(one.accuracy)} % ({_percent(one.low)} to {_percent(one.high)})",
+            *(one[name] for name in ("pipeline", "strategy", "classifier")),
+            f"{_percent(one['accuracy'])} % ({_percent(one['low'])} to {_percent(one['high'])})",
         )
         for one in experiment.baselines
     ]
