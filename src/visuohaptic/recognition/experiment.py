@@ -30,7 +30,6 @@ from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import (
     TouchSequences,
     gather_sequences,
-    identical_objects,
     shuffle_touches,
     spread_contact_states,
     turn_objects,
@@ -321,8 +320,14 @@ def _predicted(
 
 
 def _twins_note(sequences: TouchSequences) -> str | None:
-    pairs = identical_objects(sequences)
+    """Name the pairs of objects whose touches are the same number for number."""
+    first: dict[bytes, str] = {}
+    pairs = []
+    for place, owner in enumerate(sequences.objects):
+        name, content = "/".join(owner), sequences.features[sequences.object_index == place]
+        known = first.setdefault(content.tobytes(), name)
+        if known != name:
+            pairs.append(f"{known} and {name}")
     if not pairs:
         return None
-    named = ", ".join(f"{first} and {second}" for first, second in pairs)
-    return f"touches are identical for {named}, so a test may meet what training saw"
+    return f"touches are identical for {', '.join(pairs)}, so a test may meet what training saw"

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.classifiers import ClassifierParameters
-from visuohaptic.recognition.covariance import common_covariance
 from visuohaptic.recognition.encoding import ROUNDING
+from visuohaptic.recognition.gaussian import common_covariance
 from visuohaptic.recognition.parameters import BestParameters
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)

@@ -168,19 +168,6 @@ def spread_contact_states(features: pa.Table) -> pa.Table:
     return features.drop_columns(["contact_state"])
 
 
-def identical_objects(sequences: TouchSequences) -> list[tuple[str, str]]:
-    """Name, as "class/object", the pairs of objects whose touches are the same number for number."""
-    first: dict[bytes, str] = {}
-    pairs = []
-    for place, owner in enumerate(sequences.objects):
-        content = sequences.features[sequences.object_index == place].tobytes()
-        name = "/".join(owner)
-        if content in first:
-            pairs.append((first[content], name))
-        first.setdefault(content, name)
-    return pairs
-
-
 def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:
     strategies = features.column("strategy").unique().to_pylist()
     if len(strategies) != 1:
