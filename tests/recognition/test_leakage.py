@@ -9,7 +9,6 @@ from recognition.synthetic import PAPER_FEATURES, features_table
 from sklearn import config_context
 
 from visuohaptic.recognition import classifiers, experiment, tuning
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.encoding import fit_sequence_encoder
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import gather_sequences
@@ -55,14 +54,8 @@ def everything_fitted(pipeline, sequences, split, monkeypatch):
         patch.setattr(tuning, "fit_tuned_classifier", catching(tuning.fit_tuned_classifier))
         patch.setattr(experiment, "fit_sequence_encoder", catching(fit_sequence_encoder))
         generator = np.random.default_rng(5)
-        if pipeline == "paper":
-            list(experiment.run_paper_split(sequences, split, PARAMETERS, generator))
-        else:
-            waves = draw_waves(PARAMETERS.best, np.random.default_rng(6))
-            described = describe_sequences(
-                sequences.features, sequences.feature_names, waves, PARAMETERS.best
-            )
-            list(experiment.run_best_split(sequences, described, split, PARAMETERS, generator))
+        answer = experiment.split_runner(sequences, PARAMETERS, 6, pipeline)
+        list(answer(split, generator))
     return caught
 
 

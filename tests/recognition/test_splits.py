@@ -148,15 +148,6 @@ def test_pairs_of_objects_of_two_classes_are_tested_together_in_many_ways():
         assert len(set(zip(first, second, strict=True))) == 9
 
 
-def test_same_generator_draws_the_same_splits_and_another_others():
-    sampled = {"protocol": "leave_one_object_a_class_out", "maximum_splits": 10}
-    first, again, other = (
-        places_of_tests(splits_of((6, 6, 6), **sampled, seed=seed)[1]) for seed in (1, 1, 2)
-    )
-    assert len(first) == 10
-    assert first == again != other
-
-
 def test_new_viewpoint_keeps_every_object_in_training_and_no_viewpoint_in_both():
     sequences, splits = splits_of((2, 3), viewpoints=16, protocol="new_viewpoint", folds=4)
     assert len(splits) == 4

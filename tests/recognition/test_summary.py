@@ -33,7 +33,7 @@ def run(strategies=("fixation", "random"), objects=(3, 3, 3), pipeline="paper"):
     return tuple(pa.concat_tables(parts) for parts in zip(*runs, strict=True))
 
 
-def answers(named, split=0, strategy="fixation"):
+def answers(named, strategy="fixation"):
     """Tables of one classifier from {(class, object): the classes predicted}."""
     rows = [
         (category, name, viewpoint, predicted)
@@ -41,7 +41,7 @@ def answers(named, split=0, strategy="fixation"):
         for viewpoint, predicted in enumerate(predictions)
     ]
     keys = {"pipeline": "paper", "strategy": strategy, "classifier": "naive_bayes"}
-    keys |= {"split": split, "seed": 0}
+    keys |= {"split": 0, "seed": 0}
     categories, names, viewpoints, predicted = zip(*rows, strict=True)
     predictions = build_table(
         PREDICTIONS,
