@@ -43,5 +43,5 @@ def test_a_group_of_two_classes_and_too_few_groups_are_refused():
     rows = np.random.default_rng(0).normal(size=(6, 3))
     with pytest.raises(ValueError, match="two classes"):
         TouchClassifier().fit(rows, [0, 0, 0, 1, 1, 1], [0, 0, 1, 1, 2, 2])
-    with pytest.raises(ValueError, match="6 rows and 2 groups"):
+    with pytest.raises(ValueError, match="inconsistent"):
         TouchClassifier().fit(rows, [0, 0, 0, 1, 1, 1], [0, 1])
