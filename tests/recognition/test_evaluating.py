@@ -14,7 +14,6 @@ from visuohaptic.recognition.summary import summarise
 FEW = RecognitionParameters(
     protocol={"maximum_splits": 3},
     intervals={"bootstrap_samples": 200},
-    classifiers=("support_vector_machine",),
 )
 SVM = "support_vector_machine"
 

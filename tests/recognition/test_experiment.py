@@ -1,14 +1,24 @@
 """The paper's pipeline from table to tables."""
 
+import itertools
+from functools import partial
+
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table, with_column
+from sklearn.naive_bayes import GaussianNB
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.experiment import draw_splits, gather_pipeline
+from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
+from visuohaptic.recognition.experiment import (
+    draw_splits,
+    gather_pipeline,
+    run_paper_split,
+    run_sequences,
+)
 from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
     ProtocolParameters,
@@ -141,6 +151,21 @@ def test_a_classifier_that_can_not_be_fitted_is_a_gap_and_said(pipeline, caplog)
     for found in (scores, predictions):
         assert set(found["classifier"].to_pylist()) == {"k_nearest_neighbours", "naive_bayes"}
     assert "quadratic_discriminant is left out: quadratic_discriminant takes cov" in caplog.text
+
+
+def test_a_classifier_that_can_not_be_fitted_in_one_split_has_no_row():
+    drawn = itertools.count()
+
+    def fit(parameters, features, labels, seed):
+        if next(drawn) == 2:
+            raise RecognitionError("not this time")
+        return GaussianNB().fit(features, labels), None
+
+    entries = [Classifier("failing", "failing", fit, {}), CLASSIFIERS["naive_bayes"]]
+    sequences = gather_pipeline(features_table(), SMALL, "paper")
+    answer_split = partial(run_paper_split, sequences, SMALL, classifiers=entries)
+    for found in run_sequences(sequences, "fixation", SMALL, 1, "paper", answer_split):
+        assert set(found["classifier"].to_pylist()) == {"naive_bayes"}
 
 
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
