@@ -48,11 +48,11 @@ def test_choices_are_even_distinct_each_place_is_in_as_many_and_the_first_hold_a
         assert len(set(choices[: -(-total // count)].ravel())) == total
 
 
-@pytest.mark.parametrize("objects", [(3, 5), (3, 3, 3)])
+@pytest.mark.parametrize("objects", [(6, 10), (3, 3, 3)])
 def test_scores_of_a_bag_are_the_discriminants_own_on_its_mean(objects):
     from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 
-    rows, labels, owners = clusters(objects=objects, separation=0.1)
+    rows, labels, owners = clusters(objects=objects, columns=3, separation=0.1)
     bags = fit_bag_classifier(rows, labels, owners, (8,))
     means = rows.reshape(-1, 8, rows.shape[1]).mean(axis=1)
     theirs = LinearDiscriminantAnalysis(solver="lsqr", shrinkage=0.1).fit(means, labels[::8])
