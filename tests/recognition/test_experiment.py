@@ -51,14 +51,6 @@ def test_81_splits_of_five_classifiers_are_scored_and_every_answer_kept():
     assert accuracy.mean() > 0.5
 
 
-def test_features_without_a_class_in_them_give_chance():
-    table = features_table(viewpoints=8, separation=0.0, objects=(4, 4))
-    two = RecognitionParameters(classifiers=("support_vector_machine", "decision_tree"))
-    scores, _ = recognition.run_pipeline(table, two, 1)
-    # 8 objects of 8 sequences each, which are not independent: three standard errors are .3 at most.
-    assert abs(scores.column("accuracy").to_numpy().mean() - 0.5) < 0.3
-
-
 def test_same_seed_gives_the_same_tables_whatever_the_order_of_rows():
     table = features_table()
     shuffled = table.take(np.random.default_rng(0).permutation(table.num_rows))

@@ -11,7 +11,7 @@ from sklearn.discriminant_analysis import (
 from sklearn.naive_bayes import GaussianNB
 
 from visuohaptic.recognition import gaussian
-from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
+from visuohaptic.recognition.classifiers import ClassifierParameters
 from visuohaptic.recognition.gaussian import regularised_covariance, variance_floor
 
 
@@ -68,9 +68,7 @@ def test_answers_are_scikit_learns(rows, classes):
 
 def test_covariances_of_full_rank_are_left_alone():
     features, labels = draw(100, 5, 2)
-    fitted, note = fit_classifier(
-        "quadratic_discriminant", ClassifierParameters(), features, labels, np.random.default_rng(0)
-    )
+    fitted, note = gaussian.fit_quadratic_discriminant(ClassifierParameters(), features, labels, 0)
     plain = QuadraticDiscriminantAnalysis().fit(features, labels)
     assert note is None
     np.testing.assert_allclose(
@@ -111,18 +109,6 @@ def test_directions_in_which_a_class_does_not_vary_count_for_nothing():
         rtol=1e-9,
         atol=1e-9,
     )
-
-
-@pytest.mark.parametrize("rows", [2, 5])
-def test_with_fewer_sequences_than_features_every_class_has_a_finite_score(rows):
-    features, labels = draw(rows, 9)
-    for regularisation in ("pseudo_inverse", "always", "where_singular"):
-        parameters = ClassifierParameters(discriminant_regularisation=regularisation)
-        fitted, _ = fit_classifier(
-            "quadratic_discriminant", parameters, features, labels, np.random.default_rng(0)
-        )
-        assert np.isfinite(fitted.decision_function(features)).all()
-        assert fitted.predict(features).shape == labels.shape
 
 
 def centred(rows, columns):

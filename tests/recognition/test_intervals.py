@@ -110,13 +110,6 @@ def test_p_value_counts_every_sign_change():
     assert comparison.difference.mean == pytest.approx(differences.mean())
 
 
-def test_consistent_gain_on_twelve_objects_has_the_smallest_p_value():
-    gains = np.linspace(0.6, 0.9, 12)
-    comparison = compare_paired(gains, np.full(12, 0.5), np.ones(12), PARAMETERS, drawing())
-    assert comparison.p_value == 2 / 2**12
-    assert comparison.difference.low > 0
-
-
 def test_many_objects_are_sampled_and_the_observed_one_counts():
     generator = np.random.default_rng(2)
     first = generator.normal(size=60)

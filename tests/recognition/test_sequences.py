@@ -56,31 +56,38 @@ def test_value_that_is_not_finite_is_named(gather, value):
         gather(with_column(table, "contourlet_03", column), ["contourlet_03"], 5)
 
 
-def test_touches_of_two_objects_are_not_taken_for_those_of_one():
-    table = features_table(objects=(1, 1)).drop_columns(["contact_state"])
-    with pytest.raises(RecognitionError, match="are of class0/object0, class1/object0; one object"):
-        gather_any(table, ["contourlet_03"], 5)
+def test_a_view_with_more_touches_than_a_sequence_gives_whole_ones_alone():
+    table = features_table(objects=(1,), touches=7, viewpoints=3)
+    (found,) = gather_any(table, ("x", "y"), 5)
+    (touched,) = gather_any(table, ("x", "y"), 7)
+    np.testing.assert_array_equal(found[::2], touched[:, :5])
+    np.testing.assert_array_equal(found[1::2], touched[:, 2:])
 
 
-def test_a_strategy_without_touches_is_named():
-    with pytest.raises(RecognitionError, match=r"no touch was made by random; .*\['fixation'\]"):
-        take_strategy(features_table(objects=(1, 1)), "random", 5)
+MIXED = ["random"] * 10 + ["fixation"] * 30
 
 
-def test_two_strategies_at_once_are_refused():
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda table: with_column(table, "strategy", MIXED), "exactly one"),
+        (lambda table: table.slice(0, 0), "exactly one"),
+        (lambda table: table.drop_columns(["contourlet_02"]), "lack the columns contourlet_02"),
+    ],
+)
+@pytest.mark.parametrize("gather", [gather_sequences, gather_any])
+def test_two_strategies_none_and_a_missing_column_are_named(gather, change, reason):
+    table = features_table(objects=(1, 1), viewpoints=4)
+    with pytest.raises(RecognitionError, match=reason):
+        gather(change(table), PAPER_FEATURES, 5)
+
+
+def test_touches_of_two_objects_and_a_strategy_without_touches_are_named():
     table = features_table(objects=(1, 1))
-    mixed = ["random"] * 10 + ["fixation"] * (table.num_rows - 10)
-    with pytest.raises(RecognitionError, match="exactly one"):
-        gather_sequences(with_column(table, "strategy", mixed), PAPER_FEATURES, 5)
-
-
-def test_empty_table_and_missing_column_are_refused():
-    table = features_table(objects=(1, 1))
-    with pytest.raises(RecognitionError):
-        gather_sequences(table.slice(0, 0), PAPER_FEATURES, 5)
-    for gather in (gather_sequences, gather_any):
-        with pytest.raises(RecognitionError, match="lack the columns contourlet_02"):
-            gather(table.drop_columns(["contourlet_02"]), PAPER_FEATURES, 5)
+    with pytest.raises(RecognitionError, match="class0/object0, class1/object0; one object"):
+        gather_any(table, PAPER_FEATURES, 5)
+    with pytest.raises(RecognitionError, match=r"random; .*\['fixation'\]"):
+        take_strategy(table, "random", 5)
 
 
 def test_a_class_with_a_single_object_is_left_out():

@@ -11,7 +11,6 @@ from recognition.synthetic import features_table
 
 from visuohaptic import recognition
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import gather_any
 
 pytestmark = pytest.mark.slow
 PARAMETERS = RecognitionParameters()
@@ -82,14 +81,6 @@ def test_whole_sequences_are_classified_as_without_short_ones(model):
     assert not plain.short
     for _, rows in one_view(NEW, 5)[::7]:
         assert model.answer(rows) == plain.answer(rows)
-
-
-def test_a_view_with_more_touches_than_a_sequence_gives_whole_ones_alone():
-    table = features_table(objects=(1,), touches=7, viewpoints=3)
-    (found,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 5)
-    (touched,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 7)
-    np.testing.assert_array_equal(found[::2], touched[:, :5])
-    np.testing.assert_array_equal(found[1::2], touched[:, 2:])
 
 
 def test_an_object_is_compared_with_known_ones_by_the_first_touches_of_a_view(model):
