@@ -22,7 +22,7 @@ from visuohaptic.recognition.classifiers import (
     fit_classifier,
     fit_each,
 )
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.encoding import fit_sequence_encoder
 from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -213,10 +213,7 @@ def split_runner(
     """Give what trains and tests a split by a pipeline; `maps` of other runs change no number."""
     if pipeline == "paper":
         return partial(run_paper_split, sequences, parameters, memory=maps)
-    waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
-    described = describe_sequences(
-        sequences.features, sequences.feature_names, waves, parameters.best
-    )
+    described = describe_all(sequences, parameters.best, seed)
     memory = FitMemory(REMEMBERED_SEQUENCES)
     return partial(run_best_split, sequences, described, parameters, memory=memory)
 

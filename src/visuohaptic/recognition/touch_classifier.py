@@ -14,12 +14,11 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.certainty import one_classifier
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots
 from visuohaptic.recognition.tuning import fit_best_classifiers
-from visuohaptic.seeds import spawn_generator
 
 
 class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -99,11 +98,9 @@ def touch_descriptors(
     """
     chosen = parameters or RecognitionParameters()
     sequences = gather_pipeline(features, chosen, "best")
-    waves = draw_waves(chosen.best, spawn_generator(seed, "recognition", "waves"))
-    found = describe_sequences(sequences.features, sequences.feature_names, waves, chosen.best)
     owners = [sequences.objects[place] for place in sequences.object_index]
     return (
-        found,
+        describe_all(sequences, chosen.best, seed),
         np.array([category for category, _ in owners]),
         np.array([f"{category}/{name}" for category, name in owners]),
     )
