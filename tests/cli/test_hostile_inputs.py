@@ -67,7 +67,7 @@ REFUSED = [
     # models and runs
     (("recognise", "ring.obj", "--model", "gone"), r"gone is not there.*snakemake -j2 model_all", {}),
     (("recognise", "ring.obj", "--model", "."), "is a folder; the model in it is needed", {}),
-    (("recognise", "ring.obj", "--model", "m"), "m can't be read as a recognition model", {"m": b"no"}),
+    (("recognise", "ring.obj", "--model", "m"), "m is no whole 'visuohaptic recognition model", {"m": b"no"}),
     (("compare", "gone", "gone"), "^error: gone", {}),
     (("compare", "gone.json", "gone.json"), "gone.json can't be read: No such file", {}),
 ]  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 from recognition.synthetic import features_table
 
 from visuohaptic.guards.leaks import guard_chance, guard_unseen, sample_objects
-from visuohaptic.recognition import experiment, splits, tuning
+from visuohaptic.recognition import descriptors, experiment, splits, tuning
 from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
 
 PARAMETERS = RecognitionParameters()
@@ -80,7 +80,7 @@ def test_a_scaling_that_is_fitted_on_test_objects_is_found(monkeypatch):
 @pytest.mark.slow
 def test_a_projection_that_is_fitted_on_test_objects_is_found(monkeypatch):
     described = []
-    describe = experiment.describe_sequences
+    describe = descriptors.describe_sequences
     monkeypatch.setattr(
         "visuohaptic.guards.leaks.describe_sequences",
         lambda *values: described.append(describe(*values)) or described[-1],

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
+from scipy.spatial.transform import Rotation
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.descriptors import (
@@ -30,6 +31,11 @@ def sequences(count=6, touches=5, seed=0):
     return values
 
 
+def poses(values):
+    """Give points and normals."""
+    return values[..., 4:7], values[..., 7:]
+
+
 def waves():
     return draw_waves(PARAMETERS, np.random.default_rng(1))
 
@@ -40,13 +46,9 @@ def describe(values, names=NAMES, parameters=PARAMETERS):
 
 def turned(values, angle):
     """The same touches on the object turned about its upright axis."""
-    turn = np.array(
-        [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
-    )
-    result = values.copy()
-    result[..., 4:7] = values[..., 4:7] @ turn.T
-    result[..., 7:] = values[..., 7:] @ turn.T
-    return result
+    turn = Rotation.from_euler("y", angle).as_matrix().T
+    points, normals = poses(values)
+    return np.concatenate([values[..., :4], points @ turn, normals @ turn], axis=-1)
 
 
 def test_order_of_touches_does_not_count():
@@ -64,32 +66,27 @@ def test_a_row_depends_on_its_own_sequence_alone():
 @pytest.mark.parametrize("angle", [0.3, 2.0])
 def test_relations_and_the_last_pose_coordinates_do_not_change_with_azimuth(angle):
     values, other = sequences(), turned(sequences(), angle)
-    np.testing.assert_allclose(
-        describe_relations(values[..., 4:7], values[..., 7:]),
-        describe_relations(other[..., 4:7], other[..., 7:]),
-        atol=1e-12,
-    )
-    free = [pose_coordinates(part[..., 4:7], part[..., 7:])[..., 11:] for part in (values, other)]
-    np.testing.assert_allclose(*free, atol=1e-12)
-    with_azimuth = [pose_coordinates(part[..., 4:7], part[..., 7:]) for part in (values, other)]
-    assert not np.allclose(*with_azimuth)
+    relations = [describe_relations(*poses(part)) for part in (values, other)]
+    np.testing.assert_allclose(*relations, atol=1e-12)
+    first, second = (pose_coordinates(*poses(part)) for part in (values, other))
+    np.testing.assert_allclose(first[..., 11:], second[..., 11:], atol=1e-12)
+    assert not np.allclose(first, second)
 
 
 def test_left_and_right_are_alike_to_the_embedding():
     values = sequences()
     mirrored = values.copy()
     mirrored[..., [4, 7]] *= -1
-    first, second = (
-        embed_poses(part[..., 4:7], part[..., 7:], waves()) for part in (values, mirrored)
+    np.testing.assert_array_equal(
+        *(embed_poses(*poses(part), waves()) for part in (values, mirrored))
     )
-    np.testing.assert_array_equal(first, second)
 
 
 def test_products_of_embeddings_tend_to_the_gaussian_kernel():
     parameters = BestParameters(waves=5000, wave_length=0.5, normal_weight=0.25)
     many = draw_waves(parameters, np.random.default_rng(2))
     values = np.abs(sequences(count=8, touches=1))
-    embedded = embed_poses(values[..., 4:7], values[..., 7:], many)
+    embedded = embed_poses(*poses(values), many)
     pose = values[:, 0, 4:] * np.array([1, 1, 1, 0.25, 0.25, 0.25])
     squares = np.square(pose[:, None] - pose).sum(axis=-1)
     expected = np.exp(-squares / (2 * 0.5**2))
@@ -128,12 +125,6 @@ def test_cues_choose_their_columns():
     full = describe(values)
     parts = [describe(values, parameters=BestParameters(cues=(cue,))) for cue in PARAMETERS.cues]
     np.testing.assert_array_equal(np.concatenate(parts, axis=1), full)
-    changed = values.copy()
-    changed[..., 0] += 1
-    kinesthetic = BestParameters(cues=("pose", "relations", "embedding"))
-    np.testing.assert_array_equal(
-        describe(values, parameters=kinesthetic), describe(changed, parameters=kinesthetic)
-    )
 
 
 def test_columns_that_a_table_lacks_are_left_out_or_named():
@@ -159,18 +150,13 @@ def test_azimuth_free_descriptors_do_not_feel_a_turn_about_the_vertical():
     assert np.abs(found[2] - found[0]).max() > 0.1
 
 
-def test_objects_are_turned_as_a_whole_and_each_in_its_own_way():
-    table = features_table(objects=(2, 2), seed=3)
-    names = ["x", "y", "z"]
-    for turns in ("vertical", "any"):
-        turned = turn_objects(table, turns)
-        before, after = matrix(table, names), matrix(turned, names)
-        np.testing.assert_allclose((after**2).sum(axis=1), (before**2).sum(axis=1), atol=1e-12)
-        np.testing.assert_allclose(
-            after[:20] @ after[:20].T, before[:20] @ before[:20].T, atol=1e-12
-        )
-        assert not np.allclose(after[:20] @ after[20:40].T, before[:20] @ before[20:40].T)
-        assert turned.drop_columns([*names, "normal_x", "normal_y", "normal_z"]).equals(
-            table.drop_columns([*names, "normal_x", "normal_y", "normal_z"])
-        )
-    np.testing.assert_allclose(matrix(turn_objects(table, "vertical"), ["y"]), matrix(table, ["y"]))
+@pytest.mark.parametrize("turns", ["vertical", "any"])
+def test_objects_are_turned_as_a_whole_and_each_in_its_own_way(turns):
+    table, names = features_table(objects=(2, 2), seed=3), ["x", "y", "z"]
+    found = turn_objects(table, turns)
+    before, after = matrix(table, names), matrix(found, names)
+    np.testing.assert_allclose(after[:20] @ after[:20].T, before[:20] @ before[:20].T, atol=1e-12)
+    assert not np.allclose(after[:20] @ after[20:40].T, before[:20] @ before[20:40].T)
+    turned = [*names, "normal_x", "normal_y", "normal_z"]
+    assert found.drop_columns(turned).equals(table.drop_columns(turned))
+    assert np.allclose(after[:, 1], before[:, 1]) == (turns == "vertical")

@@ -39,7 +39,7 @@ def test_outputs_that_share_a_map_are_as_without_memory(training):
 @pytest.mark.parametrize(
     "change",
     [
-        {"touch_scaling": "none"},
+        {"touch_scaling": "standardise"},
         {"self_organising_map": {"final_radius": 0.4}},
         {"self_organising_map": {"output": "lattice", "outputs": 3}},
     ],

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
+from sklearn import covariance
 from sklearn.discriminant_analysis import (
     LinearDiscriminantAnalysis,
     QuadraticDiscriminantAnalysis,
@@ -10,8 +11,8 @@ from sklearn.discriminant_analysis import (
 from sklearn.naive_bayes import GaussianNB
 
 from visuohaptic.recognition import gaussian
-from visuohaptic.recognition.classifiers import ClassifierParameters, fit_classifier
-from visuohaptic.recognition.covariance import regularised_covariance, variance_floor
+from visuohaptic.recognition.classifiers import ClassifierParameters
+from visuohaptic.recognition.gaussian import regularised_covariance, variance_floor
 
 
 def draw(rows, columns, classes=3, seed=0):
@@ -67,9 +68,7 @@ def test_answers_are_scikit_learns(rows, classes):
 
 def test_covariances_of_full_rank_are_left_alone():
     features, labels = draw(100, 5, 2)
-    fitted, note = fit_classifier(
-        "quadratic_discriminant", ClassifierParameters(), features, labels, np.random.default_rng(0)
-    )
+    fitted, note = gaussian.fit_quadratic_discriminant(ClassifierParameters(), features, labels, 0)
     plain = QuadraticDiscriminantAnalysis().fit(features, labels)
     assert note is None
     np.testing.assert_allclose(
@@ -112,13 +111,35 @@ def test_directions_in_which_a_class_does_not_vary_count_for_nothing():
     )
 
 
-@pytest.mark.parametrize("rows", [2, 5])
-def test_with_fewer_sequences_than_features_every_class_has_a_finite_score(rows):
-    features, labels = draw(rows, 9)
-    for regularisation in ("pseudo_inverse", "always", "where_singular"):
-        parameters = ClassifierParameters(discriminant_regularisation=regularisation)
-        fitted, _ = fit_classifier(
-            "quadratic_discriminant", parameters, features, labels, np.random.default_rng(0)
-        )
-        assert np.isfinite(fitted.decision_function(features)).all()
-        assert fitted.predict(features).shape == labels.shape
+def centred(rows, columns):
+    drawn = np.random.default_rng(0).normal(size=(rows, columns)) * np.arange(1, columns + 1)
+    return drawn - drawn.mean(axis=0)
+
+
+@pytest.mark.parametrize("rows", [2, 5, 40, 400])
+def test_a_covariance_is_shrunk_as_scikit_learn_does_it(rows):
+    deviations = centred(rows, 6)
+    plain = covariance.empirical_covariance(deviations, assume_centered=True)
+    found, _ = covariance.ledoit_wolf(deviations, assume_centered=True)
+    for amount, theirs in (
+        (0.3, covariance.shrunk_covariance(plain, 0.3)),
+        ("ledoit_wolf", found),
+    ):
+        ours = regularised_covariance(deviations, amount, "mean_variance", 0.0)
+        np.testing.assert_allclose(ours, theirs, rtol=1e-12, atol=1e-13)
+
+
+def test_features_keep_their_variances_where_these_are_the_target():
+    deviations = centred(5, 6)
+    found = regularised_covariance(deviations, 0.4, "own_variances", 1e-3)
+    plain = np.cov(deviations.T, bias=True)
+    np.testing.assert_allclose(np.diagonal(found), np.diagonal(plain) + 1e-3, rtol=1e-12)
+    np.testing.assert_allclose(found[0, 1:], 0.6 * plain[0, 1:], rtol=1e-12)
+
+
+def test_a_feature_that_does_not_vary_has_the_least_variance_and_no_correlation():
+    deviations = centred(5, 6)
+    deviations[:, 3] = 0.0
+    found = regularised_covariance(deviations, "ledoit_wolf", "own_variances", 1e-3)
+    np.testing.assert_array_equal(found[3], 1e-3 * np.eye(6)[3])
+    assert np.linalg.eigvalsh(found)[0] == pytest.approx(1e-3)

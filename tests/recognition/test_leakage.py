@@ -9,7 +9,6 @@ from recognition.synthetic import PAPER_FEATURES, features_table
 from sklearn import config_context
 
 from visuohaptic.recognition import classifiers, experiment, tuning
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.encoding import fit_sequence_encoder
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import gather_sequences
@@ -20,18 +19,20 @@ SEQUENCES = gather_sequences(features_table(separation=2.0), PAPER_FEATURES, 5)
 SPLITS = make_splits(SEQUENCES, PARAMETERS.protocol, np.random.default_rng(0))[::27]
 
 
-def changed(split, features=None, labels=None):
-    """The sequences with other test features, or with the test objects in other classes."""
+def changed(split, change):
+    """The sequences with other test features."""
     values = SEQUENCES.features.copy()
+    values[split.test] = change(values[split.test])
+    return replace(SEQUENCES, features=values)
+
+
+def relabelled(split):
+    """The sequences with the test objects in other classes."""
     objects = list(SEQUENCES.objects)
-    if features is not None:
-        values[split.test] = features(values[split.test])
-    if labels is not None:
-        tested = np.unique(SEQUENCES.object_index[split.test])
-        names = [objects[place][0] for place in tested]
-        for place, name in zip(tested, labels(names), strict=True):
-            objects[place] = (name, objects[place][1])
-    return replace(SEQUENCES, features=values, objects=tuple(objects))
+    tested = np.unique(SEQUENCES.object_index[split.test])
+    for place, other in zip(tested, np.roll(tested, -1), strict=True):
+        objects[place] = (SEQUENCES.objects[other][0], objects[place][1])
+    return replace(SEQUENCES, objects=tuple(objects))
 
 
 def everything_fitted(pipeline, sequences, split, monkeypatch):
@@ -53,14 +54,8 @@ def everything_fitted(pipeline, sequences, split, monkeypatch):
         patch.setattr(tuning, "fit_tuned_classifier", catching(tuning.fit_tuned_classifier))
         patch.setattr(experiment, "fit_sequence_encoder", catching(fit_sequence_encoder))
         generator = np.random.default_rng(5)
-        if pipeline == "paper":
-            list(experiment.run_paper_split(sequences, split, PARAMETERS, generator))
-        else:
-            waves = draw_waves(PARAMETERS.best, np.random.default_rng(6))
-            described = describe_sequences(
-                sequences.features, sequences.feature_names, waves, PARAMETERS.best
-            )
-            list(experiment.run_best_split(sequences, described, split, PARAMETERS, generator))
+        answer = experiment.split_runner(sequences, PARAMETERS, 6, pipeline)
+        list(answer(split, generator))
     return caught
 
 
@@ -84,10 +79,10 @@ def same(first, second):
 
 
 CHANGES = {
-    "test labels shuffled": {"labels": lambda names: names[1:] + names[:1]},
-    "test data shuffled": {"features": lambda values: values[::-1]},
-    "test data replaced": {"features": np.ones_like},
-    "test data huge": {"features": lambda values: 1e6 * values},
+    "test labels shuffled": relabelled,
+    "test data shuffled": lambda split: changed(split, lambda values: values[::-1]),
+    "test data replaced": lambda split: changed(split, np.ones_like),
+    "test data huge": lambda split: changed(split, lambda values: 1e6 * values),
 }
 
 
@@ -100,7 +95,7 @@ CASES = [
 @pytest.mark.parametrize(("pipeline", "change", "split"), CASES)
 def test_other_test_objects_change_nothing_that_is_fitted(pipeline, change, split, monkeypatch):
     before = everything_fitted(pipeline, SEQUENCES, split, monkeypatch)
-    after = everything_fitted(pipeline, changed(split, **CHANGES[change]), split, monkeypatch)
+    after = everything_fitted(pipeline, CHANGES[change](split), split, monkeypatch)
     assert len(before) > 20
     assert same(before, after)
 
@@ -109,7 +104,7 @@ def test_other_test_objects_change_nothing_that_is_fitted(pipeline, change, spli
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_one_other_training_touch_changes_what_is_fitted(pipeline, monkeypatch):
     split = SPLITS[0]
-    touched = changed(split)
+    touched = changed(split, lambda values: values)
     touched.features[split.train[0], 0, 0] += 0.5
     before = everything_fitted(pipeline, SEQUENCES, split, monkeypatch)
     assert not same(before, everything_fitted(pipeline, touched, split, monkeypatch))

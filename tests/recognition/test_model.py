@@ -1,5 +1,6 @@
 """Models that are saved, read, and refused."""
 
+import io
 import pickle
 import zipfile
 
@@ -18,10 +19,6 @@ from visuohaptic.recognition.stored_models import FORMAT
 TABLE = features_table(objects=(3, 3), separation=3.0)
 OTHER = features_table(objects=(4, 4), separation=3.0, seed=7)
 PARAMETERS = RecognitionParameters()
-SAFE = {
-    "k_nearest_neighbours", "support_vector_machine", "quadratic_discriminant", "naive_bayes",
-    "linear_discriminant", "logistic_regression",
-}  # fmt: skip
 
 
 def rows_of(table, category, name):
@@ -35,15 +32,12 @@ def test_a_model_is_saved_and_answers_the_same_bit_for_bit_or_is_refused(
 ):
     model = recognition.fit_model(TABLE, pipeline, classifier, PARAMETERS, 1)
     path = tmp_path / "models" / "a.skops"
-    refused = ""
-    try:
-        recognition.save_model(model, path)
-    except RecognitionError as error:
-        refused = str(error)
-    if classifier not in SAFE and "can't be saved so that" in refused:
+    if classifier == "decision_tree":
+        with pytest.raises(RecognitionError, match="can't be saved so that"):
+            recognition.save_model(model, path)
         assert list(tmp_path.iterdir()) == []
         return
-    assert not refused
+    recognition.save_model(model, path)
     loaded = recognition.load_model(path)
     unseen = rows_of(OTHER, "class1", "object3")
     assert loaded.answer(unseen) == model.answer(unseen)
@@ -53,48 +47,38 @@ def test_a_model_is_saved_and_answers_the_same_bit_for_bit_or_is_refused(
     assert loaded.parameters == PARAMETERS
 
 
-def test_object_that_was_in_no_training_set_is_named_with_probabilities():
-    model = recognition.fit_model(TABLE, "best", "linear_discriminant", PARAMETERS, 1)
-    assert ("class1", "object3") not in model.objects
-    found = model.answer(rows_of(OTHER, "class1", "object3"))
-    chances = list(found.probabilities.values())
-    assert next(iter(found.probabilities)) == "class1"
-    assert sum(chances) == pytest.approx(1)
-    assert chances == sorted(chances, reverse=True)
-    assert found.coverage == 0.9
-    assert set(found.candidates) <= {"class0", "class1"}
-
-
 class Mischief:
     def __reduce__(self):
         return (print, ("this must not run",))
 
 
-def test_file_with_foreign_types_is_refused_and_runs_nothing(tmp_path, capsys):
+def zipped():
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        archive.writestr("a", "b")
+    return content.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (skops.io.dumps({"format": Mischief()}), "UntrustedTypes.*Mischief"),
+        (pickle.dumps(Mischief()), "is no whole"),
+        (skops.io.dumps({"format": "something else"}), "is a 'something else'"),
+        (skops.io.dumps({"format": FORMAT}), "KeyError.*model"),
+        (zipped(), "is no whole"),
+        (None, "is no whole"),
+    ],
+)
+def test_foreign_broken_and_missing_files_are_refused_and_run_nothing(
+    content, reason, tmp_path, capsys
+):
     path = tmp_path / "m.skops"
-    path.write_bytes(skops.io.dumps({"format": Mischief()}))
-    with pytest.raises(RecognitionError, match="types that a model has no need of"):
-        recognition.load_model(path)
-    path.write_bytes(pickle.dumps(Mischief()))
-    with pytest.raises(RecognitionError, match="can't be read"):
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(RecognitionError, match=reason):
         recognition.load_model(path)
     assert capsys.readouterr().out == ""
-
-
-def test_other_skops_files_broken_and_missing_ones_are_refused(tmp_path):
-    path = tmp_path / "m.skops"
-    path.write_bytes(skops.io.dumps({"format": "something else"}))
-    with pytest.raises(RecognitionError, match="train it again"):
-        recognition.load_model(path)
-    path.write_bytes(skops.io.dumps({"format": FORMAT}))
-    with pytest.raises(RecognitionError, match=r"lacks parts of a model.*model"):
-        recognition.load_model(path)
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("a", "b")
-    with pytest.raises(RecognitionError, match="can't be read"):
-        recognition.load_model(path)
-    with pytest.raises(RecognitionError, match="can't be read"):
-        recognition.load_model(tmp_path / "absent.skops")
 
 
 def test_a_small_file_that_unpacks_to_a_large_one_is_refused_before_it_is_unpacked(
@@ -106,7 +90,7 @@ def test_a_small_file_that_unpacks_to_a_large_one_is_refused_before_it_is_unpack
     assert path.stat().st_size < 10**5
     monkeypatch.setattr(stored_models, "LARGEST_BYTES", 10**6)
     monkeypatch.setattr(skops.io, "loads", lambda *_, **__: pytest.fail("unpacked"))
-    with pytest.raises(RecognitionError, match="unpacks to 8 MB; at most 1 MB are allowed"):
+    with pytest.raises(RecognitionError, match="unpacks to 8 MB"):
         recognition.load_model(path)
 
 
@@ -126,20 +110,20 @@ def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
     model.recognise(rows_of(table, "class0", "object0"))
 
 
-@pytest.mark.parametrize("touches", [1, 2, 7])
-def test_any_number_of_touches_gets_an_answer(touches):
+@pytest.mark.parametrize("touches", [1, 2, 5, 7])
+def test_any_number_of_touches_of_an_object_that_was_not_learnt_gets_an_answer(touches):
     longer = features_table(objects=(4, 4), touches=touches, separation=3.0, seed=7)
     model = recognition.fit_model(TABLE, "best", "linear_discriminant", PARAMETERS, 1)
+    assert ("class1", "object3") not in model.objects
     unseen = rows_of(longer, "class1", "object3")
-    one_view = recognition.select(unseen, viewpoint=0)
-    for rows in (unseen, one_view):
-        answer = model.recognise(rows)
-        assert sum(answer.values()) == pytest.approx(1)
-        assert next(iter(answer)) == "class1"
-
-
-def test_no_touch_is_refused_in_a_sentence():
-    model = recognition.fit_model(TABLE, "best", "naive_bayes", PARAMETERS, 1)
+    for rows in (unseen, recognition.select(unseen, viewpoint=0)):
+        found = model.answer(rows)
+        chances = list(found.probabilities.values())
+        assert next(iter(found.probabilities)) == "class1"
+        assert sum(chances) == pytest.approx(1)
+        assert chances == sorted(chances, reverse=True)
+        assert found.coverage == 0.9
+        assert set(found.candidates) <= {"class0", "class1"}
     with pytest.raises(RecognitionError, match="There is no touch"):
         model.recognise(TABLE.slice(0, 0))
 
@@ -166,5 +150,5 @@ def test_a_model_whose_parts_do_not_belong_together_is_refused_in_a_sentence(
         inside = inside[name]
     inside[part[-1]] = change(inside[part[-1]])
     path.write_bytes(skops.io.dumps(state))
-    with pytest.raises(RecognitionError, match=f"don't belong together .*{reason}"):
+    with pytest.raises(RecognitionError, match=f"is no whole .*{reason}"):
         recognition.load_model(path)

@@ -7,13 +7,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
-from recognition.synthetic import features_table, sequences_of
+from recognition.synthetic import features_table
 
 from visuohaptic import recognition
-from visuohaptic.recognition import short_sequences
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import gather_any
-from visuohaptic.recognition.short_sequences import fit_short_classifiers
 
 pytestmark = pytest.mark.slow
 PARAMETERS = RecognitionParameters()
@@ -86,14 +83,6 @@ def test_whole_sequences_are_classified_as_without_short_ones(model):
         assert model.answer(rows) == plain.answer(rows)
 
 
-def test_a_view_with_more_touches_than_a_sequence_gives_whole_ones_alone():
-    table = features_table(objects=(1,), touches=7, viewpoints=3)
-    (found,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 5)
-    (touched,) = gather_any(table.drop_columns(["contact_state"]), ("x", "y"), 7)
-    np.testing.assert_array_equal(found[::2], touched[:, :5])
-    np.testing.assert_array_equal(found[1::2], touched[:, 2:])
-
-
 def test_an_object_is_compared_with_known_ones_by_the_first_touches_of_a_view(model):
     table = features_table(objects=(24, 24, 24), touches=7, separation=0.8)
     new = table.filter(pc.greater_equal(table["object"], "object3"))
@@ -129,35 +118,6 @@ def test_a_length_that_was_not_learnt_is_classified_as_the_one_that_is_most_like
     alone = {length: only for length, only in model.short.items() if length == classified_as}
     expected = dataclasses.replace(model, short=alone).answer(rows)
     assert model.answer(rows) == expected
-
-
-def test_no_training_object_is_compared_by_what_has_learnt_it(monkeypatch):
-    learnt = []
-    original = short_sequences._fit
-
-    def catching(sequences, *rest):
-        fits = original(sequences, *rest)
-        learnt.append((set(sequences.object_index), fits[1]))
-        return fits
-
-    monkeypatch.setattr(short_sequences, "_fit", catching)
-    objects, touches = np.repeat(np.arange(8), 4), np.random.default_rng(0).normal(size=(32, 3, 6))
-    labels = objects // 4
-    sequences = sequences_of(touches, "abcdef", labels, objects, classes=2)
-    described = {1: touches[:, 0], 2: touches[:, :2].reshape(32, -1)[:, :6]}
-    fit_short_classifiers(sequences, described, PARAMETERS.best, np.random.default_rng(1))
-    (everything, _), *folds = learnt
-    assert everything == set(range(8))
-    left_out = [everything - owners for owners, _ in folds]
-    assert sorted(place for fold in left_out for place in fold) == list(range(8))
-    learnt.clear()
-    changed = {
-        length: np.where(objects[:, None] == 3, 9.0, rows) for length, rows in described.items()
-    }
-    fit_short_classifiers(sequences, changed, PARAMETERS.best, np.random.default_rng(1))
-    for (owners, before), (_, after) in zip(folds, learnt[1:], strict=True):
-        same = np.array_equal(before.bags.coefficients, after.bags.coefficients)
-        assert same == (3 not in owners)
 
 
 def test_without_bags_or_a_second_object_nothing_more_is_learnt_or_compared():

@@ -1,6 +1,5 @@
 """A spoon, a wire and a needle take part: a view that shows too little of one stops nothing."""
 
-import numpy as np
 import pyarrow as pa
 import pytest
 import trimesh
@@ -51,11 +50,6 @@ def table():
     return pa.concat_tables(parts)
 
 
-def test_they_show_too_little_in_some_views(table):
-    _, sentences = whole_sequences(table, 5)
-    assert {sentence.split()[0] for sentence in sentences} == {"slender/wire", "slender/needle"}
-
-
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_recognition_goes_on_without_those_views(table, tmp_path, caplog, pipeline):
     write_table(FEATURES, table, tmp_path / "features.parquet")
@@ -76,17 +70,15 @@ def test_recognition_goes_on_without_those_views(table, tmp_path, caplog, pipeli
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_a_model_names_by_the_views_that_show_enough(pipeline, table):
     of_needle = select(table, object="needle", strategy="fixation")
-    whole, _ = whole_sequences(table, 5)
+    whole, sentences = whole_sequences(table, 5)
+    assert {one.split()[0] for one in sentences} == {"slender/wire", "slender/needle"}
     model = fit_model(select(whole, strategy="fixation"), pipeline, "naive_bayes", QUICK, 1)
-    counts = np.unique(of_needle["viewpoint"].to_numpy(), return_counts=True)[1]
-    assert (counts < 5).any()
-    if (counts == 5).any():
-        assert sum(model.recognise(of_needle).values()) == pytest.approx(1)
+    assert sum(model.recognise(of_needle).values()) == pytest.approx(1)
     four = of_needle.filter(pa.compute.less(of_needle["touch"], 4))
     if pipeline == "best":
         assert sum(model.recognise(four).values()) == pytest.approx(1)
         return
-    with pytest.raises(RecognitionError, match="No viewpoint has 5 touches, which the model needs"):
+    with pytest.raises(RecognitionError, match="No viewpoint has 5 touches"):
         model.recognise(four)
 
 

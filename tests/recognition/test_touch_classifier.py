@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from recognition.synthetic import features_table
-from sklearn.model_selection import GroupKFold, cross_val_score
 from sklearn.utils.estimator_checks import check_estimator
 
 from visuohaptic.recognition.touch_classifier import TouchClassifier, touch_descriptors
@@ -30,18 +29,9 @@ def test_objects_that_training_lacked_are_named_from_all_their_rows():
     np.testing.assert_allclose(probabilities.sum(axis=1), 1)
 
 
-def test_it_is_cross_validated_by_groups():
-    rows, classes, objects = touch_descriptors(features_table(objects=(4, 4), separation=2.0))
-    scores = cross_val_score(
-        TouchClassifier("naive_bayes", random_state=0), rows, classes,
-        groups=objects, cv=GroupKFold(4),
-    )  # fmt: skip
-    assert scores.mean() > 0.8
-
-
 def test_a_group_of_two_classes_and_too_few_groups_are_refused():
     rows = np.random.default_rng(0).normal(size=(6, 3))
     with pytest.raises(ValueError, match="two classes"):
         TouchClassifier().fit(rows, [0, 0, 0, 1, 1, 1], [0, 0, 1, 1, 2, 2])
-    with pytest.raises(ValueError, match="6 rows and 2 groups"):
+    with pytest.raises(ValueError, match="inconsistent"):
         TouchClassifier().fit(rows, [0, 0, 0, 1, 1, 1], [0, 1])

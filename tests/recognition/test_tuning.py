@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from recognition.synthetic import clusters
 from sklearn.linear_model import LogisticRegression
+from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
 from visuohaptic.recognition import classifiers, tuning
@@ -14,9 +15,9 @@ from visuohaptic.recognition.classifiers import (
     Classifier,
     ClassifierParameters,
 )
-from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
+from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import LEAST_SCORE, softmax
+from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
 from visuohaptic.recognition.tuning import (
     FoldFits,
     class_scores,
@@ -97,6 +98,22 @@ def test_every_classifier_gives_probabilities_also_of_a_class_it_never_saw(name)
     assert (found.argmax(axis=1) == labels).mean() > 0.9
 
 
+def test_the_setting_with_the_least_log_loss_wins_at_its_own_temperature():
+    descriptors, labels, owners = clusters(separation=0.1)
+    folds = folds_of(descriptors, labels, owners)
+    losses = {}
+    for count in CLASSIFIERS["k_nearest_neighbours"].grid["neighbours"]:
+        found = []
+        for fold in folds:
+            votes = KNeighborsClassifier(count).fit(fold.fits.train, fold.fits.labels)
+            found.append(class_scores(votes, fold.held_out, 3))
+        held_out = np.concatenate([fold.held_out_labels for fold in folds])
+        losses[f"neighbours {count}"] = best_temperature(np.concatenate(found), held_out)
+    chosen = tuned("k_nearest_neighbours", descriptors, labels, folds)
+    assert chosen.setting == min(losses, key=losses.get) != next(iter(losses))
+    assert chosen.temperature == losses[chosen.setting][1]
+
+
 def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
     descriptors, labels, _ = clusters(objects=(2, 2))
     machine = SVC().fit(descriptors, labels)
@@ -111,7 +128,7 @@ def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
 
 @pytest.mark.slow
 def test_what_other_splits_have_fitted_changes_no_number():
-    descriptors, labels, owners = clusters()
+    descriptors, labels, owners = clusters(separation=0.3)
     tested = [owners % 3 == out for out in range(3)]
 
     def probabilities(memory):
@@ -119,15 +136,13 @@ def test_what_other_splits_have_fitted_changes_no_number():
         for turn, test in enumerate([*tested, *tested]):
             projection, fits = tuning.fit_best_classifiers(
                 descriptors[~test], labels[~test], owners[~test], 3,
-                EVERY_CLASSIFIER, np.random.default_rng(turn), memory,
+                EVERY_CLASSIFIER, np.random.default_rng(turn % 3), memory,
             )  # fmt: skip
             projected = projection.apply(descriptors[test])
             found += [classifier.ballots(projected).alone() for _, classifier, _ in fits]
         return np.array(found)
 
-    assert np.array_equal(
-        probabilities(tuning.FitMemory(REMEMBERED_SEQUENCES)), probabilities(None)
-    )
+    assert np.array_equal(probabilities(FitMemory(1000)), probabilities(None))
 
 
 def test_a_new_classifier_counts_as_random_until_its_entry_says_otherwise(monkeypatch):
@@ -169,7 +184,7 @@ def test_a_classifier_that_counts_as_deterministic_is_the_same_with_every_seed(e
 
 def test_folds_share_the_fits_of_the_same_rows_classes_objects_and_settings_alone():
     rows, labels, owners = clusters()
-    memory = FitMemory(REMEMBERED_SEQUENCES)
+    memory = FitMemory(1000)
 
     def fits(*learnt, **settings):
         return [id(fold.fits) for fold in folds_of(*learnt, memory, **settings)]

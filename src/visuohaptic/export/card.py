@@ -48,11 +48,8 @@ LIMITS = """- Touches are simulated: a rigid surface met along its normal by a f
 - Objects of one author may resemble each other, and no split keeps authors apart."""
 
 # Names of the Hub, as far as the catalogue needs them.
-_LICENCES = {
-    **{name: name.lower() for name in ("CC0-1.0", "CC-BY-3.0", "CC-BY-4.0", "CC-BY-SA-3.0")},
-    **{name: name.lower() for name in ("CC-BY-SA-4.0", "MIT")},
-    "CC-BY-3.0-US": "cc-by-3.0",
-}
+_KNOWN = ("CC0-1.0", "CC-BY-3.0", "CC-BY-4.0", "CC-BY-SA-3.0", "CC-BY-SA-4.0", "MIT")
+_LICENCES = {name: name.lower() for name in _KNOWN} | {"CC-BY-3.0-US": "cc-by-3.0"}
 CITATION = """The experiment follows G. Rouhafzay and A.-M. Cretu, *A Visuo-Haptic Framework for Object Recognition \
 Inspired from Human Tactile Perception*, Proceedings 4(1), 47 (2018); cite it, the authors in `credits.csv`, and visuohaptic, the software \
 that made these touches."""
@@ -176,8 +173,8 @@ models are in `credits.csv`, licence and author also in each row.
 def _baseline_rows(experiment: Experiment) -> list[tuple[str, ...]]:
     return [
         (
-            *(one.pipeline, one.strategy, one.classifier),
-            f"{_percent(one.accuracy)} % ({_percent(one.low)} to {_percent(one.high)})",
+            *(one[name] for name in ("pipeline", "strategy", "classifier")),
+            f"{_percent(one['accuracy'])} % ({_percent(one['low'])} to {_percent(one['high'])})",
         )
         for one in experiment.baselines
     ]

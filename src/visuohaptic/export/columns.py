@@ -39,54 +39,47 @@ COLUMNS = (
 def data_rows(
     touches: pa.Table, classes: Sequence[str], credited: Mapping[str, Credit]
 ) -> pa.Table:
-    """Turn touches, one or more rows of `tables.TOUCHES`, into rows of `COLUMNS` in the same order.
+    """Turn rows of `tables.TOUCHES` into rows of `COLUMNS`; a label is a place in `classes`.
 
-    A label is a place in `classes`, which are all. `credited` goes by `class/name`; an object without
-    a credit gets empty texts. Raises `TableError` if the imprints differ in size, or are no squares.
+    Raises `TableError` if the imprints differ in size, or are no squares.
     """
     imprints = images(touches)
-    found = [credited.get(key) for key in keys_of(touches).to_pylist()]
+    found = [credited[key] for key in keys_of(touches).to_pylist()]
     values = {
-        "image": [{"bytes": png, "path": None} for png in grey_pngs(imprints)],
+        "image": [
+            {"bytes": _png(255.0 * imprint), "path": None}
+            for imprint in imprints.astype(np.float64)
+        ],
         "label": pc.index_in(touches.column("class"), pa.array(classes)).cast(pa.int64()),
         **{column.name: touches.column(column.name) for column in _COPIED},
-        "licence": [credit.licence if credit else "" for credit in found],
-        "author": [credit.author if credit else "" for credit in found],
+        "licence": [credit.licence for credit in found],
+        "author": [credit.author for credit in found],
         "imprint": _nested(imprints),
     }
     return pa.table(values, schema=arrow_schema(COLUMNS))
 
 
-def grey_pngs(imprints: NDArray[np.float32]) -> list[bytes]:
-    """Give imprints, shape (n, r, r) and 0 to 1, as 8-bit grey PNG files."""
+def _png(grey: NDArray[np.float64]) -> bytes:
+    """Give a picture, 0 to 255, as an 8-bit grey PNG file."""
     from PIL import Image
 
-    grey = np.rint(255 * imprints.astype(np.float64)).astype(np.uint8)
-    pngs = []
-    for picture in grey:
-        stored = io.BytesIO()
-        Image.fromarray(picture).save(stored, "png")
-        pngs.append(stored.getvalue())
-    return pngs
+    stored = io.BytesIO()
+    Image.fromarray(np.rint(grey).astype(np.uint8)).save(stored, "png")
+    return stored.getvalue()
 
 
 def sample_png(rows: pa.Table) -> bytes:
-    """Draw the first imprints of each class, a row each, as a grey PNG file."""
+    """Draw the first imprints of each class, a row each, at twice their size as a grey PNG file."""
     from PIL import Image
 
-    kinds = rows.column("class")
-    lines = []
+    kinds, lines = rows.column("class"), []
     for name in sorted(pc.unique(kinds).to_pylist()):
         stored = rows.filter(pc.equal(kinds, name)).column("image").slice(0, _SAMPLES).to_pylist()
         pictures = [np.asarray(Image.open(io.BytesIO(one["bytes"]))) for one in stored]
         line = np.hstack([np.pad(picture, 1) for picture in pictures])
-        lines.append(
-            np.pad(line, ((0, 0), (0, _SAMPLES * (pictures[0].shape[1] + 2) - line.shape[1])))
-        )
-    whole = Image.fromarray(np.vstack(lines))
-    drawn = io.BytesIO()
-    whole.resize((2 * whole.width, 2 * whole.height), Image.Resampling.NEAREST).save(drawn, "png")
-    return drawn.getvalue()
+        width = _SAMPLES * (pictures[0].shape[1] + 2)
+        lines.append(np.pad(line, ((0, 0), (0, width - line.shape[1]))))
+    return _png(np.vstack(lines).repeat(2, axis=0).repeat(2, axis=1))
 
 
 def arrow_schema(columns: Sequence[Column]) -> pa.Schema:

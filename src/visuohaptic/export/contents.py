@@ -29,8 +29,8 @@ LITE_BYTES = 25_000_000
 class Contents:
     """A data set in numbers; objects are `class/name`.
 
-    `touches` counts those of each object, sorted; `tested` are the objects of split `test`; `taxels` is
-    the edge of an imprint; `credits` has the objects with one; by `seed` the objects were divided.
+    `touches` counts those of each object, sorted; `tested` are the objects of split `test`; `taxels`
+    is the edge of an imprint; by `seed` the objects were divided.
     """
 
     touches: Mapping[str, int]
@@ -47,7 +47,7 @@ class Contents:
     @cached_property
     def licences(self) -> dict[str, int]:
         """Objects of each licence; those without a known one as an empty text."""
-        return dict(sorted(Counter(self.licence_of(key) for key in self.touches).items()))
+        return dict(sorted(Counter(one.licence for one in self.credits.values()).items()))
 
     @property
     def every(self) -> int:
@@ -55,11 +55,6 @@ class Contents:
         # A PNG of noise is no smaller than its pixels; names and numbers are a few hundred bytes.
         most = sum(self.touches.values()) * (self.taxels**2 + 768)
         return math.ceil(most / LITE_BYTES)
-
-    def licence_of(self, key: str) -> str:
-        """Give the licence of an object's model; an empty text where none is known."""
-        credit = self.credits.get(key)
-        return credit.licence if credit else ""
 
     def split_of(self, key: str) -> str:
         """Tell in which split all touches of an object are."""
@@ -96,7 +91,8 @@ def find_contents(files: Sequence[Path], credited: Mapping[str, Credit], seed: i
     if not touches:
         raise ExportError("There is no touch to export; run `snakemake -j2` first.")
     by_object = {key: touches[key] for key in sorted(touches, key=lambda key: key.split("/", 1))}
-    return Contents(by_object, frozenset(choose_tested(by_object, seed)), taxels, credited, seed)
+    known = {key: credited.get(key, Credit("", "", "")) for key in by_object}
+    return Contents(by_object, frozenset(choose_tested(by_object, seed)), taxels, known, seed)
 
 
 def choose_tested(keys: Iterable[str], seed: int) -> list[str]:

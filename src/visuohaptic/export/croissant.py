@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -46,8 +45,13 @@ _TYPES = {
 }
 
 
-def describe_files(contents: Contents, files: Mapping[str, Path]) -> str:
-    """Describe the written Parquet files, by name within the data set, as Croissant JSON."""
+def describe_files(contents: Contents, folder: Path) -> str:
+    """Describe the Parquet files that were written into a folder as Croissant JSON."""
+    parts = [
+        (f"{name}_{split}", one.columns, file)
+        for name, one in CONFIGURATIONS.items()
+        for split, file in one.files.items()
+    ]
     described = {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
@@ -61,38 +65,31 @@ def describe_files(contents: Contents, files: Mapping[str, Path]) -> str:
         ],
         "version": __version__,
         "creator": {"@type": "sc:Organization", "name": "visuohaptic"},
-        "distribution": [_file_object(name, path) for name, path in files.items()],
+        "distribution": [_file_object(folder, file) for _, _, file in parts],
         "recordSet": [
-            _record_set(configuration, split, contents.taxels)
-            for configuration, one in CONFIGURATIONS.items()
-            for split in one.splits
+            {
+                "@type": "cr:RecordSet",
+                "@id": name,
+                "name": name,
+                "field": [_field(column, name, file, contents.taxels) for column in columns],
+            }
+            for name, columns, file in parts
         ],
     }
     return json.dumps(described, indent=2) + "\n"
 
 
-def _file_object(name: str, path: Path) -> dict[str, str]:
-    with path.open("rb") as stream:
+def _file_object(folder: Path, name: str) -> dict[str, str]:
+    with (folder / name).open("rb") as stream:
         digest = hashlib.file_digest(stream, "sha256").hexdigest()
     return {
         "@type": "cr:FileObject",
         "@id": name,
         "name": name,
         "contentUrl": name,
-        "contentSize": f"{path.stat().st_size} B",
+        "contentSize": f"{(folder / name).stat().st_size} B",
         "encodingFormat": "application/x-parquet",
         "sha256": digest,
-    }
-
-
-def _record_set(configuration: str, split: str, taxels: int) -> dict[str, Any]:
-    chosen = CONFIGURATIONS[configuration]
-    name, file = f"{configuration}_{split}", chosen.files[split]
-    return {
-        "@type": "cr:RecordSet",
-        "@id": name,
-        "name": name,
-        "field": [_field(column, name, file, taxels) for column in chosen.columns],
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,31 +16,18 @@ from visuohaptic.tables.phases import FEATURES, PREDICTIONS, keys_of
 from visuohaptic.tables.schema import read_table
 
 
-@dataclass(frozen=True)
-class Baseline:
-    """How often the experiment classified test sequences correctly, with an interval over objects."""
-
-    pipeline: str
-    strategy: str
-    classifier: str
-    accuracy: float
-    low: float | None
-    high: float | None
-
-
 @dataclass(frozen=True, eq=False)
 class Experiment:
     """What others need to compare with the experiment.
 
     `features` are `tables.FEATURES` of all touches; `tested` gives for each division of the objects
-    those that tested, `class/name`; `parameters` are as in ``params.yaml``; `commit` is of the code that
-    writes the data set, or says why none is known.
+    those that tested, `class/name`; `baselines` say how often each classifier was right.
     """
 
     features: pa.Table
     tested: Sequence[Sequence[str]]
     parameters: Mapping[str, Any]
-    baselines: Sequence[Baseline]
+    baselines: Sequence[Mapping[str, Any]]
     commit: str
 
     def as_json(self) -> str:
@@ -50,7 +37,7 @@ class Experiment:
             "commit": self.commit,
             "parameters": self.parameters,
             "tested_objects": self.tested,
-            "baselines": [vars(one) for one in self.baselines],
+            "baselines": self.baselines,
         }
         return json.dumps(held, indent=1, ensure_ascii=False) + "\n"
 
@@ -71,7 +58,14 @@ def read_experiment(
     except (OSError, ValueError, KeyError):
         raise ExportError(f"{metrics} is no metrics of a run; run `snakemake -j2` first.") from None
     tested = _tested_objects(read_table(PREDICTIONS, predictions))
-    baselines = [*_baselines(results)]
+    baselines = [
+        {"pipeline": pipeline, "strategy": strategy, "classifier": classifier}
+        | {"accuracy": found["accuracy"]["mean"]}
+        | {end: found["accuracy"][end] for end in ("low", "high")}
+        for pipeline, strategies in results.items()
+        for strategy, classifiers in strategies.items()
+        for classifier, found in classifiers.items()
+    ]
     return Experiment(read_table(FEATURES, features), tested, parameters, baselines, commit)
 
 
@@ -81,13 +75,3 @@ def _tested_objects(predictions: pa.Table) -> list[list[str]]:
     for split, key in zip(splits, keys_of(predictions).to_pylist(), strict=True):
         tested.setdefault(split, set()).add(key)
     return [sorted(tested[split]) for split in sorted(tested)]
-
-
-def _baselines(results: Mapping[str, Any]) -> Iterator[Baseline]:
-    for pipeline, strategies in results.items():
-        for strategy, classifiers in strategies.items():
-            for classifier, found in classifiers.items():
-                figure = found["accuracy"]
-                yield Baseline(
-                    pipeline, strategy, classifier, figure["mean"], figure["low"], figure["high"]
-                )

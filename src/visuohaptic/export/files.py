@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from visuohaptic.export.columns import arrow_schema, data_rows, sample_png
 from visuohaptic.export.contents import Contents, find_contents
 from visuohaptic.export.croissant import describe_files
 from visuohaptic.export.experiment import Experiment, read_experiment
-from visuohaptic.meshes.catalogue import Credit, read_credits
+from visuohaptic.meshes.catalogue import read_credits
 from visuohaptic.parameters import read_parameters
 from visuohaptic.tables.phases import FEATURES, TOUCHES, keys_of
 from visuohaptic.tables.schema import read_table, write_table
@@ -39,11 +39,7 @@ _OF_TOUCHES = {
 
 
 def export_run(run: str | Path, folder: str | Path, commit: str) -> Contents:
-    """Export the touches of a finished run, in its folder as the workflow lays it out.
-
-    Takes ``params.yaml``, ``results/touches`` and the credits below ``meshes``. Raises what
-    `make_export` does, and `ParameterError` if the parameters can't be read.
-    """
+    """Export the touches of a finished run, in its folder as the workflow lays it out."""
     run = Path(run)
     parameters = read_parameters(run / "params.yaml")
     touches = sorted((run / "results/touches").rglob("*.parquet"))
@@ -72,10 +68,9 @@ def make_export(
 ) -> Contents:
     """Write touches as a data set that `datasets.load_dataset(folder)` reads as it is.
 
-    The same touches, in any order of their files, credits, seed and experiment give the same files bit
-    for bit. The folder is new, empty, or an earlier export, which is replaced; a missing file of credits
-    is passed over. Raises `ExportError` if the folder holds anything else, or the touches can't be
-    divided, and `TableError` if a part of them breaks its schema.
+    The order of their files changes nothing. The folder is new, empty, or an earlier export, which is
+    replaced; a missing file of credits is passed over. Raises `ExportError` if the folder holds
+    anything else, or the touches can't be divided.
     """
     files, folder = sorted(map(Path, touches)), Path(folder)
     contents = find_contents(files, read_credits(credit_files), seed)
@@ -90,8 +85,7 @@ def make_export(
         unfinished.write_bytes(
             sample_png(pq.read_table(folder / CONFIGURATIONS["lite"].files["train"]))
         )
-    written = {name: folder / name for name in PARQUET}
-    write_whole(folder / CROISSANT, describe_files(contents, written))
+    write_whole(folder / CROISSANT, describe_files(contents, folder))
     return contents
 
 
@@ -99,30 +93,23 @@ def _take_over(folder: Path) -> None:
     """Make the folder, or remove the earlier export in it; anything else is refused."""
     if folder.exists() and not folder.is_dir():
         raise ExportError(f"{folder} is a file; name a folder.")
-    present = list(_entries(folder))
+    has_files, folders = False, {str(Path(name).parent) for name in PARQUET}
+    for entry in folder.rglob("*"):
+        name = entry.relative_to(folder).as_posix()
+        allowed = entry.is_file() if name in FILES else entry.is_dir() and name in folders
+        if entry.is_symlink() or not allowed:
+            raise ExportError(
+                f"{folder} holds {name}, which is no part of an export; name a new or an empty folder."
+            )
+        has_files |= entry.is_file()
     card = folder / CARD
     is_marked = card.is_file() and MARK in card.read_text(encoding="utf-8", errors="replace")
-    if any(file.is_file() for file in present) and not is_marked:
+    if has_files and not is_marked:
         raise ExportError(
             f"{folder} is not empty and holds no export; name a new or an empty folder."
         )
     for name in FILES:
         (folder / name).unlink(missing_ok=True)
-
-
-def _entries(folder: Path) -> Iterator[Path]:
-    """List what lies in an export's folder; raise `ExportError` at anything that is no part of one."""
-    folders = {str(Path(name).parent) for name in PARQUET}
-    for place in (folder, *(folder / name for name in folders)):
-        for entry in sorted(place.iterdir()) if place.is_dir() else []:
-            name = entry.relative_to(folder).as_posix()
-            allowed = entry.is_file() if name in FILES else entry.is_dir() and name in folders
-            if entry.is_symlink() or not allowed:
-                raise ExportError(
-                    f"{folder} holds {name}, which is no part of an export; name a new or an empty "
-                    "folder."
-                )
-            yield entry
 
 
 def _write_rows(files: Sequence[Path], contents: Contents, folder: Path) -> None:
@@ -163,7 +150,7 @@ def _credits_of(contents: Contents) -> str:
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(["class", "object", "split", "author", "licence", "source_url"])
     for key in contents.touches:
-        credit = contents.credits.get(key, Credit("", "", ""))
+        credit = contents.credits[key]
         owner = (*key.split("/", 1), contents.split_of(key))
         writer.writerow((*owner, credit.author, credit.licence, credit.source_url))
     return stream.getvalue()

@@ -90,7 +90,7 @@ def _accuracy_of_shuffle(
     shuffled = replace(sequences, objects=objects)
     splits = make_splits(shuffled, parameters.protocol, generator)
     split = splits[generator.integers(len(splits))]
-    (answer,) = run_paper_split(shuffled, split, parameters, generator)
+    (answer,) = run_paper_split(shuffled, parameters, split, generator)
     right = answer.predicted == shuffled.labels[split.test]
     owners = shuffled.object_index[split.test]
     tested = np.unique(owners)
@@ -163,9 +163,9 @@ def _answers(
 ) -> Iterator[Answer]:
     generator = np.random.default_rng(0)
     if pipeline == "paper":
-        return run_paper_split(sequences, split, parameters, generator)
+        return run_paper_split(sequences, parameters, split, generator)
     waves = draw_waves(parameters.best, np.random.default_rng(0))
     described = describe_sequences(
         sequences.features, sequences.feature_names, waves, parameters.best
     )
-    return run_best_split(sequences, described, split, parameters, generator)
+    return run_best_split(sequences, described, parameters, split, generator)

@@ -16,6 +16,8 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.encoding import ROUNDING
 from visuohaptic.recognition.parameters import BestParameters
+from visuohaptic.recognition.sequences import TouchSequences
+from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import KINESTHETIC_FEATURES
 
 POSE = KINESTHETIC_FEATURES
@@ -39,6 +41,12 @@ def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> Wa
     weights = np.array([1, 1, 1, *[parameters.normal_weight] * 3]) / parameters.wave_length
     directions = generator.normal(size=(6, parameters.waves)) * weights[:, None]
     return WaveBasis(directions, generator.uniform(0, 2 * np.pi, size=parameters.waves))
+
+
+def describe_all(sequences: TouchSequences, parameters: BestParameters, seed: int) -> Floats:
+    """Describe s sequences with the waves that the experiment's seed draws: (s, d)."""
+    waves = draw_waves(parameters, spawn_generator(seed, "recognition", "waves"))
+    return describe_sequences(sequences.features, sequences.feature_names, waves, parameters)
 
 
 def describe_sequences(

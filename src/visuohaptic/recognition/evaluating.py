@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -96,15 +97,9 @@ def evaluate(
     else:
         classifier = Classifier.of("estimator", estimator)
     sequences = gather_pipeline(table, parameters, _PIPELINE, seed)
+    answer_split = partial(run_paper_split, sequences, parameters, classifiers=[classifier])
     scores, predictions = run_sequences(
-        sequences,
-        strategy,
-        parameters,
-        seed,
-        _PIPELINE,
-        lambda split, generator: run_paper_split(
-            sequences, split, parameters, generator, classifiers=[classifier]
-        ),
+        sequences, strategy, parameters, seed, _PIPELINE, answer_split
     )
     summary = summarise(scores, predictions, parameters.intervals, seed)
     ((found,),) = (one.values() for one in summary["results"][_PIPELINE].values())

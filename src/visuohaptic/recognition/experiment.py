@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
@@ -23,14 +22,13 @@ from visuohaptic.recognition.classifiers import (
     fit_classifier,
     fit_each,
 )
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.encoding import fit_sequence_encoder
 from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import (
     TouchSequences,
     gather_sequences,
-    identical_objects,
     shuffle_touches,
     spread_contact_states,
     turn_objects,
@@ -98,8 +96,7 @@ def run_sequences(
     # Votes are counted as the answers come, while sums are still taken on one thread.
     answers = answer_splits(sequences, parameters, seed, pipeline, answer_split)
     twins = _twins_note(sequences)
-    scores: list[dict[str, object]] = []
-    predictions: list[dict[str, NDArray[np.generic]]] = []
+    found: list[tuple[dict[str, object], dict[str, NDArray[np.generic]]]] = []
     for split, repeat, answer in answers:
         key: dict[str, object] = {
             "pipeline": pipeline,
@@ -115,14 +112,18 @@ def run_sequences(
             "sequences": len(split.test),
             "note": "; ".join(filter(None, (answer.note, twins))) or None,
         }
-        scores.append(key | figures)
         repeated = {name: np.full(len(split.test), value) for name, value in key.items()}
-        predictions.append(repeated | _predicted(sequences, split, answer, voted))
-    kept = _without_gaps(scores)
-    blocks = list(itertools.compress(predictions, kept))
+        predicted = repeated | _predicted(sequences, split, answer, voted)
+        found.append((key | figures, predicted))
+    # Whom a split lacks is left out: its mean over the others would compare with no one's.
+    splits = len({(score["split"], score["seed"]) for score, _ in found})
+    answered = Counter(score["classifier"] for score, _ in found)
+    kept = [pair for pair in found if answered[pair[0]["classifier"]] == splits]
+    if not kept:
+        raise RecognitionError("No classifier can be fitted in every split; see the log.")
+    scores, blocks = zip(*kept, strict=True)
     columns = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
-    scored = build_rows(SCORES, list(itertools.compress(scores, kept)))
-    return scored, build_table(PREDICTIONS, columns)
+    return build_rows(SCORES, list(scores)), build_table(PREDICTIONS, columns)
 
 
 def answer_splits(
@@ -177,8 +178,8 @@ def gather_pipeline(
     bands = _described(features)
     features = turn_objects(features, parameters.protocol.turns)
     if pipeline == "paper":
-        names = [*bands] if "cutaneous" in parameters.cues else []
-        names += KINESTHETIC_FEATURES if "kinesthetic" in parameters.cues else ()
+        names = bands if "cutaneous" in parameters.cues else []
+        names = [*names, *(KINESTHETIC_FEATURES if "kinesthetic" in parameters.cues else ())]
     elif pipeline == "best":
         features = spread_contact_states(features)
         extra = [
@@ -193,14 +194,13 @@ def gather_pipeline(
     return sequences if parameters.order == "kept" else shuffle_touches(sequences, seed)
 
 
-def _described(features: pa.Table) -> tuple[str, ...]:
+def _described(features: pa.Table) -> list[str]:
     """Name the columns ``contourlet_…`` that the descriptor of the imprint fills; the others are 0."""
     present = [name for name in CONTOURLET_FEATURES if name in features.column_names]
-    ends = [pc.min_max(features.column(name)).as_py() for name in present]
-    filled = [bool(end["min"] or end["max"]) for end in ends]
     # A band may be 0 by chance; only those after the last filled one are not the descriptor's.
-    last = max((place for place, one in enumerate(filled, start=1) if one), default=len(present))
-    return tuple(present[:last])
+    places = enumerate(present, start=1)
+    filled = [place for place, name in places if features.column(name).to_numpy().any()]
+    return present[: max(filled, default=len(present))]
 
 
 def split_runner(
@@ -212,24 +212,16 @@ def split_runner(
 ) -> AnswerSplit:
     """Give what trains and tests a split by a pipeline; `maps` of other runs change no number."""
     if pipeline == "paper":
-        return lambda split, generator: run_paper_split(
-            sequences, split, parameters, generator, maps
-        )
-
-    waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
-    described = describe_sequences(
-        sequences.features, sequences.feature_names, waves, parameters.best
-    )
+        return partial(run_paper_split, sequences, parameters, memory=maps)
+    described = describe_all(sequences, parameters.best, seed)
     memory = FitMemory(REMEMBERED_SEQUENCES)
-    return lambda split, generator: run_best_split(
-        sequences, described, split, parameters, generator, memory
-    )
+    return partial(run_best_split, sequences, described, parameters, memory=memory)
 
 
 def run_paper_split(
     sequences: TouchSequences,
-    split: Split,
     parameters: RecognitionParameters,
+    split: Split,
     generator: np.random.Generator,
     memory: FitMemory | None = None,
     classifiers: Iterable[Classifier] = (),
@@ -257,8 +249,8 @@ def run_paper_split(
 def run_best_split(
     sequences: TouchSequences,
     described: Floats,
-    split: Split,
     parameters: RecognitionParameters,
+    split: Split,
     generator: np.random.Generator,
     memory: FitMemory | None = None,
 ) -> Iterator[Answer]:
@@ -278,16 +270,6 @@ def run_best_split(
         chosen = f"chosen by inner folds: {classifier.setting}"
         notes = "; ".join(filter(None, (chosen, note)))
         yield Answer(name, ballots.alone().argmax(axis=1), notes, ballots)
-
-
-def _without_gaps(scores: list[dict[str, object]]) -> list[bool]:
-    """Leave out whom a split lacks: its mean over the others would compare with no one's."""
-    splits = len({(row["split"], row["seed"]) for row in scores})
-    answered = Counter(row["classifier"] for row in scores)
-    kept = [answered[row["classifier"]] == splits for row in scores]
-    if not any(kept):
-        raise RecognitionError("No classifier can be fitted in every split; see the log.")
-    return kept
 
 
 def _vote(sequences: TouchSequences, split: Split, answer: Answer) -> tuple[Integers, Floats]:
@@ -321,8 +303,14 @@ def _predicted(
 
 
 def _twins_note(sequences: TouchSequences) -> str | None:
-    pairs = identical_objects(sequences)
+    """Name the pairs of objects whose touches are the same number for number."""
+    first: dict[bytes, str] = {}
+    pairs = []
+    for place, owner in enumerate(sequences.objects):
+        name, content = "/".join(owner), sequences.features[sequences.object_index == place]
+        known = first.setdefault(content.tobytes(), name)
+        if known != name:
+            pairs.append(f"{known} and {name}")
     if not pairs:
         return None
-    named = ", ".join(f"{first} and {second}" for first, second in pairs)
-    return f"touches are identical for {named}, so a test may meet what training saw"
+    return f"touches are identical for {', '.join(pairs)}, so a test may meet what training saw"

@@ -220,7 +220,11 @@ def fit_model(
         touches=sequences.features.shape[1],
         objects=sequences.objects,
         parameters=parameters,
-        versions=_versions(),
+        versions={
+            "visuohaptic": __version__,
+            "python": platform.python_version(),
+            **{name: version(name) for name in ("numpy", "scikit-learn", "pywavelets", "skops")},
+        },
         **fitted,
     )
 
@@ -271,12 +275,3 @@ def _fit_best(
     )
     describer = SequenceDescriber(waves, names, parameters.best, projection)
     return {"encoder": describer, "tuned": tuned, "calibration": calibration, "short": short}
-
-
-def _versions() -> dict[str, str]:
-    packages = ("numpy", "scikit-learn", "pywavelets", "skops")
-    return {
-        "visuohaptic": __version__,
-        "python": platform.python_version(),
-        **{name: version(name) for name in packages},
-    }

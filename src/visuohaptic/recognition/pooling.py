@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
 from visuohaptic.recognition.classifiers import ClassifierParameters
-from visuohaptic.recognition.covariance import common_covariance
 from visuohaptic.recognition.encoding import ROUNDING
+from visuohaptic.recognition.gaussian import common_covariance
 from visuohaptic.recognition.parameters import BestParameters
 
 TEMPERATURES = np.geomspace(0.02, 50.0, 69)
@@ -64,12 +63,12 @@ class Combination:
     known: Flags
 
     def probabilities(
-        self, mean_probabilities: Floats, mean_scores: Floats, counts: Integers
+        self, mean_probabilities: Floats, mean_scores: Floats, counts: Floats
     ) -> Floats:
         """Give class probabilities (m, c) of bags of `counts` (m,) sequences by both answers' means."""
         logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
         summed = logs / self.scales[0] + mean_scores / self.scales[1]
-        places = np.log(np.maximum(counts, 1))
+        places = np.log(counts)
         temperature = np.exp(np.interp(places, np.log(self.views), np.log(self.temperatures)))
         return softmax(np.where(self.known, summed / temperature[:, None], LEAST_SCORE))
 
@@ -88,19 +87,17 @@ class Ballots:
 
     def together(self, members: Flags) -> Floats:
         """Give the class probabilities (m, c) of bags; `members` (m, n) are their sequences."""
-        counts = members.sum(axis=1)
+        counts = members.sum(axis=1, dtype=np.float64)
         # Sums first: those of whole votes are exact, so that a tie is one.
         count_in = members.astype(np.float64)
         probabilities = count_in @ self.probabilities / counts[:, None]
         scores = None if self.scores is None else count_in @ self.scores / counts[:, None]
         return self._answer(probabilities, scores, counts)
 
-    def _answer(
-        self, probabilities: Floats, scores: Floats | None, counts: NDArray[np.generic]
-    ) -> Floats:
+    def _answer(self, probabilities: Floats, scores: Floats | None, counts: Floats) -> Floats:
         if scores is None or self.combination is None:
             return probabilities
-        return self.combination.probabilities(probabilities, scores, counts.astype(np.int64))
+        return self.combination.probabilities(probabilities, scores, counts)
 
 
 @dataclass(frozen=True)

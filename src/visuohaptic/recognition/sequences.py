@@ -87,13 +87,10 @@ def gather_sequences(
 
 def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
     """Draw a new order of each sequence's touches by the seed, its object and its viewpoint alone."""
-    orders = [
-        spawn_generator(seed, "order", *sequences.objects[owner], viewpoint)
-        for owner, viewpoint in zip(sequences.object_index, sequences.viewpoint, strict=True)
-    ]
+    of_sequence = (sequences.object_index, sequences.viewpoint, sequences.features)
     features = [
-        order.permutation(touches)
-        for order, touches in zip(orders, sequences.features, strict=True)
+        spawn_generator(seed, "order", *sequences.objects[owner], viewpoint).permutation(touches)
+        for owner, viewpoint, touches in zip(*of_sequence, strict=True)
     ]
     return replace(sequences, features=np.reshape(features, sequences.features.shape))
 
@@ -161,24 +158,10 @@ def spread_contact_states(features: pa.Table) -> pa.Table:
     """Turn column ``contact_state``, if there, into ``contact_full``, ``contact_shrunk``, … of 0, 1."""
     if "contact_state" not in features.column_names:
         return features
-    states = np.array(features.column("contact_state").to_pylist())
     for state in CONTACT_STATES:
-        column = pa.array((states == state).astype(np.float64))
+        column = pc.equal(features.column("contact_state"), state).cast(pa.float64())
         features = features.append_column(f"contact_{state}", column)
     return features.drop_columns(["contact_state"])
-
-
-def identical_objects(sequences: TouchSequences) -> list[tuple[str, str]]:
-    """Name, as "class/object", the pairs of objects whose touches are the same number for number."""
-    first: dict[bytes, str] = {}
-    pairs = []
-    for place, owner in enumerate(sequences.objects):
-        content = sequences.features[sequences.object_index == place].tobytes()
-        name = "/".join(owner)
-        if content in first:
-            pairs.append((first[content], name))
-        first.setdefault(content, name)
-    return pairs
 
 
 def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:

@@ -71,47 +71,35 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
 def load_model(path: str | Path) -> RecognitionModel:
     """Read what `save_model` wrote; a file that would bring code of its own is refused.
 
-    Raises `RecognitionError` if the file can't be read, is larger than `LARGEST_BYTES`, holds other
-    types than NumPy's and scikit-learn's, is no whole model of this package, or gives no
-    probabilities for a sequence of touches because its arrays don't belong together or hold what is
-    no number.
+    Raises `RecognitionError` if it can't be read, is larger than `LARGEST_BYTES`, holds other types
+    than NumPy's and scikit-learn's, or is no whole model that gives probabilities.
     """
-    import skops.io
-    from skops.io.exceptions import UntrustedTypesFoundException
-
     try:
-        _check_size(Path(path))
-        state = skops.io.loads(Path(path).read_bytes(), trusted=None)
-    except RecognitionError:
-        raise
-    except UntrustedTypesFoundException as error:
-        raise RecognitionError(
-            f"{path} holds types that a model has no need of, and is not loaded."
-        ) from error
+        model = _read(Path(path))
+        model.check()
     except Exception as error:
         raise RecognitionError(
-            f"{path} can't be read as a recognition model ({error}); train it again."
-        ) from error
-    if not isinstance(state, dict) or state.get("format") != FORMAT:
-        raise RecognitionError(f"{path} is no {FORMAT!r}; train it again with this version.")
-    try:
-        model: RecognitionModel = _restored(state["model"])
-        model.check()
-    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
-        raise RecognitionError(
-            f"{path} lacks parts of a model, or its parts don't belong together ({error!r}); train it again."
+            f"{path} is no whole {FORMAT!r}, or its parts don't belong together; train it again "
+            f"({type(error).__name__}: {error})."
         ) from error
     return model
 
 
-def _check_size(path: Path) -> None:
+def _read(path: Path) -> RecognitionModel:
+    import skops.io
+
     with zipfile.ZipFile(path) as archive:
         unpacked = sum(part.file_size for part in archive.infolist())
     if unpacked > LARGEST_BYTES:
         raise RecognitionError(
-            f"{path} unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are "
-            "allowed."
+            f"it unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are allowed"
         )
+    # Types other than NumPy's and scikit-learn's are an error.
+    state = skops.io.loads(path.read_bytes(), trusted=None)
+    if state["format"] != FORMAT:
+        raise RecognitionError(f"it is a {state['format']!r}")
+    model: RecognitionModel = _restored(state["model"])
+    return model
 
 
 def _stored(value: object) -> object:

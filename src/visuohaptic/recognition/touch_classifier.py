@@ -8,19 +8,17 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, ClassifierMixin
-from sklearn.utils import check_random_state
+from sklearn.utils import check_consistent_length, check_random_state
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.recognition.arrays import Floats
 from visuohaptic.recognition.certainty import one_classifier
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots
 from visuohaptic.recognition.tuning import fit_best_classifiers
-from visuohaptic.seeds import spawn_generator
 
 
 class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -49,7 +47,9 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.classes_, labels = np.unique(y, return_inverse=True)
         if len(self.classes_) < 2:
             raise ValueError("There is one class; at least two are needed to distinguish them.")
-        owners = _codes_of(groups, len(rows))
+        check_consistent_length(rows, groups)
+        of_own = np.arange(len(rows)) if groups is None else np.asarray(groups)
+        _, owners = np.unique(of_own, return_inverse=True)
         if len(np.unique([owners, labels], axis=1).T) > len(np.unique(owners)):
             raise ValueError("A group holds rows of two classes; an object has one.")
         seed = check_random_state(self.random_state).randint(2**31)
@@ -78,12 +78,8 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         Objects are sorted; `groups` (n,) is the object of each row of `X`, (n, d).
         """
         objects, codes = np.unique(np.asarray(groups), return_inverse=True)
-        ballots = self._ballots(X)
-        if len(codes) != len(ballots.probabilities):
-            raise ValueError(
-                f"There are {len(ballots.probabilities)} rows and {len(codes)} groups."
-            )
-        return objects, ballots.together(codes == np.arange(len(objects))[:, None])
+        check_consistent_length(X, codes)
+        return objects, self._ballots(X).together(codes == np.arange(len(objects))[:, None])
 
     def _ballots(self, X: ArrayLike) -> Ballots:
         check_is_fitted(self, "tuned_")
@@ -101,23 +97,10 @@ def touch_descriptors(
     allow it.
     """
     chosen = parameters or RecognitionParameters()
-    if not features.num_rows:
-        raise RecognitionError("The features hold no touches.")
     sequences = gather_pipeline(features, chosen, "best")
-    waves = draw_waves(chosen.best, spawn_generator(seed, "recognition", "waves"))
-    found = describe_sequences(sequences.features, sequences.feature_names, waves, chosen.best)
     owners = [sequences.objects[place] for place in sequences.object_index]
     return (
-        found,
+        describe_all(sequences, chosen.best, seed),
         np.array([category for category, _ in owners]),
         np.array([f"{category}/{name}" for category, name in owners]),
     )
-
-
-def _codes_of(groups: ArrayLike | None, count: int) -> Integers:
-    if groups is None:
-        return np.arange(count, dtype=np.int64)
-    _, codes = np.unique(np.asarray(groups), return_inverse=True)
-    if len(codes) != count:
-        raise ValueError(f"There are {count} rows and {len(codes)} groups.")
-    return codes.astype(np.int64)

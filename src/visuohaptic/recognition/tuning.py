@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -215,12 +214,14 @@ def fit_tuned_classifier(
     neural networks", ICML 2017); the simplest where there is no inner fold. `fits` are those on all
     training sequences; `classes` counts also those that training lacks.
     """
+    from sklearn.model_selection import ParameterGrid
+
     fixed = parameters.classifier.model_copy(
         update={"discriminant_target": "mean_variance", "discriminant_regularisation": "always"}
     )
     labels = [fold.held_out_labels for fold in folds]
     trials = []
-    for setting in _settings(name):
+    for setting in ParameterGrid(dict(CLASSIFIERS[name].grid)):
         tried = fixed.model_copy(update=setting)
         found = [
             class_scores(_fit_in_fold(name, tried, fold.fits, generator), fold.held_out, classes)
@@ -321,9 +322,3 @@ def _fit_in_fold(
     if CLASSIFIERS[name].deterministic:
         fits.classifiers[name, parameters] = fitted
     return fitted
-
-
-def _settings(name: ClassifierName) -> Iterator[dict[str, Any]]:
-    grid = CLASSIFIERS[name].grid
-    for values in itertools.product(*grid.values()):
-        yield dict(zip(grid, values, strict=True))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.certainty import fit_calibration, one_classifier
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.experiment import fitting, gather_pipeline
 from visuohaptic.recognition.intervals import plain_interval, rate_interval
 from visuohaptic.recognition.pooling import spread_choices
@@ -73,10 +73,7 @@ def measure_certainty(
         raise RecognitionError(
             f"There are {len(sequences.classes)} classes; at least three are needed to leave one out."
         )
-    waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
-    described = describe_sequences(
-        sequences.features, sequences.feature_names, waves, parameters.best
-    )
+    described = describe_all(sequences, parameters.best, seed)
     one = one_classifier(parameters, classifier)
     rows: list[dict[str, object]] = []
     with fitting():

@@ -5,11 +5,10 @@ import pytest
 from recognition.synthetic import features_table
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.experiment import answer_splits, draw_splits, gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.tuning import fit_projection
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.looking.answers import (
     Answered,
     answer_trials,
@@ -25,11 +24,7 @@ SEED = 7
 def sequences_and_descriptors(objects=(4, 4, 4), parameters=PARAMETERS):
     table = features_table(objects=objects, viewpoints=3, separation=1.0)
     sequences = gather_pipeline(table, parameters, "best", SEED)
-    waves = draw_waves(parameters.best, spawn_generator(SEED, "recognition", "waves"))
-    described = describe_sequences(
-        sequences.features, sequences.feature_names, waves, parameters.best
-    )
-    return sequences, described
+    return sequences, describe_all(sequences, parameters.best, SEED)
 
 
 def trials_of(sequences, count):
