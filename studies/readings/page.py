@@ -23,13 +23,7 @@ from markupsafe import Markup
 from readings.choices import BY_NAME, CHOICES
 from readings.design import is_default
 from readings.figures import summarise_readings
-from readings.leads import (
-    PairLead,
-    against_main,
-    leads_by_option,
-    strongest_pair,
-    sum_up,
-)
+from readings.leads import PairLead, against_main, leads_by_option, strongest_pair, sum_up
 from readings.stored import OUTSIDE, MeasuredReadings, kept_readings, read_readings
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.published import TABLE_1
@@ -99,17 +93,15 @@ def _text(package: str, name: str) -> str:
 
 
 def readings_figures(
-    measured: MeasuredReadings | None,
+    measured: MeasuredReadings,
     outside: MeasuredReadings | None = None,
     classifiers: Sequence[str] = tuple(TABLE_1),
 ) -> Figures | None:
-    """Give what the page shows, with the curves of some classifiers; None without readings.
+    """Give what the page shows, with the curves of some classifiers; None if no reading could be run.
 
     `outside` holds the readings on objects outside the paper's set. Charts and shares, what
     explains most of the spread, are by classifier.
     """
-    if measured is None:
-        return None
     summary = summarise_readings(measured.rows)
     shown = [name for name in classifiers if name in summary["classifiers"]]
     if not shown:
