@@ -74,10 +74,9 @@ def choose_default(
 ) -> Row:
     """Apply the first rule to the cells of study `readings`, as `read_cells` gives them.
 
-    Gives how many objects and readings the rule saw, how many were candidates, and the new default,
-    the best reading and the former default: each with its ``score``, how far it is ``behind`` the
-    best, the p value of that, and the options that ``changed`` from the former default. Raises
-    `RecognitionError` if a reading of the part ``recognition`` is missing.
+    Of the new default, the best reading and the former default it gives the ``score``, how far it is
+    ``behind`` the best, the p value of that, and the options that ``changed`` from the former default.
+    Raises `RecognitionError` if a reading of the part ``recognition`` is missing.
     """
     readings = {one.name: one for one in all_readings() if one.part == "recognition"}
     found = {name: _cells_of_reading(cells, name) for name in readings}
@@ -123,10 +122,8 @@ def choose_options(
 ) -> list[Row]:
     """Apply the second rule: one answer for each choice of touches that is scored, in order.
 
-    Each has the former option and the one that is ``chosen``, the scores of all options, the shares
-    of touches ``acquired``, and the p values against the former option, after Holm's correction over
-    all choices. Raises `RecognitionError` if a reading is missing or can't be run, or no object was
-    tested in all of them.
+    P values are against the former option, after Holm's correction over all choices. Raises
+    `RecognitionError` if a reading is missing or can't be run, or no object was tested in all of them.
     """
     scores = _option_scores(cells)
     others = [(name, option) for name, option in scores if option != former[name]]

@@ -192,12 +192,10 @@ def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any
 
 
 def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Say how much of the spread of one classifier's accuracy by fixation each choice explains.
+    """Say how much of the spread of one classifier's accuracy by fixation each choice or pair explains, the largest share first.
 
-    Sums of squares of a balanced design: of the recognition choices over the part ``recognition``,
-    of all others over the part ``upstream`` together with the base of the design. Gives a row a choice or pair
-    of choices, with its share of its part's spread and the mean gain of each option over the base
-    one (null for pairs), the largest share first.
+    Sums of squares of a balanced design: of the recognition choices over the part ``recognition``, of
+    all others over the part ``upstream`` with the base of the design. Gains are over the base option.
     """
     complete = [row for row in rows if row["part"] == "recognition"]
     fraction = [row for row in rows if row["part"] == "upstream"]

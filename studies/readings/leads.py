@@ -45,9 +45,9 @@ def against_main(rows: Sequence[Row]) -> list[Row]:
 def leads_by_option(rows: Sequence[Row]) -> dict[tuple[str, str], Lead]:
     """Sum up the leads over the main kind of random touches by choice and option, for rows of `READINGS`.
 
-    A recognition choice is judged on the part ``recognition``, which has all its combinations; any
-    other on the part that varies it, beside the base of the design; the kind of random touches on all
-    readings. What asks another question, and choices without two options in the table, are left out.
+    A recognition choice is judged on the part ``recognition``; any other on the part that varies it,
+    beside the base of the design; the kind of random touches on all readings. What asks another
+    question, and choices without two options in the table, are left out.
     """
     compared = [row for row in rows if row["ahead"] is not None and row["part"] != "protocol"]
     run = against_main(compared)

@@ -71,11 +71,10 @@ class Plan:
 def with_changes(
     run: ExperimentParameters, changes: Changes, source: str = "params.yaml"
 ) -> ExperimentParameters:
-    """Change parameters by their dotted names.
+    """Change parameters by their dotted names; raises `ParameterError`, which begins with `source`.
 
     A new ``scene.preset`` replaces the whole scene; more `recognition.touches` than there are
-    fixations bring as many fixations. Raises `ParameterError`, which begins with `source`, if there
-    is no such parameter, it must not vary, or a value is not allowed.
+    fixations bring as many fixations.
     """
     # Sections that no change concerns are not checked again; there may be hundreds of conditions.
     values: dict[str, Any] = {name: getattr(run, name) for name in type(run).model_fields}

@@ -145,11 +145,10 @@ def make_study_block(
 def features_by_key(
     features: Paths, made: Mapping[str, str | Path], objects: Collection[str] | None
 ) -> Callable[[str | None], pa.Table | str]:
-    """Read features as conditions name them: those of the run (None), or made for some conditions.
+    """Read features as conditions name them, or why they were refused: the run's (None), or made for some conditions.
 
-    `objects`, ``class/name``, are those of the run's features that count; None for all. Where features
-    were refused, the reason is given. One table is held at a time, as conditions with the same
-    features are neighbours.
+    `objects`, ``class/name``, are those of the run's features that count; None for all. One table is held
+    at a time, as conditions with the same features are neighbours.
     """
 
     @lru_cache(maxsize=1)
@@ -163,11 +162,10 @@ def features_by_key(
 
 
 def condition_features(planned: Planned, features: pa.Table | str, strategy: str) -> pa.Table:
-    """Take a condition's rows, of one strategy, of features that others share.
+    """Take a condition's rows, of one strategy, of features that others share; `RecognitionError` if there is none.
 
-    Viewpoints without a whole sequence by every strategy of the condition, and classes with a
-    single object, are left out. Raises `RecognitionError` if no row is left, or the features are the
-    sentence by which they were refused.
+    Viewpoints without a whole sequence by every strategy of the condition, and classes with a single
+    object, are left out. Features may be the sentence by which they were refused.
     """
     if isinstance(features, str):
         raise RecognitionError(features)
@@ -241,9 +239,8 @@ _KEY = ("study", "condition", "pipeline", "strategy")
 def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> Iterator[pa.Table]:
     """Give `tables.STUDY` of what each classifier predicted, a row an object, split and repeat.
 
-    With `votes`, every evenly spread choice of so many of an object's viewpoints is one
-    recognition; without, each sequence counts by itself. Raises `RecognitionError` if there are not
-    so many viewpoints.
+    With `votes`, every evenly spread choice of so many of an object's viewpoints is one recognition;
+    without, each sequence. Raises `RecognitionError` if there are not so many viewpoints.
     """
     sequences = predictions.sequences
     found: dict[str, list[tuple[NDArray[Any], ...]]] = {}

@@ -148,9 +148,8 @@ def mark_steps(
 ) -> Sequence[Row]:
     """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
 
-    The first step is the most accurate of the settings that are as quick as the quickest. Each
-    further step is significantly slower and significantly more accurate than the step before: of
-    those that are as quick as the quickest such setting, it is the most accurate.
+    The first step is the most accurate of those that are as quick as the quickest. So is each further
+    one, of the settings that are significantly slower and more accurate than the step before.
     """
 
     def as_quick(places: Sequence[int]) -> list[int]:

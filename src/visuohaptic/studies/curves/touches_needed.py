@@ -59,9 +59,8 @@ def touches_needed(
 ) -> pa.Table:
     """Sum up curves with intervals over objects: `tables.TOUCHES_NEEDED`.
 
-    What fixations gain is missing for fixations themselves, and where they weren't run on the same
-    objects. A curve that failed somewhere is left out; if none is whole, `RecognitionError` is
-    raised.
+    A curve that failed somewhere is left out, and a gain where fixations weren't run on the same
+    objects. Raises `RecognitionError` if no curve is whole.
     """
     curves = _curves(cells)
     if not curves:

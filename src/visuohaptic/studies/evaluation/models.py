@@ -41,12 +41,10 @@ class MeasuredEvaluation:
 
 
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
-    """Classify the objects that a model of pipeline `best` has not learnt, from 1, 4 and 16 views.
+    """Classify the objects that a model of pipeline `best` has not learnt by every evenly spread choice of 1, 4 and 16 views.
 
-    `features` are rows of `tables.FEATURES`, touched as the objects were that the model learnt; those of
-    its own objects and of other strategies are left out. Gives `tables.EVALUATION`: each object by every
-    evenly spread choice of so many views. Raises `RecognitionError` if no such object is of a class that
-    the model knows, or the model is not calibrated.
+    `features` are touched as those of its own objects; other strategies are left out. Raises
+    `RecognitionError` if no such object is of a class that the model knows, or it is not calibrated.
     """
     own = select(features, strategy=model.strategy)
     touched = own.select(["class", "object"]).group_by(["class", "object"]).aggregate([])

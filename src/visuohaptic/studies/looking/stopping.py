@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 def learn_pace(
     correct: NDArray[np.bool_], confidence: NDArray[np.float64], touch_seconds: float
 ) -> NDArray[np.float64]:
-    """Learn which share of the doubt a second of touching removes, from n rehearsals on training objects.
+    """Learn which share of the doubt a second of touching removes after 0 to k touches: (k + 1,), the last 0.
 
-    `correct` and `confidence` say after 0 to k touches whether the likeliest class is right, and its
-    probability: (k + 1, n) to (k + 1,), the last 0. The doubt is one less the confidence. Touches, of
-    `touch_seconds` each, gain the rise in the share that is right, over all rehearsals, as a share of
-    the doubt; of all numbers of further touches, the one with the highest gain a second counts.
+    `correct` and `confidence`, (k + 1, n), say of n rehearsals on training objects whether the likeliest
+    class is right, and its probability; doubt is one less it. Further touches gain the rise in the share
+    that is right as a share of the doubt; the number of them with the highest gain a second counts.
     """
     right = correct.sum(axis=1)
     doubt = np.maximum((1 - confidence).sum(axis=1), np.finfo(np.float64).tiny)
