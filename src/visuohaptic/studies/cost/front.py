@@ -102,7 +102,7 @@ def _loss(
     if place == own:
         return Interval(0.0, 0.0, 0.0)
     found = None if own is None else _compare(cells[own], cells[place], run)
-    return found and found.difference
+    return found.difference if found else None
 
 
 def _compare(first: Cell, second: Cell, run: ExperimentParameters) -> PairedComparison | None:
