@@ -65,17 +65,15 @@ def touches_needed(
     curves = _curves(cells)
     if not curves:
         raise RecognitionError("There is no curve with a point at each number of touches.")
-    rows: list[dict[str, Any]] = []
-    for key, curve in sorted(curves.items()):
-        reference = curves.get((key[0], REFERENCE_STRATEGY, key[2]))
-        rows.append(
-            {
-                **dict(zip(_KEYS, key, strict=True)),
-                **_reached(curve, intervals, seed),
-                **_area(key, curve, reference, intervals, seed),
-                "objects": len(curve[0].objects),
-            }
-        )
+    rows = [
+        {
+            **dict(zip(_KEYS, key, strict=True)),
+            **_reached(curve, intervals, seed),
+            **_area(key, curve, curves.get((key[0], REFERENCE_STRATEGY, key[2])), intervals, seed),
+            "objects": len(curve[0].objects),
+        }
+        for key, curve in sorted(curves.items())
+    ]
     return build_rows(TOUCHES_NEEDED, rows)
 
 
