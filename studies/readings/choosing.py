@@ -148,7 +148,7 @@ def choose_options(
             {
                 "choice": name,
                 "former": own,
-                "chosen": max(candidates, key=lambda option: means[option], default=own),
+                "chosen": max(candidates or [own], key=lambda option: means[option]),
                 "scores": means,
                 "acquired": {option: acquired[name, option] for option in options},
                 "p_values": {option: adjusted[name, option] for option in options if option != own},

@@ -171,8 +171,8 @@ def _scene_influence(
         shift = 0.0
         # An effect that nothing needs changes no bit, so there is no need to touch again.
         if record.runs and record.needed:
-            modes = scene.effects.model_copy(update={record.effect: "never"})
-            part = felt(scene.model_copy(update={"effects": modes}), 0)
+            left = scene.effects.model_copy(update={record.effect: "never"})
+            part = felt(scene.model_copy(update={"effects": left}), 0)
             shift = float(np.abs(part.images - whole.images).mean())
         yield {
             "scene": name,

@@ -219,11 +219,7 @@ def _stop(
     budget: float,
     cost: CostParameters,
 ) -> Paid:
-    """Answer a trial under the rule of a budget, which is learnt on its training objects.
-
-    After each touch it goes on while a second of touching is expected to bring more than a `worth`: the
-    probability of a correct answer that a second must bring.
-    """
+    """Answer a trial under the rule of a budget, which is learnt on its training objects."""
     rehearsed = np.stack([one.held_out for one in by_touches])
     confidence = rehearsed.max(axis=2)
     correct = rehearsed.argmax(axis=2) == labels[by_touches[0].places]
@@ -263,7 +259,10 @@ def expected_gain(
 
 
 def touches_made(worth: float, gain: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Give after how many touches the rule stops, of the expected gain after each, (k + 1, …) to (…)."""
+    """Give after how many touches the rule stops, of the expected gain after each, (k + 1, …) to (…).
+
+    It goes on while a second is expected to bring more than its `worth`, a probability of a correct answer.
+    """
     return np.argmax(gain <= worth, axis=0)
 
 
