@@ -132,7 +132,7 @@ def choose_options(
         for name, option in others
     ]
     adjusted = dict(zip(others, holm(p_values), strict=True))
-    found = []
+    found: list[Row] = []
     for name in dict.fromkeys(name for name, _ in scores):
         own, options = former[name], BY_NAME[name].options
         means = {option: float(scores[name, option].mean()) for option in options}
