@@ -93,13 +93,9 @@ def make_study_features(recomputation: Recomputation, sources: Sources, output: 
 
 def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
     """Recompute features of the strategies that the parameters name: `tables.FEATURES`."""
-    parts = [FEATURES.arrow.empty_table(), *_recomputed_parts(recomputation, sources)]
-    return join_parts(FEATURES, parts)
-
-
-def _recomputed_parts(recomputation: Recomputation, sources: Sources) -> Iterator[pa.Table]:
     parameters = recomputation.parameters
     meshes = {object_of(mesh): mesh for mesh in sources.meshes}
+    parts = [FEATURES.arrow.empty_table()]
     for taken in sources.tables(recomputation.phase):
         tables = {
             name: _of_strategies(
@@ -111,7 +107,8 @@ def _recomputed_parts(recomputation: Recomputation, sources: Sources) -> Iterato
         for key, known in objects_of(tables, meshes):
             viewpoints = range(parameters.viewpoints.total)
             subject = Subject.of_mesh(key, meshes.get(key, ""), viewpoints)
-            yield run(subject, parameters, known)["features"]
+            parts.append(run(subject, parameters, known)["features"])
+    return join_parts(FEATURES, parts)
 
 
 def make_study_block(

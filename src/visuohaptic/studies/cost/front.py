@@ -77,7 +77,7 @@ def setting_rows(
             "setting": setting.name,
             "changes": setting.written_changes,
             **error_rate(cells[place], run),
-            **ends("lost", "lost_", _loss(cells, own, place, run)),
+            **ends("lost", "lost_", _loss(cells, place, own, run)),
             **time_quantiles(times[place]),
             "quicker": own is not None and bool(slower[place, own]),
         }
@@ -97,7 +97,7 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
 
 
 def _loss(
-    cells: Sequence[Cell], own: int | None, place: int, run: ExperimentParameters
+    cells: Sequence[Cell], place: int, own: int | None, run: ExperimentParameters
 ) -> Interval | None:
     if place == own:
         return Interval(0.0, 0.0, 0.0)
