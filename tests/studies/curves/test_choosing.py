@@ -78,6 +78,21 @@ def test_touches_keep_apart_until_no_place_is_left():
     assert chosen.tolist() == [[0, 2, 3, 1, 0, 1]]
 
 
+def test_each_touch_is_the_best_guess_from_the_imprints_before_it():
+    generator = np.random.default_rng(2)
+    poses, kinds = generator.normal(size=(12, 6)), generator.integers(3, size=12)
+    likelihood = np.log(generator.dirichlet(np.ones(3), size=(12, 4))).swapaxes(1, 2)
+    (chosen,) = choose_touches(
+        poses, np.arange(12), np.zeros(12, np.int64), likelihood, kinds, 6, focus_radius=0
+    )
+    belief = np.zeros((1, 4))
+    for turn, place in enumerate(chosen):
+        left = expected_entropy(belief, likelihood)[0]
+        left[chosen[:turn]] = np.inf
+        assert place == left.argmin()
+        belief += likelihood[place, kinds[place]]
+
+
 def test_labels_of_test_objects_change_no_choice():
     sequences = CANDIDATES.sequences
     objects = list(sequences.objects)

@@ -40,6 +40,8 @@ def mean(table, column="accuracy", **values):
 
 def test_every_answer_is_measured_for_every_object_in_the_same_splits(measured, sensed):
     check_table(LOOKING, measured)
+    # A gap is what is right less what was said to be.
+    assert all(sum(row["gaps"]) < row["trials"] * row["accuracy"] for row in measured.to_pylist())
     every = {CLEAN: {*CUES, TOUCH, PRODUCT, CHECKED, SIDE_BY_SIDE, STOPPING}}
     for sight in SIGHTS:
         rows = select(measured, sight=sight)
@@ -63,6 +65,7 @@ def test_a_poor_sight_is_worse_and_its_checked_product_is_worth_touch_alone(meas
             for answer, sight in ((TOUCH, CLEAN), (CHECKED, "dark"))
         )
         assert dark == pytest.approx(touch, abs=0.1)
+        assert dark > mean(measured, answer=PRODUCT, strategy=strategy, touches=2, sight="dark")
 
 
 def test_a_look_and_touches_are_paid_and_a_blind_touch_pays_no_look(measured):
