@@ -68,6 +68,14 @@ def test_choices_that_add_up_explain_all_of_the_spread_by_themselves():
     assert max(row["share"] for row in found.values()) < 1e-9
 
 
+def test_of_pairs_in_the_fraction_those_with_the_map_output_alone_are_shown():
+    rows = [row for row in ASKED if row["random_probing"] == "reachable"]
+    found = weigh_choices([row for row in rows if row["classifier"] == BEST_OF_PAPER])
+    pairs = [one["choices"] for one in found if one["part"] == "upstream" and not one["gains"]]
+    assert pairs
+    assert all("map_output" in pair for pair in pairs)
+
+
 def test_one_set_alone_shows_no_verdict_and_has_the_counts_of_its_table():
     few = [row for row in ROWS if row["part"] in {"literal", "default"}]
     found = summarise(MeasuredReadings(few), None)
