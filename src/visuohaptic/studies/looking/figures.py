@@ -101,13 +101,8 @@ class _Summary:
         """Give a key; a cue needs no touch, and touch no sight."""
         if answer in CUES:
             return (sight, answer, "none", 0, None)
-        return (
-            CLEAN if answer == TOUCH else sight,
-            answer,
-            strategy,
-            touches or self.touches,
-            None,
-        )
+        seen = CLEAN if answer == TOUCH else sight
+        return (seen, answer, strategy, touches or self.touches, None)
 
     def row(self, key: Key) -> Row:
         """Give accuracy with its interval, time and calibration error."""
