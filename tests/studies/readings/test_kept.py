@@ -124,12 +124,10 @@ def test_a_table_of_failures_alone_has_no_page(tmp_path):
 
 
 def test_a_dot_says_its_figures_its_options_and_its_command():
-    dots = dict(
-        re.findall(
-            r'data-reading="(\w+)"><title>(.*?)</title>', curve_chart(ROWS, BEST_OF_PAPER)["dots"]
-        )
-    )
-    (default,) = [one.name for one in all_readings() if is_default(one.options)]
+    chart = curve_chart(ROWS, BEST_OF_PAPER)["dots"]
+    dots = dict(re.findall(r'data-reading="(\w+)"><title>(.*?)</title>', chart))
+    (default,) = re.findall(r'class=own data-reading="(\w+)"', chart)
+    assert default in {one.name for one in all_readings() if is_default(one.options)}
     assert "our default" in dots[default]
     (other,) = [one for one in all_readings() if one.name == "u100"]
     changed = [one.name for one in CHOICES if other.options[one.name] != one.default]
