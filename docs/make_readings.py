@@ -112,8 +112,7 @@ def _lead(rows: Sequence[Row], is_one: Callable[[Row], bool]) -> str:
 
 def blocks() -> dict[str, dict[str, str]]:
     """Give the tables of each page, by the names of their blocks."""
-    kept = {"paper": kept_readings(PAPER_SET), "outside": kept_readings(OUTSIDE)}
-    tables = {name: one.rows for name, one in kept.items() if one}
+    tables = {"paper": kept_readings(PAPER_SET).rows, "outside": kept_readings(OUTSIDE).rows}
     return {
         "readings.md": {"spread": spread_table(tables), "pair": pair_table(tables)},
         "notebook/2026-11-readings.md": {"options": options_table(tables)},

@@ -1,33 +1,9 @@
 """Which reading is the package's default: the rules, applied to objects outside the paper's set.
 
-They were written down before they were applied, and are applied once. They never look at how far one
-strategy is ahead of another. The first looks at readings of the part ``recognition``:
-
-1. The score of a reading is the mean over objects of the share of an object's sequences that are
-   correctly classified, averaged over the paper's five classifiers and the strategies that touch
-   places in reach (`SCORED`), so that no classifier and no strategy is favoured. A reading in which one
-   of these can't be run has none.
-2. The best reading has the highest score. A reading stays a candidate unless its score is
-   significantly lower than the best one's (paired over objects, sign changes, at 0.05).
-3. Of the candidates, the default is the one that differs from the default of before in the fewest
-   choices; of these, the one with the highest score.
-
-What they said is kept in `chosen.json`.
-
-The second rule looks at the choices of touches, which are varied alone (parts ``further`` and
-``single``), one choice after the other:
-
-1. The score of an option is that of its readings, averaged over the four map outputs, on the objects
-   that all of these readings could be tested on.
-2. An option whose share of touches acquired is below `ENOUGH` is out: of the touches asked for, over
-   all objects, viewpoints and scored strategies, those made at a place in reach.
-3. The default of before stays, unless it is out or an option has a significantly higher score (paired over
-   objects, sign changes, at 0.05 after Holm's correction for all options that are compared). Of such
-   options the one with the highest score is the default; if the default of before is out, the option with
-   the highest score that is not. If all are out, it stays.
-
-Which random touches fixation is compared with, the order of touches and what is tested are no matter of
-scores: `NOT_SCORED` keep their options.
+They stand in full in docs/notebook/2026-11-readings.md, were written down before they were applied, and
+are applied once; what they said is kept in `chosen.json`. The first chooses among the readings of part
+``recognition``, the second among the options of each choice of touches, which are varied alone (parts
+``further`` and ``single``). They never look at how far one strategy is ahead of another.
 
 `python -m readings.choosing chosen.json results/study_blocks/readings/*.parquet`
 applies the first rule, and the second where its readings are among the blocks; the shares of touches
@@ -46,7 +22,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from readings.choices import BY_NAME, OPPONENTS, Choice
+from readings.choices import BY_NAME, OPPONENTS
 from readings.design import (
     BASE,
     CROSSED_SINGLY,
@@ -86,6 +62,9 @@ ENOUGH = 0.95
 NOT_SCORED = ("order", "random_probing", "protocol")
 """Choices that ask another question than how well touches classify objects."""
 
+Option = tuple[str, str]
+"""A choice and one of its options."""
+
 
 def choose_default(
     cells: Mapping[CellKey, Cell],
@@ -95,25 +74,20 @@ def choose_default(
 ) -> Row:
     """Apply the first rule to the cells of study `readings`, as `read_cells` gives them.
 
-    Gives how many objects and readings the rule saw, how many were candidates, and the new default,
-    the best reading and the former default: each with its ``score``, how far it is ``behind`` the
-    best, the p value of that, and the options that ``changed`` from the former default. Raises
-    `RecognitionError` if a reading of the part ``recognition`` is missing: the rule compares all of
-    them.
+    Of the new default, the best reading and the former default it gives the ``score``, how far it is
+    ``behind`` the best, the p value of that, and the options that ``changed`` from the former default.
+    Raises `RecognitionError` if a reading of the part ``recognition`` is missing.
     """
     readings = {one.name: one for one in all_readings() if one.part == "recognition"}
-    scores: dict[str, NDArray[np.float64]] = {}
-    objects: set[tuple[tuple[str, str], ...]] = set()
-    for name in readings:
-        found = _cells_of_reading(cells, name)
-        if all(cell.error is None for cell in found):
-            objects |= {cell.objects for cell in found}
-            scores[name] = np.mean([cell.accuracy for cell in found], axis=0)
+    found = {name: _cells_of_reading(cells, name) for name in readings}
+    run = {name: own for name, own in found.items() if all(cell.error is None for cell in own)}
+    objects = {cell.objects for own in run.values() for cell in own}
     if len(objects) != 1:
         raise RecognitionError(
             f"The readings were tested on {len(objects)} different sets of objects; the rule "
             "compares readings on the same ones."
         )
+    scores = {name: np.mean([cell.accuracy for cell in own], axis=0) for name, own in run.items()}
     best = max(scores, key=lambda name: float(scores[name].mean()))
     listed: dict[str, Row] = {}
     for name, score in scores.items():
@@ -139,65 +113,88 @@ def choose_default(
     }
 
 
-def _compared(
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    intervals: IntervalParameters,
-    seed: int,
-) -> PairedComparison:
-    generator = spawn_generator(seed, "studies", "comparison")
-    return compare_paired(first, second, np.ones(len(first)), intervals, generator)
-
-
 def choose_options(
     cells: Mapping[CellKey, Cell],
-    acquired: Mapping[tuple[str, str], float],
+    acquired: Mapping[Option, float],
     intervals: IntervalParameters,
     seed: int,
     former: Options = FORMER_DEFAULT,
 ) -> list[Row]:
     """Apply the second rule: one answer for each choice of touches that is scored, in order.
 
-    Each has the former option and the one that is ``chosen``, the scores of all options, the shares
-    of touches ``acquired``, which are given by choice and option, and the p values against the
-    former option, after Holm's correction over all choices. Raises `RecognitionError` if a reading
-    is missing or can't be run, or no object was tested in all of them.
+    P values are against the former option, after Holm's correction over all choices. Raises
+    `RecognitionError` if a reading is missing or can't be run, or no object was tested in all of them.
     """
-    names = scored_readings()
-    shared = _shared_objects(cells, {*chain(*names.values())})
-    scores = {
-        option: np.mean([_score(cells, name, shared) for name in of_option], axis=0)
-        for option, of_option in names.items()
-    }
+    scores = _option_scores(cells)
     others = [(name, option) for name, option in scores if option != former[name]]
     p_values = [
         _compared(scores[name, option], scores[name, former[name]], intervals, seed).p_value
         for name, option in others
     ]
     adjusted = dict(zip(others, holm(p_values), strict=True))
-    return [
-        _choose_option(choice, scores, acquired, adjusted, former) for choice in scored_choices()
-    ]
+    found: list[Row] = []
+    for name in dict.fromkeys(name for name, _ in scores):
+        own, options = former[name], BY_NAME[name].options
+        means = {option: float(scores[name, option].mean()) for option in options}
+        admitted = [option for option in options if acquired[name, option] >= ENOUGH]
+        better = [
+            option
+            for option in admitted
+            if option == own
+            or (means[option] > means[own] and adjusted[name, option] < SIGNIFICANT)
+        ]
+        candidates = better if own in admitted else admitted
+        found.append(
+            {
+                "choice": name,
+                "former": own,
+                "chosen": max(candidates or [own], key=lambda option: means[option]),
+                "scores": means,
+                "acquired": {option: acquired[name, option] for option in options},
+                "p_values": {option: adjusted[name, option] for option in options if option != own},
+            }
+        )
+    return found
 
 
-def scored_choices() -> list[Choice]:
-    """Give the choices of which the second rule chooses an option."""
-    varied = [BY_NAME[name] for name in VARIED_ALONE]
-    return [choice for choice in varied if choice.name not in NOT_SCORED]
+def _option_scores(cells: Mapping[CellKey, Cell]) -> dict[Option, NDArray[np.float64]]:
+    """Average the accuracy of each option's readings, on each of the objects that all were tested on."""
+    names = scored_readings()
+    found = {name: _cells_of_reading(cells, name) for name in sorted({*chain(*names.values())})}
+    every = [(name, cell) for name, own in found.items() for cell in own]
+    for name, cell in every:
+        if cell.error is not None:
+            raise RecognitionError(f"Reading {name} can't be run, so it has no score: {cell.error}")
+    shared = frozenset.intersection(*(frozenset(cell.objects) for _, cell in every))
+    if not shared:
+        raise RecognitionError(
+            "No object was tested in all readings; the rule compares on one at least."
+        )
+    scores = {
+        name: np.mean(
+            [cell.accuracy[[one in shared for one in cell.objects]] for cell in own], axis=0
+        )
+        for name, own in found.items()
+    }
+    return {
+        option: np.mean([scores[name] for name in of_option], axis=0)
+        for option, of_option in names.items()
+    }
 
 
-def scored_readings() -> dict[tuple[str, str], list[str]]:
+def scored_readings() -> dict[Option, list[str]]:
     """Name, by scored choice and option, the readings with the base of every other choice, and any map output."""
     readings = all_readings()
     return {
-        (choice.name, option): [
+        (choice, option): [
             one.name
             for one in readings
-            if one.options[choice.name] == option
-            and is_base_but_for(one.options, (choice.name, *CROSSED_SINGLY))
+            if one.options[choice] == option
+            and is_base_but_for(one.options, (choice, *CROSSED_SINGLY))
         ]
-        for choice in scored_choices()
-        for option in choice.options
+        for choice in VARIED_ALONE
+        if choice not in NOT_SCORED
+        for option in BY_NAME[choice].options
     }
 
 
@@ -214,60 +211,14 @@ def acquired_share(features: pa.Table, viewpoints: int, touches: int) -> float:
     return (first.num_rows - (pc.sum(out).as_py() or 0)) / asked
 
 
-def _choose_option(
-    choice: Choice,
-    scores: Mapping[tuple[str, str], NDArray[np.float64]],
-    acquired: Mapping[tuple[str, str], float],
-    p_values: Mapping[tuple[str, str], float],
-    former: Options,
-) -> Row:
-    name, own = choice.name, former[choice.name]
-    means = {option: float(scores[name, option].mean()) for option in choice.options}
-    shares = {option: acquired[name, option] for option in choice.options}
-    adjusted = {option: p_values[name, option] for option in choice.options if option != own}
-    admitted = [option for option in choice.options if shares[option] >= ENOUGH]
-    better = [
-        option
-        for option in admitted
-        if option == own or (means[option] > means[own] and adjusted[option] < SIGNIFICANT)
-    ]
-    candidates = better if own in admitted else admitted
-    chosen = max(candidates, key=lambda option: means[option]) if candidates else own
-    return {
-        "choice": name,
-        "former": own,
-        "chosen": chosen,
-        "scores": means,
-        "acquired": shares,
-        "p_values": adjusted,
-    }
-
-
-def _shared_objects(
-    cells: Mapping[CellKey, Cell], names: Iterable[str]
-) -> frozenset[tuple[str, str]]:
-    """Give the objects that all readings were tested on."""
-    found: list[Cell] = []
-    for name in sorted(names):
-        found += _cells_of_reading(cells, name)
-        if failed := [cell.error for cell in found if cell.error is not None]:
-            raise RecognitionError(f"Reading {name} can't be run, so it has no score: {failed[0]}")
-    shared = frozenset.intersection(*(frozenset(cell.objects) for cell in found))
-    if not shared:
-        raise RecognitionError(
-            "No object was tested in all readings; the rule compares on one at least."
-        )
-    return shared
-
-
-def _score(
-    cells: Mapping[CellKey, Cell], name: str, objects: frozenset[tuple[str, str]]
-) -> NDArray[np.float64]:
-    """Average a reading's accuracy on each of some objects over strategies and classifiers."""
-    found = _cells_of_reading(cells, name)
-    return np.mean(
-        [cell.accuracy[[one in objects for one in cell.objects]] for cell in found], axis=0
-    )
+def _compared(
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
+    intervals: IntervalParameters,
+    seed: int,
+) -> PairedComparison:
+    generator = spawn_generator(seed, "studies", "comparison")
+    return compare_paired(first, second, np.ones(len(first)), intervals, generator)
 
 
 def _cells_of_reading(cells: Mapping[CellKey, Cell], name: str) -> list[Cell]:
@@ -282,11 +233,7 @@ def write_choice(
     output: str | Path,
     features: str | Path = "results/study_features/readings",
 ) -> None:
-    """Write what the rules say of a study's blocks as JSON.
-
-    The second rule is left out where its readings are not among the blocks. `features` is the folder
-    of the features that the study recomputed.
-    """
+    """Write what the rules say of a study's blocks as JSON; `features` is the folder of what it recomputed."""
     run = ExperimentParameters()
     cells, intervals = read_cells(parts), run.recognition.intervals
     chosen = choose_default(cells, intervals, run.seed)
@@ -296,7 +243,7 @@ def write_choice(
     write_json(chosen, output)
 
 
-def _acquired(folder: Path, run: ExperimentParameters) -> dict[tuple[str, str], float]:
+def _acquired(folder: Path, run: ExperimentParameters) -> dict[Option, float]:
     """Read the share of touches acquired by each option of each scored choice."""
     outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": OUTSIDE})})
     planned = {one.condition.name: one for one in plan_study(STUDY, outside).conditions}

@@ -23,7 +23,7 @@ Larger sets, where views and touches take long, have the parts ``recognition``, 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, Literal
@@ -142,28 +142,19 @@ def is_literal(options: Mapping[str, Any]) -> bool:
     return all(options[name] == option for name, option in LITERAL.items())
 
 
-def crossed_with(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
-    """Name what is crossed with part ``upstream`` in a table; an earlier design had more."""
-    upstream = [row for row in rows if row["part"] == "upstream"]
-    return tuple(name for name in CROSSED if len({row[name] for row in upstream}) > 1)
-
-
-def is_base_but_for(options: Mapping[str, Any], names: Sequence[str]) -> bool:
+def is_base_but_for(options: Mapping[str, Any], names: Collection[str]) -> bool:
     """Whether every choice, but for some, has the option that is the base of the design."""
     return all(options[name] == base for name, base in BASE.items() if name not in names)
 
 
 def all_readings() -> list[Reading]:
     """Give the readings of all parts in order; no two are the same."""
-    readings: list[Reading] = []
-    seen: set[tuple[str, ...]] = set()
+    found: dict[tuple[str, ...], Reading] = {}
     for part, make in _PARTS.items():
-        fresh = [options for options in make() if tuple(options.values()) not in seen]
-        seen |= {tuple(options.values()) for options in fresh}
-        readings += [
-            Reading(f"{part[0]}{place:03d}", part, options) for place, options in enumerate(fresh)
-        ]
-    return readings
+        fresh = [options for options in make() if tuple(options.values()) not in found]
+        for place, options in enumerate(fresh):
+            found[tuple(options.values())] = Reading(f"{part[0]}{place:03d}", part, options)
+    return list(found.values())
 
 
 def reading_conditions(run: ExperimentParameters) -> Iterator[Condition]:
@@ -181,12 +172,9 @@ def reading_conditions(run: ExperimentParameters) -> Iterator[Condition]:
     parts = PARTS_ON_PAPER_SET if on_paper_set else PARTS_ON_OTHERS
     for reading in all_readings():
         if reading.part in parts:
-            changes = _differing(run, {**reading.values, **new_objects})
+            values = {**reading.values, **new_objects}.items()
+            changes = {path: value for path, value in values if attrgetter(path)(run) != value}
             yield Condition(reading.name, {**changes, **same})
-
-
-def _differing(run: ExperimentParameters, values: Changes) -> dict[str, object]:
-    return {path: value for path, value in values.items() if attrgetter(path)(run) != value}
 
 
 def _combinations(names: tuple[str, ...], others: Options) -> Iterator[Options]:

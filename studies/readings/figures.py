@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from readings.choices import BY_NAME, CHOICES, OPPONENTS
 from readings.design import (
+    CROSSED_SINGLY,
     FACTORIAL,
     Reading,
     all_readings,
-    crossed_with,
     is_base_but_for,
     is_default,
 )
-from readings.leads import SAME, SIGNIFICANT, against_main, main_opponent
+from readings.leads import MAIN_OPPONENT, SAME, against_main, sum_up
 from readings.tables import READINGS
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
@@ -46,17 +46,15 @@ def reading_figures(
 
     A file of `tables.STUDY` holds all rows of its conditions.
     """
-    order = all_readings()
-    places = {reading.name: place for place, reading in enumerate(order)}
+    places = {reading.name: (place, reading) for place, reading in enumerate(all_readings())}
     rows: list[Row] = []
     for part in parts:
         table = read_table(STUDY, part)
         cells, splits = cells_of(table), split_accuracies(table)
         for name, classifier in dict.fromkeys((key[0], key[3]) for key in cells):
-            place = places[name]
             rows += [
                 {
-                    **_identity(order[place], place, classifier, option),
+                    **_identity(*places[name], classifier, option),
                     **_figures(name, classifier, opponent, cells, splits, intervals, seed),
                 }
                 for option, opponent in OPPONENTS.items()
@@ -90,7 +88,7 @@ def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
     return found
 
 
-def _identity(reading: Reading, place: int, classifier: str, opponent: str) -> Row:
+def _identity(place: int, reading: Reading, classifier: str, opponent: str) -> Row:
     return {
         "reading": reading.name,
         "classifier": classifier,
@@ -146,7 +144,7 @@ def summarise_readings(rows: Sequence[Row]) -> dict[str, Any]:
     other = [row for row in rows if row["part"] == "protocol"]
     return {
         "readings": len({row["reading"] for row in own}),
-        "random_probing": main_opponent(rows) if rows else None,
+        "random_probing": MAIN_OPPONENT if rows else None,
         "failed": sorted({row["reading"] for row in own if row["error"] is not None}),
         "classifiers": _by_classifier(own),
         "known_objects": _by_classifier(other),
@@ -164,10 +162,10 @@ def _by_classifier(rows: Sequence[Row]) -> dict[str, Any]:
 
 def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any]:
     fixation, random = (np.array([row[name] for row in rows]) for name in ("fixation", "random"))
-    ahead = np.array([np.nan if row["ahead"] is None else row["ahead"] for row in rows])
-    significant = np.array([(row["p_value"] or 1.0) < SIGNIFICANT for row in rows])
     reaching = np.array([row["fixation_splits_reaching"] for row in rows])
     best = max(rows, key=lambda row: row["fixation_best_split"])
+    led = [row for row in rows if row["ahead"] is not None]
+    lead, ahead = sum_up(led), [row["ahead"] for row in led]
     return {
         "readings": len(rows),
         "published": dict(published),
@@ -182,47 +180,47 @@ def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any
         "splits_reaching": float(reaching.mean()),
         "highest_split": best["fixation_best_split"],
         "highest_split_reading": best["reading"],
-        "ahead": int((ahead > SAME).sum()),
-        "ahead_significantly": int(((ahead > SAME) & significant).sum()),
-        "behind": int((ahead < -SAME).sum()),
-        "behind_significantly": int(((ahead < -SAME) & significant).sum()),
-        "ahead_median": float(np.nanmedian(ahead)),
-        "ahead_lowest": float(np.nanmin(ahead)),
-        "ahead_highest": float(np.nanmax(ahead)),
+        "ahead": lead.ahead,
+        "ahead_significantly": lead.ahead_significantly,
+        "behind": lead.behind,
+        "behind_significantly": lead.behind_significantly,
+        "ahead_median": lead.middle,
+        "ahead_lowest": min(ahead),
+        "ahead_highest": max(ahead),
         "published_ahead": published["fixation"] - published["random"],
     }
 
 
 def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Say how much of the spread of one classifier's accuracy by fixation each choice explains.
+    """Say how much of the spread of one classifier's accuracy by fixation each choice or pair explains, the largest share first.
 
-    Sums of squares of a balanced design: of the recognition choices over the part ``recognition``,
-    of all others over the part ``upstream`` together with the base of the design. Gives a row a choice or pair
-    of choices, with its share of its part's spread and the mean gain of each option over the base
-    one (null for pairs), the largest share first.
+    Sums of squares of a balanced design: of the recognition choices over the part ``recognition``, of
+    all others over the part ``upstream`` with the base of the design. Gains are over the base option.
     """
-    found = []
     complete = [row for row in rows if row["part"] == "recognition"]
-    found += _shares(complete, FACTORIAL, "recognition")
     fraction = [row for row in rows if row["part"] == "upstream"]
-    crossed = crossed_with(fraction)
     if fraction:
         # The runs of the fraction with the base of every other choice belong to the full factorial.
-        fraction += [row for row in complete if is_base_but_for(row, crossed)]
-    others = tuple(
+        fraction += [row for row in complete if is_base_but_for(row, CROSSED_SINGLY)]
+    others = [
         choice.name
         for choice in CHOICES
         if choice.name not in FACTORIAL and len({row[choice.name] for row in fraction}) > 1
-    )
-    found += _shares(fraction, (*others, *crossed), "upstream")
+    ]
+    # Interactions are clear in the full factorial, and between the crossed choices and any other.
+    found = [
+        *_shares(complete, FACTORIAL, FACTORIAL, "recognition"),
+        *_shares(fraction, (*others, *CROSSED_SINGLY), CROSSED_SINGLY, "upstream"),
+    ]
     return sorted(found, key=lambda row: (row["part"], -row["share"]))
 
 
-def _shares(rows: Sequence[Row], names: Sequence[str], part: str) -> list[dict[str, Any]]:
-    if len(rows) < 2:
-        return []
+def _shares(
+    rows: Sequence[Row], names: Sequence[str], crossed: Sequence[str], part: str
+) -> list[dict[str, Any]]:
+    """Give the share of each choice, and of each pair with one of the `crossed` choices."""
     accuracy = np.array([row["fixation"] for row in rows])
-    total = float(np.square(accuracy - accuracy.mean()).sum())
+    total = float(np.square(accuracy - accuracy.mean()).sum()) if len(rows) > 1 else 0.0
     if total == 0:
         return []
     found = []
@@ -235,15 +233,12 @@ def _shares(rows: Sequence[Row], names: Sequence[str], part: str) -> list[dict[s
         found.append(
             {"part": part, "choices": [name], "share": squares[name] / total, "gains": gains}
         )
-    # Interactions are clear between the crossed choices and any other, and in the full factorial.
-    pairs = itertools.combinations(names, 2)
-    for first, second in pairs:
-        if part == "upstream" and not {first, second} & set(crossed_with(rows)):
-            continue
-        fitted, _ = _group_means(accuracy, [(row[first], row[second]) for row in rows])
-        both = float(np.square(fitted - accuracy.mean()).sum())
-        share = max(both - squares[first] - squares[second], 0.0) / total
-        found.append({"part": part, "choices": [first, second], "share": share, "gains": None})
+    for first, second in itertools.combinations(names, 2):
+        if {first, second} & {*crossed}:
+            fitted, _ = _group_means(accuracy, [(row[first], row[second]) for row in rows])
+            both = float(np.square(fitted - accuracy.mean()).sum())
+            share = max(both - squares[first] - squares[second], 0.0) / total
+            found.append({"part": part, "choices": [first, second], "share": share, "gains": None})
     return found
 
 

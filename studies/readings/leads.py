@@ -10,18 +10,15 @@ from statistics import median
 import numpy as np
 
 from readings.choices import BY_NAME, CHOICES, Choice
-from readings.design import (
-    CROSSED,
-    CROSSED_SINGLY,
-    FACTORIAL,
-    crossed_with,
-    is_base_but_for,
-)
+from readings.design import CROSSED, CROSSED_SINGLY, FACTORIAL, is_base_but_for
 from visuohaptic.studies.figures import Row
 
 SIGNIFICANT = 0.05
 SAME = 1e-12
 """Leads below it are rounding."""
+
+MAIN_OPPONENT = BY_NAME["random_probing"].base
+"""The main kind of random touches, an option."""
 
 
 @dataclass(frozen=True)
@@ -34,32 +31,23 @@ class Lead:
 
     cases: int
     ahead: int
+    behind: int
     ahead_significantly: int
     behind_significantly: int
     middle: float
 
 
-def main_opponent(rows: Sequence[Row]) -> str:
-    """Name the first kind of random touches that a table, with a row at least, compares with."""
-    found = {row["random_probing"] for row in rows}
-    return next(option for option in BY_NAME["random_probing"].options if option in found)
-
-
 def against_main(rows: Sequence[Row]) -> list[Row]:
     """Take the rows in which fixation is compared with the main kind of random touches."""
-    main = main_opponent(rows) if rows else ""
-    return [row for row in rows if row["random_probing"] == main]
+    return [row for row in rows if row["random_probing"] == MAIN_OPPONENT]
 
 
 def leads_by_option(rows: Sequence[Row]) -> dict[tuple[str, str], Lead]:
-    """Sum up the leads by choice and option, for rows of `READINGS`.
+    """Sum up the leads over the main kind of random touches by choice and option, for rows of `READINGS`.
 
-    Leads are those over the main kind of random touches; which kind is a choice of its own, judged
-    on all readings.
-
-    A recognition choice is judged on the part ``recognition``, which has all its combinations; any
-    other on the part that varies it, beside the base of the design. What asks another question, and
-    choices without two options in the table, are left out.
+    A recognition choice is judged on the part ``recognition``; any other on the part that varies it,
+    beside the base of the design; the kind of random touches on all readings. What asks another
+    question, and choices without two options in the table, are left out.
     """
     compared = [row for row in rows if row["ahead"] is not None and row["part"] != "protocol"]
     run = against_main(compared)
@@ -79,6 +67,7 @@ def sum_up(rows: Sequence[Row]) -> Lead:
     return Lead(
         cases=len(leads),
         ahead=sum(lead > SAME for lead in leads),
+        behind=sum(lead < -SAME for lead in leads),
         ahead_significantly=sum(lead > SAME for lead in surely),
         behind_significantly=sum(lead < -SAME for lead in surely),
         middle=median(leads),
@@ -86,29 +75,25 @@ def sum_up(rows: Sequence[Row]) -> Lead:
 
 
 def _by_option(choice: Choice, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:
-    name = _part_of(choice, rows)
-    part = [row for row in rows if row["part"] == name]
+    is_crossed = len({row[choice.name] for row in rows if row["part"] == "upstream"}) > 1
     if choice.where == "opponent":
         part = list(rows)
-    elif choice.name not in FACTORIAL:
+    elif choice.name in FACTORIAL:
+        part = [row for row in rows if row["part"] == "recognition"]
+    else:
         # Options are compared over the same other choices.
-        others: tuple[str, ...] = CROSSED if choice.name == "map_training" else CROSSED_SINGLY
-        others = crossed_with(rows) if name == "upstream" else others
-        part += [
+        others = CROSSED if choice.name == "map_training" else CROSSED_SINGLY
+        part = [
             row
             for row in rows
-            if row["part"] != "upstream" and is_base_but_for(row, (choice.name, *others))
+            if (
+                is_crossed
+                if row["part"] == "upstream"
+                else is_base_but_for(row, (choice.name, *others))
+            )
         ]
     for option in choice.options:
         yield option, [row for row in part if row[choice.name] == option]
-
-
-def _part_of(choice: Choice, rows: Sequence[Row]) -> str | None:
-    """Name the part of the design that varies a choice together with others."""
-    if choice.name in FACTORIAL:
-        return "recognition"
-    varied = {row[choice.name] for row in rows if row["part"] == "upstream"}
-    return "upstream" if len(varied) > 1 else None
 
 
 @dataclass(frozen=True)

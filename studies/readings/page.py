@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
 from importlib.resources import files
@@ -23,13 +22,7 @@ from markupsafe import Markup
 from readings.choices import BY_NAME, CHOICES
 from readings.design import is_default
 from readings.figures import summarise_readings
-from readings.leads import (
-    PairLead,
-    against_main,
-    leads_by_option,
-    strongest_pair,
-    sum_up,
-)
+from readings.leads import PairLead, against_main, leads_by_option, strongest_pair, sum_up
 from readings.stored import OUTSIDE, MeasuredReadings, kept_readings, read_readings
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.published import TABLE_1
@@ -48,17 +41,6 @@ _LEFT = 190
 _TOP, _CURVE_HEIGHT = 16, 300
 _ROW, _GAP = 13, 7
 _MOST_SHARES = 12
-
-
-@dataclass(frozen=True)
-class Dot:
-    """One reading's accuracy by fixation: its place, its name, and what it says when pointed at."""
-
-    x: float
-    y: float
-    name: str
-    label: str
-    is_default: bool
 
 
 Figures = dict[str, Any]
@@ -83,7 +65,6 @@ def render_readings_page(table: str | Path | None) -> str:
     environment.loader = ChoiceLoader(
         [PackageLoader("visuohaptic.report"), PackageLoader("readings")]
     )
-    environment.filters["dots"] = lambda dots: Markup(mark_up_dots(dots))  # noqa: S704 - it escapes its texts
     script = _text("readings", "readings.js")
     return environment.get_template("frame.html.jinja").render(
         policy=content_policy(script),
@@ -99,17 +80,15 @@ def _text(package: str, name: str) -> str:
 
 
 def readings_figures(
-    measured: MeasuredReadings | None,
+    measured: MeasuredReadings,
     outside: MeasuredReadings | None = None,
     classifiers: Sequence[str] = tuple(TABLE_1),
 ) -> Figures | None:
-    """Give what the page shows, with the curves of some classifiers; None without readings.
+    """Give what the page shows, with the curves of some classifiers; None if no reading could be run.
 
     `outside` holds the readings on objects outside the paper's set. Charts and shares, what
     explains most of the spread, are by classifier.
     """
-    if measured is None:
-        return None
     summary = summarise_readings(measured.rows)
     shown = [name for name in classifiers if name in summary["classifiers"]]
     if not shown:
@@ -204,7 +183,9 @@ def curve_chart(rows: Sequence[Row], classifier: str) -> Figures:
         "height": height,
         "base": base,
         "ticks": [(_down(share), f"{share:.0%}") for share in (0, 0.25, 0.5, 0.75, 1)],
-        "dots": [_dot(x, row) for x, row in placed],
+        "readings": len(run),
+        # Thousands of them would take a template seconds.
+        "dots": Markup("".join(_dot(x, row) for x, row in placed)),  # noqa: S704 - texts are escaped
         "whiskers": "".join(
             f"M{x:.1f} {_down(row['fixation_high']):.0f}V{_down(row['fixation_low']):.0f}"
             for x, row in placed
@@ -219,9 +200,12 @@ def curve_chart(rows: Sequence[Row], classifier: str) -> Figures:
     }
 
 
-def _dot(x: float, row: Row) -> Dot:
-    place = round(x, 1), round(_down(row["fixation"]), 1)
-    return Dot(*place, row["reading"], _label(row), is_default(row))
+def _dot(x: float, row: Row) -> str:
+    """Draw one reading's accuracy by fixation, which says what it is when pointed at."""
+    place = f'cx="{round(x, 1)}" cy="{round(_down(row["fixation"]), 1)}"'
+    mark = 'r="4" class=own' if is_default(row) else 'r="2"'
+    name, label = escape(row["reading"]), escape(_label(row))
+    return f'<circle {place} {mark} data-reading="{name}"><title>{label}</title></circle>'
 
 
 def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
@@ -336,16 +320,6 @@ def _sentences(summary: Mapping[str, Any], classifier: str) -> list[str]:
         f"such a split. Readings that reach the paper's figure, by classifier: {listed(reached)}."
     )
     return [spread, lead, best]
-
-
-def mark_up_dots(dots: Sequence[Dot]) -> str:
-    """Write the dots of a chart; thousands of them would take a template seconds."""
-    return "".join(
-        f'<circle cx="{dot.x}" cy="{dot.y}" r="{4 if dot.is_default else 2}"'
-        f'{" class=own" if dot.is_default else ""} data-reading="{escape(dot.name)}">'
-        f"<title>{escape(dot.label)}</title></circle>"
-        for dot in dots
-    )
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ class MeasuredReadings:
     source: Source | None = None
 
 
-def read_readings(path: str | Path | None) -> MeasuredReadings | None:
+def read_readings(path: str | Path | None) -> MeasuredReadings:
     """Read the readings of a run where they were measured, else those kept with the package."""
     if path is not None and Path(path).is_file():
         return MeasuredReadings(_rows(path))
@@ -39,12 +39,9 @@ def read_readings(path: str | Path | None) -> MeasuredReadings | None:
 
 
 @cache
-def kept_readings(name: str) -> MeasuredReadings | None:
+def kept_readings(name: str) -> MeasuredReadings:
     """Read readings that are kept with the package, by the name of their objects."""
-    kept = files("readings").joinpath(f"{name}.parquet")
-    if not kept.is_file():
-        return None
-    with as_file(kept) as file:
+    with as_file(files("readings").joinpath(f"{name}.parquet")) as file:
         return MeasuredReadings(_rows(file), source_of(file))
 
 

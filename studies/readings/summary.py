@@ -23,9 +23,6 @@ from visuohaptic.studies.figures import Row, write_json
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import write_table
 
-OPPONENT = "reachable"
-"""The random touches that the answer is about."""
-
 
 def make_readings(given: Given) -> None:
     """Write `READINGS` from the study's blocks, and what they say together as JSON."""
@@ -43,7 +40,7 @@ def summarise(measured: MeasuredReadings, outside: MeasuredReadings | None) -> R
     figures = readings_figures(measured, outside, (BEST_OF_PAPER,))
     shown = [one for one in (figures, figures and figures["outside"]) if one]
     return ReadingsSummary(
-        verdict=verdict(lead_evidence(tables, BEST_OF_PAPER, OPPONENT)),
+        verdict=verdict(lead_evidence(tables, BEST_OF_PAPER)),
         spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
         sentences=tuple(sentence for one in shown for sentence in one["sentences"]),
         literal=_literal(measured.rows),
@@ -52,7 +49,7 @@ def summarise(measured: MeasuredReadings, outside: MeasuredReadings | None) -> R
 
 
 def _spread(rows: Sequence[Row]) -> list[Spread]:
-    found = of_papers_question(rows, BEST_OF_PAPER, OPPONENT)
+    found = of_papers_question(rows, BEST_OF_PAPER)
     if not found:
         return []
     lead, objects = sum_up(found), max(row["objects"] for row in found)
@@ -71,10 +68,7 @@ def _literal(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
 
 def keep(path: Path) -> None:
     """Write the summary of the kept tables."""
-    measured = kept_readings(PAPER_SET)
-    if measured is None:
-        raise FileNotFoundError(PAPER_SET)
-    found = summarise(measured, kept_readings(OUTSIDE)).model_dump(mode="json")
+    found = summarise(kept_readings(PAPER_SET), kept_readings(OUTSIDE)).model_dump(mode="json")
     path.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 

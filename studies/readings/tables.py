@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from readings.choices import BY_NAME
-from visuohaptic.tables.schema import COUNT, REAL, TEXT, Column, Schema, names_of
+from visuohaptic.tables.schema import TEXT, Column, Schema, count, difference, names_of, share
 from visuohaptic.tables.studies import ERROR, SECONDS
 
 READING_KEYS = (
@@ -17,14 +17,14 @@ READINGS = Schema(
     READING_KEYS,
     (
         Column("part", TEXT, "part of the design that it belongs to"),
-        Column("place", COUNT, "place of the reading in the design", minimum=0),
+        count("place", "place of the reading in the design"),
         *(
             Column(name, TEXT, "option of this choice")
             for name in BY_NAME
             if name not in names_of(READING_KEYS)
         ),
         *(
-            Column(f"{strategy}{end}", REAL, f"{text} by {words}", "1", 0, 1, nullable=True)
+            share(f"{strategy}{end}", f"{text} by {words}", nullable=True)
             for strategy, words in (("fixation", "fixation"), ("random", "option random_probing"))
             for end, text in (
                 ("", "share of test sequences correctly classified, touches"),
@@ -34,20 +34,10 @@ READINGS = Schema(
                 ("_splits_reaching", "share of splits at or above the paper's figure, touches"),
             )
         ),
-        Column(
-            "ahead",
-            REAL,
-            "fixation less random, by option random_probing",
-            "1",
-            -1,
-            1,
-            nullable=True,
-        ),
-        Column("ahead_low", REAL, "lower end of its interval", "1", -1, 1, nullable=True),
-        Column("ahead_high", REAL, "upper end of its interval", "1", -1, 1, nullable=True),
-        Column("p_value", REAL, "two-sided, sign changes over objects", "1", 0, 1, nullable=True),
-        Column("objects", COUNT, "objects tested", minimum=1, nullable=True),
-        Column("splits", COUNT, "splits", minimum=1, nullable=True),
+        *difference("ahead", "fixation less random, by option random_probing"),
+        share("p_value", "two-sided, sign changes over objects", nullable=True),
+        count("objects", "objects tested", 1, nullable=True),
+        count("splits", "splits", 1, nullable=True),
         SECONDS,
         ERROR,
     ),

@@ -24,7 +24,7 @@ from typing import Literal
 
 from readings.choices import BY_NAME
 from readings.design import is_default, is_literal
-from readings.leads import SIGNIFICANT
+from readings.leads import MAIN_OPPONENT, SIGNIFICANT
 from visuohaptic.report.questions import GAIN
 from visuohaptic.report.readings import Verdict
 from visuohaptic.studies.figures import Row
@@ -76,7 +76,7 @@ def verdict(evidence: Iterable[Evidence]) -> Verdict:
 
 
 def lead_evidence(
-    tables: Mapping[str, Sequence[Row]], classifier: str, opponent: str = "reachable"
+    tables: Mapping[str, Sequence[Row]], classifier: str, opponent: str = MAIN_OPPONENT
 ) -> list[Evidence]:
     """Give the evidence for touches by fixation against one kind of random touches, an option of choice ``random_probing``.
 
@@ -84,19 +84,16 @@ def lead_evidence(
     """
     return [
         Evidence(
-            name,
-            _kind(row),
-            row["ahead"],
-            row["ahead_low"],
-            row["ahead_high"],
-            row["p_value"],
+            name, _kind(row), *(row[one] for one in ("ahead", "ahead_low", "ahead_high", "p_value"))
         )
         for name, rows in tables.items()
         for row in of_papers_question(rows, classifier, opponent)
     ]
 
 
-def of_papers_question(rows: Sequence[Row], classifier: str, opponent: str) -> list[Row]:
+def of_papers_question(
+    rows: Sequence[Row], classifier: str, opponent: str = MAIN_OPPONENT
+) -> list[Row]:
     """Take the readings of a classifier and an opponent that were run and ask the paper's question.
 
     Part ``protocol`` and a shuffled order of touches ask another one.

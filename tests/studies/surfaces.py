@@ -4,7 +4,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
 import trimesh
 
 from visuohaptic.geometry.raycasting import RayCaster
@@ -14,7 +13,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import run
 from visuohaptic.studies.measuring import Sources
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
-from visuohaptic.tables.schema import write_table
+from visuohaptic.tables.schema import join_parts, write_table
 
 RUN = ExperimentParameters.from_mapping(
     {
@@ -63,23 +62,26 @@ def run_tables(surfaces, parameters=RUN):
         run(Subject(key, partial(RayCaster, surface), viewpoints), parameters)
         for key, surface in surfaces.items()
     ]
-    keys = [(key, "ascending") for key in FEATURES.keys]
     names = ("fixations", "touches", "features")
-    return [pa.concat_tables(one[name] for one in made).sort_by(keys) for name in names]
+    return [join_parts(FEATURES, [one[name] for one in made]) for name in names]
+
+
+def write_meshes(folder, surfaces):
+    """Write surfaces as meshes of a run, and give their files."""
+    meshes = [folder / key / f"{Path(key).name}.ply" for key in surfaces]
+    for mesh, surface in zip(meshes, surfaces.values(), strict=True):
+        mesh.parent.mkdir(parents=True, exist_ok=True)
+        write_surface(surface, mesh)
+    return meshes
 
 
 def write_sources(folder, surfaces, run=RUN):
     """Write what a run leaves for studies, and give the sources and the features' file."""
-    names = ("fixations", "touches", "features")
-    meshes = []
-    for key, surface in surfaces.items():
-        meshes.append(folder / key / f"{Path(key).name}.ply")
-        meshes[-1].parent.mkdir(parents=True, exist_ok=True)
-        write_surface(surface, meshes[-1])
+    meshes = write_meshes(folder, surfaces)
+    files = [folder / f"{name}.parquet" for name in ("fixations", "touches", "features")]
     # Files hold float32, so what is made of them differs a little from what is made in memory.
     surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
     schemas = (FIXATIONS, TOUCHES, FEATURES)
-    for schema, name, table in zip(schemas, names, run_tables(surfaces, run), strict=True):
-        write_table(schema, table, folder / f"{name}.parquet")
-    sources = Sources(meshes, [folder / "fixations.parquet"], [folder / "touches.parquet"])
-    return sources, folder / "features.parquet"
+    for schema, file, table in zip(schemas, files, run_tables(surfaces, run), strict=True):
+        write_table(schema, table, file)
+    return Sources(meshes, files[:1], files[1:2]), files[2]

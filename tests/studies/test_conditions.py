@@ -20,6 +20,7 @@ def plan(*changes, run=RUN):
     ("changes", "phase"),
     [
         ({}, None),
+        ({"sensor.largest_size": RUN.sensor.largest_size, "scene.preset": "ideal"}, None),
         ({"recognition.classifier.neighbours": 3}, None),
         ({"recognition.touches": 3}, None),
         ({"attention.fixations": 3, "recognition.touches": 3}, None),
@@ -46,12 +47,6 @@ def test_what_is_made_again_follows_from_what_changes(changes, phase):
     )
     described = describe_study(Study("mine", "Mine"), found)
     assert [one["recomputed"] for one in described["conditions"]] == [phase or "recognition"]
-
-
-def test_what_equals_the_run_makes_nothing_again():
-    assert not plan(
-        {"sensor.largest_size": RUN.sensor.largest_size, "scene.preset": "ideal"}
-    ).recomputations
 
 
 def test_conditions_that_touch_alike_share_their_touches():
@@ -117,6 +112,7 @@ def test_blocks_hold_every_condition_once_and_neighbours_share_features():
 def test_thousands_of_conditions_become_blocks_of_25():
     found = plan(*({"recognition.classifier.svm_penalty": 1 + number} for number in range(1000)))
     assert len(make_blocks(found, None)) == 40
+    assert make_blocks(plan(), None) == {}
 
 
 def test_few_conditions_of_few_trainings_share_a_job():
@@ -126,7 +122,3 @@ def test_few_conditions_of_few_trainings_share_a_job():
     assert len(make_blocks(alone, 1)) == 4
     whole = plan(*({"recognition.touches": touches} for touches in (1, 2, 3, 4)))
     assert list(make_blocks(whole, None)) == ["0000-0001", "0002-0003"]
-
-
-def test_a_study_without_conditions_has_no_block():
-    assert make_blocks(plan(), None) == {}

@@ -8,12 +8,7 @@ import pytest
 from visuohaptic.recognition.intervals import compare_paired, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.figures import (
-    Cell,
-    cells_of,
-    make_study_figures,
-    study_figures,
-)
+from visuohaptic.studies.figures import Cell, cells_of, make_study_figures, study_figures
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 
@@ -47,54 +42,52 @@ CELLS = {
 
 
 def rows_of(cells):
-    table = study_figures(STUDY_OF, cells, INTERVALS, 1)
-    return {row["condition"]: row for row in table.to_pylist()}
+    rows = study_figures(STUDY_OF, CELLS | cells, INTERVALS, 1).to_pylist()
+    return {
+        row["condition"]
+        if row["strategy"] == "fixation"
+        else (row["condition"], row["strategy"]): row
+        for row in rows
+    }
 
 
 def test_a_strategy_is_compared_with_fixation_in_the_same_condition():
-    random = {
-        (name, "paper", "random", "naive_bayes"): cell(WHOLE - 0.1) for name in ("whole", "worse")
-    }
-    rows = study_figures(STUDY_OF, CELLS | random, INTERVALS, 1).to_pylist()
-    lead = {(row["strategy"], row["condition"]): row["lead"] for row in rows}
-    assert lead["random", "whole"] == pytest.approx(0.1)
-    assert lead["random", "worse"] == pytest.approx(-0.1)
-    assert lead["fixation", "whole"] is None
-    whole = next(row for row in rows if row["strategy"] == "random" and row["condition"] == "whole")
+    names = ("whole", "worse")
+    found = rows_of({(name, "paper", "random", "naive_bayes"): cell(WHOLE - 0.1) for name in names})
+    leads = [found[name]["lead"] for name in (*(names), *((name, "random") for name in names))]
+    assert leads == [None, None, pytest.approx(0.1), pytest.approx(-0.1)]
+    whole = found["whole", "random"]
     assert whole["lead_low"] <= whole["lead"] <= whole["lead_high"]
     assert 0 < whole["lead_p"] <= 1
 
 
 def test_conditions_come_in_their_order_with_a_difference_to_the_first():
-    found = rows_of(CELLS)
+    found = rows_of({})
     assert tuple(found) == NAMES
-    assert found["whole"]["difference"] is None
-    assert found["worse"]["difference"] == pytest.approx(-0.2)
+    differences = [row["difference"] for row in found.values()]
+    assert differences == [None, pytest.approx(0.05), pytest.approx(-0.2), None]
     assert [row["compared_with"] for row in found.values()] == [None, *["whole"] * 3]
-    assert found["broken"]["accuracy"] is None
-    assert found["better"]["difference"] == pytest.approx(0.05)
     assert found["better"]["low"] < found["better"]["accuracy"] < found["better"]["high"]
-    assert found["broken"]["error"] == "too small."
+    assert (found["broken"]["accuracy"], found["broken"]["error"]) == (None, "too small.")
 
 
 def test_differences_are_paired_and_adjusted_over_the_conditions():
-    found = rows_of(CELLS)
+    better, worse = (rows_of({})[name] for name in ("better", "worse"))
     generator = spawn_generator(1, "studies", "comparison")
-    better = compare_paired(CELLS[key("better")].accuracy, WHOLE, np.ones(6), INTERVALS, generator)
-    assert found["better"]["p_value"] == better.p_value
-    assert found["better"]["difference_low"] == better.difference.low
-    adjusted = holm([found["better"]["p_value"], found["worse"]["p_value"]])
-    assert [found["better"]["adjusted_p"], found["worse"]["adjusted_p"]] == adjusted
+    paired = compare_paired(CELLS[key("better")].accuracy, WHOLE, np.ones(6), INTERVALS, generator)
+    assert (better["p_value"], better["difference_low"]) == (paired.p_value, paired.difference.low)
+    adjusted = holm([better["p_value"], worse["p_value"]])
+    assert [better["adjusted_p"], worse["adjusted_p"]] == adjusted
 
 
 def test_equal_conditions_have_equal_intervals_and_no_difference():
-    found = rows_of({**CELLS, key("better"): cell(WHOLE)})
+    found = rows_of({key("better"): cell(WHOLE)})
     assert found["better"]["low"] == found["whole"]["low"]
     assert (found["better"]["difference"], found["better"]["p_value"]) == (0, 1)
 
 
 def test_conditions_that_were_tested_on_other_objects_are_not_compared():
-    found = rows_of({**CELLS, key("worse"): cell(WHOLE[:4])})
+    found = rows_of({key("worse"): cell(WHOLE[:4])})
     assert found["worse"]["difference"] is None
     assert found["worse"]["accuracy"] == pytest.approx(0.65)
 

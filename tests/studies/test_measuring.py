@@ -5,6 +5,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pytest
 import trimesh
 from recognition.synthetic import features_table
@@ -110,7 +111,7 @@ CHANGES = (
 @pytest.mark.parametrize("changes", CHANGES)
 def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, changes):
     (recomputation,) = mine(Condition("c", changes)).recomputations.values()
-    sources, _ = run
+    sources, features = run
     needed = {
         "features": Sources(touches=sources.touches),
         "touches": Sources(meshes=sources.meshes, fixations=sources.fixations),
@@ -118,20 +119,17 @@ def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, cha
     }[recomputation.phase]
     if recomputation.phase == "features":
         monkeypatch.setattr(surfaces_of_files, "read_surface", None)
-    found = recompute_features(recomputation, needed)
-    own = read_table(FEATURES, run[1])
-    assert found.column("touch").equals(own.column("touch"))
-    assert not found.column("contourlet_03").equals(own.column("contourlet_03"))
-    assert found.column("x").equals(own.column("x")) == (recomputation.phase != "views")
+    found, own = recompute_features(recomputation, needed), read_table(FEATURES, features)
+    assert found["touch"].equals(own["touch"])
+    assert not found["contourlet_03"].equals(own["contourlet_03"])
+    assert found["x"].equals(own["x"]) == (recomputation.phase != "views")
 
 
 def test_more_touches_begin_with_those_of_the_run(run):
     (recomputation,) = mine(Condition("c", {"recognition.touches": 3})).recomputations.values()
     found = recompute_features(recomputation, Sources(meshes=run[0].meshes))
     assert found.num_rows == len(small_surfaces()) * 4 * 3
-    own = read_table(FEATURES, run[1])
-    first = found.filter(pa.compute.less(found.column("touch"), 2))
-    assert first.equals(own)
+    assert found.filter(pc.less(found["touch"], 2)).equals(read_table(FEATURES, run[1]))
 
 
 @pytest.mark.slow
@@ -193,40 +191,32 @@ def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
 
 @pytest.mark.slow
 def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
-    conditions = [
-        Condition(f"{penalty}", {**ALONE, "recognition.classifier.svm_penalty": penalty})
-        for penalty in (1.0, 2.0, 4.0)
-    ]
-    plan = mine(*conditions)
-
-    def rows(name, chosen):
-        path = tmp_path / name
-        make_study_block("mine", describe_conditions(chosen), [run[1]], {}, path, RUN)
-        return read_table(STUDY, path).drop_columns(["seconds"])
-
-    whole = rows("whole", plan.conditions)
-    parts = [rows(f"part{place}", [one]) for place, one in enumerate(plan.conditions)]
-    keys = [(key, "ascending") for key in STUDY.keys]
-    assert pa.concat_tables(parts).sort_by(keys).equals(whole.sort_by(keys))
-
-
-def without_last_touches(table, objects, viewpoint, touch):
-    """Leave out what a slender object lacks: touches of one viewpoint, from one on."""
-    lost = pa.compute.and_(
-        pa.compute.is_in(table["object"], pa.array(objects)),
-        pa.compute.and_(
-            pa.compute.equal(table["viewpoint"], viewpoint),
-            pa.compute.greater_equal(table["touch"], touch),
-        ),
+    plan = mine(
+        *(
+            Condition(f"{penalty}", {**ALONE, "recognition.classifier.svm_penalty": penalty})
+            for penalty in (1.0, 2.0, 4.0)
+        )
     )
-    return table.filter(pa.compute.invert(lost))
+
+    def rows(*blocks):
+        files = [tmp_path / f"{len(blocks)}-{place}" for place in range(len(blocks))]
+        for file, chosen in zip(files, blocks, strict=True):
+            make_study_block("mine", describe_conditions(chosen), [run[1]], {}, file, RUN)
+        return read_table(STUDY, files).drop_columns(["seconds"])
+
+    assert rows(plan.conditions).equals(rows(*([one] for one in plan.conditions)))
+
+
+SHORT = SYNTHETIC.column("object")[0].as_py()
+# What a slender object lacks: the last touch of one viewpoint.
+WITHOUT_LAST = SYNTHETIC.filter(
+    (pc.field("object") != SHORT) | (pc.field("viewpoint") != 1) | (pc.field("touch") != 2)
+)
 
 
 @pytest.mark.parametrize("votes", [None, 1, 2, 4])
 @pytest.mark.parametrize("protocol", ["leave_one_object_a_class_out", "grouped_folds"])
 def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protocol):
-    name = SYNTHETIC.column("object")[0].as_py()
-    short = without_last_touches(SYNTHETIC, [name], viewpoint=1, touch=2)
     changes = {
         **ALONE,
         "recognition.touches": 3,
@@ -234,18 +224,17 @@ def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protoco
         "recognition.protocol.protocol": protocol,
     }
     (planned,) = mine(Condition("c", changes, votes=votes)).conditions
-    (found,) = cells(short, planned).values()
+    (found,) = cells(WITHOUT_LAST, planned).values()
     assert found.error is None
     assert len(found.objects) == 9
-    (same,) = cells(whole_sequences(short, 3)[0], planned).values()
+    (same,) = cells(whole_sequences(WITHOUT_LAST, 3)[0], planned).values()
     np.testing.assert_array_equal(found.accuracy, same.accuracy)
     assert (found.accuracy <= 1).all()
 
 
 def test_a_view_is_left_out_for_all_strategies_where_one_lacks_touches():
     renamed = features_table("random", (3, 3, 3), viewpoints=4, touches=3, separation=0.3)
-    name = SYNTHETIC.column("object")[0].as_py()
-    both = pa.concat_tables([without_last_touches(SYNTHETIC, [name], 1, 2), renamed])
+    both = pa.concat_tables([WITHOUT_LAST, renamed])
     changes = {**ALONE, "recognition.touches": 3, "probing.strategies": ["fixation", "random"]}
     (planned,) = mine(Condition("c", changes)).conditions
     kept = [measuring.condition_features(planned, both, name) for name in ("fixation", "random")]

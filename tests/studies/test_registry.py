@@ -1,5 +1,7 @@
 """Studies of the package and of the user's folders, each under one name of its own."""
 
+from importlib import import_module
+
 import pytest
 from studies.surfaces import RUN
 
@@ -31,18 +33,14 @@ def test_the_packages_studies_can_be_planned_for_every_run():
             assert len(set(names)) == len(names)
 
 
-def test_every_file_belongs_to_one_study():
+def test_every_file_belongs_to_one_study_and_the_work_of_every_step_is_there():
     for study in STUDIES:
         files = [file for step in study.steps for file in (*step.files, step.record)]
         for file in (*files, *study.targets, f"results/study_blocks/{study.name}/0-1.parquet"):
             assert [one.name for one in STUDIES if one.owns(file)] == [study.name]
-
-
-def test_the_work_of_every_step_is_there():
-    from importlib import import_module
-
-    works = [step.work.split(":") for study in STUDIES for step in study.steps]
-    assert all(callable(getattr(import_module(path), name)) for path, name in works)
+        for step in study.steps:
+            module, _, name = step.work.partition(":")
+            assert callable(getattr(import_module(module), name))
 
 
 def test_studies_of_yaml_and_of_python_are_found_after_the_packages(tmp_path):

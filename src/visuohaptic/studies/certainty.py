@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
@@ -21,7 +22,7 @@ from visuohaptic.recognition.summary import select
 from visuohaptic.recognition.tuning import fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.ablations import CLASSIFIER
-from visuohaptic.studies.figures import write_json
+from visuohaptic.studies.figures import rows_by, write_json
 from visuohaptic.studies.study import Given, Step, Study
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_rows, read_table, write_table
@@ -64,8 +65,7 @@ def measure_certainty(
     """Classify known and unknown objects by models that lack one whole class each: `tables.CERTAINTY`.
 
     Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the
-    rest trains and calibrates a classifier of pipeline `best` on the touches of a strategy, rows of
-    `tables.FEATURES`. Raises `RecognitionError` if there are fewer than three classes.
+    rest trains and calibrates pipeline `best`. Raises `RecognitionError` of fewer than three classes.
     """
     table, _ = take_strategy(features, strategy, parameters.touches)
     sequences = gather_pipeline(table, parameters, "best", seed)
@@ -87,45 +87,44 @@ def measure_certainty(
 def summarise_certainty(
     table: pa.Table, coverage: float, intervals: IntervalParameters, seed: int
 ) -> list[dict[str, Any]]:
-    """Sum up `tables.CERTAINTY` by strategy and number of views.
+    """Sum up `tables.CERTAINTY` by strategy and number of views: what `sum_up_answers` gives, and ``area``.
 
-    Gives for each the share of known objects whose class is in the set, and of those that are called
-    unknown, with intervals over objects; the mean size of the sets; the area under the curve that tells
-    unknown objects from known ones by their strangeness (mean over the classes left out).
+    That is under the curve that tells unknown objects from known ones, a mean over the classes left out.
     """
     found = []
     for figures, rows in sum_up_answers(table, coverage, intervals, seed):
-        areas = [_area(rows, name) for name in {row["left_out"]: None for row in rows}]
+        areas = [
+            _area(select(rows, left_out=name)) for name in rows["left_out"].unique().to_pylist()
+        ]
         found.append(figures | {"area": float(np.mean(areas))})
     return found
 
 
 def sum_up_answers(
     table: pa.Table, coverage: float, intervals: IntervalParameters, seed: int
-) -> Iterator[tuple[dict[str, Any], list[dict[str, Any]]]]:
-    """Give by strategy and number of views what `summarise_certainty` does but the area, and the rows.
+) -> Iterator[tuple[dict[str, Any], pa.Table]]:
+    """Give by strategy and number of views shares with intervals over objects, the sets' mean size, and the rows.
 
     Any table will do that says of each answer whether the object's class is `known`, and whether the
     answer is `correct`, `covered` and `unknown`. What there are no objects for is left out.
     """
     for strategy in table.column("strategy").unique().to_pylist():
         for views in table.column("views").unique().to_pylist():
-            rows = select(table, strategy=strategy, views=views).to_pylist()
-            known = [row for row in rows if row["known"]]
-            strange = [row for row in rows if not row["known"]]
+            rows = select(table, strategy=strategy, views=views)
+            known = select(rows, known=True)
             figures: dict[str, Any] = {"strategy": strategy, "views": views, "stated": coverage}
             for name, of, column in (
                 ("accuracy", known, "correct"),
                 ("coverage", known, "covered"),
                 ("false_unknown", known, "unknown"),
-                ("found_unknown", strange, "unknown"),
+                ("found_unknown", select(rows, known=False), "unknown"),
             ):
-                if of:
-                    values, weights = _by_object(of, column)
+                if len(of):
+                    means, counts = _by_object(of, column)
                     generator = spawn_generator(seed, "certainty", strategy, views, name)
-                    interval = rate_interval(values, weights, intervals, generator)
+                    interval = rate_interval(means, counts, intervals, generator)
                     figures[name] = list(plain_interval(interval).values())
-            figures["set_size"] = float(np.mean([row["candidates"] for row in known]))
+            figures["set_size"] = float(np.mean(known["candidates"].to_numpy()))
             yield figures, rows
 
 
@@ -208,21 +207,15 @@ def _without_class(
             }
 
 
-def _by_object(
-    rows: Sequence[dict[str, Any]], column: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _by_object(rows: pa.Table, column: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Give each object's mean of a column, and how often it was tested."""
-    values: dict[tuple[str, str], list[float]] = {}
-    for row in rows:
-        values.setdefault((row["class"], row["object"]), []).append(float(row[column]))
-    found = [(np.mean(own), len(own)) for own in values.values()]
-    means, counts = np.array(found, dtype=np.float64).T
-    return means, counts
+    parts = rows_by(rows, ("class", "object")).values()
+    means = np.array([np.mean(part[column].to_numpy()) for part in parts])
+    return means, np.array([len(part) for part in parts], dtype=np.float64)
 
 
-def _area(rows: Sequence[dict[str, Any]], left_out: str) -> float:
-    """Give the area under the curve of one class left out against the known objects beside it."""
+def _area(rows: pa.Table) -> float:
+    """Give the area under the curve of a class left out against the known objects beside it."""
     from sklearn.metrics import roc_auc_score
 
-    own = [row for row in rows if row["left_out"] == left_out]
-    return float(roc_auc_score([not row["known"] for row in own], [row["evidence"] for row in own]))
+    return float(roc_auc_score(pc.invert(rows["known"]).to_numpy(), rows["evidence"].to_numpy()))

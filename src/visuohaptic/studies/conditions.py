@@ -71,11 +71,10 @@ class Plan:
 def with_changes(
     run: ExperimentParameters, changes: Changes, source: str = "params.yaml"
 ) -> ExperimentParameters:
-    """Change parameters by their dotted names.
+    """Change parameters by their dotted names; raises `ParameterError`, which begins with `source`.
 
     A new ``scene.preset`` replaces the whole scene; more `recognition.touches` than there are
-    fixations bring as many fixations. Raises `ParameterError`, which begins with `source`, if there
-    is no such parameter, it must not vary, or a value is not allowed.
+    fixations bring as many fixations.
     """
     # Sections that no change concerns are not checked again; there may be hundreds of conditions.
     values: dict[str, Any] = {name: getattr(run, name) for name in type(run).model_fields}
@@ -107,7 +106,8 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
         parameters = with_changes(run, condition.changes, f"{source}: {condition.name}")
         upstream = _upstream(parameters)
         phase = next((name for name in _ORDER if upstream[name] != own[name]), None)
-        if _asks_for_more(parameters, run):
+        strategies = set(parameters.probing.strategies) - set(run.probing.strategies)
+        if strategies or touches_needed(parameters) > run.attention.fixations:
             phase = _ORDER[0]
         key = None
         if phase is not None:
@@ -192,18 +192,15 @@ def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
     for fixed, reason in _FIXED.items():
         if path == fixed or path.startswith(f"{fixed}."):
             raise ParameterError(f"{source}: {path} can't vary, for {reason}.")
-    *sections, name = path.split(".")
     section: Any = values
-    for place, part in enumerate((*sections, name)):
+    parts = path.split(".")
+    for place, part in enumerate(parts):
         if not isinstance(section, dict) or part not in section:
-            above = ".".join(sections[:place])
+            above = ".".join(parts[:place]) or "an experiment"
             allowed = ", ".join(section) if isinstance(section, dict) else "no parts"
-            raise ParameterError(
-                f"{source}: {path} is no parameter; {above or 'an experiment'} has {allowed}."
-            )
-        if place < len(sections):
-            section = section[part]
-    section[name] = new
+            raise ParameterError(f"{source}: {path} is no parameter; {above} has {allowed}.")
+        whole, section = section, section[part]
+    whole[part] = new
 
 
 def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
@@ -213,11 +210,6 @@ def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
     alike = parameters.model_copy(update={"attention": attention, "probing": probing})
     found = [phase.written_values(alike) for phase in OF_OBJECT]
     return dict(zip(_ORDER, found, strict=True))
-
-
-def _asks_for_more(parameters: ExperimentParameters, run: ExperimentParameters) -> bool:
-    strategies = set(parameters.probing.strategies) - set(run.probing.strategies)
-    return bool(strategies) or touches_needed(parameters) > run.attention.fixations
 
 
 def _merge(found: Sequence[Recomputation]) -> Recomputation:

@@ -89,9 +89,8 @@ def study_figures(
 ) -> pa.Table:
     """Sum up a study, as `conditions.describe_study` gives it: `tables.STUDY_FIGURES`.
 
-    A condition that was tested on other objects than the one that it is compared with has no
-    difference. A row of another strategy than `LEADER` says how far that one is ahead in the same
-    condition.
+    What was tested on other objects is not compared. A row of another strategy than `LEADER` says how
+    far that one is ahead in the same condition.
     """
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}

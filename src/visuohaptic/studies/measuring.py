@@ -93,13 +93,9 @@ def make_study_features(recomputation: Recomputation, sources: Sources, output: 
 
 def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
     """Recompute features of the strategies that the parameters name: `tables.FEATURES`."""
-    parts = [FEATURES.arrow.empty_table(), *_recomputed_parts(recomputation, sources)]
-    return join_parts(FEATURES, parts)
-
-
-def _recomputed_parts(recomputation: Recomputation, sources: Sources) -> Iterator[pa.Table]:
     parameters = recomputation.parameters
     meshes = {object_of(mesh): mesh for mesh in sources.meshes}
+    parts = [FEATURES.arrow.empty_table()]
     for taken in sources.tables(recomputation.phase):
         tables = {
             name: _of_strategies(
@@ -111,7 +107,8 @@ def _recomputed_parts(recomputation: Recomputation, sources: Sources) -> Iterato
         for key, known in objects_of(tables, meshes):
             viewpoints = range(parameters.viewpoints.total)
             subject = Subject.of_mesh(key, meshes.get(key, ""), viewpoints)
-            yield run(subject, parameters, known)["features"]
+            parts.append(run(subject, parameters, known)["features"])
+    return join_parts(FEATURES, parts)
 
 
 def make_study_block(
@@ -145,11 +142,10 @@ def make_study_block(
 def features_by_key(
     features: Paths, made: Mapping[str, str | Path], objects: Collection[str] | None
 ) -> Callable[[str | None], pa.Table | str]:
-    """Read features as conditions name them: those of the run (None), or made for some conditions.
+    """Read features as conditions name them, or why they were refused: the run's (None), or made for some conditions.
 
-    `objects`, ``class/name``, are those of the run's features that count; None for all. Where features
-    were refused, the reason is given. One table is held at a time, as conditions with the same
-    features are neighbours.
+    `objects`, ``class/name``, are those of the run's features that count; None for all. One table is held
+    at a time, as conditions with the same features are neighbours.
     """
 
     @lru_cache(maxsize=1)
@@ -163,11 +159,10 @@ def features_by_key(
 
 
 def condition_features(planned: Planned, features: pa.Table | str, strategy: str) -> pa.Table:
-    """Take a condition's rows, of one strategy, of features that others share.
+    """Take a condition's rows, of one strategy, of features that others share; `RecognitionError` if there is none.
 
-    Viewpoints without a whole sequence by every strategy of the condition, and classes with a
-    single object, are left out. Raises `RecognitionError` if no row is left, or the features are the
-    sentence by which they were refused.
+    Viewpoints without a whole sequence by every strategy of the condition, and classes with a single
+    object, are left out. Features may be the sentence by which they were refused.
     """
     if isinstance(features, str):
         raise RecognitionError(features)
@@ -241,9 +236,8 @@ _KEY = ("study", "condition", "pipeline", "strategy")
 def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> Iterator[pa.Table]:
     """Give `tables.STUDY` of what each classifier predicted, a row an object, split and repeat.
 
-    With `votes`, every evenly spread choice of so many of an object's viewpoints is one
-    recognition; without, each sequence counts by itself. Raises `RecognitionError` if there are not
-    so many viewpoints.
+    With `votes`, every evenly spread choice of so many of an object's viewpoints is one recognition;
+    without, each sequence. Raises `RecognitionError` if there are not so many viewpoints.
     """
     sequences = predictions.sequences
     found: dict[str, list[tuple[NDArray[Any], ...]]] = {}

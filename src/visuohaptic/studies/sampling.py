@@ -12,9 +12,8 @@ LEAST_OF_CLASS = 2
 def sample_objects(objects: Sequence[str], maximum: int) -> list[str]:
     """Choose at most so many of sorted objects, ``class/name``, evenly spread over the classes and within each.
 
-    Gives all, in their order, if there are no more. Of more, every class keeps its share, rounded, and
-    `LEAST_OF_CLASS` where it has so many; so there may be more than `maximum`, up to
-    `LEAST_OF_CLASS` a class.
+    Every class keeps its share, rounded, and `LEAST_OF_CLASS` where it has so many; so there may be
+    some more than `maximum`.
     """
     if len(objects) <= maximum:
         return list(objects)

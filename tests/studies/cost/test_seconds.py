@@ -47,15 +47,6 @@ def fitted(surfaces):
 
 
 @pytest.mark.slow
-def test_a_recognition_goes_through_every_phase(surfaces, fitted):
-    taken = ObjectRound("ring/ring0", surfaces["ring/ring0"]).recognise([0, 2], fitted[1])
-    assert tuple(taken) == (*PHASES, *PARTS)
-    assert all(value > 0 for value in taken.values())
-    assert taken["render"] + taken["attend"] <= taken["look"]
-    assert taken["cast"] <= taken["touch"]
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("at_once", [8, 3])
 def test_the_timed_way_feels_what_the_run_felt(surfaces, fitted, monkeypatch, at_once):
     seen, model = [], type(fitted[2].model)
@@ -78,6 +69,10 @@ def test_what_settings_have_in_common_is_timed_once_and_counts_for_each(surfaces
     once = ObjectRound("ring/ring0", surfaces["ring/ring0"])
     taken = {name: once.recognise([0], one) for name, one in asked.items()}
     own, answer, imprint = taken.values()
+    assert tuple(own) == (*PHASES, *PARTS)
+    assert all(value > 0 for value in own.values())
+    assert own["render"] + own["attend"] <= own["look"]
+    assert own["cast"] <= own["touch"]
     upstream = [name for name in own if name != "classify"]
     assert [own[name] for name in upstream] == [answer[name] for name in upstream]
     for name in ("look", "render", "attend"):

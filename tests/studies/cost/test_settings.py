@@ -6,8 +6,8 @@ import pytest
 from studies.surfaces import RUN
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import plan_study, with_changes
-from visuohaptic.studies.cost.settings import COST_STUDY, ORDER, make_settings
+from visuohaptic.studies.conditions import with_changes
+from visuohaptic.studies.cost.settings import ORDER, make_settings
 
 
 def family_settings(study, family, run):
@@ -53,26 +53,12 @@ def test_three_channels_are_the_classic_ones():
     assert {name for name in weights if weights[name]} == {"colour", "intensity", "orientation"}
 
 
-def test_what_settings_share_is_made_once():
-    plan = plan_study(COST_STUDY, RUN)
-    keys = {}
-    for setting, one in zip(make_settings(RUN, "cost"), plan.conditions, strict=True):
-        keys.setdefault(setting.family, set()).add(one.key)
-    assert keys["features"] == keys["pipelines"] == keys["viewpoints"] == {None}
-    assert len(keys["lean_viewpoints"]) == 1
-    assert len(keys["effects"]) == 3
-    # One and two touches are the run's own, three need more.
-    assert len(keys["touches"]) == 2
-
-
 @pytest.mark.parametrize(("strategy", "looks"), [("fixation", 1), ("random", 0)])
 def test_the_frontier_goes_from_one_touch_to_those_of_the_run_from_one_view(strategy, looks):
     run = ExperimentParameters()
-    own = family_settings("frontier", strategy, run)
-    assert {setting.looks for setting in own} == {looks}
-    assert [(one.touches, one.viewpoints) for one in own] == [(1, 1), (2, 1), (5, 1)]
-    changed = [with_changes(run, one.condition.changes).recognition.touches for one in own]
-    assert changed == [1, 2, 5]
+    for touches, setting in zip((1, 2, 5), family_settings("frontier", strategy, run), strict=True):
+        assert (setting.touches, setting.viewpoints, setting.looks) == (touches, 1, looks)
+        assert with_changes(run, setting.condition.changes).recognition.touches == touches
 
 
 def test_the_frontier_has_what_the_run_has():

@@ -13,7 +13,7 @@ from visuohaptic.studies.curves.adaptive import CANDIDATES, adaptive_rows, make_
 from visuohaptic.studies.curves.settings import CURVES, LONGEST_SEQUENCE, touches_name
 from visuohaptic.studies.figures import cells_of
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH
 from visuohaptic.tables.schema import read_table
 
 SMALL = ExperimentParameters.from_mapping(
@@ -86,6 +86,7 @@ def test_candidates_are_some_of_the_objects_places(tmp_path):
     inputs = {"meshes": list(map(str, sources.meshes[:1]))}
     make_candidates(Given("curves", inputs, [str(tmp_path / "candidates")], RUN))
     found = read_table(FEATURES, tmp_path / "candidates")
+    assert not {*found["contact_state"].to_pylist()} & {*OUT_OF_REACH}
     for viewpoint in range(4):
         count = found.filter(pa.compute.equal(found.column("viewpoint"), viewpoint)).num_rows
         assert CANDIDATES // 8 < count < CANDIDATES

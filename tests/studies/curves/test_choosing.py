@@ -1,8 +1,10 @@
 """Adaptive touches: chosen by what is expected of them, from training objects alone."""
 
 from dataclasses import replace
+from unittest.mock import patch
 
 import numpy as np
+import pytest
 from recognition.synthetic import features_table
 
 from visuohaptic.recognition.descriptors import POSE
@@ -33,14 +35,6 @@ TOUCHES = 4
 def choose(candidates, split=SPLIT, seed=1):
     generator = np.random.default_rng(seed)
     return choose_sequences(candidates, split, TOUCHES, PARAMETERS, 0.2, generator)
-
-
-def with_altered(rows, columns, alter):
-    """Give the candidates with some columns of some rows altered."""
-    features = CANDIDATES.features.copy()
-    part = np.ix_(np.flatnonzero(rows), columns)
-    features[part] = alter(features[part])
-    return replace(CANDIDATES, features=features)
 
 
 def test_expected_entropy_is_the_mean_over_outcomes():
@@ -84,6 +78,21 @@ def test_touches_keep_apart_until_no_place_is_left():
     assert chosen.tolist() == [[0, 2, 3, 1, 0, 1]]
 
 
+def test_each_touch_is_the_best_guess_from_the_imprints_before_it():
+    generator = np.random.default_rng(2)
+    poses, kinds = generator.normal(size=(12, 6)), generator.integers(3, size=12)
+    likelihood = np.log(generator.dirichlet(np.ones(3), size=(12, 4))).swapaxes(1, 2)
+    (chosen,) = choose_touches(
+        poses, np.arange(12), np.zeros(12, np.int64), likelihood, kinds, 6, focus_radius=0
+    )
+    belief = np.zeros((1, 4))
+    for turn, place in enumerate(chosen):
+        left = expected_entropy(belief, likelihood)[0]
+        left[chosen[:turn]] = np.inf
+        assert place == left.argmin()
+        belief += likelihood[place, kinds[place]]
+
+
 def test_labels_of_test_objects_change_no_choice():
     sequences = CANDIDATES.sequences
     objects = list(sequences.objects)
@@ -95,48 +104,41 @@ def test_labels_of_test_objects_change_no_choice():
     np.testing.assert_array_equal(choose(CANDIDATES), choose(other))
 
 
-def test_imprints_of_test_objects_that_were_not_touched_change_no_choice():
-    before = choose(CANDIDATES)
-    untouched = TESTED.copy()
-    untouched[before.reshape(-1)] = False
-    assert untouched.sum() > 50
-    after = choose(with_altered(untouched, SKIN, lambda _: 1e3))
-    np.testing.assert_array_equal(before, after)
+CHOSEN = choose(CANDIDATES)
+UNTOUCHED = TESTED & ~np.isin(np.arange(len(TESTED)), CHOSEN)
+OBJECTS = CANDIDATES.sequences.object_index
+FIRST, SECOND = np.unique(OBJECTS[SPLIT.test])[:2]
 
 
-def test_imprints_of_test_objects_change_no_choice_in_training():
-    before, after = choose(CANDIDATES), choose(with_altered(TESTED, SKIN, lambda _: -7.0))
-    np.testing.assert_array_equal(before[SPLIT.train], after[SPLIT.train])
-    # The first touch comes before anything was felt.
-    np.testing.assert_array_equal(before[SPLIT.test, 0], after[SPLIT.test, 0])
-    assert (before[SPLIT.test] != after[SPLIT.test]).any()
+@pytest.mark.parametrize(
+    ("rows", "columns", "alter", "same", "other"),
+    [
+        pytest.param(UNTOUCHED, SKIN, lambda skin: 0 * skin + 1e3, np.s_[:], None, id="what is not touched"),
+        # The first touch of a test object comes before anything was felt.
+        pytest.param(TESTED, SKIN, lambda skin: 0 * skin - 7, SPLIT.train, SPLIT.test, id="test imprints"),
+        pytest.param(TESTED, SKIN, lambda skin: 0 * skin - 7, (SPLIT.test, 0), SPLIT.test, id="first touches"),
+        pytest.param(CANDIDATES.owner == FIRST, ~SKIN, lambda poses: 0.5 * poses, OBJECTS == SECOND, OBJECTS == FIRST, id="poses of one test object"),
+        pytest.param(~TESTED, SKIN, lambda skin: skin[::-1], np.s_[:0], np.s_[:], id="training imprints"),
+    ],
+)  # fmt: skip
+def test_choices_change_by_what_is_known_alone(rows, columns, alter, same, other):
+    features = CANDIDATES.features.copy()
+    part = np.ix_(np.flatnonzero(rows), columns)
+    features[part] = alter(features[part])
+    after = choose(replace(CANDIDATES, features=features))
+    np.testing.assert_array_equal(CHOSEN[same], after[same])
+    assert other is None or (CHOSEN[other] != after[other]).any()
+    assert rows.sum() > 30
 
 
-def test_poses_of_one_test_object_change_no_choice_on_another():
-    places = CANDIDATES.sequences.object_index
-    first, second = np.unique(places[SPLIT.test])[:2]
-    moved = with_altered(CANDIDATES.owner == first, ~SKIN, lambda poses: 0.5 * poses)
-    before, after = choose(CANDIDATES), choose(moved)
-    np.testing.assert_array_equal(before[places == second], after[places == second])
-    assert (before[places == first] != after[places == first]).any()
-
-
-def test_imprints_of_training_objects_change_choices():
-    reversed_ = with_altered(~TESTED, SKIN, lambda imprints: imprints[::-1])
-    assert (choose(CANDIDATES) != choose(reversed_)).any()
-
-
-def test_the_touches_of_a_training_object_are_chosen_without_it(monkeypatch):
-    left_out, likelihood = [], choosing.TouchModel.log_likelihood
-
-    def leave_out(model, poses, place):
-        left_out.append(place)
-        return likelihood(model, poses, place)
-
-    monkeypatch.setattr(choosing.TouchModel, "log_likelihood", leave_out)
-    choose(CANDIDATES)
-    training = np.unique(CANDIDATES.sequences.object_index[SPLIT.train])
-    assert [place for place in left_out if place != -1] == training.tolist()
+def test_the_touches_of_a_training_object_are_chosen_without_it():
+    likelihood = choosing.TouchModel.log_likelihood
+    with patch.object(
+        choosing.TouchModel, "log_likelihood", autospec=True, side_effect=likelihood
+    ) as asked:
+        choose(CANDIDATES)
+    left_out = [call.args[2] for call in asked.call_args_list]
+    assert [place for place in left_out if place != -1] == np.unique(OBJECTS[SPLIT.train]).tolist()
 
 
 def test_a_training_object_is_not_predicted_from_itself():
@@ -172,14 +174,11 @@ def test_the_only_training_object_of_a_class_is_asked_about_itself():
     table = features_table("adaptive", objects=(2, 2), viewpoints=2, touches=6)
     candidates = gather_candidates(table, NAMES)
     split = make_splits(candidates.sequences, ProtocolParameters(), np.random.default_rng(0))[0]
-    chosen = choose_sequences(candidates, split, 3, PARAMETERS, 0.2, np.random.default_rng(1))
-    assert np.isfinite(chosen).all()
+    assert np.isfinite(choose(candidates, split)).all()
     model, _ = fit_touch_model(candidates, split, PARAMETERS, np.random.default_rng(3))
     place = int(candidates.sequences.object_index[split.train[0]])
-    poses = candidates.poses[:2]
-    np.testing.assert_array_equal(
-        model.log_likelihood(poses, place), model.log_likelihood(poses, -1)
-    )
+    alone, known = (model.log_likelihood(candidates.poses[:2], one) for one in (place, -1))
+    np.testing.assert_array_equal(alone, known)
 
 
 def test_left_and_right_are_alike():

@@ -1,16 +1,17 @@
 """What effects cost and move is measured for every scene, and is 0 where nothing needs them."""
 
 from collections import Counter
+from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
 import pytest
 import trimesh
+from studies.surfaces import surface_of, write_meshes
 
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor.parameters import SensorParameters
@@ -24,7 +25,7 @@ from visuohaptic.studies.effects.influence import (
     view_influence,
 )
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
 
@@ -36,28 +37,23 @@ COUNT = 6
 
 @pytest.fixture(scope="module")
 def surface():
-    mesh = trimesh.creation.torus(0.6, 0.3, major_sections=24, minor_sections=16)
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    colours = np.full((len(faces), 3), 120, dtype=np.uint8)
-    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces, colours)
-
-
-def influences(surface, fixations, scenes):
-    return touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
+    torus = surface_of(trimesh.creation.torus(0.6, 0.3, major_sections=24, minor_sections=16))
+    return replace(torus, face_colours=np.full_like(torus.face_colours, 120))
 
 
 @pytest.fixture(scope="module")
 def fixations(surface):
     faces = np.linspace(0, len(surface.faces) - 1, COUNT).astype(int)
-    points, normals = surface.triangles[faces].mean(axis=1), surface.face_normals[faces]
-    columns = dict(zip("xyz", points.T, strict=True))
-    columns |= dict(zip(("normal_x", "normal_y", "normal_z"), normals.T, strict=True))
-    nothing = [None] * COUNT
+    columns = dict(zip(POINT_NAMES, surface.triangles[faces].mean(axis=1).T, strict=True))
+    columns |= dict(zip(NORMAL_NAMES, surface.face_normals[faces].T, strict=True))
     columns |= {"class": "ring", "object": "torus", "viewpoint": [0, 0, 0, 1, 1, 1]}
-    columns |= {"strategy": "random", "touch": [0, 1, 2] * 2, "face": faces}
-    columns |= {"unreachable": nothing, "chance": "random"}
-    columns |= {"pixel_row": nothing, "pixel_column": nothing, "saliency": nothing}
-    return build_table(FIXATIONS, columns)
+    columns |= {"strategy": "random", "touch": [0, 1, 2] * 2, "face": faces, "chance": "random"}
+    empty = ("unreachable", "pixel_row", "pixel_column", "saliency")
+    return build_table(FIXATIONS, columns | dict.fromkeys(empty, [None] * COUNT))
+
+
+def influences(surface, fixations, scenes):
+    return touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
 
 
 def test_every_preset_is_measured_and_the_run_stands_for_its_own():
@@ -112,26 +108,22 @@ def test_shadows_are_measured_even_where_none_are_cast(surface):
 
 def test_objects_add_up_by_their_touches():
     names = [column.name for column in EFFECT_INFLUENCE.columns]
-    values = (
+    values = [
         ("ideal", "noise", 10, 4, 1.0, 2.0, 0.1, True),
         ("ideal", "noise", 30, 5, 3.0, 4.0, 0.5, False),
-    )
-    table = sum_influences([dict(zip(names, one, strict=True)) for one in values])
-    expected = ("ideal", "noise", 40, 9, 4.0, 6.0, pytest.approx(0.4), False)
-    assert [tuple(row.values()) for row in table.to_pylist()] == [expected]
+    ]
+    (row,) = sum_influences([dict(zip(names, one, strict=True)) for one in values]).to_pylist()
+    assert tuple(row.values()) == ("ideal", "noise", 40, 9, 4, 6, pytest.approx(0.4), False)
 
 
 def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):
-    mesh = tmp_path / "ring/0/torus.ply"
-    mesh.parent.mkdir(parents=True)
-    write_surface(surface, mesh)
-    write_table(FIXATIONS, fixations, tmp_path / "fixations.parquet")
-    output = tmp_path / "effect_influence.parquet"
-    run = ExperimentParameters(
-        seed=7, viewpoints=VIEWPOINTS, rendering=RENDERING, sensor=SENSOR, scene=Scene()
-    )
-    files = {"meshes": [str(mesh)], "fixations": [str(tmp_path / "fixations.parquet")]}
-    make_effect_influence(Given("influence", files, [str(output)], run))
-    rows = read_table(EFFECT_INFLUENCE, output).to_pylist()
+    files = {
+        "meshes": write_meshes(tmp_path, {"ring/torus": surface}),
+        "fixations": [tmp_path / "fixations.parquet"],
+    }
+    write_table(FIXATIONS, fixations, files["fixations"][0])
+    run = ExperimentParameters(seed=7, viewpoints=VIEWPOINTS, rendering=RENDERING, sensor=SENSOR)
+    make_effect_influence(Given("influence", files, [tmp_path / "table"], run))
+    rows = read_table(EFFECT_INFLUENCE, tmp_path / "table").to_pylist()
     assert {row["effect"] for row in rows if row["scene"] == "any"} == set(VISUAL_EFFECTS)
     assert {row["scene"] for row in rows} == {"any", *PRESETS}

@@ -1,6 +1,7 @@
 """The summary says what the table holds."""
 
-import numpy as np
+from itertools import product
+
 import pytest
 
 from visuohaptic.parameters import CostParameters
@@ -18,7 +19,7 @@ from visuohaptic.studies.looking.settings import (
     STOPPING,
     TOUCH,
 )
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.schema import build_rows, names_of
 from visuohaptic.tables.studies import LOOKING
 
 COST = CostParameters(budgets=(5, 12), touch_seconds=5, look_seconds=0.5)
@@ -29,36 +30,35 @@ TOUCHES = 2
 def rows_of(key, accuracy, seconds):
     """Give two objects of each of two splits, a trial of each is surely right or wrong."""
     for split, share in enumerate(accuracy):
+        gaps = [0.0] * 9 + [4 * (share - 1)]
         for number in range(2):
-            gaps = np.zeros(10)
-            gaps[9] = 4 * (share - 1)
-            values = ("cup", f"cup{split}{number}", split, 0, 4, share, seconds, gaps)
-            yield (*key, *values)
+            yield (*key, "cup", f"cup{split}{number}", split, 0, 4, share, seconds, gaps)
 
 
 def table_of(accuracy_of):
     """Give a table whose accuracy is a function of sight, answer, strategy and touches."""
-    rows = []
-    keys = [(sight, cue, "none", 0, None, 0.5) for sight in SIGHTS for cue in CUES]
-    for strategy in (*STRATEGIES, ADAPTIVE):
-        for touches in range(1, TOUCHES + 1):
-            felt = 0.5 * (strategy != BLIND) + 5 * touches
-            keys.append((CLEAN, TOUCH, strategy, touches, None, felt))
-            keys += [
-                (sight, answer, strategy, touches, None, 0.5 + 5 * touches)
-                for sight in SIGHTS
-                for answer in (PRODUCT, CHECKED)
-            ]
-        keys += [
+    touches, strategies = range(1, TOUCHES + 1), (*STRATEGIES, ADAPTIVE)
+    keys = [
+        *((sight, cue, "none", 0, None, 0.5) for sight in SIGHTS for cue in CUES),
+        *(
+            (CLEAN, TOUCH, strategy, count, None, 0.5 * (strategy != BLIND) + 5 * count)
+            for strategy, count in product(strategies, touches)
+        ),
+        *(
+            (sight, answer, strategy, count, None, 0.5 + 5 * count)
+            for sight, answer, strategy, count in product(
+                SIGHTS, (PRODUCT, CHECKED), strategies, touches
+            )
+        ),
+        *(
             (sight, STOPPING, strategy, TOUCHES, budget, budget - 1)
-            for sight in SIGHTS
-            for budget in COST.budgets
-        ]
-    keys += [(sight, SIDE_BY_SIDE, STRATEGIES[0], TOUCHES, None, 10.5) for sight in SIGHTS]
-    for *key, seconds in keys:
-        rows += rows_of(key, accuracy_of(*key[:4]), seconds)
-    names = [column.name for column in LOOKING.columns]
-    return build_table(LOOKING, dict(zip(names, map(list, zip(*rows, strict=True)), strict=True)))
+            for sight, strategy, budget in product(SIGHTS, strategies, COST.budgets)
+        ),
+        *((sight, SIDE_BY_SIDE, STRATEGIES[0], TOUCHES, None, 10.5) for sight in SIGHTS),
+    ]
+    rows = [row for *key, seconds in keys for row in rows_of(key, accuracy_of(*key[:4]), seconds)]
+    names = names_of(LOOKING.columns)
+    return build_rows(LOOKING, [dict(zip(names, row, strict=True)) for row in rows])
 
 
 def poor_sight(sight, answer, _strategy, touches):

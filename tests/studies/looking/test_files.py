@@ -5,10 +5,9 @@ import json
 import numpy as np
 import pytest
 from studies.surfaces import RUN as SMALL
-from studies.surfaces import small_surfaces
+from studies.surfaces import small_surfaces, write_meshes
 
 from visuohaptic.errors import ParameterError
-from visuohaptic.geometry.surface import write_surface
 from visuohaptic.studies.conditions import with_changes
 from visuohaptic.studies.curves.adaptive import make_candidates
 from visuohaptic.studies.looking.measuring import make_looking
@@ -26,34 +25,20 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import LOOKING
 
-RUN = with_changes(
-    SMALL,
-    {
-        "recognition.protocol.maximum_splits": 1,
-        "recognition.protocol.folds": 2,
-        "recognition.protocol.fold_rounds": 1,
-    },
-)
+FEW = {"maximum_splits": 1, "folds": 2, "fold_rounds": 1}
+FAST = with_changes(SMALL, {f"recognition.protocol.{name}": few for name, few in FEW.items()})
 
 
 def with_costs(**values):
-    return RUN.model_copy(update={"cost": RUN.cost.model_copy(update=values)})
+    return FAST.model_copy(update={"cost": FAST.cost.model_copy(update=values)})
 
 
-RUN = with_costs(budgets=(6.0, 16.0))
-WITHOUT = with_costs(adaptive=False)
+RUN, WITHOUT = with_costs(budgets=(6.0, 16.0)), with_costs(budgets=(6.0, 16.0), adaptive=False)
 
 
 @pytest.fixture(scope="module")
 def meshes(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("looking")
-    files = []
-    for key, surface in small_surfaces().items():
-        category, name = key.split("/")
-        files.append(folder / category / "block" / f"{name}.ply")
-        files[-1].parent.mkdir(parents=True, exist_ok=True)
-        write_surface(surface, files[-1])
-    return files
+    return write_meshes(tmp_path_factory.mktemp("looking"), small_surfaces())
 
 
 @pytest.fixture(scope="module")
@@ -71,8 +56,8 @@ def test_the_longest_budget_gives_the_touches_and_the_run_the_fewest():
 def test_an_object_is_touched_by_every_strategy_and_seen_in_every_sight(meshes):
     rows, views = sense_object(meshes[0], RUN)
     counts = rows.group_by(["strategy", "viewpoint"]).aggregate([("touch", "count")]).to_pylist()
-    assert {row["strategy"] for row in counts} == set(STRATEGIES)
-    assert {row["touch_count"] for row in counts} == {most_touches(RUN)}
+    found = {(row["strategy"], row["touch_count"]) for row in counts}
+    assert found == {(strategy, most_touches(RUN)) for strategy in STRATEGIES}
     assert {part.shape[:2] for part in views.values()} == {(RUN.viewpoints.count, len(SIGHTS))}
 
 
@@ -109,7 +94,6 @@ def test_table_and_figures_are_written_with_and_without_adaptive_touches(
 
 
 def test_a_free_touch_is_refused():
+    free = with_costs(touch_seconds=0.0)
     with pytest.raises(ParameterError, match="touch_seconds is 0"):
-        make_looking(
-            Given("looking", {"meshes": []}, ["table", "figures"], with_costs(touch_seconds=0.0))
-        )
+        make_looking(Given("looking", {"meshes": []}, ["table", "figures"], free))

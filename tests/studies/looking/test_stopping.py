@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from visuohaptic.studies.looking.stopping import (
+from visuohaptic.studies.looking.measuring import (
     expected_gain,
     learn_pace,
     touches_made,

@@ -43,11 +43,12 @@ def options_of(accuracy, acquired=ALL_ACQUIRED):
     return {one["choice"]: one for one in found}
 
 
+def default_of(accuracy):
+    return choose_default(cells(accuracy), INTERVALS, 1, BASE)
+
+
 def test_a_clear_winner_is_chosen():
-    found = choose_default(
-        cells(lambda options: 0.5 + 0.2 * (options["map_output"] == "feature_groups")),
-        *(INTERVALS, 1, BASE),
-    )
+    found = default_of(lambda options: 0.5 + 0.2 * (options["map_output"] == "feature_groups"))
     assert found["chosen"]["changed"] == {"map_output": "feature_groups"}
     assert found["chosen"]["score"] == pytest.approx(0.7)
     assert found["former"]["behind"] == pytest.approx(0.2)
@@ -56,10 +57,7 @@ def test_a_clear_winner_is_chosen():
 
 def test_a_lead_that_only_scatters_keeps_the_former_default():
     scatter = np.tile([0.1, -0.0999], len(OBJECTS) // 2)
-    found = choose_default(
-        cells(lambda options: 0.5 + scatter * (options["map_output"] == "one_hot")),
-        *(INTERVALS, 1, BASE),
-    )
+    found = default_of(lambda options: 0.5 + scatter * (options["map_output"] == "one_hot"))
     assert found["best"]["changed"]["map_output"] == "one_hot"
     assert found["chosen"]["changed"] == {}
 

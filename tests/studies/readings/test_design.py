@@ -12,6 +12,7 @@ from readings.design import (
     FACTORIAL,
     PARTS_ON_OTHERS,
     all_readings,
+    is_base_but_for,
     is_default,
 )
 from readings.study import STUDY as STUDY_OF_READINGS
@@ -74,40 +75,28 @@ def coded(name, values):
     """Code options as contrasts that add up to 0 over them."""
     options = list(BY_NAME[name].options)
     places = np.array([options.index(value) for value in values])
-    if len(options) == 4:
-        high, low = places // 2, places % 2
-        return [1 - 2 * high, 1 - 2 * low]
-    return [1 - 2 * places]
+    return [1 - 2 * (places // 2), 1 - 2 * (places % 2)] if len(options) == 4 else [1 - 2 * places]
 
 
 def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interactions():
     runs = [
-        reading.options
-        for reading in READINGS
-        if reading.part in {"upstream", "recognition"}
-        and reading.options["map_output"] == "unit_distances"
+        one.options
+        for one in READINGS
+        if one.options["map_output"] == "unit_distances"
         and (
-            reading.part == "upstream"
-            or all(
-                reading.options[choice.name] == choice.base
-                for choice in CHOICES
-                if choice.name not in CROSSED_SINGLY
-            )
+            one.part == "upstream"
+            or (one.part == "recognition" and is_base_but_for(one.options, CROSSED_SINGLY))
         )
     ]
     assert len(runs) == 32
     varied = [name for name in BY_NAME if len({run[name] for run in runs}) > 1]
     assert not set(varied) & set(FACTORIAL)
-    columns = {
-        f"{name}{place}": column
-        for name in varied
-        for place, column in enumerate(coded(name, [run[name] for run in runs]))
-    }
-    for first, second in itertools.combinations(columns, 2):
-        assert columns[first] @ columns[second] == 0
-    for main, column in columns.items():
-        for first, second in itertools.combinations(set(columns) - {main}, 2):
-            assert column @ (columns[first] * columns[second]) == 0, (main, first, second)
+    columns = np.array([one for name in varied for one in coded(name, [run[name] for run in runs])])
+    assert (columns @ columns.T == 32 * np.eye(len(columns))).all()
+    places = range(len(columns))
+    for main, first, second in itertools.product(places, places, places):
+        if len({main, first, second}) == 3:
+            assert columns[main] @ (columns[first] * columns[second]) == 0, (main, first, second)
 
 
 def test_every_choice_of_the_paper_quotes_it_or_says_that_it_is_silent():

@@ -19,7 +19,7 @@ from readings.summary import make_readings
 from readings.tables import READINGS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import TABLE_1
-from visuohaptic.studies.conditions import Plan, describe_conditions, plan_study
+from visuohaptic.studies.conditions import describe_conditions, plan_study
 from visuohaptic.studies.measuring import make_study_block
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import (
@@ -53,8 +53,8 @@ def features(tmp_path_factory):
 
 
 def conditions(*names):
-    plan: Plan = plan_study(STUDY_OF_READINGS, RUN)
-    return describe_conditions([one for one in plan.conditions if one.condition.name in names])
+    planned = plan_study(STUDY_OF_READINGS, RUN).conditions
+    return describe_conditions([one for one in planned if one.condition.name in names])
 
 
 def named(**options):
@@ -86,7 +86,7 @@ def made(features, tmp_path_factory):
     return read_table(READINGS, table).to_pylist(), json.loads(Path(summary).read_text())
 
 
-def by_hand(features, strategy, reduce_touches, mode, approximations, scale, classifier):
+def by_hand(features, strategy, reduce_touches, mode, approximations, classifier):
     """Give the accuracy of every split, without a line of the package but its table reader."""
     table = read_table(FEATURES, features)
     table = table.filter(pa.compute.equal(table.column("strategy"), strategy))
@@ -94,17 +94,12 @@ def by_hand(features, strategy, reduce_touches, mode, approximations, scale, cla
     owner = np.array(["/".join(one) for one in owners_of(table)])[::5]
     label = np.array([one.partition("/")[0] for one in owner])
     accuracies = []
-    for tested in itertools.product(
-        *(sorted({one for one in owner if one.startswith(name)}) for name in sorted(set(label)))
-    ):
+    for tested in itertools.product(*(np.unique(owner[label == one]) for one in np.unique(label))):
         test = np.isin(owner, tested)
         five = reduce_touches(rows[~test].reshape(-1, 22), rows.reshape(-1, 22)).reshape(-1, 5, 5)
         encoded = np.array([describe(sequence, mode, approximations) for sequence in five])
-        if scale:
-            deviation = encoded[~test].std(axis=0)
-            encoded = (encoded - encoded[~test].mean(axis=0)) / np.where(
-                deviation > 0, deviation, 1
-            )
+        deviation = encoded[~test].std(axis=0)
+        encoded = (encoded - encoded[~test].mean(axis=0)) / np.where(deviation > 0, deviation, 1)
         predicted = classifier().fit(encoded[~test], label[~test]).predict(encoded[test])
         accuracies.append((predicted == label[test]).mean())
     return np.array(accuracies)
@@ -173,30 +168,19 @@ def means_of_groups(training, touches):
 @pytest.mark.parametrize(
     ("reading", "classifier", "how"),
     [
-        (DEFAULT, "support_vector_machine", (distances_to_units, "symmetric", False, True, SVC)),
-        (DEFAULT, "k_nearest_neighbours", (distances_to_units, "symmetric", False, True, KNeighborsClassifier)),
-        (
-            FEATURE_GROUPS,
-            "k_nearest_neighbours",
-            (means_of_groups, "zero", True, True, lambda: KNeighborsClassifier(1)),
-        ),
-        (
-            FEATURE_GROUPS,
-            "support_vector_machine",
-            (means_of_groups, "zero", True, True, lambda: SVC(kernel="linear")),
-        ),
+        (DEFAULT, "support_vector_machine", (distances_to_units, "symmetric", False, SVC)),
+        (DEFAULT, "k_nearest_neighbours", (distances_to_units, "symmetric", False, KNeighborsClassifier)),
+        (FEATURE_GROUPS, "k_nearest_neighbours", (means_of_groups, "zero", True, lambda: KNeighborsClassifier(1))),
+        (FEATURE_GROUPS, "support_vector_machine", (means_of_groups, "zero", True, lambda: SVC(kernel="linear"))),
     ],
 )  # fmt: skip
 def test_a_reading_is_what_scikit_learn_and_pywavelets_give(
     made, features, reading, classifier, how, strategy
 ):
     expected = by_hand(features, strategy, *how)
-    row = next(
-        row
-        for row in made[0]
-        if (row["reading"], row["classifier"], row["random_probing"])
-        == (reading, classifier, "reachable")
-    )
+    key = (reading, classifier, "reachable")
+    names = ("reading", "classifier", "random_probing")
+    (row,) = [row for row in made[0] if tuple(row[name] for name in names) == key]
     assert row["splits"] == len(expected) == 18
     assert row[strategy] == pytest.approx(expected.mean(), abs=1e-9)
     assert row[f"{strategy}_best_split"] == pytest.approx(expected.max(), abs=1e-9)

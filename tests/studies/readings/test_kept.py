@@ -1,6 +1,7 @@
 """What the pages and the report say of the readings is what the kept tables say."""
 
 import json
+import re
 import runpy
 from importlib.resources import files
 from pathlib import Path
@@ -13,7 +14,7 @@ from readings.choices import CHOICES
 from readings.choosing import FORMER_DEFAULT
 from readings.design import all_readings, is_default
 from readings.figures import weigh_choices
-from readings.page import COMMAND, curve_chart, mark_up_dots, readings_figures, render_readings_page
+from readings.page import COMMAND, curve_chart, readings_figures, render_readings_page
 from readings.stored import OUTSIDE, PAPER_SET, MeasuredReadings, kept_readings
 from readings.summary import summarise
 from readings.tables import READINGS
@@ -67,6 +68,14 @@ def test_choices_that_add_up_explain_all_of_the_spread_by_themselves():
     assert max(row["share"] for row in found.values()) < 1e-9
 
 
+def test_of_pairs_in_the_fraction_those_with_the_map_output_alone_are_shown():
+    rows = [row for row in ASKED if row["random_probing"] == "reachable"]
+    found = weigh_choices([row for row in rows if row["classifier"] == BEST_OF_PAPER])
+    pairs = [one["choices"] for one in found if one["part"] == "upstream" and not one["gains"]]
+    assert pairs
+    assert all("map_output" in pair for pair in pairs)
+
+
 def test_one_set_alone_shows_no_verdict_and_has_the_counts_of_its_table():
     few = [row for row in ROWS if row["part"] in {"literal", "default"}]
     found = summarise(MeasuredReadings(few), None)
@@ -115,17 +124,15 @@ def test_a_table_of_failures_alone_has_no_page(tmp_path):
 
 
 def test_a_dot_says_its_figures_its_options_and_its_command():
-    chart = curve_chart(ROWS, BEST_OF_PAPER)
-    default = next(dot for dot in chart["dots"] if dot.is_default)
-    assert "our default" in default.label
+    chart = curve_chart(ROWS, BEST_OF_PAPER)["dots"]
+    dots = dict(re.findall(r'data-reading="(\w+)"><title>(.*?)</title>', chart))
+    (default,) = re.findall(r'class=own data-reading="(\w+)"', chart)
+    assert default in {one.name for one in all_readings() if is_default(one.options)}
+    assert "our default" in dots[default]
     (other,) = [one for one in all_readings() if one.name == "u100"]
-    dot = next(dot for dot in chart["dots"] if dot.name == other.name)
     changed = [one.name for one in CHOICES if other.options[one.name] != one.default]
-    assert dot.label.count(";") == len(changed) - 1
-    assert COMMAND.format(other.name) in dot.label
-    marked = mark_up_dots([type(default)(1, 2, "r1", 'a "<b>" & c', False)])
-    assert "&lt;b&gt;" in marked
-    assert "<b>" not in marked
+    assert dots[other.name].count("; ") == len(changed) - 1
+    assert COMMAND.format(other.name) in dots[other.name]
 
 
 def test_sentences_count_what_the_tables_hold():

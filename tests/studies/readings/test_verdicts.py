@@ -1,28 +1,31 @@
 """A verdict follows from tables by a rule; made-up evidence gives each of the four."""
 
+import itertools
+
 import pytest
 
 from readings.verdicts import SETS, Evidence, verdict
 
 
+def evidence_of(objects, reading, mean, width):
+    return Evidence(
+        objects, reading, mean, mean - width, mean + width, 0.5 - 0.49 * (abs(mean) > width)
+    )
+
+
 def four(*differences, width=0.03):
     """Give the default and the literal reading on both sets; None is not measured."""
-    places = [(name, reading) for name in SETS for reading in ("default", "literal")]
-    return [
-        Evidence(*place, mean, mean - width, mean + width, 0.01 if abs(mean) > width else 0.5)
-        for place, mean in zip(places, differences, strict=True)
-        if mean is not None
-    ]
+    places = itertools.product(SETS, ("default", "literal"))
+    found = zip(places, differences, strict=True)
+    return [evidence_of(*place, mean, width) for place, mean in found if mean is not None]
 
 
 def others(ahead, behind, neither, objects="paper"):
-    signs = [0.1] * ahead + [-0.1] * behind + [0.001] * neither
-    return [
-        Evidence(
-            objects, "other", mean, mean - 0.05, mean + 0.05, 0.01 if abs(mean) > 0.05 else 0.6
-        )
-        for mean in signs
-    ]
+    means = [0.1] * ahead + [-0.1] * behind + [0.001] * neither
+    return [evidence_of(objects, "other", mean, 0.05) for mean in means]
+
+
+GAINS = four(0.01, 0.01, 0.01, 0.01)
 
 
 @pytest.mark.parametrize(
@@ -38,12 +41,9 @@ def others(ahead, behind, neither, objects="paper"):
         (four(0.1, 0.1, 0.1, None), "not shown"),
         (four(-0.1, -0.1, None, None), "not shown"),
         ([], "not shown"),
-        (four(0.01, 0.01, 0.01, 0.01) + others(10, 10, 80), "depends"),
-        (four(0.01, 0.01, 0.01, 0.01) + others(10, 4, 86), "not shown"),
-        (
-            four(0.01, 0.01, 0.01, 0.01) + others(10, 0, 5) + others(0, 10, 5, "outside"),
-            "not shown",
-        ),
+        (GAINS + others(10, 10, 80), "depends"),
+        (GAINS + others(10, 4, 86), "not shown"),
+        (GAINS + others(10, 0, 5) + others(0, 10, 5, "outside"), "not shown"),
         (four(0.1, 0.1, 0.1, 0.1) + others(10, 10, 80), "yes"),
     ],
 )

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -28,17 +28,17 @@ BUDGETS: tuple[BudgetName, ...] = get_args(BudgetName)
 FAMILY = "viewpoints"
 _KEPT = ("setting", "viewpoints", "objects", "seconds", "error", "error_low", "error_high")
 
-Row = Mapping[str, Any]
+Row = dict[str, Any]
 
 
 @cache
-def budgets() -> dict[str, dict[str, Any]]:
+def budgets() -> dict[str, Row]:
     """Give the presets, the quickest first: ``viewpoints`` that vote, and ``seconds`` and ``error`` as measured."""
     held = json.loads(files("visuohaptic.studies.cost").joinpath("budgets.json").read_text("utf-8"))
     return {name: held["budgets"][name] for name in BUDGETS}
 
 
-def choose_budgets(line: Sequence[Row]) -> dict[str, dict[str, Any]]:
+def choose_budgets(line: Sequence[Row]) -> dict[str, Row]:
     """Apply the rule to a family's settings that did not fail: presets, the quickest first."""
     import numpy as np
 

@@ -77,7 +77,7 @@ def setting_rows(
             "setting": setting.name,
             "changes": setting.written_changes,
             **error_rate(cells[place], run),
-            **ends("lost", "lost_", _loss(cells, own, place, run)),
+            **ends("lost", "lost_", _loss(cells, place, own, run)),
             **time_quantiles(times[place]),
             "quicker": own is not None and bool(slower[place, own]),
         }
@@ -97,12 +97,12 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
 
 
 def _loss(
-    cells: Sequence[Cell], own: int | None, place: int, run: ExperimentParameters
+    cells: Sequence[Cell], place: int, own: int | None, run: ExperimentParameters
 ) -> Interval | None:
     if place == own:
         return Interval(0.0, 0.0, 0.0)
     found = None if own is None else _compare(cells[own], cells[place], run)
-    return found and found.difference
+    return found.difference if found else None
 
 
 def _compare(first: Cell, second: Cell, run: ExperimentParameters) -> PairedComparison | None:
@@ -148,9 +148,8 @@ def mark_steps(
 ) -> Sequence[Row]:
     """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
 
-    The first step is the most accurate of the settings that are as quick as the quickest. Each
-    further step is significantly slower and significantly more accurate than the step before: of
-    those that are as quick as the quickest such setting, it is the most accurate.
+    The first step is the most accurate of those that are as quick as the quickest. So is each further
+    one, of the settings that are significantly slower and more accurate than the step before.
     """
 
     def as_quick(places: Sequence[int]) -> list[int]:

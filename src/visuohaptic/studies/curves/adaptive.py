@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +44,6 @@ from visuohaptic.touches.touching import touch_tables
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.experiment import Answer
-    from visuohaptic.recognition.sequences import TouchSequences
     from visuohaptic.recognition.splits import Split
     from visuohaptic.studies.curves.choosing import Candidates
 
@@ -52,8 +52,8 @@ CANDIDATES = 256
 
 
 def make_candidates(given: Given) -> None:
-    """Touch objects wherever `adaptive` may choose to: rows of `tables.FEATURES`, no sequences."""
-    parts, parameters = [], given.run
+    """Touch objects wherever `adaptive` may choose to, in reach where places are replaced: rows of `tables.FEATURES`."""
+    features, parameters = [], given.run
     for mesh in usable_meshes(given.inputs["meshes"]):
         subject = Subject.of_mesh(object_of(mesh), mesh)
         caster = subject.caster
@@ -61,24 +61,17 @@ def make_candidates(given: Given) -> None:
         crowd = spread_far(caster.surface, CANDIDATES, generator)
         outwards = orient_outwards(caster, crowd.points, crowd.normals)
         places = ProbingLocations(crowd.points, outwards, crowd.faces)
-        located = [
+        parts = [
             candidate_table(Standpoint(subject.key, number, caster, camera), places)
             for number, camera in enumerate(place_cameras(parameters.viewpoints))
         ]
-        whole = pa.concat_tables(located).combine_chunks()
-        parts.append(_describe_candidates(subject, whole, parameters))
-    write_table(FEATURES, pa.concat_tables(parts), given.outputs[0])
-
-
-def _describe_candidates(
-    subject: Subject, located: pa.Table, parameters: ExperimentParameters
-) -> pa.Table:
-    """Touch candidates; where places out of reach are replaced, only those in reach."""
-    caster, sensor = subject.caster, parameters.sensor
-    if parameters.probing.unreachable == "replace":
-        located = located.filter(pa.array(in_reach(caster, located, sensor)))
-    touches, _ = touch_tables(caster, located, sensor, parameters.scene, parameters.seed)
-    return run(subject, parameters, {"touches": touches})["features"]
+        located = pa.concat_tables(parts).combine_chunks()
+        if parameters.probing.unreachable == "replace":
+            located = located.filter(pa.array(in_reach(caster, located, parameters.sensor)))
+        scene, seed = parameters.scene, parameters.seed
+        touches, _ = touch_tables(caster, located, parameters.sensor, scene, seed)
+        features.append(run(subject, parameters, {"touches": touches})["features"])
+    write_table(FEATURES, pa.concat_tables(features), given.outputs[0])
 
 
 def make_adaptive_rows(given: Given) -> None:
@@ -97,12 +90,11 @@ def adaptive_rows(
     `features` are those that `make_candidates` writes; the conditions differ in the number of
     touches. Yields `tables.STUDY` of each condition, by strategy ``adaptive``.
     """
-    chooser = None
+    chooser = cache(partial(_Chooser, features, planned, pipeline))
     for one in planned:
         key = ("curves", one.condition.name, pipeline, "adaptive")
         try:
-            chooser = chooser or _Chooser(classes_of_two(features), planned, pipeline)
-            yield from cell_rows(key, chooser.predict_objects(one.parameters))
+            yield from cell_rows(key, chooser().predict_objects(one.parameters))
         except REFUSALS as refusal:
             yield error_rows(key, (CLASSIFIER,), str(refusal))
 
@@ -111,6 +103,7 @@ class _Chooser:
     """Touches that are chosen once a split, as many as the longest sequence needs."""
 
     def __init__(self, features: pa.Table, planned: Sequence[Planned], pipeline: str) -> None:
+        features = classes_of_two(features)
         # The columns that a pipeline takes are those that it takes of one touch a sequence.
         first = select(features, touch=0)
         single = planned[0].parameters.recognition.model_copy(update={"touches": 1})
@@ -125,23 +118,18 @@ class _Chooser:
 
     def predict_objects(self, parameters: ExperimentParameters) -> Predictions:
         """Train and test every split on its own touches."""
+        whole, recognition = self._candidates.sequences, parameters.recognition
 
         def answer(split: Split, generator: np.random.Generator) -> Iterator[Answer]:
-            sequences = self._sequences(split, parameters)
-            recognition = parameters.recognition
-            return split_runner(sequences, recognition, parameters.seed, self._pipeline)(
-                split, generator
+            key = tuple(split.test.tolist())
+            if key not in self._chosen:
+                self._chosen[key] = choose_features(self._candidates, split, self._most, parameters)
+            sequences = replace(
+                whole,
+                features=self._chosen[key][:, : recognition.touches, self._used],
+                feature_names=tuple(whole.feature_names[column] for column in self._used),
             )
+            runner = split_runner(sequences, recognition, parameters.seed, self._pipeline)
+            return runner(split, generator)
 
-        whole = self._candidates.sequences
         return predict_objects(whole, parameters, self._pipeline, parameters.seed, answer)
-
-    def _sequences(self, split: Split, parameters: ExperimentParameters) -> TouchSequences:
-        key = tuple(split.test.tolist())
-        if key not in self._chosen:
-            self._chosen[key] = choose_features(self._candidates, split, self._most, parameters)
-        return replace(
-            self._candidates.sequences,
-            features=self._chosen[key][:, : parameters.recognition.touches, self._used],
-            feature_names=tuple(self._candidates.names[column] for column in self._used),
-        )

@@ -43,11 +43,10 @@ REHEARSED_TOUCHES = 5
 
 @dataclass(frozen=True)
 class Candidates:
-    """Where objects may be touched, and the features of a touch there.
+    """Where objects may be touched, and the features (n, k) of a touch there.
 
-    `sequences` are the s to choose, one a viewpoint of an object, without features. `features` (n,
-    k) are those of a touch at each candidate, `sequence` (n,), ascending, the sequence that it is a
-    candidate for.
+    `sequences` are the s to choose, one a viewpoint of an object, without features; `sequence` (n,),
+    ascending, is the one that each is a candidate for.
     """
 
     sequences: TouchSequences
@@ -74,9 +73,8 @@ class Candidates:
 class TouchModel:
     """Likelihood of imprints by pose and class, from t training touches only.
 
-    `poses` (t, 6) are scaled as the kernel needs them; `kinds` (t,), below `words`, and `owner` (t,)
-    are words and objects of the touches. `class_of_owner` (o,) has the classes of the training
-    objects; others are not looked at.
+    `poses` (t, 6) are scaled as the kernel needs them; `kinds` (t,) are below `words`. Of other
+    objects than those of training, `class_of_owner` (o,) is not looked at.
     """
 
     poses: NDArray[np.float64]
@@ -121,9 +119,8 @@ class TouchModel:
 def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
     """Gather the candidates of every viewpoint, sorted by class, object, viewpoint and place.
 
-    `features` are rows of strategy ``adaptive``; the names are columns to take, the pose among
-    them; ``contact_…`` are made of the contact's state. Raises `RecognitionError` if there are
-    none.
+    `features` are rows of strategy ``adaptive``; the names are columns to take, ``contact_…`` of the
+    contact's state. Raises `RecognitionError` if there are none.
     """
     if not len(features):
         raise RecognitionError("There are no candidates to choose touches among.")
@@ -159,10 +156,8 @@ def choose_sequences(
 ) -> NDArray[np.int64]:
     """Choose every sequence's touches, one after the other: rows of the candidates, (s, touches), int64.
 
-    The model is fitted on the split's training objects; sequences of these are chosen by it
-    without the object itself. Of a test object only the poses of the candidates and the
-    imprints of touches already made are looked at. The generator starts the words, and draws the
-    sequences that set the temperature.
+    The model is fitted on the split's training objects; theirs are chosen without the object itself. Of
+    a test object only the poses of the candidates and the imprints of touches made are looked at.
     """
     model, words = fit_touch_model(candidates, split, parameters, generator)
     training = np.unique(candidates.sequences.object_index[split.train])
@@ -209,11 +204,10 @@ def choose_touches(
 ) -> NDArray[np.int64]:
     """Choose the touches of one object's viewpoints, one after the other: candidates, (v, touches), int64.
 
-    Each next touch is the open candidate with the largest expected information gain: the
-    entropy of the class is expected to be least after it, averaged over the kinds of imprint
-    with their probabilities under the belief so far (D. V. Lindley, Ann. Math. Statist. 27,
-    1956). The pose is known before the touch, so it adds no gain; after the touch, pose and
-    imprint are both evidence.
+    Each next touch is the open candidate with the largest expected information gain: the entropy of
+    the class is expected to be least after it, averaged over the kinds of imprint with their
+    probabilities under the belief so far (D. V. Lindley, Ann. Math. Statist. 27, 1956). The pose is
+    known before the touch, so it adds no gain; after the touch, pose and imprint are both evidence.
 
     `poses` are those of all candidates, (n, 6); equal ones have one `pose_number`, (n,), below u.
     `view` is the viewpoint of each, (n,), ascending from 0 without a gap. `log_likelihood` is that

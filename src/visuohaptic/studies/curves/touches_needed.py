@@ -10,7 +10,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.intervals import compare_paired, object_interval
+from visuohaptic.recognition.intervals import Interval, compare_paired, object_interval
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.summary import REFERENCE_STRATEGY
 from visuohaptic.seeds import spawn_generator
@@ -59,24 +59,23 @@ def touches_needed(
 ) -> pa.Table:
     """Sum up curves with intervals over objects: `tables.TOUCHES_NEEDED`.
 
-    What fixations gain is missing for fixations themselves, and where they weren't run on the same
-    objects. A curve that failed somewhere is left out; if none is whole, `RecognitionError` is
-    raised.
+    A curve that failed somewhere is left out, and a gain where fixations weren't run on the same
+    objects. Raises `RecognitionError` if no curve is whole.
     """
     curves = _curves(cells)
     if not curves:
         raise RecognitionError("There is no curve with a point at each number of touches.")
-    rows: list[dict[str, Any]] = []
-    for key, curve in sorted(curves.items()):
-        reference = curves.get((key[0], REFERENCE_STRATEGY, key[2]))
-        rows.append(
-            {
-                **dict(zip(_KEYS, key, strict=True)),
-                **_reached(curve, intervals, seed),
-                **_area(key, curve, reference, intervals, seed),
-                "objects": len(curve[0].objects),
-            }
-        )
+    rows = [
+        {
+            **dict(zip(_KEYS, key, strict=True)),
+            "level": LEVEL,
+            **_reached([condition_interval(cell, intervals, seed) for cell in curve]),
+            "most_touches": len(curve),
+            **_area(key, curve, curves.get((key[0], REFERENCE_STRATEGY, key[2])), intervals, seed),
+            "objects": len(curve[0].objects),
+        }
+        for key, curve in sorted(curves.items())
+    ]
     return build_rows(TOUCHES_NEEDED, rows)
 
 
@@ -102,14 +101,12 @@ def _curves(cells: Mapping[CellKey, Cell]) -> dict[tuple[str, ...], list[Cell]]:
     }
 
 
-def _reached(curve: Sequence[Cell], intervals: IntervalParameters, seed: int) -> dict[str, Any]:
-    points = [condition_interval(cell, intervals, seed) for cell in curve]
+def _reached(points: Sequence[Interval]) -> dict[str, int | None]:
+    # Where the upper end stays at the level, fewer touches may do.
+    ends = {"touches": "mean", "touches_low": "high", "touches_high": "low"}
     return {
-        "level": LEVEL,
-        "touches": stays_at(LEVEL, [point.mean for point in points]),
-        "touches_low": stays_at(LEVEL, [point.high for point in points]),
-        "touches_high": stays_at(LEVEL, [point.low for point in points]),
-        "most_touches": len(curve),
+        name: stays_at(LEVEL, [getattr(point, end) for point in points])
+        for name, end in ends.items()
     }
 
 

@@ -99,14 +99,14 @@ def view_influence(
         with_it, without, forced = (
             seen(modes.model_copy(update={effect: mode})) for mode in ("auto", "never", "always")
         )
-        record = next(record for record in with_it.effects if record.effect == effect)
+        (needed,) = (record.needed for record in with_it.effects if record.effect == effect)
         change = np.abs(with_it.colour - without.colour)[with_it.mask]
         found.append(
             {
                 "scene": "any",
                 "effect": effect,
                 "touches": len(cameras),
-                "needed": record.needed,
+                "needed": needed,
                 "seconds": seconds[effect],
                 "seconds_always": seconds_always[effect],
                 "image_shift": float(change.mean()) if change.size else 0.0,
@@ -124,20 +124,15 @@ def sum_influences(parts: Sequence[Row]) -> pa.Table:
     groups: dict[tuple[str, str], list[Row]] = {}
     for part in parts:
         groups.setdefault((part["scene"], part["effect"]), []).append(part)
-    return build_rows(EFFECT_INFLUENCE, [_sum(group) for group in groups.values()])
-
-
-def _sum(group: Sequence[Row]) -> Row:
-    names = ("touches", "needed", "seconds", "seconds_always")
-    sums = {name: sum(part[name] for part in group) for name in names}
-    shifts = sum(part["touches"] * part["image_shift"] for part in group)
-    equal = [part["equal_to_always"] for part in group]
-    return {
-        **group[0],
-        **sums,
-        "image_shift": shifts / sums["touches"],
-        "equal_to_always": None if None in equal else all(equal),
-    }
+    rows = []
+    for group in groups.values():
+        names = ("touches", "needed", "seconds", "seconds_always")
+        sums = {name: sum(part[name] for part in group) for name in names}
+        shift = sum(part["touches"] * part["image_shift"] for part in group) / sums["touches"]
+        equal = [part["equal_to_always"] for part in group]
+        all_equal = None if None in equal else all(equal)
+        rows.append({**group[0], **sums, "image_shift": shift, "equal_to_always": all_equal})
+    return build_rows(EFFECT_INFLUENCE, rows)
 
 
 def make_effect_influence(given: Given) -> None:
@@ -177,7 +172,8 @@ def _scene_influence(
         shift = 0.0
         # An effect that nothing needs changes no bit, so there is no need to touch again.
         if record.runs and record.needed:
-            part = felt(_without(scene, record.effect), 0)
+            left = scene.effects.model_copy(update={record.effect: "never"})
+            part = felt(scene.model_copy(update={"effects": left}), 0)
             shift = float(np.abs(part.images - whole.images).mean())
         yield {
             "scene": name,
@@ -189,11 +185,6 @@ def _scene_influence(
             "image_shift": shift,
             "equal_to_always": equal,
         }
-
-
-def _without(scene: Scene, effect: str) -> Scene:
-    modes = scene.effects.model_copy(update={effect: "never"})
-    return scene.model_copy(update={"effects": modes})
 
 
 def _seconds(

@@ -22,6 +22,7 @@ from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.recognition.summary import select
 from visuohaptic.studies.certainty import VIEWS, sum_up_answers
 from visuohaptic.studies.stored import Source, source_of, store_table
+from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import build_rows, read_table
 from visuohaptic.tables.studies import EVALUATION
 
@@ -41,16 +42,13 @@ class MeasuredEvaluation:
 
 
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
-    """Classify the objects that a model of pipeline `best` has not learnt, from 1, 4 and 16 views.
+    """Classify the objects that a model of pipeline `best` has not learnt by every evenly spread choice of 1, 4 and 16 views.
 
-    `features` are rows of `tables.FEATURES`, touched as the objects were that the model learnt; those of
-    its own objects and of other strategies are left out. Gives `tables.EVALUATION`: each object by every
-    evenly spread choice of so many views. Raises `RecognitionError` if no such object is of a class that
-    the model knows, or the model is not calibrated.
+    `features` are touched as those of its own objects; other strategies are left out. Raises
+    `RecognitionError` if no such object is of a class that the model knows, or it is not calibrated.
     """
     own = select(features, strategy=model.strategy)
-    touched = own.select(["class", "object"]).group_by(["class", "object"]).aggregate([])
-    found = {(row["class"], row["object"]) for row in touched.to_pylist()}
+    found = set(owners_of(own))
     new = sorted(found - set(model.objects))
     if not any(category in model.classes for category, _ in new):
         raise RecognitionError(

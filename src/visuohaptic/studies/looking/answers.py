@@ -35,12 +35,10 @@ Descriptors = NDArray[np.floating]
 
 @dataclass(frozen=True)
 class Answered:
-    """Class probabilities of one split.
+    """Class probabilities of one split, and how strange each sequence is: how far from what was learnt.
 
-    `tested` (k, n, c) are those of the n test sequences in each of k conditions of the test;
-    `held_out` (m, c) those of the training sequences `places` (m,), by models that learnt from
-    other objects. `strange` (k, n) and `held_out_strange` (m,) say how far each is from what was
-    learnt.
+    `tested` (k, n, c) are of the n test sequences in each of k conditions of the test; `held_out` (m, c)
+    of the training sequences `places` (m,), by models that learnt from other objects.
     """
 
     tested: NDArray[np.float64]
@@ -59,10 +57,8 @@ def answer_trials(
 ) -> list[Answered]:
     """Train and test pipeline `best` with its first classifier in every trial, by recognition's own draws.
 
-    `described` holds for each trial the descriptors of all s sequences, (s, d), in each condition
-    of the test; the first is learnt. Of the sequences only classes and objects are used. Answers are
-    calibrated as the pipeline does, within the training objects; raises `RecognitionError` if none
-    of these can be held out.
+    `described` holds for each trial the descriptors of all s sequences, (s, d), in each condition of the
+    test; the first is learnt. Raises `RecognitionError` if no training object can be held out.
     """
     memory = FitMemory(REMEMBERED_SEQUENCES)
     with fitting():

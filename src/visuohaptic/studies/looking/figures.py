@@ -72,12 +72,10 @@ def _cell(rows: pa.Table) -> LookingCell:
 def sum_up_looking(
     table: pa.Table, cost: CostParameters, touches: int, intervals: IntervalParameters, seed: int
 ) -> Row:
-    """Sum up `tables.LOOKING`, with the touches by which senses are compared in every sight.
+    """Sum up `tables.LOOKING`: answers in each sight with their gains, curves against time, and what budgets buy.
 
-    Gives ``prices``; ``sights``: each answer in each sight, and each answer of both senses against
-    the better of its parts; ``curves``: accuracy against time in clean sight; ``budgets``: the
-    same at each budget, with the rule that stops; ``worth``: what touching brings a second after a
-    look, in each sight.
+    By so many `touches` senses are compared in every sight; ``worth`` is what touching brings a second
+    after a look.
     """
     summary = _Summary(cells_of(table), cost, touches, intervals, seed)
     return {
@@ -103,13 +101,8 @@ class _Summary:
         """Give a key; a cue needs no touch, and touch no sight."""
         if answer in CUES:
             return (sight, answer, "none", 0, None)
-        return (
-            CLEAN if answer == TOUCH else sight,
-            answer,
-            strategy,
-            touches or self.touches,
-            None,
-        )
+        seen = CLEAN if answer == TOUCH else sight
+        return (seen, answer, strategy, touches or self.touches, None)
 
     def row(self, key: Key) -> Row:
         """Give accuracy with its interval, time and calibration error."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, Any
@@ -46,12 +47,6 @@ from visuohaptic.studies.looking.settings import (
     SIDE_BY_SIDE,
     STOPPING,
     TOUCH,
-)
-from visuohaptic.studies.looking.stopping import (
-    expected_gain,
-    learn_pace,
-    touches_made,
-    worth_of_budget,
 )
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
@@ -235,6 +230,53 @@ def _stop(
     made = touches_made(worth, expected_gain(pace, tested.max(axis=3)))
     answers = np.take_along_axis(tested, made[None, :, :, None], axis=0)[0]
     return answers, cost.look_seconds + cost.touch_seconds * made.astype(np.float64)
+
+
+def learn_pace(
+    correct: NDArray[np.bool_], confidence: NDArray[np.float64], touch_seconds: float
+) -> NDArray[np.float64]:
+    """Learn which share of the doubt a second of touching removes after 0 to k touches: (k + 1,), the last 0.
+
+    `correct` and `confidence`, (k + 1, n), say of n rehearsals on training objects whether the likeliest
+    class is right, and its probability; doubt is one less it. Further touches gain the rise in the share
+    that is right as a share of the doubt; the number of them with the highest gain a second counts.
+    """
+    right = correct.sum(axis=1)
+    doubt = np.maximum((1 - confidence).sum(axis=1), np.finfo(np.float64).tiny)
+    pace = np.zeros(len(right))
+    for made in range(len(right) - 1):
+        further = np.arange(1, len(right) - made)
+        shares = np.clip((right[made + 1 :] - right[made]) / doubt[made], 0, 1)
+        pace[made] = (shares / (further * touch_seconds)).max()
+    return pace
+
+
+def expected_gain(
+    pace: NDArray[np.float64], confidence: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Give what a second of touching is expected to bring after 0 to k touches: (k + 1, …) of both."""
+    return np.einsum("k,k...->k...", pace, 1 - confidence)
+
+
+def touches_made(worth: float, gain: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Give after how many touches the rule stops, of the expected gain after each, (k + 1, …) to (…).
+
+    It goes on while a second is expected to bring more than its `worth`, a probability of a correct answer.
+    """
+    return np.argmax(gain <= worth, axis=0)
+
+
+def worth_of_budget(gain: NDArray[np.float64], most_touches: float) -> float:
+    """Choose the least worth of a second by which rehearsals take at most so many touches on average.
+
+    `gain` is what each rehearsal expects, (k + 1, n), as `expected_gain` gives it.
+    """
+    worths = np.unique([0.0, *gain.ravel()])
+    # The larger the worth, the earlier every rehearsal stops.
+    enough = bisect_left(
+        worths, x=True, key=lambda worth: touches_made(worth, gain).mean() <= most_touches
+    )
+    return float(worths[enough])
 
 
 def _columns(

@@ -39,11 +39,10 @@ STRATEGIES = ("fixation", BLIND, "random_visible")
 
 @dataclass(frozen=True)
 class Sensed:
-    """What is known of s viewpoints of all objects.
+    """What is known of s viewpoints of all objects: by cue (s, sights, d), and by strategy features of t touches, (s, t, k).
 
-    `sequences` have the objects and classes, and the names of k features. `seen` has by cue (s,
-    sights, d); `touched` by strategy the features of t touches, (s, t, k). `candidates` are where
-    `ADAPTIVE` may touch, if it is compared.
+    `sequences` have the objects, classes and names of features; `candidates` are where `ADAPTIVE` may
+    touch, if it is compared.
     """
 
     sequences: TouchSequences
