@@ -4,7 +4,7 @@ import pytest
 from report.pages import plain
 from report.synthetic import PARAMETERS, write_study
 
-from visuohaptic.report.influence import (
+from visuohaptic.report.effects import (
     effects_answer,
     hard_places,
     influence_figures,

@@ -3,7 +3,7 @@
 from report.pages import plain
 from report.synthetic import write_study
 
-from visuohaptic.report.touches_needed import (
+from visuohaptic.report.studies import (
     CurveFigures,
     curve_figures,
     touches_needed,

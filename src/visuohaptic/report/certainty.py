@@ -9,8 +9,7 @@ from pathlib import Path
 from visuohaptic.recognition.certainty import least_objects
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.summary import select
-from visuohaptic.report.estimates import Figure, Row
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import Figure, Row, read_json
 from visuohaptic.report.wording import counted, percent, strategy_name
 from visuohaptic.studies.evaluation.models import MeasuredEvaluation, summarise_evaluation
 from visuohaptic.tables.phases import owners_of

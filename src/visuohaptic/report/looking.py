@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from visuohaptic.report.estimates import Row, figure_of
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import Row, figure_of, read_json
 from visuohaptic.report.wording import counted, percent
 from visuohaptic.studies.looking.settings import CHECKED, LOOK, PRODUCT, TOUCH
 

@@ -12,7 +12,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import read_json
 from visuohaptic.studies.stored import Source
 
 Verdict = Literal["yes", "no", "depends", "not shown"]

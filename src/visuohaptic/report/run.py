@@ -14,7 +14,7 @@ from visuohaptic.geometry.surface import object_of, set_aside_reason
 from visuohaptic.meshes.catalogue import Credit, read_credits
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import read_json
 from visuohaptic.report.stability import StabilityFigures, stability_figures
 from visuohaptic.tables.phases import (
     EFFECTS,

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.report.cost import CostFigures, read_cost
-from visuohaptic.report.influence import influence_figures
+from visuohaptic.report.effects import influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.readings import ReadingsSummary, read_readings

@@ -10,8 +10,7 @@ from pathlib import Path
 import pyarrow as pa
 from markupsafe import Markup
 
-from visuohaptic.report.estimates import Row
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import Row, read_json
 from visuohaptic.report.wording import counted, percent
 
 # Elements and attributes that a drawing may have; all others are removed.
