@@ -29,12 +29,12 @@ def test_the_parts_of_a_recognition_are_those_of_its_row():
     (row,) = cost_rows([("5", 0.1, 0.1, {"looks": 2, "touches": 5, "viewpoints": 2})])
     row |= {"seconds_look": 0.06, "seconds_render": 0.02, "seconds_attend": 0.03}
     row |= {"seconds_touch": 0.02, "seconds_cast": 0.005}
-    parts = {part.name: part for part in time_parts(row)}
-    assert parts["rendering"].each == "10 ms a view"
-    assert parts["attention: saliency and fixations"].each == "15 ms a view"
-    assert parts["casting rays"].each == "0.5 ms a touch"
-    assert parts["rest of touching"].seconds == pytest.approx(0.015)
-    assert parts["preparing the surface"].seconds == pytest.approx(0.01)
+    parts = {part["name"]: part for part in time_parts(row)}
+    assert parts["rendering"]["each"] == "10 ms a view"
+    assert parts["attention: saliency and fixations"]["each"] == "15 ms a view"
+    assert parts["casting rays"]["each"] == "0.5 ms a touch"
+    assert parts["rest of touching"]["seconds"] == pytest.approx(0.015)
+    assert parts["preparing the surface"]["seconds"] == pytest.approx(0.01)
     assert time_parts({**row, "seconds": None}) == time_parts(None) == []
 
 

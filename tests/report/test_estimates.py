@@ -23,10 +23,6 @@ def test_a_column_has_its_interval_in_the_columns_of_its_name_or_of_the_row():
 
 def test_the_mean_of_one_object_has_no_ends():
     assert estimate(Interval(0.3, float("nan"), float("nan"))) == Figure(0.3)
-    assert estimate(Interval(0.3, 0.2, 0.4)) == Figure(0.3, 0.2, 0.4)
-
-
-def test_a_sentence_has_the_interval_in_brackets():
     assert with_interval(Figure(0.5, 0.4, 0.6), "{:g}".format, " s") == "0.5 s (0.4 to 0.6)"
     assert with_interval(Figure(0.5), "{:g}".format) == "0.5"
 
