@@ -101,18 +101,13 @@ def rows_of(folder, source):
     return select(pa.concat_tables([pq.read_table(part) for part in parts]), **source.rows)
 
 
-def test_every_section_with_figures_says_where_they_are_from(sources):
+def test_every_section_names_files_that_exist_and_rows_of_their_schema(folder, sources):
     sections = {section.name for chapter in CHAPTERS.values() for section in chapter}
     assert sections - WITHOUT_TABLES == set(sources)
-
-
-def test_every_named_file_exists_and_the_filter_leaves_rows_of_its_schema(folder, sources):
     for section, named in sources.items():
         for source in named:
-            assert list(folder.glob(source.file)), (section, source.file)
             rows = rows_of(folder, source)
             assert rows.column_names == [column.name for column in source.reads.schema.columns]
-            assert set(source.rows) <= set(rows.column_names)
             assert rows.num_rows, (section, source)
 
 
