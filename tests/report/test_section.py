@@ -10,8 +10,8 @@ import pytest
 from report.pages import plain, read_page
 from report.synthetic import lay_out, write_study
 from report.test_certainty import evaluation_table, write_certainty
+from report.test_effects import write_influence
 from report.test_gaze import TABLE as GAZED
-from report.test_influence import write_influence
 from report.test_looking import write_looking
 from report.test_readings import MADE
 from report.test_stability import ON_OBJECT, written
