@@ -33,11 +33,10 @@ def folder(tmp_path_factory):
     files = write_run(folder, NAMES, pipelines=("paper", "best"))
     make_report(files, folder / "report.html", PARAMETERS, [*NAMES, "cup/lost"])
     before = folder / "before"
-    before.mkdir()
     sensor = PARAMETERS.sensor.model_copy(update={"largest_size": 0.2})
     other = PARAMETERS.model_copy(update={"sensor": sensor})
     make_report(write_run(before, NAMES[1:]), before / "report.html", other, NAMES[1:])
-    runs = [read_measured_run(place / "metrics.json") for place in (before, folder)]
+    runs = [read_measured_run(place / "report.html") for place in (before, folder)]
     (folder / "comparison.html").write_text(render_comparison(compare_runs(runs)))
     assert {file.name for file in folder.glob("*.html")} == {"report.html", "comparison.html"}
     return folder

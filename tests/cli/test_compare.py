@@ -223,10 +223,9 @@ def test_reports_beside_metrics_tell_parameters_and_seconds(visuohaptic, tmp_pat
         ("a", OBJECTS, PARAMETERS),
         ("b", (*OBJECTS[:3], "ball/<i>..</i>"), other),
     ):
-        (tmp_path / name).mkdir()
         files = write_whole_run(tmp_path / name, objects)
-        make_report(files, tmp_path / name / "report.html", parameters, objects)
-    values = json.loads(visuohaptic("compare", "a/metrics.json", "b", "--json").out)
+        make_report(files, tmp_path / name / "reports/report.html", parameters, objects)
+    values = json.loads(visuohaptic("compare", "a/reports/metrics.json", "b", "--json").out)
     assert values["facts"] == [
         {"kind": "parameter", "name": "sensor.largest_size", "texts": ["0.3", "0.2"]},
         {"kind": "seconds", "name": "fixations", "texts": ["6.0", "6.0"]},
