@@ -161,7 +161,9 @@ def time_parts(row: Row | None) -> list[Row]:
 def cue_sentences(rows: Sequence[Row]) -> list[str]:
     """Say what positions alone and imprints alone are worth, and the map of the paper's pipeline."""
     found = {
-        (row["family"], row["setting"]): with_interval(_correct(row), percent)
+        (row["family"], row["setting"]): with_interval(
+            Figure(*(1 - row[f"error{end}"] for end in ("", "_high", "_low"))), percent
+        )
         for row in rows
         if row["error"] is not None
     }
@@ -204,14 +206,19 @@ def _verdict(row: Row) -> str:
 
 
 def _saving_row(row: Row) -> Row:
-    changes = json.loads(row["changes"])
+    changes = []
+    for name, value in json.loads(row["changes"]).items():
+        shown = (
+            [one for one, weight in value.items() if weight] if isinstance(value, dict) else value
+        )
+        changes.append(f"{name} {listed(shown) if isinstance(shown, list) else shown}")
     if row["lost_high"] < POINT:
         verdict = "costs less than 1 point"
     else:
         verdict = "no clear difference" if row["lost_low"] <= 0 else "costs accuracy"
     return {
         "setting": titled(_named(row)),
-        "changes": listed([f"{name} {_short(value)}" for name, value in changes.items()]),
+        "changes": listed(changes),
         "saved": row["saved"],
         "lost": figure_of(row, "lost"),
         "verdict": verdict,
@@ -219,15 +226,5 @@ def _saving_row(row: Row) -> Row:
     }
 
 
-def _short(value: object) -> str:
-    if isinstance(value, dict):
-        return listed([name for name, weight in value.items() if weight])
-    return listed(value) if isinstance(value, list) else str(value)
-
-
 def _named(row: Row) -> str:
     return f"{strategy_name(row['family'])}, {row['setting']}"
-
-
-def _correct(row: Row) -> Figure:
-    return Figure(1 - row["error"], 1 - row["error_high"], 1 - row["error_low"])

@@ -49,9 +49,13 @@ def effects_answer(scenes: Sequence[Row]) -> str:
     if not scenes:
         return ""
     count = max(len(scene["needed"]) + len(scene["unneeded"]) for scene in scenes)
-    needed = ", ".join(map(_scene_words, scenes))
+    needed = []
+    for scene in scenes:
+        saved = 1 - scene["milliseconds"] / scene["milliseconds_always"] if scene["unneeded"] else 0
+        saves = f" (saves {percent(saved, 0)} of the time)" if saved > 0 else ""
+        needed.append(f"{len(scene['needed'])} in {scene['name']}{saves}")
     changed = listed([scene["name"] for scene in scenes if scene["equal"] is False])
-    said = f"Of {counted(count, 'effect')} of touch a scene gets those that it needs: {needed}."
+    said = f"Of {counted(count, 'effect')} of touch a scene gets those that it needs: {', '.join(needed)}."
     if changed:
         return f"{said} In {changed} images change without the others."
     same = " Images are the same, bit for bit, as with all effects."
@@ -138,12 +142,6 @@ def _scene(rows: Sequence[Row]) -> Row:
         "equal": rows[0]["equal_to_always"],
         "same": _SAME[rows[0]["equal_to_always"]],
     }
-
-
-def _scene_words(scene: Row) -> str:
-    said = f"{len(scene['needed'])} in {scene['name']}"
-    saved = 1 - scene["milliseconds"] / scene["milliseconds_always"] if scene["unneeded"] else 0.0
-    return f"{said} (saves {percent(saved, 0)} of the time)" if saved > 0 else said
 
 
 def sum_effects(table: pa.Table) -> list[Row]:

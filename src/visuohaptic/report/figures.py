@@ -118,9 +118,9 @@ def touches_needed(table: Rows) -> Figure:
         lines[strategy] = touches, [row["accuracy"] for row in own]
         intervals[strategy] = [[_end(row, end) for row in own] for end in ("low", "high")]
     chart, axes = _draw_lines(lines, 215)
-    for strategy, ends in intervals.items():
+    for strategy, (low, high) in intervals.items():
         colour, _ = look(strategy_place(strategy))
-        axes.vlines(lines[strategy][0], *ends, colors=colour, linewidth=0.8, alpha=0.6)
+        axes.vlines(lines[strategy][0], low, high, colors=colour, linewidth=0.8, alpha=0.6)
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))

@@ -18,18 +18,17 @@ def looking_figures(path: Path) -> Row:
 
     The ``sentence`` says it in words. Raises `ReportError` if the figures can't be read.
     """
+
+    def arranged(found: Row) -> Row:
+        rows = [
+            {"sight": one["sight"]}
+            | {answer: figure_of(one["answers"][answer], "accuracy") for answer in ANSWERS}
+            for one in found["sights"]
+        ]
+        return {"sentence": _sentence(found, rows), "rows": rows, "curves": found["curves"]}
+
     way_out = "run `snakemake -j2 looking_all` again"
-    return read_json(path, _figures, "holds no figures of looking", way_out)
-
-
-def _figures(found: Row) -> Row:
-    rows = [_row(one) for one in found["sights"]]
-    return {"sentence": _sentence(found, rows), "rows": rows, "curves": found["curves"]}
-
-
-def _row(one: Row) -> Row:
-    found = {answer: figure_of(one["answers"][answer], "accuracy") for answer in ANSWERS}
-    return {"sight": one["sight"], **found}
+    return read_json(path, arranged, "holds no figures of looking", way_out)
 
 
 def _sentence(found: Row, rows: Sequence[Row]) -> str:

@@ -100,7 +100,7 @@ def _write(environment: Environment, row: Any, key: str, form: str = "") -> obje
         owner, _, name = key.rpartition(".")
         figure = estimate(value) if isinstance(value, Interval) else value
         if not isinstance(figure, Figure):
-            figure = figure_of(_find(row, owner), name)
+            figure = figure_of(_find(row, owner), name) or Figure(value)
         write = SHARES.get(form[1:])
         return write(figure) if write else above_interval(figure, environment.filters[form[1:]])
     if "%" in form:
