@@ -32,10 +32,7 @@ FORMATS = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm")
 
 @dataclass(frozen=True)
 class TactileImages:
-    """Images (n, rows, columns) in [0, 1], each of an object; 1 is the full scale.
-
-    `classes` and `names` are the n folders' and files' names.
-    """
+    """Images (n, rows, columns) in [0, 1] of the full scale, and the n folders' and files' names."""
 
     images: NDArray[np.float64]
     classes: tuple[str, ...]

@@ -54,11 +54,7 @@ class CostFigures:
 
     @property
     def steps(self) -> list[Row]:
-        """Settings that are worth their time, the quickest first; each has its ``name``.
-
-        The first is the most accurate of those as quick as the quickest; each further one is significantly
-        slower and significantly more accurate than the one before.
-        """
+        """Settings worth their time: the most accurate of the quickest, then each slower and more accurate one."""
         first = first_step(self.rows)
         further = [row for row in self.rows if row["step"] and row is not first]
         further.sort(key=lambda row: -float(row["error"]))
@@ -132,10 +128,7 @@ def cost_verdict(rows: Sequence[Row]) -> Answer | None:
 
 
 def time_parts(row: Row | None) -> list[Row]:
-    """Say where the time of a recognition goes, by a row of `tables.COST`; empty if it was not timed.
-
-    A part has its ``name``, its median ``seconds``, and in ``each`` the time of one unit, such as a view.
-    """
+    """Say where the time of a recognition goes, by a row of `tables.COST`; empty if it was not timed."""
     if row is None or row["seconds"] is None:
         return []
     whole, views = (1, "recognition"), (row["looks"], "view")

@@ -23,13 +23,9 @@ _SAME = {True: "bit for bit", False: "no", None: "effects are off"}
 
 
 def influence_figures(path: Path, scene: str) -> Row:
-    """Read `tables.EFFECT_INFLUENCE`: effects on a sample of so many ``views`` and ``touches``.
+    """Read `tables.EFFECT_INFLUENCE`: rows of ``view``, of ``touch`` in one scene, and of all ``scenes``.
 
-    A row of ``view`` and ``touch`` is an effect, the latter in one scene: ``name``; ``milliseconds`` and
-    ``milliseconds_always`` of one view, or of a thousand touches; ``shifts``, how far images move without it,
-    0 to 1, by scene. A row of ``scenes`` has ``name``; ``needed`` and ``unneeded`` effects; ``milliseconds``
-    and ``milliseconds_always`` of a thousand touches; ``equal``, whether both gave the same images, and
-    ``same``, in words.
+    Milliseconds are of one view, or of a thousand touches; shifts, how far images move, are shares by scene.
     """
     rows = read_table(EFFECT_INFLUENCE, path).to_pylist()
     view = [_effect(row, rows, 1) for row in _ordered(rows, "any", VISUAL_EFFECTS)]
@@ -76,11 +72,7 @@ def rows_of_scenes(study: StudyFigures) -> list[tuple[StudyTable, list[Row]]]:
 def scene_strips(
     mesh: str | Path, locations: pa.Table, parameters: ExperimentParameters
 ) -> dict[str, str]:
-    """Touch an object's places, rows of `tables.FIXATIONS`, in every scene.
-
-    The run's own scene stands for its preset. Gives the address of a grey picture by scene, the
-    imprints side by side.
-    """
+    """Touch an object's places, rows of `tables.FIXATIONS`, in every scene: a picture's address by scene."""
     from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.geometry.surface import read_surface
     from visuohaptic.studies.effects.influence import measured_scenes

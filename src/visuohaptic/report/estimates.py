@@ -51,11 +51,7 @@ def figure_of(row: Row, name: str) -> Figure | None:
 
 
 def read_json(path: Path, make: Callable[[Any], Made], fault: str, way_out: str) -> Made:
-    """Read a file, and make of its values what is needed.
-
-    Raises `ReportError` if it can't be read, or its values are others: `fault` and `way_out` say what
-    it lacks, and what to do.
-    """
+    """Read a file, and make of its values what is needed; `ReportError` with `fault` and `way_out` if that fails."""
     try:
         return make(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, LookupError, AttributeError) as error:

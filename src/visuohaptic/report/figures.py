@@ -155,10 +155,9 @@ def coverage(table: pa.Table) -> Figure:
 
 @style()
 def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
-    """Draw accuracy after a look, and after each touch that follows, against the robot's time.
+    """Draw accuracy after a look, and after each touch that follows, against the robot's time, a line a strategy.
 
-    Of the curves of ``reports/looking.json``, the look and the checked product are drawn, a line a
-    strategy; the time is logarithmic.
+    Of the curves of ``reports/looking.json``, the look and the checked product are drawn.
     """
     looks = [row for row in curves if row["answer"] == LOOK]
     lines: dict[str, Any] = {}
@@ -177,12 +176,10 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
 
 @style()
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
-    """Draw the error rate of each setting against its seconds, both on logarithmic axes.
+    """Draw the error rate of each setting against its seconds, both on logarithmic axes: rows of `tables.COST`.
 
-    An error rate of 0 has its place below the axis's first tick, from where on it is linear. Of rows of
-    `tables.COST`, those that failed or were not timed are left out; lines join settings of a family of
-    which one thing changes; `across` says what the seconds are. Raises `ReportError` if no setting was
-    both run and timed.
+    Those that failed or were not timed are left out; `ReportError` if none is left. Lines join settings of which
+    one thing changes; an error rate of 0 lies below the first tick; `across` says what the seconds are.
     """
     rows = timed(_rows(table))
     if not rows:

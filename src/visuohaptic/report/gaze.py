@@ -19,11 +19,7 @@ def gaze_figures(measured: MeasuredGaze | None, pictures: Path | None = None) ->
     """Give what the page shows; None where nothing was measured.
 
     ``rows`` are of objects held out in turn, ``tests`` of those for tests, ``peer`` of those that others
-    predicted, with gains over them; ``shown`` are the few of ``rows`` that the ``sentence`` is about: equal
-    weights, the best floor, place alone, and the chosen terms.
-    ``worst`` are rows of `tables.GAZE` with the lowest correlations, lowest first, and ``pictures`` rows of
-    `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``. ``largest_error``
-    is that of alignment, in object radii; ``origin`` says where figures come from that are not of this run.
+    predicted, with gains over them; ``shown`` are equal weights, the best floor, place alone, and the chosen terms.
     """
     rows = [] if measured is None else summarise(measured.table, "training")
     if measured is None or not rows:

@@ -14,10 +14,7 @@ ANSWERS = {LOOK: "look", TOUCH: "touch", PRODUCT: "product", CHECKED: "checked p
 
 
 def looking_figures(path: Path) -> Row:
-    """Read ``reports/looking.json``: its ``curves``, and ``rows``, a sight each with a `Figure` of each answer.
-
-    The ``sentence`` says it in words. Raises `ReportError` if the figures can't be read.
-    """
+    """Read ``reports/looking.json``: its ``curves``, and ``rows``, a sight each with a `Figure` of each answer."""
 
     def arranged(found: Row) -> Row:
         rows = [

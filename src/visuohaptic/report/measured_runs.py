@@ -90,10 +90,7 @@ class _Metrics(BaseModel):
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """One run's figures by cell, and where they and its parameters were read from.
-
-    `parameters` are as in ``params.yaml``, and `archive` what the run's report carries; None where unknown.
-    """
+    """One run's figures by cell, and where they and its parameters were read from; None is unknown."""
 
     source: str
     parameters: Mapping[str, Any] | None

@@ -95,11 +95,7 @@ def _chapters(
 
 
 def content_policy(*scripts: str | bytes) -> str:
-    """Give a page's Content-Security-Policy: nothing is loaded, and these scripts alone may run.
-
-    Scripts are named by their digests, so what someone's file smuggles into the page stays text.
-    Style attributes carry the looks of charts and lengths of bars, and so are allowed.
-    """
+    """Give a page's Content-Security-Policy: nothing is loaded, and these scripts alone, by their digests, may run."""
     digests = [
         sha256(script.encode("utf-8") if isinstance(script, str) else script).digest()
         for script in scripts

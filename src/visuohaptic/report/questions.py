@@ -35,9 +35,8 @@ REASONS: Mapping[Verdict, str] = {
 class Answer:
     """A question of the experiment, and what its tables say.
 
-    `number` is the figure that the verdict rests on, with its interval, `sentence` says in at most
-    25 words what it is of, `link` is the anchor of the section that shows more, and `recount` are
-    lines of Python that print the number.
+    `number` is the figure that the verdict rests on, `sentence` says in at most 25 words what it is of, `link` is the
+    anchor of the section that shows more, and `recount` are lines of Python that print the number.
     """
 
     question: str
@@ -56,11 +55,9 @@ class Answer:
 def recognition_answer(
     tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str
 ) -> Answer:
-    """Answer whether objects can be recognised by touch.
+    """Answer whether objects can be recognised by touch; `unseen` is what training had not met.
 
     Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above it.
-    `tables` are at least one, the paper's pipeline first; `unseen` says what training had not met of
-    what is tested, such as ``unseen objects``.
     """
     found = [row_of(table).accuracy[table.leading] for table in tables]
     chance = 1 / classes

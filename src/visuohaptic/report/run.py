@@ -33,13 +33,11 @@ from visuohaptic.touches.choosing import touched_places
 
 @dataclass(frozen=True)
 class RunFiles:
-    """Where a run's tables lie; what may be missing has a default.
+    """Where a run's tables lie, in parts; what may be missing has a default.
 
-    Tables lie in parts. `meshes` are ``<class>/<block>/<object>.ply``, `credits` CSV files of which
-    later ones add to earlier ones, `logs` the folder of the jobs' logs, `folder` that to which the
-    page's names of files are relative, `extras` tables that not every run has, by name.
-    `earlier_studies` are those of other tables, parameters or code than the run's, with the date;
-    `key` is the digest of all that the page was made from.
+    `meshes` are ``<class>/<block>/<object>.ply``; later `credits` add to earlier ones; the page names files from
+    `folder` on; `extras` are tables that not every run has; `earlier_studies` have the date of the state that they
+    belong to; `key` is the digest of all that the page was made from.
     """
 
     metrics: str | Path
@@ -135,11 +133,7 @@ class Run:
 
 
 def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
-    """Read a run; `objects` were to take part, `class/name`.
-
-    Raises `ReportError` if the metrics can't be read, and `TableError` if a table is missing or
-    breaks its schema.
-    """
+    """Read a run, in which `objects` were to take part; `ReportError` or `TableError` for a wrong table."""
     touches = read_table(TOUCHES, files.touches)
     return Run(
         files=files,

@@ -27,9 +27,9 @@ EQUAL = Figure(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Difference:
-    """A run's figure less that of the first run; the p value is of the sign-change test over the same objects.
+    """A run's figure less that of the first run; p is of the sign-change test over the same objects.
 
-    The direction is `equal` on every object, `higher` or `lower` where the interval leaves out 0, else `open`.
+    `equal` is on every object, `higher` or `lower` where the interval leaves out 0, else it is `open`.
     """
 
     difference: Figure
@@ -62,8 +62,7 @@ class Fact:
 class RunComparison:
     """Everything that differs, or could have: of each run its letter and where it was read from.
 
-    `facts` are parameters, code, packages and machine that differ, and seconds; `parameters_known`
-    says whether each run has parameters of its own.
+    Seconds are among the `facts` whether they differ or not.
     """
 
     labels: tuple[str, ...]
@@ -99,10 +98,7 @@ class RunComparison:
 
 
 def compare_runs(runs: Sequence[MeasuredRun]) -> RunComparison:
-    """Set runs side by side; differences are each run's figure minus the first's.
-
-    Raises `ReportError` for fewer than two runs, or more than there are letters.
-    """
+    """Set 2 to 26 runs side by side; differences are each run's figure minus the first's."""
     if not 2 <= len(runs) <= len(ascii_uppercase):
         raise ReportError(
             f"{counted(len(runs), 'run')} can't be compared; 2 to {len(ascii_uppercase)} are allowed."

@@ -36,20 +36,15 @@ _KERNELS = "reports/precision.json"
 
 
 def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
-    """Name the tables that not every run has, as `RunFiles.extras` has them, whether they are there or not.
-
-    In the `reports` of `checks` `make test-hard` leaves the precision of kernels.
-    """
+    """Name the tables that not every run has, whether they are there or not; `checks` is where `make test-hard` ran."""
     found = {name: Path(run, path) for name, path in _EXTRAS.items()}
     return found | {"precision": Path(checks, _KERNELS)}
 
 
 def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[str, ...]]:
-    """Find a run's tables in its folder, as the workflow lays it out.
+    """Find a run's tables in its folder, its parameters, and the objects that were to take part, `class/name`.
 
-    Gives them, what ``params.yaml`` says, and the objects that were to take part, `class/name`. Raises
-    `ReportError` if the parameters, the metrics or a table is missing, and `ParameterError` if the
-    parameters are not allowed.
+    Raises `ReportError` if the parameters, the metrics or a table is missing.
     """
     folder = Path(folder)
     results = folder / "results"

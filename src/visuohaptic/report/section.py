@@ -23,10 +23,7 @@ Rows = Mapping[str, str | int]
 
 @dataclass(frozen=True)
 class Reads:
-    """A table that a section shows: what of it, its schema, and which of its `rows`, by a name in `_rows`.
-
-    `files` are those of `RunFiles`, or one of its extras; ``studies/NAME`` for a study.
-    """
+    """A table that a section shows: what of it, which `files` of `RunFiles`, and which `rows`, by a name in `_rows`."""
 
     what: str
     schema: Schema
@@ -66,10 +63,9 @@ class ReportContext:
 
 @dataclass(frozen=True)
 class Section:
-    """One section of the page: its anchor, which is the stem of its template, and its title.
+    """One section of the page: its anchor, which is the stem of its template, its title, and what it reads.
 
-    `values` gives the words and figures of the template; None leaves the section out, and ``title`` stands
-    in the title's place. `reads` are the tables that it shows, which may depend on the run.
+    `values` gives the words and figures of the template; None leaves the section out, ``title`` is another title.
     """
 
     name: str

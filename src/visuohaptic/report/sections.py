@@ -90,7 +90,7 @@ print(f"{{row['seconds']:.4f}} s, error rate {{100 * row['error']:.1f}} %")"""
 
 
 def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
-    """Give the lines that print what is `shown` of the ``shares`` that the answers' classifier gets right, by strategy."""
+    """Give the lines that print `shown`, of the ``shares`` that the answers' classifier gets right by strategy."""
     place = place_of(run, narrowed(run.parts("predictions"), {"pipeline": table.name}))
     return _SHARES.format(
         place=place.as_posix(), pipeline=table.name, classifier=row_of(table).key, shown=shown

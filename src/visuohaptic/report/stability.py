@@ -127,10 +127,7 @@ def stability_answer(figures: Sequence[StabilityFigures]) -> str:
 
 
 def read_precision(path: Path) -> dict[str, list[Row]]:
-    """Read errors and seconds of each kernel's settings, ``reports/precision.json``, by kernel.
-
-    Raises `ReportError` if the file holds no such rows.
-    """
+    """Read errors and seconds of each kernel's settings, ``reports/precision.json``, by kernel."""
 
     def by_kernel(rows: Sequence[Row]) -> dict[str, list[Row]]:
         kernels = dict.fromkeys(row["kernel"] for row in rows)

@@ -174,10 +174,7 @@ def _sentence(cells: Sequence[Row]) -> str:
 
 @dataclass(frozen=True)
 class CurveFigures:
-    """The curves of one pipeline and classifier: `points` are rows of `tables.STUDY_FIGURES`.
-
-    `rows` are those of `tables.TOUCHES_NEEDED` with ``adjusted_p``, the largest area first.
-    """
+    """Curves of a pipeline and classifier: rows of `tables.TOUCHES_NEEDED`, `points` of `STUDY_FIGURES`."""
 
     pipeline: str
     classifier: str
