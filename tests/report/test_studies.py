@@ -27,7 +27,7 @@ EVIL = "<script>alert(1)</script>"
 
 def sentence(folder, rows=ROWS, **columns):
     study = read_study(write_study(folder, "ablations", rows, **columns), "ablations")
-    return "".join(study.tables[0].sentences)
+    return "".join(study["tables"][0]["sentences"])
 
 
 def section_of(studies):

@@ -4,8 +4,8 @@ from report.pages import plain
 from report.synthetic import write_study
 
 from visuohaptic.report.studies import (
-    CurveFigures,
     curve_figures,
+    curves,
     touches_needed,
     verdict,
 )
@@ -80,12 +80,12 @@ def test_touches_needed_are_written_with_what_is_open():
 
 def test_p_values_are_adjusted_over_the_strategies(tmp_path):
     (figures,) = curve_figures(*write_tables(tmp_path))
-    adjusted = {one["strategy"]: one["adjusted_p"] for one in figures.rows}
+    adjusted = {one["strategy"]: one["adjusted_p"] for one in figures["rows"]}
     assert adjusted == {"farthest_point": 0.002, "random": 0.4, "fixation": None}
-    assert [one["strategy"] for one in figures.rows] == ["farthest_point", "fixation", "random"]
+    assert [one["strategy"] for one in figures["rows"]] == ["farthest_point", "fixation", "random"]
 
 
 def test_a_plug_in_may_call_its_strategy_as_a_column():
     point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
-    found = CurveFigures("best", "naive_bayes", [], [point])
-    assert found.by_touches == [{"touches": 1, "points": {"touches": point}}]
+    found = curves("best", "naive_bayes", [], [point])
+    assert found["by_touches"] == [{"touches": 1, "points": {"touches": point}}]

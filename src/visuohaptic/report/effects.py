@@ -13,7 +13,6 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.run import Run
-from visuohaptic.report.studies import StudyFigures, StudyTable
 from visuohaptic.report.wording import counted, listed, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
@@ -58,15 +57,13 @@ def effects_answer(scenes: Sequence[Row]) -> str:
     return said + same if all(one["equal"] for one in scenes) else said
 
 
-def rows_of_scenes(study: StudyFigures) -> list[tuple[StudyTable, list[Row]]]:
+def rows_of_scenes(study: Row) -> list[tuple[Row, list[Row]]]:
     """Give each table of study `effects`, with its rows of scenes as a whole; none without such rows."""
     found = [
-        (table, [row for row in table.cells if row["condition"] in PRESETS])
-        for table in study.tables
+        (table, [row for row in table["cells"] if row["condition"] in PRESETS])
+        for table in study["tables"]
     ]
-    return [
-        (table, rows) for table, rows in found if any(row["accuracy"] is not None for row in rows)
-    ]
+    return [one for one in found if any(row["accuracy"] is not None for row in one[1])]
 
 
 def scene_strips(

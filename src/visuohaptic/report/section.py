@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.report.cost import CostFigures, read_cost
+from visuohaptic.report.cost import read_cost
 from visuohaptic.report.effects import influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
@@ -40,7 +40,7 @@ class ReportContext:
     seconds: Sequence[PhaseSeconds]
 
     @cached_property
-    def frontier(self) -> CostFigures | None:
+    def frontier(self) -> Values | None:
         """What accuracy costs in this run."""
         return read_cost(self.run.file_of("frontier"), self.run.parameters)
 

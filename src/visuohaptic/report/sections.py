@@ -142,7 +142,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         lead = recount_shares(run, compared, f'f"{{100 * ({lead}):+.1f}} points"')
         yield fixation_answer(run.pipelines, context.readings), lead
         yield reproduction_answer(first), accuracy
-    rows = context.frontier.rows if context.frontier else []
+    rows = context.frontier["rows"] if context.frontier else []
     quickest = first_step(rows)
     if quickest is not None:
         yield cost_verdict(rows), recount_cost(run, quickest)
@@ -174,7 +174,7 @@ def comparison_values(context: ReportContext) -> Values | None:
     sentences = (
         gain_sentence(run.pipelines[0]),
         readings_sentence(context.readings),
-        *(cue_sentences(context.frontier.rows) if context.frontier else ()),
+        *(cue_sentences(context.frontier["rows"]) if context.frontier else ()),
     )
     return {
         "title": titled(f"{first} against {against}" if others else first),
@@ -225,7 +225,8 @@ def ablations_values(context: ReportContext) -> Values | None:
 def own_studies_values(context: ReportContext) -> Values | None:
     """Give the studies that don't come with the package."""
     folder = context.run.file_of("studies")
-    return given(studies=[read_study(folder, name) for name in names_of_own_studies(folder)])
+    studies = [read_study(folder, name) for name in names_of_own_studies(folder)]
+    return given(studies=[study for study in studies if study])
 
 
 def cost_values(context: ReportContext) -> Values | None:
