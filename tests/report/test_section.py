@@ -22,8 +22,7 @@ from studies.cost.test_front import cost_table
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.page import render_page
-from visuohaptic.report.run import read_run
-from visuohaptic.report.run_folder import find_run
+from visuohaptic.report.run import find_run, read_run
 from visuohaptic.report.section import ReportContext, find_sources
 from visuohaptic.report.sections import answer_values, recount_cost
 from visuohaptic.report.wording import duration

@@ -23,8 +23,7 @@ from visuohaptic.report.provenance import (
     find_commit,
     find_versions,
 )
-from visuohaptic.report.run import Run
-from visuohaptic.report.run_folder import METRICS, PARAMETERS
+from visuohaptic.report.run import METRICS, PARAMETERS, Run
 
 MEASURES = ("accuracy", "object_accuracy", "balanced_accuracy")
 
