@@ -50,6 +50,11 @@ def test_the_largest_loss_and_gain_are_stated_and_no_more(tmp_path):
     assert sentence(tmp_path, ROWS[:1]) == ""
 
 
+def test_the_papers_pipeline_comes_first(tmp_path):
+    study = read_study(write_study(tmp_path, "mine", ROWS[:2], pipeline=["best", "paper"]), "mine")
+    assert [table["pipeline"] for table in study["tables"]] == ["paper", "best"]
+
+
 def test_every_ablation_has_a_name_of_its_own_and_every_phase_has_words():
     assert set(NAMES) <= set(PARTS)
     assert len({condition_name(name) for name in PARTS}) == len(PARTS)

@@ -138,14 +138,17 @@ def describe_objects(run: Run) -> list[ObjectPage]:
 
 
 def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
-    """Choose the object that explains the method: its view shown has the most different squares."""
-    return max(pages, key=lambda page: _variety([note["size"] for note in page.shown.touches]))
+    """Choose the object that explains the method: its view shown has the most different squares.
 
+    Sizes count that differ by 0.01, then their spread.
+    """
 
-def _variety(sizes: Sequence[float]) -> tuple[int, float]:
-    """Count the distinct sizes, rounded to 0.01, and measure their spread."""
-    spread = float(np.std(np.log(np.maximum(sizes, 1e-9)))) if len(sizes) else -1.0
-    return len({round(size, 2) for size in sizes}), spread
+    def variety(page: ObjectPage) -> tuple[int, float]:
+        sizes = [note["size"] for note in page.shown.touches]
+        spread = float(np.std(np.log(np.maximum(sizes, 1e-9)))) if sizes else -1.0
+        return len({round(size, 2) for size in sizes}), spread
+
+    return max(pages, key=variety)
 
 
 def _describe(

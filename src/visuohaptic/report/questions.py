@@ -67,14 +67,14 @@ def recognition_answer(
     elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
         word = "no"
     others = [
-        f"{_of(table)} {percent(figure.mean)}"
+        f"{pipeline_name(table.name)} {percent(figure.mean)}"
         for table, figure in zip(tables[1:], found[1:], strict=True)
     ]
     return Answer(
         "Can an object be recognised by touch?",
         word,
         with_interval(found[0], percent),
-        f"of {touches}-touch sequences of {unseen} correctly classified by {_of(tables[0])} "
+        f"of {touches}-touch sequences of {unseen} correctly classified by {pipeline_name(tables[0].name)} "
         f"({row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
         "comparison",
     )
@@ -89,13 +89,14 @@ def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) 
         return None
     (first, main), *others = compared
     further = [
-        f"; {_of(table)} {with_interval(found.difference, points)}" for table, found in others
+        f"; {pipeline_name(table.name)} {with_interval(found.difference, points)}"
+        for table, found in others
     ]
     return Answer(
         "Does it help to touch where the eye would fixate?",
         readings.verdict,
         with_interval(main.difference, points, " points"),
-        f"correctly classified above random touches, {_of(first)}, "
+        f"correctly classified above random touches, {pipeline_name(first.name)}, "
         f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[readings.verdict]}.",
         "readings",
     )
@@ -159,7 +160,3 @@ def row_of(table: PipelineTable) -> ClassifierRow:
 def pipeline_name(name: str) -> str:
     """Name a pipeline in a sentence."""
     return "the paper's pipeline" if name == PAPER_PIPELINE else f"pipeline “{spaced(name)}”"
-
-
-def _of(table: PipelineTable) -> str:
-    return pipeline_name(table.name)

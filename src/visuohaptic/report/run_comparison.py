@@ -19,6 +19,7 @@ from visuohaptic.parameters import ExperimentParameters, leaves
 from visuohaptic.report.comparison import pipeline_order
 from visuohaptic.report.estimates import Figure, points_above_interval
 from visuohaptic.report.measured_runs import MEASURES, Cell, CellFigures, MeasuredRun
+from visuohaptic.report.page import make_environment
 from visuohaptic.report.wording import classifier_name, counted, strategy_name
 
 EQUAL = Figure(0.0, 0.0, 0.0)
@@ -147,8 +148,6 @@ def difference_in_words(found: Difference) -> str | Markup:
 
 def render_comparison(comparison: RunComparison) -> str:
     """Give the page of a comparison: HTML that asks the network for nothing."""
-    from visuohaptic.report.page import make_environment
-
     environment = make_environment()
     environment.filters["difference"] = difference_in_words
     style = package_files("visuohaptic.report").joinpath("templates", "style.css")
