@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from pathlib import Path
 from types import SimpleNamespace
 
 import pyarrow as pa
@@ -23,7 +24,7 @@ from visuohaptic.recognition.summary import select
 from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import find_run, read_run
-from visuohaptic.report.section import ReportContext, find_sources
+from visuohaptic.report.section import ReportContext, find_sources, narrowed
 from visuohaptic.report.sections import answer_values, recount_cost
 from visuohaptic.report.wording import duration
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
@@ -121,6 +122,12 @@ def test_the_named_rows_give_the_accuracy_of_the_page(folder, sources):
     for (strategy, classifier), accuracy in found.items():
         published = metrics["results"]["paper"][strategy][classifier]["accuracy"]["mean"]
         assert accuracy == pytest.approx(published)
+
+
+def test_files_are_those_of_the_pipeline_that_is_selected_where_it_has_its_own():
+    files = [Path("results/predictions", name, "0.parquet") for name in ("paper", "best")]
+    assert narrowed(files, {"pipeline": "best"}) == files[1:]
+    assert narrowed(files, {"pipeline": "other"}) == files
 
 
 def test_what_this_run_has_not_measured_is_not_named(tmp_path):

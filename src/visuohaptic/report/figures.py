@@ -124,9 +124,7 @@ def touches_needed(table: Rows) -> Figure:
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
-    _name_axes(axes, "touches", "correctly classified", up_as=_whole)
-    _legend(chart, axes)
-    return chart
+    return _finish(chart, "touches", "correctly classified", up_as=_whole)
 
 
 @style()
@@ -148,9 +146,7 @@ def coverage(table: pa.Table) -> Figure:
     ends = [stated[0], 1]
     axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
     axes.set_ylim(0, 1.02)
-    _name_axes(axes, "stated coverage", "share of the objects", across_as=_whole, up_as=_whole)
-    _legend(chart, axes)
-    return chart
+    return _finish(chart, "stated coverage", "share of the objects", across_as=_whole, up_as=_whole)
 
 
 @style()
@@ -169,9 +165,9 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     }
     chart, axes = _draw_lines(places, 190)
     axes.set_xscale("log")
-    _name_axes(axes, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole)
-    _legend(chart, axes)
-    return chart
+    return _finish(
+        chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole
+    )
 
 
 @style()
@@ -207,9 +203,7 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_ticks([], minor=True)
     axes.set_ylim(-0.3 * errors[0] if flawless else errors[0] / 1.25, errors[-1] * 1.1)
-    _name_axes(axes, across, "error rate")
-    _legend(chart, axes)
-    return chart
+    return _finish(chart, across, "error rate")
 
 
 @style()
@@ -225,9 +219,8 @@ def parts_of_time(table: Rows) -> Figure:
     axes.invert_yaxis()
     axes.set_xlim(0, 1.6 * max(seconds))
     across = "median time in one recognition"
-    _name_axes(axes, across, "part", across_as=lambda tick, _: duration(tick))
     axes.grid(visible=False)
-    return chart
+    return _finish(chart, across, "part", across_as=lambda tick, _: duration(tick))
 
 
 @style()
@@ -253,9 +246,8 @@ def stability(table: pa.Table) -> Figure:
     axes.invert_yaxis()
     axes.set_xlim(0, LARGEST_SHARE)
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "tolerance"])
-    _name_axes(axes, "worst error, as a share of its tolerance", "family")
     axes.grid(visible=False, axis="y")
-    return chart
+    return _finish(chart, "worst error, as a share of its tolerance", "family")
 
 
 @style()
@@ -278,9 +270,8 @@ def bands(deviations: Sequence[float]) -> Figure:
     chart, axes = new_chart(105, width=150)
     axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
-    _name_axes(axes, "sub-band", "deviation")
     axes.locator_params(axis="y", nbins=3)
-    return chart
+    return _finish(chart, "sub-band", "deviation")
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
@@ -344,10 +335,8 @@ def _draw_intervals(
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
     begins = f" (axis from {_whole(start)})" if start else ""
-    _name_axes(axes, f"{across}{begins}", rows_are, across_as=_whole)
     axes.grid(visible=False, axis="y")
-    _legend(chart, axes)
-    return chart
+    return _finish(chart, f"{across}{begins}", rows_are, across_as=_whole)
 
 
 def _draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
@@ -389,17 +378,22 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         )  # fmt: skip
 
 
-def _name_axes(
-    axes: Axes,
-    across: str,
-    up: str,
-    across_as: Write | None = None,
-    up_as: Write | None = None,
-) -> None:
+def _finish(
+    chart: Figure, across: str, up: str, across_as: Write | None = None, up_as: Write | None = None
+) -> Figure:
+    """Name the axes and the series of a chart, which is then complete."""
+    (axes,) = chart.axes
     axes.set(xlabel=across, ylabel=up)
     for axis, write in ((axes.xaxis, across_as), (axes.yaxis, up_as)):
         if write is not None:
             axis.set_major_formatter(write)
+    handles, labels = axes.get_legend_handles_labels()
+    if labels:
+        chart.legend(
+            handles, [textwrap.fill(label, 30) for label in labels], loc="outside lower left",
+            ncols=_columns_of(labels), handletextpad=0.4, columnspacing=1.2, borderpad=0.2,
+        )  # fmt: skip
+    return chart
 
 
 def _columns_of(labels: Sequence[str]) -> int:
@@ -408,15 +402,6 @@ def _columns_of(labels: Sequence[str]) -> int:
 
 def _legend_height(labels: Sequence[str]) -> float:
     return _LEGEND_LINE * math.ceil(len(labels) / _columns_of(labels))
-
-
-def _legend(chart: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    if labels:
-        chart.legend(
-            handles, [textwrap.fill(label, 30) for label in labels], loc="outside lower left",
-            ncols=_columns_of(labels), handletextpad=0.4, columnspacing=1.2, borderpad=0.2,
-        )  # fmt: skip
 
 
 def _whole(share: float, _place: float = 0) -> str:
