@@ -115,6 +115,7 @@ def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to
 @pytest.mark.parametrize(
     "drawing",
     [
+        DRAWING + "<script>alert(1)</script>",
         "<svg><script>alert(1)</script></svg>", '<svg onload="x"></svg>', "<img src=x>", "",
         '<svg ><a href="http://x">x</a></svg>', '<svg \nonclick="x"></svg>', '<svg id="a"/onload="x"></svg>',
     ],
