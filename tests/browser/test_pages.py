@@ -33,11 +33,10 @@ def folder(tmp_path_factory):
     files = write_run(folder, NAMES, pipelines=("paper", "best"))
     make_report(files, folder / "report.html", PARAMETERS, [*NAMES, "cup/lost"])
     before = folder / "before"
-    before.mkdir()
     sensor = PARAMETERS.sensor.model_copy(update={"largest_size": 0.2})
     other = PARAMETERS.model_copy(update={"sensor": sensor})
     make_report(write_run(before, NAMES[1:]), before / "report.html", other, NAMES[1:])
-    runs = [read_measured_run(place / "metrics.json") for place in (before, folder)]
+    runs = [read_measured_run(place / "report.html") for place in (before, folder)]
     (folder / "comparison.html").write_text(render_comparison(compare_runs(runs)))
     assert {file.name for file in folder.glob("*.html")} == {"report.html", "comparison.html"}
     return folder
@@ -125,8 +124,8 @@ def test_a_model_that_is_dragged_stays_upright(model):
     assert camera["up"] == {"x": 0, "y": 0, "z": 1}
 
 
-def test_the_imprint_of_a_touch_is_shown_on_focus_and_on_tap(model):
-    _, figure = model
+def test_the_imprint_of_a_touch_is_shown_on_focus_on_tap_and_where_it_is_pointed_at(model):
+    opened, figure = model
     buttons = figure.locator(".touched button")
     felt = figure.locator(".felt")
     assert buttons.count() == 5
@@ -139,23 +138,18 @@ def test_the_imprint_of_a_touch_is_shown_on_focus_and_on_tap(model):
     look = "one => getComputedStyle(one).background"
     assert 'url("data:image/webp;base64,' in felt.locator(".cell").evaluate(look)
     assert "-288px 0px" in felt.locator(".cell").evaluate(look)
+    stage = figure.locator(".stage")
+    point = (
+        "(stage, at) => stage.emit(at[0], { points: [{ curveNumber: at[1], pointNumber: at[2] }] })"
+    )
+    stage.evaluate(point, ["plotly_hover", 1, 9])
+    assert felt.inner_text().startswith("Touch 3: ")
+    stage.evaluate(point, ["plotly_click", 5, 0])
+    assert felt.inner_text().startswith("Touch 1: ")
+    assert opened.complaints == []
     figure.page.mouse.move(0, 0)
     figure.locator(".strategies").select_option("random")
     felt.wait_for(state="hidden", timeout=5000)
-
-
-def test_a_square_that_is_pointed_at_shows_its_imprint(model):
-    opened, figure = model
-    stage = figure.locator(".stage")
-    stage.evaluate(
-        """stage => stage.emit("plotly_hover", { points: [{ curveNumber: 1, pointNumber: 9 }] })"""
-    )
-    assert figure.locator(".felt").inner_text().startswith("Touch 3: ")
-    stage.evaluate(
-        """stage => stage.emit("plotly_click", { points: [{ curveNumber: 5, pointNumber: 0 }] })"""
-    )
-    assert figure.locator(".felt").inner_text().startswith("Touch 1: ")
-    assert opened.complaints == []
 
 
 def test_a_model_is_enlarged_and_escape_brings_it_back(model, keep):

@@ -42,13 +42,12 @@ def test_the_page_tells_parameters_accuracies_and_differences(visuohaptic, tmp_p
     write_run(tmp_path / "a", figure(0.6, 0.55, 0.65), {"sensor": {"resolution": 16}, "seed": 1})
     write_run(tmp_path / "b", figure(0.8, 0.77, 0.84), {"sensor": {"resolution": 32}, "seed": 1})
     ended = visuohaptic("compare", "a/reports/metrics.json", "b", "--out", "page", "--json")
-    values = json.loads(ended.out)
-    assert values["facts"] == [
+    assert json.loads(ended.out)["facts"] == [
         {"kind": "parameter", "name": "sensor.resolution", "texts": ["16", "32"]}
     ]
-    (accuracy,) = values["figures"][0]["differences"]
-    assert accuracy["direction"] == "higher"
-    assert accuracy["difference"]["mean"] == pytest.approx(0.2)
+    found = first_difference(ended)
+    assert (found["direction"], found["p_value"]) == ("higher", None)
+    assert found["difference"]["mean"] == pytest.approx(0.2)
     page = (tmp_path / "page" / "comparison.html").read_text()
     assert "sensor.resolution" in page
     assert "+20.0" in page
@@ -56,44 +55,37 @@ def test_the_page_tells_parameters_accuracies_and_differences(visuohaptic, tmp_p
     assert "<script" not in page
 
 
-def test_runs_over_the_same_objects_are_compared_in_pairs(visuohaptic, tmp_path):
-    spread = [0.1 * place for place in range(10)]
-    write_run(tmp_path / "a", figure(0.45, 0.25, 0.65), {}, by_object=spread)
-    better = [one + 0.05 + 0.001 * (place % 3) for place, one in enumerate(spread)]
-    write_run(tmp_path / "b", figure(0.501, 0.3, 0.7), {}, by_object=better)
-    found = first_difference(visuohaptic("compare", "a", "b", "--json"))
-    assert found["direction"] == "higher"
-    assert found["difference"]["mean"] == pytest.approx(0.0509)
-    assert 0.05 < found["difference"]["low"] < found["difference"]["high"] < 0.052
-    assert found["p_value"] == pytest.approx(2 / 2**10)
-    itself = visuohaptic("compare", "a", "a", "--json")
-    same = first_difference(itself)
-    assert same["direction"] == "equal"
-    assert same["difference"] == {"mean": 0.0, "low": 0.0, "high": 0.0}
-    assert "equal on every object" in (tmp_path / "comparison/comparison.html").read_text()
-    other = tmp_path / "c"
-    write_run(other, figure(0.501, 0.3, 0.7), {}, by_object=better[:9])
-    unpaired = first_difference(visuohaptic("compare", "a", "c", "--json"))
-    assert (unpaired["direction"], unpaired["p_value"]) == ("open", None)
-
-
-def test_each_of_many_runs_is_compared_with_the_first(visuohaptic, tmp_path):
+def test_each_of_many_runs_is_compared_with_the_first_in_pairs_over_the_same_objects(
+    visuohaptic, tmp_path
+):
     spread = [0.1 * place for place in range(10)]
     better = [one + 0.05 + 0.001 * (place % 3) for place, one in enumerate(spread)]
-    for name, seed, values in (("a", 1, spread), ("b", 1, spread), ("c", 2, better)):
+    runs = ("a", 1, spread), ("b", 1, spread), ("c", 2, better), ("d", 1, better[:9])
+    for name, seed, values in runs:
         write_run(tmp_path / name, figure(0.45, 0.25, 0.65), {"seed": seed}, by_object=values)
-    ended = visuohaptic("compare", "a", "b", "c")
-    equal, higher, _ = ended.out.splitlines()
+    equal, higher, fewer, _ = visuohaptic("compare", "a", "b", "c", "d").out.splitlines()
     assert equal.endswith(
         "no parameter differs; accuracies that both have: 1, equal on every object."
     )
     assert higher.startswith("C against A: 1 parameter differs; ")
     assert "1 higher and 0 lower, equal on every object 0." in higher
+    assert "0 higher and 0 lower" in fewer
     page = read_page((tmp_path / "comparison" / "comparison.html").read_text())
     assert page.mismatches == []
-    assert "seed parameter 1 1 2" in page.text
-    (chart,) = page.named("svg")
-    assert chart.attributes["role"] == "img"
+    assert "seed parameter 1 1 2 1" in page.text
+    assert len(page.named("svg")) == 1
+    values = json.loads(visuohaptic("compare", "a", "b", "c", "d", "--json").out)
+    same, found, unpaired = values["figures"][0]["differences"]
+    assert (same["direction"], found["direction"], unpaired["direction"]) == (
+        "equal",
+        "higher",
+        "open",
+    )
+    assert same["difference"] == {"mean": 0.0, "low": 0.0, "high": 0.0}
+    assert found["difference"]["mean"] == pytest.approx(0.0509)
+    assert 0.05 < found["difference"]["low"] < found["difference"]["high"] < 0.052
+    assert found["p_value"] == pytest.approx(2 / 2**10)
+    assert unpaired["p_value"] is None
 
 
 def test_what_reports_say_of_code_packages_and_machine_is_compared(visuohaptic, tmp_path):
@@ -121,14 +113,13 @@ def test_what_reports_say_of_code_packages_and_machine_is_compared(visuohaptic, 
     assert [one["mean"] for one in values["figures"][0]["figures"]] == [0.6, 0.7]
 
 
-def test_one_run_alone_is_refused(visuohaptic, tmp_path):
+def test_one_run_alone_is_refused_and_experiments_of_dvc_are_named(
+    visuohaptic, tmp_path, monkeypatch
+):
     write_run(tmp_path / "a", figure(0.6, 0.5, 0.7), {})
     ended = visuohaptic("compare", "a")
     assert ended.code == 1
     assert "1 run can't be compared; 2 to 26" in ended.err
-
-
-def test_experiments_of_dvc_are_named_and_none_is_an_error(visuohaptic, monkeypatch):
     monkeypatch.setattr("dvc.api.exp_show", lambda: [{"Experiment": None}, {"Experiment": "wide"}])
     assert list_experiments() == ["wide"]
     monkeypatch.setattr("dvc.api.exp_show", lambda: [{"Experiment": None}])
@@ -223,10 +214,9 @@ def test_reports_beside_metrics_tell_parameters_and_seconds(visuohaptic, tmp_pat
         ("a", OBJECTS, PARAMETERS),
         ("b", (*OBJECTS[:3], "ball/<i>..</i>"), other),
     ):
-        (tmp_path / name).mkdir()
         files = write_whole_run(tmp_path / name, objects)
-        make_report(files, tmp_path / name / "report.html", parameters, objects)
-    values = json.loads(visuohaptic("compare", "a/metrics.json", "b", "--json").out)
+        make_report(files, tmp_path / name / "reports/report.html", parameters, objects)
+    values = json.loads(visuohaptic("compare", "a/reports/metrics.json", "b", "--json").out)
     assert values["facts"] == [
         {"kind": "parameter", "name": "sensor.largest_size", "texts": ["0.3", "0.2"]},
         {"kind": "seconds", "name": "fixations", "texts": ["6.0", "6.0"]},

@@ -35,30 +35,26 @@ def test_the_shares_are_printed_and_the_rows_are_left_in_the_run(visuohaptic, mo
     assert read_table(EVALUATION, tmp_path / file).num_rows == 4 * (2 + 1)
 
 
-def test_as_json_the_shares_have_their_intervals(visuohaptic, model, tmp_path):
+def test_as_json_the_shares_have_their_intervals_and_a_single_object_none(
+    visuohaptic, model, tmp_path
+):
     write_features(tmp_path, (3, 3))
-    ended = visuohaptic("evaluate", model, "--json")
-    rows = json.loads(ended.out)
+    rows = json.loads(visuohaptic("evaluate", model, "--json").out)
     assert [row["views"] for row in rows] == [1, 2]
     assert all(len(row["coverage"]) == 3 for row in rows)
-
-
-def test_a_single_object_has_shares_without_an_interval(visuohaptic, model, tmp_path):
     write_features(tmp_path, (3, 2))
     ended = visuohaptic("evaluate", model)
     assert ended.code == 0
     assert "nan" not in ended.out
 
 
-def test_objects_that_the_model_learnt_are_no_test(visuohaptic, model, tmp_path):
+def test_objects_that_the_model_learnt_are_no_test_and_a_missing_model_is_named(
+    visuohaptic, model, tmp_path
+):
     write_features(tmp_path, (2, 2))
     ended = visuohaptic("evaluate", model)
     assert ended.code == 1
     assert "Of 4 objects touched by fixation none is of a class that the model knows" in ended.err
-
-
-def test_a_missing_model_names_the_command_that_makes_it(visuohaptic, tmp_path):
-    write_features(tmp_path, (3, 3))
     ended = visuohaptic("evaluate", "gone.skops")
     assert ended.code == 1
     assert "snakemake -j2 model_all" in ended.err

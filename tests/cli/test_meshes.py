@@ -46,19 +46,11 @@ def test_a_set_that_was_not_brought_is_said_to_be(visuohaptic, folder):
 def test_credits_name_author_and_licence(visuohaptic):
     result = visuohaptic("meshes", "credits", folder=ROOT)
     assert "car/kl_VW-new-beetle: Andrew Kator & Jennifer Legaz, CC-BY-3.0-US\n" in result.out
-
-
-def test_credits_are_parsed_by_machines(visuohaptic):
-    named = json.loads(
-        visuohaptic("meshes", "credits", "--set", "benchmark", "--json", folder=ROOT).out
-    )
-    assert len(named) == 142
+    result = visuohaptic("meshes", "credits", "--set", "benchmark", "--json", folder=ROOT)
+    assert len(json.loads(result.out)) == 142
 
 
 def test_a_missing_catalogue_is_one_sentence_and_1(visuohaptic, tmp_path):
     result = visuohaptic("meshes", "check", folder=tmp_path)
     assert result.code == 1
-    assert (
-        result.err
-        == "error: the catalogue meshes/catalogue.csv can't be read: No such file or directory.\n"
-    )
+    assert result.err.startswith("error: the catalogue meshes/catalogue.csv can't be read: No such")

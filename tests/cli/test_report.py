@@ -44,8 +44,3 @@ def test_what_a_run_lacks_is_named_with_the_way_out(visuohaptic, tmp_path, run, 
     assert ended.err.startswith(f"error: run/{lost} is not there")
     assert "snakemake -j2" in ended.err
     assert not (tmp_path / "report").exists()
-
-
-def test_a_file_where_the_folder_is_to_be_is_wrong_use(visuohaptic, tmp_path, run):
-    (tmp_path / "report").write_text("")
-    assert visuohaptic("report", run).code == 2

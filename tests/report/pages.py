@@ -24,16 +24,13 @@ class Page:
     mismatches: list = field(default_factory=list)
 
     def named(self, *names):
-        """Give the elements of these names."""
         return [element for element in self.elements if element.name in names]
 
     def values(self, attribute):
-        """Give every value of an attribute."""
         return [e.attributes[attribute] for e in self.elements if attribute in e.attributes]
 
     @property
     def text(self):
-        """All texts, blanks evened out."""
         return " ".join(" ".join(self.texts).split())
 
 

@@ -3,9 +3,9 @@
 import io
 import itertools
 import json
-import shutil
 
 import numpy as np
+import trimesh
 import yaml
 from PIL import Image
 
@@ -37,7 +37,7 @@ TOUCHES = 5
 def write_run(
     folder, objects=OBJECTS, strategies=STRATEGIES, distinct=TOUCHES, pipelines=("paper",)
 ):
-    """Write every table, mesh, log and credit of a run, and give where they lie."""
+    """Write every table, mesh, log and credit of a run as the workflow lays them out, and give where they lie."""
     generator = np.random.default_rng(0)
     fixations = _fixations(objects, strategies, generator)
     scores, predictions = _answers(objects, strategies, pipelines, generator)
@@ -48,22 +48,25 @@ def write_run(
         "features": _features(fixations, generator),
         "predictions": predictions,
         "effects": _effects(objects),
+        "pictures": None,
     }
+    paths = {name: folder / "results" / name / "all.parquet" for name in written}
+    paths["effects"] = folder / "results/effects/touches/all.parquet"
+    meshes = [_write_mesh(folder / "results", key) for key in objects]
     for name, table in written.items():
-        write_table(SCHEMAS[name], table, folder / f"{name}.parquet")
-    metrics = folder / "metrics.json"
-    metrics.write_text(json.dumps(summarise(scores, predictions)))
-    meshes = [_write_mesh(folder, key) for key in objects]
-    write_table(
-        SCHEMAS["stability"], SCHEMAS["stability"].arrow.empty_table(), folder / "held.parquet"
-    )
-    tables = ([folder / f"{name}.parquet"] for name in ("views", "touches", "held"))
+        if table is not None:
+            write_table(SCHEMAS[name], table, paths[name])
+    held = SCHEMAS["stability"].arrow.empty_table()
+    write_table(SCHEMAS["stability"], held, folder / "held.parquet")
+    tables = paths["views"], paths["touches"], folder / "held.parquet"
     by_object = {object_of(mesh): mesh for mesh in meshes}
-    make_pictures(by_object, *tables, folder / "pictures.parquet", shown=objects, faces=4000)
+    make_pictures(by_object, *tables, paths["pictures"], shown=objects, faces=4000)
+    metrics = folder / "reports/metrics.json"
+    metrics.parent.mkdir()
+    metrics.write_text(json.dumps(summarise(scores, predictions)))
     return RunFiles(
         metrics=metrics,
-        **{name: [folder / f"{name}.parquet"] for name in written},
-        pictures=[folder / "pictures.parquet"],
+        **{name: [path] for name, path in paths.items()},
         meshes=meshes,
         credits=[_write_credits(folder, objects)],
         logs=_write_logs(folder),
@@ -72,18 +75,8 @@ def write_run(
 
 
 def lay_out(folder, objects=OBJECTS):
-    """Lay a synthetic run out as the workflow does, and give its folder."""
-    files = write_run(folder / "made", objects)
-    for table in ("predictions", "views", "fixations", "touches", "features", "pictures"):
-        part = folder / "results" / table / "all.parquet"
-        part.parent.mkdir(parents=True)
-        shutil.move(getattr(files, table)[0], part)
-    books = folder / "results" / "effects" / "touches" / "all.parquet"
-    books.parent.mkdir(parents=True)
-    shutil.move(files.effects[0], books)
-    shutil.move(folder / "made" / "meshes", folder / "results" / "meshes")
-    (folder / "reports").mkdir()
-    shutil.move(files.metrics, folder / "reports" / "metrics.json")
+    """Write a run with its parameters, and give its folder."""
+    write_run(folder, objects)
     text = yaml.safe_dump(PARAMETERS.model_dump(mode="json"))
     (folder / "params.yaml").write_text(text)
     return folder
@@ -115,22 +108,11 @@ def write_study(folder, name, rows, **columns):
 
 
 def ball(rings):
-    """Give a unit ball of quadrilaterals cut in two, its halves red and blue."""
-    heights, turns = np.meshgrid(
-        np.linspace(0, np.pi, rings + 1), np.linspace(0, 2 * np.pi, 2 * rings + 1), indexing="ij"
-    )
-    vertices = np.stack(
-        [np.sin(heights) * np.cos(turns), np.cos(heights), np.sin(heights) * np.sin(turns)], axis=-1
-    )
-    place = np.arange(heights.size).reshape(heights.shape)
-    corners = [place[:-1, :-1], place[:-1, 1:], place[1:, 1:], place[1:, :-1]]
-    upper = np.stack([corners[k] for k in (0, 1, 2)], axis=-1).reshape(-1, 3)
-    lower = np.stack([corners[k] for k in (0, 2, 3)], axis=-1).reshape(-1, 3)
-    faces = np.concatenate([upper, lower])
-    points = vertices.reshape(-1, 3)
-    left = points[faces].mean(axis=1)[:, 0] < 0
+    """Give a unit ball, its halves red and blue."""
+    found = trimesh.creation.uv_sphere(count=(rings + 1, 2 * rings))
+    left = found.triangles_center[:, 0] < 0
     colours = np.where(left[:, None], [255, 0, 0], [0, 0, 255]).astype(np.uint8)
-    return Surface(points, faces.astype(np.int64), colours)
+    return Surface(np.array(found.vertices), np.array(found.faces, dtype=np.int64), colours)
 
 
 def png(array):

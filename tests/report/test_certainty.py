@@ -68,15 +68,14 @@ def test_the_sentence_on_new_objects_has_coverage_beside_what_is_stated():
     )
 
 
-def test_the_figures_are_those_of_the_file(tmp_path):
+def test_the_figures_are_those_of_the_file_and_sets_of_all_classes_come_of_too_few_objects(
+    tmp_path,
+):
     figures = certainty_figures(*write_certainty(tmp_path))
     assert (figures["views"], figures["least"], figures["enough"]) == (4, 9, True)
     row = figures["rows"][0]
     found = row["strategy"], row["coverage"].mean, row["found_unknown"].mean
     assert found == ("fixation", 0.75, 0.5)
-
-
-def test_sets_of_all_known_classes_are_said_to_come_of_too_few_objects(tmp_path):
     assert not certainty_figures(*write_certainty(tmp_path, candidates=2))["enough"]
 
 

@@ -1,3 +1,5 @@
+"""The section on gaze shows what was measured, and says where kept figures come from."""
+
 import numpy as np
 from gaze.made_up import made_up_object
 
@@ -20,16 +22,12 @@ def page(found):
     return make_environment().get_template("gaze.html.jinja").render(gaze=found)
 
 
-def test_without_anything_measured_the_section_says_how_to_get_it():
+def test_the_section_shows_each_predictor_and_the_worst_objects():
     assert gaze_figures(None) is None
     assert "gaze.folder" in page(None)
-
-
-def test_the_section_shows_each_predictor_and_the_worst_objects():
     found = gaze_figures(MeasuredGaze(TABLE))
     text = page(found)
-    for row in found["rows"]:
-        assert row.predictor.label in text
+    assert all(row.predictor.label in text for row in found["rows"])
     assert [row.objects for row in found["rows"]] == [4] * len(found["rows"])
     correlations = [one["correlation"] for one in found["worst"]]
     assert correlations == sorted(correlations)
@@ -37,14 +35,7 @@ def test_the_section_shows_each_predictor_and_the_worst_objects():
     assert "Measured once" not in text
 
 
-def test_figures_that_are_not_of_this_run_say_where_they_come_from():
-    origin = {"date": "2026-01-02", "command": "measure <it>", "source": "recordings"}
-    text = page(gaze_figures(MeasuredGaze(TABLE, origin)))
-    assert "2026-01-02" in text
-    assert "measure &lt;it&gt;" in text
-
-
-def test_pictures_are_shown_worst_first(tmp_path):
+def test_pictures_are_shown_worst_first_and_kept_figures_say_where_they_come_from(tmp_path):
     columns = {
         "object": ["good", "bad<"],
         "rank": np.array([3, 0], dtype=np.int32),
@@ -53,11 +44,12 @@ def test_pictures_are_shown_worst_first(tmp_path):
     }
     path = tmp_path / "pictures.parquet"
     write_table(GAZE_PICTURES, build_table(GAZE_PICTURES, columns), path)
-    found = gaze_figures(MeasuredGaze(TABLE), path)
+    origin = {"date": "2026-01-02", "command": "measure <it>", "source": "recordings"}
+    found = gaze_figures(MeasuredGaze(TABLE, origin), path)
     assert [one["object"] for one in found["pictures"]] == ["bad<", "good"]
     text = page(found)
-    assert "bad&lt;" in text
-    assert "data:image/png;base64," in text
+    for said in ("bad&lt;", "data:image/png;base64,", "2026-01-02", "measure &lt;it&gt;"):
+        assert said in text
 
 
 def test_what_is_kept_with_the_package_has_an_origin_and_no_test_data_of_its_own():

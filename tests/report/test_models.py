@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from report.synthetic import ball
 
+from visuohaptic.geometry.surface import Surface
 from visuohaptic.report.models import COORDINATE_STEPS, pack_model, plotly_library, thin
 from visuohaptic.report.shown import faces_of_model
 
@@ -30,7 +31,10 @@ def test_a_small_surface_stays_as_it_is():
 
 
 def test_a_packed_model_reads_back():
-    surface = ball(6)
+    whole = ball(6)
+    # The first vertex belongs to no face.
+    vertices = np.vstack([[[0, 0, 0]], whole.vertices])
+    surface = Surface(vertices, whole.faces + 1, whole.face_colours)
     touches = np.random.default_rng(0).uniform(-1, 1, (7, 10))
     packed = pack_model(surface, touches, 1000)
     counts = [3 * packed["vertices"], 10 * packed["touches"], *2 * [3 * packed["faces"]]]

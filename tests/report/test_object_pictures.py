@@ -37,28 +37,19 @@ def test_every_object_that_was_looked_at_has_its_pictures_and_its_model(tmp_path
         assert row["faces"] == row["original_faces"]
 
 
-def test_a_model_has_no_more_faces_than_it_may_have(tmp_path):
-    files = write_run(tmp_path, OBJECTS[:2])
-    output = tmp_path / "few.parquet"
-    meshes = dict(zip(OBJECTS, files.meshes, strict=False))
-    tables = files.views, files.touches, tmp_path / "held.parquet"
-    make_pictures(meshes, *tables, output, shown=OBJECTS, faces=60)
-    for row in read_table(PICTURES, output).to_pylist():
-        assert 0 < row["faces"] <= 60 < row["original_faces"]
-
-
-def test_views_that_were_not_touched_have_no_imprints(tmp_path):
+def test_a_model_has_few_faces_and_views_that_were_not_touched_no_imprints(tmp_path):
     files = write_run(tmp_path, OBJECTS[:2])
     touches = read_table(TOUCHED, files.touches)
     seen = touches.column("viewpoint").to_numpy()
     write_table(TOUCHED, touches.filter(np.asarray(seen != 2)), tmp_path / "fewer.parquet")
-    output = tmp_path / "untouched.parquet"
+    meshes, output = {OBJECTS[0]: files.meshes[0]}, tmp_path / "few.parquet"
     tables = files.views, [tmp_path / "fewer.parquet"], tmp_path / "held.parquet"
-    make_pictures({}, *tables, output, shown=OBJECTS, faces=60)
-    row, *_ = read_table(PICTURES, output).to_pylist()
-    assert sorted(dict(row["imprints"])) == [0, 1, 3]
-    assert row["model"] is None
-    assert row["sheets"] == []
+    make_pictures(meshes, *tables, output, shown=OBJECTS, faces=60)
+    rows = {key_of(row): row for row in read_table(PICTURES, output).to_pylist()}
+    assert [sorted(dict(row["imprints"])) for row in rows.values()] == 2 * [[0, 1, 3]]
+    with_model, without = (rows[key] for key in OBJECTS[:2])
+    assert 0 < with_model["faces"] <= 60 < with_model["original_faces"]
+    assert (without["model"], without["sheets"]) == (None, [])
 
 
 def test_objects_that_are_not_shown_have_pictures_where_they_exceed_a_tolerance(tmp_path):

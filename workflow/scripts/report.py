@@ -5,8 +5,7 @@ from pathlib import Path
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.page import make_report
-from visuohaptic.report.run import RunFiles
-from visuohaptic.report.run_folder import find_extras
+from visuohaptic.report.run import RunFiles, find_extras
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.keys import key_of
 from visuohaptic_workflow.studies_asked import find_earlier_studies

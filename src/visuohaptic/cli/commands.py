@@ -27,15 +27,11 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-app.command()(explore.touch)
-app.command()(explore.recognise)
-app.command()(press.press)
-app.command()(evaluate.evaluate)
-app.command()(report.report)
-app.command()(compare.compare)
-app.command()(export.export)
-app.command()(images.images)
-app.command()(gaze.gaze)
+for command in (
+    *(explore.touch, explore.recognise, press.press, evaluate.evaluate, report.report),
+    *(compare.compare, export.export, images.images, gaze.gaze),
+):
+    app.command()(command)
 app.add_typer(meshes.app, name="meshes")
 
 

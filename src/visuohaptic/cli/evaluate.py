@@ -65,16 +65,15 @@ def evaluate(
 
 
 def _line(row: Mapping[str, Any]) -> str:
-    found = (
-        ""
-        if "found_unknown" not in row
-        else (f"; of classes that it does not know, {_share(row['found_unknown'])} called unknown")
-    )
-    return (
-        f"  {row['views']:>2} {'view' if row['views'] == 1 else 'views'}: {_share(row['accuracy'])} correctly classified; the class is in "
+    views = f"{row['views']:>2} {'view' if row['views'] == 1 else 'views'}"
+    line = (
+        f"  {views}: {_share(row['accuracy'])} correctly classified; the class is in "
         f"{_share(row['coverage'])} of the sets, stated {100 * row['stated']:g} %, with "
-        f"{row['set_size']:.2f} classes on average; {_share(row['false_unknown'])} called unknown{found}"
+        f"{row['set_size']:.2f} classes on average; {_share(row['false_unknown'])} called unknown"
     )
+    if "found_unknown" in row:
+        line += f"; of classes that it does not know, {_share(row['found_unknown'])} called unknown"
+    return line
 
 
 def _share(interval: Sequence[float | None]) -> str:

@@ -38,10 +38,10 @@ def images(
     import numpy as np
     import pyarrow.parquet as pq
 
-    from visuohaptic.cli.image_splits import split_accuracies
     from visuohaptic.cli.tactile_images import (
         describe_tactile_images,
         read_tactile_images,
+        split_accuracies,
         tabulate,
     )
     from visuohaptic.whole_files import whole_file

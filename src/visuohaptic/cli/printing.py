@@ -77,17 +77,13 @@ def printable(text: str) -> str:
 
 def sentence_of(error: Exception) -> str:
     """Give an error as one line: a sentence that names the thing and a way out."""
+    sentence = f"{type(error).__name__}: {error}; `visuohaptic --debug ...` shows where it arose."
     if isinstance(error, VisuohapticError):
         sentence = str(error)
     elif isinstance(error, MemoryError):
         sentence = "There is not enough memory for this."
-    elif isinstance(error, OSError) and error.filename is not None:
-        sentence = f"{error.filename}: {error.strerror}."
     elif isinstance(error, OSError) and error.strerror is not None:
-        sentence = f"Writing or reading failed: {error.strerror}."
-    else:
-        kind = type(error).__name__
-        sentence = f"{kind}: {error}; `visuohaptic --debug ...` shows where it arose."
+        sentence = f"{error.filename or 'Writing or reading failed'}: {error.strerror}."
     line = printable(sentence.strip())
     return line if len(line) <= WHOLE_LINE else f"{line[:WHOLE_LINE]}…"
 

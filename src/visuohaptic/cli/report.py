@@ -30,7 +30,7 @@ def report(
     """
     require("report", "jinja2", "matplotlib", "plotly")
     from visuohaptic.report.page import make_report
-    from visuohaptic.report.run_folder import find_run
+    from visuohaptic.report.run import find_run
 
     files, parameters, objects = find_run(run)
     page = out / PAGE

@@ -9,8 +9,7 @@ from pathlib import Path
 from visuohaptic.recognition.certainty import least_objects
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.summary import select
-from visuohaptic.report.estimates import Figure, Row
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import Figure, Row, read_json
 from visuohaptic.report.wording import counted, percent, strategy_name
 from visuohaptic.studies.evaluation.models import MeasuredEvaluation, summarise_evaluation
 from visuohaptic.tables.phases import owners_of
@@ -19,13 +18,9 @@ from visuohaptic.tables.studies import CERTAINTY
 
 
 def certainty_figures(table: Path, figures: Path) -> Row:
-    """Read `tables.CERTAINTY`, and the figures beside it as ``rows`` by strategy and views.
+    """Read `tables.CERTAINTY`, and the figures beside it as ``rows`` by strategy and number of views.
 
-    A row has ``strategy``, ``views``, ``set_size``, ``area``, ``stated``, and as `Figure` ``accuracy``,
-    ``coverage``, ``false_unknown``, ``found_unknown``. The chart shows the largest number of ``views``. The
-    ``stated`` coverage needs at ``least`` so many training objects before it leaves anything out, and there
-    were ``enough``, else the chart would show nothing but that. Raises `ReportError` if the figures can't be
-    read.
+    Below ``least`` training objects the ``stated`` coverage leaves nothing out; ``enough`` says whether it did.
     """
     way_out = "run `snakemake -j2 certainty_all` again"
     rows = read_json(figures, _rows, "holds no figures of certainty", way_out)
@@ -45,11 +40,7 @@ def certainty_figures(table: Path, figures: Path) -> Row:
 def evaluation_figures(
     measured: MeasuredEvaluation, intervals: IntervalParameters, seed: int
 ) -> Row:
-    """Sum up a model's answers for objects that it has not learnt.
-
-    The ``rows`` are as those of `certainty_figures`, without ``area``; ``classes`` names each class with its
-    number of objects; ``source`` says where they come from, if not from this run's objects.
-    """
+    """Sum up a model's answers for objects that it has not learnt, with ``rows`` as in `certainty_figures`."""
     rows = _rows(summarise_evaluation(measured.table, intervals, seed))
     known = select(measured.table, known=True)
     named = sorted(set(owners_of(known)))

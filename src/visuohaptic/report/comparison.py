@@ -42,10 +42,7 @@ _ORDER = ("fixation", "random")
 
 @dataclass(frozen=True)
 class Comparison:
-    """Fixations against another strategy, over the same objects; p is adjusted over the table's classifiers.
-
-    `signs` says which combinations of signs were tried.
-    """
+    """Fixations against another strategy, over the same objects; p is adjusted over the table's classifiers."""
 
     difference: Figure
     p_value: float

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -40,66 +39,33 @@ _CUES = {
 }
 
 
-@dataclass(frozen=True)
-class CostFigures:
-    """What accuracy costs in a run: rows of `tables.COST`, and what was run."""
-
-    rows: Sequence[Row]
-    run: ExperimentParameters
-
-    @property
-    def timed(self) -> bool:
-        """Whether a setting was both run and timed."""
-        return bool(timed(self.rows))
-
-    @property
-    def steps(self) -> list[Row]:
-        """Settings that are worth their time, the quickest first; each has its ``name``.
-
-        The first is the most accurate of those as quick as the quickest; each further one is significantly
-        slower and significantly more accurate than the one before.
-        """
-        first = first_step(self.rows)
-        further = [row for row in self.rows if row["step"] and row is not first]
-        further.sort(key=lambda row: -float(row["error"]))
-        steps = [] if first is None else [first, *further]
-        return [{**row, "name": _named(row)} for row in steps]
-
-    @property
-    def settings(self) -> list[Row]:
-        """Each setting's time, error rate and parts of the time, as texts."""
-        return [_setting_row(row) for row in self.rows]
-
-    @property
-    def savings(self) -> list[Row]:
-        """What each smaller setting saves, and what it loses."""
-        return [_saving_row(row) for row in find_savings(self.rows)]
-
-    @property
-    def robot(self) -> Sequence[Row]:
-        """The rows with a robot's time."""
-        return on_robot(list(self.rows), self.run.cost)
-
-    @property
-    def recognitions(self) -> int:
-        """Recognitions that each setting was timed on, at most."""
-        return max((row["recognitions"] or 0 for row in self.rows), default=0)
-
-    @property
-    def objects(self) -> int:
-        """Objects that were tested, at most."""
-        return max((row["objects"] or 0 for row in self.rows), default=0)
-
-    @property
-    def reference(self) -> Row | None:
-        """The row of the run's own setting from one viewpoint."""
-        return reference_row(self.rows)
-
-
-def read_cost(path: Path | None, run: ExperimentParameters) -> CostFigures | None:
+def read_cost(path: Path | None, run: ExperimentParameters) -> Row | None:
     """Read what accuracy costs from `tables.COST`; None where nothing was measured."""
     rows = read_costs(path) if path else []
-    return CostFigures(rows, run) if rows else None
+    return cost_figures(rows, run) if rows else None
+
+
+def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> Row:
+    """Give what the page shows of ``rows`` of `tables.COST`.
+
+    ``steps`` are settings worth their time: the most accurate of the quickest, then each slower and more
+    accurate one. ``reference`` is the run's own setting from one viewpoint.
+    """
+    first = first_step(rows)
+    further = [row for row in rows if row["step"] and row is not first]
+    further.sort(key=lambda row: -float(row["error"]))
+    steps = [] if first is None else [first, *further]
+    return {
+        "rows": rows,
+        "timed": bool(timed(rows)),
+        "steps": [{**row, "name": _named(row)} for row in steps],
+        "settings": [_setting_row(row) for row in rows],
+        "savings": [_saving_row(row) for row in find_savings(rows)],
+        "robot": on_robot(list(rows), run.cost),
+        "recognitions": max((row["recognitions"] or 0 for row in rows), default=0),
+        "objects": max((row["objects"] or 0 for row in rows), default=0),
+        "reference": reference_row(rows),
+    }
 
 
 def timed(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
@@ -132,10 +98,7 @@ def cost_verdict(rows: Sequence[Row]) -> Answer | None:
 
 
 def time_parts(row: Row | None) -> list[Row]:
-    """Say where the time of a recognition goes, by a row of `tables.COST`; empty if it was not timed.
-
-    A part has its ``name``, its median ``seconds``, and in ``each`` the time of one unit, such as a view.
-    """
+    """Say where the time of a recognition goes, by a row of `tables.COST`; empty if it was not timed."""
     if row is None or row["seconds"] is None:
         return []
     whole, views = (1, "recognition"), (row["looks"], "view")
@@ -161,7 +124,9 @@ def time_parts(row: Row | None) -> list[Row]:
 def cue_sentences(rows: Sequence[Row]) -> list[str]:
     """Say what positions alone and imprints alone are worth, and the map of the paper's pipeline."""
     found = {
-        (row["family"], row["setting"]): with_interval(_correct(row), percent)
+        (row["family"], row["setting"]): with_interval(
+            Figure(*(1 - row[f"error{end}"] for end in ("", "_high", "_low"))), percent
+        )
         for row in rows
         if row["error"] is not None
     }
@@ -204,14 +169,19 @@ def _verdict(row: Row) -> str:
 
 
 def _saving_row(row: Row) -> Row:
-    changes = json.loads(row["changes"])
+    changes = []
+    for name, value in json.loads(row["changes"]).items():
+        shown = (
+            [one for one, weight in value.items() if weight] if isinstance(value, dict) else value
+        )
+        changes.append(f"{name} {listed(shown) if isinstance(shown, list) else shown}")
     if row["lost_high"] < POINT:
         verdict = "costs less than 1 point"
     else:
         verdict = "no clear difference" if row["lost_low"] <= 0 else "costs accuracy"
     return {
         "setting": titled(_named(row)),
-        "changes": listed([f"{name} {_short(value)}" for name, value in changes.items()]),
+        "changes": listed(changes),
         "saved": row["saved"],
         "lost": figure_of(row, "lost"),
         "verdict": verdict,
@@ -219,15 +189,5 @@ def _saving_row(row: Row) -> Row:
     }
 
 
-def _short(value: object) -> str:
-    if isinstance(value, dict):
-        return listed([name for name, weight in value.items() if weight])
-    return listed(value) if isinstance(value, list) else str(value)
-
-
 def _named(row: Row) -> str:
     return f"{strategy_name(row['family'])}, {row['setting']}"
-
-
-def _correct(row: Row) -> Figure:
-    return Figure(1 - row["error"], 1 - row["error_high"], 1 - row["error_low"])

@@ -110,10 +110,7 @@ def write_svg(figure: Figure, salt: str = "visuohaptic") -> str:
 
 
 def inline_svg(figure: Figure, name: str, text: str) -> Markup:
-    """Give a figure as an element of a page, described by `text`; other names have other ids.
-
-    It is as wide as its place, and has the page's colours of the names in `COLOURS`.
-    """
+    """Give a figure as an element of a page, in the page's colours and as wide as its place, with ids of its own."""
     svg = _DROPPED.sub("", write_svg(figure, name)).replace("xlink:href", "href")
     start, view = svg.index("<svg"), re.search(r'viewBox="[^"]*"', svg)
     inner = svg[svg.index(">", start) + 1 :]

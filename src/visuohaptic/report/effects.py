@@ -1,15 +1,136 @@
-"""Effects and channels that were simulated or computed, contacts that were met, and what was left out and why."""
+"""Effects and channels that were simulated or computed, what they cost and change, and what was left out and why."""
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import pyarrow as pa
 
 from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Row
+from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.run import Run
-from visuohaptic.scene.parameters import EffectModes
+from visuohaptic.report.wording import counted, listed, percent
+from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
+from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import EFFECT_INFLUENCE
+
+_SAME = {True: "bit for bit", False: "no", None: "effects are off"}
+
+
+def influence_figures(path: Path, scene: str) -> Row:
+    """Read `tables.EFFECT_INFLUENCE`: rows of ``view``, of ``touch`` in one scene, and of all ``scenes``.
+
+    Milliseconds are of one view, or of a thousand touches; shifts, how far images move, are shares by scene.
+    """
+    rows = read_table(EFFECT_INFLUENCE, path).to_pylist()
+    view = [_effect(row, rows, 1) for row in _ordered(rows, "any", VISUAL_EFFECTS)]
+    touch = [_effect(row, rows, 1000) for row in _ordered(rows, scene, EffectModes.model_fields)]
+    scenes = [_ordered(rows, name, EffectModes.model_fields) for name in PRESETS]
+    return {
+        "view": view,
+        "touch": touch,
+        "scenes": [_scene(found) for found in scenes if found],
+        "views": max((row["units"] for row in view), default=0),
+        "touches": max((row["units"] for row in touch), default=0),
+    }
+
+
+def effects_answer(scenes: Sequence[Row]) -> str:
+    """Say how many effects each scene needs, and what leaving out the others saves and changes."""
+    if not scenes:
+        return ""
+    count = max(len(scene["needed"]) + len(scene["unneeded"]) for scene in scenes)
+    needed = []
+    for scene in scenes:
+        saved = 1 - scene["milliseconds"] / scene["milliseconds_always"] if scene["unneeded"] else 0
+        saves = f" (saves {percent(saved, 0)} of the time)" if saved > 0 else ""
+        needed.append(f"{len(scene['needed'])} in {scene['name']}{saves}")
+    changed = listed([scene["name"] for scene in scenes if scene["equal"] is False])
+    said = f"Of {counted(count, 'effect')} of touch a scene gets those that it needs: {', '.join(needed)}."
+    if changed:
+        return f"{said} In {changed} images change without the others."
+    same = " Images are the same, bit for bit, as with all effects."
+    return said + same if all(one["equal"] for one in scenes) else said
+
+
+def rows_of_scenes(study: Row) -> list[tuple[Row, list[Row]]]:
+    """Give each table of study `effects`, with its rows of scenes as a whole; none without such rows."""
+    found = [
+        (table, [row for row in table["cells"] if row["condition"] in PRESETS])
+        for table in study["tables"]
+    ]
+    return [one for one in found if any(row["accuracy"] is not None for row in one[1])]
+
+
+def scene_strips(
+    mesh: str | Path, locations: pa.Table, parameters: ExperimentParameters
+) -> dict[str, str]:
+    """Touch an object's places, rows of `tables.FIXATIONS`, in every scene: a picture's address by scene."""
+    from visuohaptic.geometry.raycasting import RayCaster
+    from visuohaptic.geometry.surface import read_surface
+    from visuohaptic.studies.effects.influence import measured_scenes
+    from visuohaptic.touches.touching import touch_locations
+
+    caster = RayCaster(read_surface(mesh))
+    return {
+        name: webp_address(
+            imprint_strip(
+                touch_locations(caster, locations, parameters.sensor, scene, parameters.seed).images
+            )
+        )
+        for name, scene in measured_scenes(parameters.scene).items()
+    }
+
+
+def hard_places(parameters: ExperimentParameters) -> list[Row]:
+    """Touch the hard places with the run's sensor: ``name``, ``size``, ``state``, ``imprint``'s address."""
+    from visuohaptic.sensor.gallery import touch_gallery
+
+    return [
+        {
+            "name": probe.name,
+            "size": float(felt.size[0]),
+            "state": str(felt.contact_state[0]),
+            "imprint": webp_address(imprint_strip(felt.images[:1])),
+        }
+        for probe, felt in touch_gallery(parameters.sensor, parameters.scene, parameters.seed)
+    ]
+
+
+def _ordered(
+    rows: Sequence[Row], scene: str, effects: Mapping[str, object] | Sequence[str]
+) -> list[Row]:
+    found = {row["effect"]: row for row in rows if row["scene"] == scene}
+    return [found[name] for name in effects if name in found]
+
+
+def _effect(own: Row, rows: Sequence[Row], unit: int) -> Row:
+    scale = 1000.0 * unit / own["touches"]
+    moved = [row for row in rows if row["effect"] == own["effect"] and row["image_shift"] > 0]
+    return {
+        "name": own["effect"],
+        "milliseconds": scale * own["seconds"],
+        "milliseconds_always": scale * own["seconds_always"],
+        "shifts": {row["scene"]: row["image_shift"] for row in moved},
+        "units": own["touches"],
+    }
+
+
+def _scene(rows: Sequence[Row]) -> Row:
+    scale = 1e6 / max(row["touches"] for row in rows)
+    return {
+        "name": rows[0]["scene"],
+        "needed": [row["effect"] for row in rows if row["needed"]],
+        "unneeded": [row["effect"] for row in rows if not row["needed"]],
+        "milliseconds": scale * sum(row["seconds"] for row in rows),
+        "milliseconds_always": scale * sum(row["seconds_always"] for row in rows),
+        "equal": rows[0]["equal_to_always"],
+        "same": _SAME[rows[0]["equal_to_always"]],
+    }
 
 
 def sum_effects(table: pa.Table) -> list[Row]:

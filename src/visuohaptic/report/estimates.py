@@ -1,14 +1,17 @@
-"""Figures with their intervals: taken from a table's row, and written in one way all over the page."""
+"""Figures with their intervals: taken from a table's row or a file, and written in one way all over the page."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
 from markupsafe import Markup
 
+from visuohaptic.errors import ReportError
 from visuohaptic.recognition.intervals import Interval
 from visuohaptic.report.wording import percent, points
 
@@ -17,6 +20,8 @@ LIMIT = "†"
 
 Row = Mapping[str, Any]
 """A row of a table, by column."""
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,15 @@ def figure_of(row: Row, name: str) -> Figure | None:
         return None
     low, high = (row.get(f"{name}_{end}", row.get(end)) for end in ("low", "high"))
     return Figure(row[name], low, high)
+
+
+def read_json(path: Path, make: Callable[[Any], Made], fault: str, way_out: str) -> Made:
+    """Read a file, and make of its values what is needed; `ReportError` with `fault` and `way_out` if that fails."""
+    try:
+        return make(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, LookupError, AttributeError) as error:
+        why = " ".join(str(error).split())
+        raise ReportError(f"{path} {fault} ({why}); {way_out}.") from error
 
 
 def estimate(interval: Interval) -> Figure:

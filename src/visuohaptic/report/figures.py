@@ -118,15 +118,13 @@ def touches_needed(table: Rows) -> Figure:
         lines[strategy] = touches, [row["accuracy"] for row in own]
         intervals[strategy] = [[_end(row, end) for row in own] for end in ("low", "high")]
     chart, axes = _draw_lines(lines, 215)
-    for strategy, ends in intervals.items():
+    for strategy, (low, high) in intervals.items():
         colour, _ = look(strategy_place(strategy))
-        axes.vlines(lines[strategy][0], *ends, colors=colour, linewidth=0.8, alpha=0.6)
+        axes.vlines(lines[strategy][0], low, high, colors=colour, linewidth=0.8, alpha=0.6)
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
-    _name_axes(axes, "touches", "correctly classified", up_as=_whole)
-    _legend(chart, axes)
-    return chart
+    return _finish(chart, "touches", "correctly classified", up_as=_whole)
 
 
 @style()
@@ -148,17 +146,14 @@ def coverage(table: pa.Table) -> Figure:
     ends = [stated[0], 1]
     axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
     axes.set_ylim(0, 1.02)
-    _name_axes(axes, "stated coverage", "share of the objects", across_as=_whole, up_as=_whole)
-    _legend(chart, axes)
-    return chart
+    return _finish(chart, "stated coverage", "share of the objects", across_as=_whole, up_as=_whole)
 
 
 @style()
 def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
-    """Draw accuracy after a look, and after each touch that follows, against the robot's time.
+    """Draw accuracy after a look, and after each touch that follows, against the robot's time, a line a strategy.
 
-    Of the curves of ``reports/looking.json``, the look and the checked product are drawn, a line a
-    strategy; the time is logarithmic.
+    Of the curves of ``reports/looking.json``, the look and the checked product are drawn.
     """
     looks = [row for row in curves if row["answer"] == LOOK]
     lines: dict[str, Any] = {}
@@ -170,19 +165,17 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
     }
     chart, axes = _draw_lines(places, 190)
     axes.set_xscale("log")
-    _name_axes(axes, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole)
-    _legend(chart, axes)
-    return chart
+    return _finish(
+        chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole
+    )
 
 
 @style()
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
-    """Draw the error rate of each setting against its seconds, both on logarithmic axes.
+    """Draw the error rate of each setting against its seconds, both on logarithmic axes: rows of `tables.COST`.
 
-    An error rate of 0 has its place below the axis's first tick, from where on it is linear. Of rows of
-    `tables.COST`, those that failed or were not timed are left out; lines join settings of a family of
-    which one thing changes; `across` says what the seconds are. Raises `ReportError` if no setting was
-    both run and timed.
+    Those that failed or were not timed are left out; `ReportError` if none is left. Lines join settings of which
+    one thing changes; an error rate of 0 lies below the first tick; `across` says what the seconds are.
     """
     rows = timed(_rows(table))
     if not rows:
@@ -210,9 +203,7 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_ticks([], minor=True)
     axes.set_ylim(-0.3 * errors[0] if flawless else errors[0] / 1.25, errors[-1] * 1.1)
-    _name_axes(axes, across, "error rate")
-    _legend(chart, axes)
-    return chart
+    return _finish(chart, across, "error rate")
 
 
 @style()
@@ -228,9 +219,8 @@ def parts_of_time(table: Rows) -> Figure:
     axes.invert_yaxis()
     axes.set_xlim(0, 1.6 * max(seconds))
     across = "median time in one recognition"
-    _name_axes(axes, across, "part", across_as=lambda tick, _: duration(tick))
     axes.grid(visible=False)
-    return chart
+    return _finish(chart, across, "part", across_as=lambda tick, _: duration(tick))
 
 
 @style()
@@ -256,9 +246,8 @@ def stability(table: pa.Table) -> Figure:
     axes.invert_yaxis()
     axes.set_xlim(0, LARGEST_SHARE)
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "tolerance"])
-    _name_axes(axes, "worst error, as a share of its tolerance", "family")
     axes.grid(visible=False, axis="y")
-    return chart
+    return _finish(chart, "worst error, as a share of its tolerance", "family")
 
 
 @style()
@@ -281,9 +270,8 @@ def bands(deviations: Sequence[float]) -> Figure:
     chart, axes = new_chart(105, width=150)
     axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
-    _name_axes(axes, "sub-band", "deviation")
     axes.locator_params(axis="y", nbins=3)
-    return chart
+    return _finish(chart, "sub-band", "deviation")
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
@@ -347,10 +335,8 @@ def _draw_intervals(
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
     begins = f" (axis from {_whole(start)})" if start else ""
-    _name_axes(axes, f"{across}{begins}", rows_are, across_as=_whole)
     axes.grid(visible=False, axis="y")
-    _legend(chart, axes)
-    return chart
+    return _finish(chart, f"{across}{begins}", rows_are, across_as=_whole)
 
 
 def _draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
@@ -392,17 +378,22 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         )  # fmt: skip
 
 
-def _name_axes(
-    axes: Axes,
-    across: str,
-    up: str,
-    across_as: Write | None = None,
-    up_as: Write | None = None,
-) -> None:
+def _finish(
+    chart: Figure, across: str, up: str, across_as: Write | None = None, up_as: Write | None = None
+) -> Figure:
+    """Name the axes and the series of a chart, which is then complete."""
+    (axes,) = chart.axes
     axes.set(xlabel=across, ylabel=up)
     for axis, write in ((axes.xaxis, across_as), (axes.yaxis, up_as)):
         if write is not None:
             axis.set_major_formatter(write)
+    handles, labels = axes.get_legend_handles_labels()
+    if labels:
+        chart.legend(
+            handles, [textwrap.fill(label, 30) for label in labels], loc="outside lower left",
+            ncols=_columns_of(labels), handletextpad=0.4, columnspacing=1.2, borderpad=0.2,
+        )  # fmt: skip
+    return chart
 
 
 def _columns_of(labels: Sequence[str]) -> int:
@@ -411,15 +402,6 @@ def _columns_of(labels: Sequence[str]) -> int:
 
 def _legend_height(labels: Sequence[str]) -> float:
     return _LEGEND_LINE * math.ceil(len(labels) / _columns_of(labels))
-
-
-def _legend(chart: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    if labels:
-        chart.legend(
-            handles, [textwrap.fill(label, 30) for label in labels], loc="outside lower left",
-            ncols=_columns_of(labels), handletextpad=0.4, columnspacing=1.2, borderpad=0.2,
-        )  # fmt: skip
 
 
 def _whole(share: float, _place: float = 0) -> str:

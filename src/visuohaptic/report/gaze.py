@@ -19,17 +19,18 @@ def gaze_figures(measured: MeasuredGaze | None, pictures: Path | None = None) ->
     """Give what the page shows; None where nothing was measured.
 
     ``rows`` are of objects held out in turn, ``tests`` of those for tests, ``peer`` of those that others
-    predicted, with gains over them; ``shown`` are the few of ``rows`` that the ``sentence`` is about.
-    ``worst`` are rows of `tables.GAZE` with the lowest correlations, lowest first, and ``pictures`` rows of
-    `tables.GAZE_PICTURES`, the worst object's first, each with its address as ``source``. ``largest_error``
-    is that of alignment, in object radii; ``origin`` says where figures come from that are not of this run.
+    predicted, with gains over them; ``shown`` are equal weights, the best floor, place alone, and the chosen terms.
     """
     rows = [] if measured is None else summarise(measured.table, "training")
     if measured is None or not rows:
         return None
     held = [row for row in measured.table.to_pylist() if row["predictor"] == "human"]
     held.sort(key=lambda row: (row["correlation"], row["object"]))
-    shown = _shown(rows)
+    shown_pictures = read_table(GAZE_PICTURES, [pictures]).to_pylist() if pictures else []
+    by_name = {row.predictor.name: row for row in rows}
+    floors = [row for row in rows if row.predictor.kind == "floor"]
+    best_floor = max(floors, key=lambda row: row.measures["correlation"].mean)
+    shown = by_name["equal"], best_floor, by_name["place"], by_name["chosen"]
     return {
         "sentence": _sentence(*shown),
         "rows": rows,
@@ -37,20 +38,13 @@ def gaze_figures(measured: MeasuredGaze | None, pictures: Path | None = None) ->
         "peer": beside_peer(measured.table),
         "shown": shown,
         "worst": held[:WORST_NAMED],
-        "pictures": [] if pictures is None else _pictures(pictures),
+        "pictures": [
+            {**row, "source": data_uri(row["picture"], "image/png")}
+            for row in sorted(shown_pictures, key=lambda row: row["rank"])
+        ],
         "largest_error": max(row["alignment_error"] for row in held),
         "origin": measured.origin,
     }
-
-
-def _shown(rows: list[PredictorRow]) -> tuple[PredictorRow, ...]:
-    """Choose equal weights, the best floor, place alone, and the chosen terms."""
-    by_name = {row.predictor.name: row for row in rows}
-    floor = max(
-        (row for row in rows if row.predictor.kind == "floor"),
-        key=lambda row: row.measures["correlation"].mean,
-    )
-    return by_name["equal"], floor, by_name["place"], by_name["chosen"]
 
 
 def _sentence(
@@ -67,8 +61,3 @@ def _sentence(
         f"Place on the object alone, up and to the front, reaches {place}, which holds for objects that "
         "stand upright and face the front."
     )
-
-
-def _pictures(path: Path) -> list[Row]:
-    rows = sorted(read_table(GAZE_PICTURES, [path]).to_pylist(), key=lambda row: row["rank"])
-    return [{**row, "source": data_uri(row["picture"], "image/png")} for row in rows]

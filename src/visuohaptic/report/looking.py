@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from visuohaptic.report.estimates import Row, figure_of
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import Row, figure_of, read_json
 from visuohaptic.report.wording import counted, percent
 from visuohaptic.studies.looking.settings import CHECKED, LOOK, PRODUCT, TOUCH
 
@@ -15,22 +14,18 @@ ANSWERS = {LOOK: "look", TOUCH: "touch", PRODUCT: "product", CHECKED: "checked p
 
 
 def looking_figures(path: Path) -> Row:
-    """Read ``reports/looking.json``: its ``curves``, and ``rows``, a sight each with a `Figure` of each answer.
+    """Read ``reports/looking.json``: its ``curves``, and ``rows``, a sight each with a `Figure` of each answer."""
 
-    The ``sentence`` says it in words. Raises `ReportError` if the figures can't be read.
-    """
+    def arranged(found: Row) -> Row:
+        rows = [
+            {"sight": one["sight"]}
+            | {answer: figure_of(one["answers"][answer], "accuracy") for answer in ANSWERS}
+            for one in found["sights"]
+        ]
+        return {"sentence": _sentence(found, rows), "rows": rows, "curves": found["curves"]}
+
     way_out = "run `snakemake -j2 looking_all` again"
-    return read_json(path, _figures, "holds no figures of looking", way_out)
-
-
-def _figures(found: Row) -> Row:
-    rows = [_row(one) for one in found["sights"]]
-    return {"sentence": _sentence(found, rows), "rows": rows, "curves": found["curves"]}
-
-
-def _row(one: Row) -> Row:
-    found = {answer: figure_of(one["answers"][answer], "accuracy") for answer in ANSWERS}
-    return {"sight": one["sight"], **found}
+    return read_json(path, arranged, "holds no figures of looking", way_out)
 
 
 def _sentence(found: Row, rows: Sequence[Row]) -> str:

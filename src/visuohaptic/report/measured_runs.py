@@ -1,20 +1,29 @@
-"""A run to be compared with others: its figures, and what else its folder, report or experiment says of it."""
+"""A run to be compared with others: its figures, and what else its folder, report or experiment says of it.
+
+A page carries its run for other programs, so that a report alone can be compared with another.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel, ValidationError
 
 from visuohaptic.errors import ReportError
 from visuohaptic.optional_packages import require
-from visuohaptic.report.archive import Archive, read_archive
 from visuohaptic.report.estimates import Figure
-from visuohaptic.report.run_folder import METRICS, PARAMETERS
+from visuohaptic.report.provenance import (
+    PhaseSeconds,
+    describe_machine,
+    find_commit,
+    find_versions,
+)
+from visuohaptic.report.run import METRICS, PARAMETERS, Run
 
 MEASURES = ("accuracy", "object_accuracy", "balanced_accuracy")
 
@@ -22,6 +31,47 @@ Cell = tuple[str, str, str]
 """Pipeline, strategy and classifier."""
 
 _REPORT = "report.html"
+_SUMMARY = re.compile(r'<script type="application/json" id="run-summary">(.*?)</script>', re.DOTALL)
+
+
+class Archive(BaseModel):
+    """A run as its report carries it: whole `metrics.json` and `params.yaml`, and what `provenance` found.
+
+    `form` is raised where an older reader would misread what is written.
+    """
+
+    form: Literal[1] = 1
+    metrics: dict[str, Any]
+    parameters: dict[str, Any]
+    seconds: tuple[PhaseSeconds, ...]
+    commit: str
+    machine: dict[str, str]
+    versions: dict[str, str]
+
+
+def summarise_run(run: Run, seconds: Sequence[PhaseSeconds]) -> dict[str, Any]:
+    """Give what the page carries, JSON-able."""
+    return Archive(
+        metrics=dict(run.metrics),
+        parameters=run.parameters.model_dump(mode="json", exclude={"workflow"}),
+        seconds=tuple(seconds),
+        commit=find_commit(),
+        machine=dict(describe_machine()),
+        versions=dict(find_versions()),
+    ).model_dump(mode="json")
+
+
+def read_archive(page: str, source: str) -> Archive:
+    """Read what a page carries; `ReportError` if it is no report of this workflow, or of another form."""
+    found = _SUMMARY.search(page)
+    try:
+        return Archive.model_validate_json(found[1] if found else "")
+    except ValidationError as error:
+        (fault, *_) = error.errors()
+        raise ReportError(
+            f"{source} carries no run that can be read ({'.'.join(map(str, fault['loc']))}: {fault['msg']}); "
+            "a report that `visuohaptic report` or `snakemake -j2` wrote is needed."
+        ) from error
 
 
 class CellFigures(BaseModel):
@@ -39,10 +89,7 @@ class _Metrics(BaseModel):
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """One run's figures by cell, and where they and its parameters were read from.
-
-    `parameters` are as in ``params.yaml``, and `archive` what the run's report carries; None where unknown.
-    """
+    """One run's figures by cell, and where they and its parameters were read from; None is unknown."""
 
     source: str
     parameters: Mapping[str, Any] | None

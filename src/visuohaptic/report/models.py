@@ -17,10 +17,7 @@ COORDINATE_STEPS = 16384
 
 
 def thin(surface: Surface, faces: int) -> Surface:
-    """Simplify a surface to about so many faces, by quadric error decimation (Garland & Heckbert 1997).
-
-    Each has the colour of the original's nearest face.
-    """
+    """Simplify a surface by quadric error decimation (Garland & Heckbert 1997); colours are of the nearest face."""
     if len(surface.faces) <= faces:
         return surface
     from visuohaptic.geometry.compiled_open3d import open3d

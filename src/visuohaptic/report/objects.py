@@ -30,12 +30,10 @@ PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 
 @dataclass(frozen=True)
 class ViewPage:
-    """One view of an object: pictures, fixations in order, and what was felt there.
+    """One view of an object: pictures, fixations (`marks`) in order, and the `touches` there.
 
-    A row of `marks` is a fixation: its ``number`` from 1, ``column`` and ``row`` in pixels, its ``place``
-    in words, and the corners of the sensor's ``square`` around it. A row of `touches` has ``number``
-    from 1, ``size`` in object radii, contact ``state``, and the share of the square nearly touched,
-    ``near``. `right` is the share of its tests that were correctly classified, by strategy.
+    Places of marks are in pixels, sizes of touches in object radii; `near` is the share of the square nearly touched,
+    and `right` the share of the view's tests that were correctly classified, by strategy.
     """
 
     viewpoint: int
@@ -59,14 +57,11 @@ class ViewPage:
 
 @dataclass(frozen=True)
 class ObjectPage:
-    """All that the page shows of one object, `class/name`.
+    """All that the page shows of one object, `class/name`; one view is `shown` large.
 
-    One view is `shown` large; `conspicuity` has channel and picture of each of its maps, `skipped` the
-    channels that did not run, and why. By strategy, `predicted` gives the share of its test sequences for
-    which each class was predicted, `median_size` the median edge of the square in object radii, and `sheets`
-    a picture of the touches' imprints, a row a viewpoint and a column a touch. `model` has columns of
-    `tables.PICTURES`, and ``text``, its bytes in base64; None without a mesh. `touch_keys` are strategy,
-    viewpoint, number from 1 and contact state of each touch of it.
+    By strategy, `predicted` has the share of its test sequences by class, `median_size` is in object radii, and
+    `sheets` have a row a viewpoint and a column a touch. `model` has columns of `tables.PICTURES`, and ``text``, its
+    bytes in base64. `touch_keys` are strategy, viewpoint, number from 1 and contact state.
     """
 
     key: str
@@ -109,10 +104,9 @@ class ObjectPage:
 
 
 def choose_objects(run: Run) -> list[str]:
-    """Choose the objects that the page shows, `class/name`, sorted.
+    """Choose up to `OBJECTS_AT_MOST` objects with pictures, `class/name`, sorted.
 
-    All that have pictures, up to `OBJECTS_AT_MOST`; of more than that those at which a tolerance was
-    exceeded, and others evenly spread over all, so that classes keep their shares.
+    Those at which a tolerance was exceeded come first, others evenly spread, so that classes keep their shares.
     """
     pictured = sorted(keys_of(run.pictures).to_pylist())
     if len(pictured) <= OBJECTS_AT_MOST:
@@ -144,14 +138,17 @@ def describe_objects(run: Run) -> list[ObjectPage]:
 
 
 def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
-    """Choose the object that explains the method: its view shown has the most different squares."""
-    return max(pages, key=lambda page: _variety([note["size"] for note in page.shown.touches]))
+    """Choose the object that explains the method: its view shown has the most different squares.
 
+    Sizes count that differ by 0.01, then their spread.
+    """
 
-def _variety(sizes: Sequence[float]) -> tuple[int, float]:
-    """Count the distinct sizes, rounded to 0.01, and measure their spread."""
-    spread = float(np.std(np.log(np.maximum(sizes, 1e-9)))) if len(sizes) else -1.0
-    return len({round(size, 2) for size in sizes}), spread
+    def variety(page: ObjectPage) -> tuple[int, float]:
+        sizes = [note["size"] for note in page.shown.touches]
+        spread = float(np.std(np.log(np.maximum(sizes, 1e-9)))) if sizes else -1.0
+        return len({round(size, 2) for size in sizes}), spread
+
+    return max(pages, key=variety)
 
 
 def _describe(

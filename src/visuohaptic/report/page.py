@@ -15,19 +15,18 @@ from markupsafe import Markup
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import PAPER
 from visuohaptic.report import figures, wording
-from visuohaptic.report.archive import summarise_run
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.chapters import CHAPTERS
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
+from visuohaptic.report.measured_runs import summarise_run
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, find_sources
-from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
+from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error, touches_needed
 from visuohaptic.report.tables import NONE, NUMBER, each, table
-from visuohaptic.report.touches_needed import touches_needed
 from visuohaptic.whole_files import write_whole
 
 PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
@@ -96,11 +95,7 @@ def _chapters(
 
 
 def content_policy(*scripts: str | bytes) -> str:
-    """Give a page's Content-Security-Policy: nothing is loaded, and these scripts alone may run.
-
-    Scripts are named by their digests, so what someone's file smuggles into the page stays text.
-    Style attributes carry the looks of charts and lengths of bars, and so are allowed.
-    """
+    """Give a page's Content-Security-Policy: nothing is loaded, and these scripts alone, by their digests, may run."""
     digests = [
         sha256(script.encode("utf-8") if isinstance(script, str) else script).digest()
         for script in scripts

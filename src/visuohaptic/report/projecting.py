@@ -13,10 +13,9 @@ from visuohaptic.tables.schema import matrix
 
 
 def project(camera: Camera, points: NDArray[np.float64], resolution: int) -> NDArray[np.float64]:
-    """Find where points (n, 3) of the object frame, in front of a camera, appear in its view.
+    """Find where points (n, 3) of the object frame, in front of a camera, appear in its view: (n, 2) column and row.
 
-    Gives (n, 2): column and row in pixels from the upper left corner of a view of `resolution` pixels
-    along each edge; the first pixel's centre is at 0.5. The inverse of `Camera.rays`.
+    In pixels from the upper left corner; the first pixel's centre is at 0.5. The inverse of `Camera.rays`.
     """
     right, up, back = camera.axes
     if camera.projection == "orthographic":

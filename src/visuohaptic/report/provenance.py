@@ -6,14 +6,13 @@ import os
 import platform
 import shutil
 import subprocess
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import visuohaptic
 from visuohaptic import pipeline
-from visuohaptic.job_logs import read_seconds
+from visuohaptic.job_logs import JobSeconds, read_seconds
 
 PHASES = ("downloads", *(phase.name for phase in pipeline.PHASES), "metrics")
 _PACKAGE = Path(visuohaptic.__file__).parent
@@ -70,24 +69,19 @@ def describe_machine() -> list[tuple[str, str]]:
 
 def phase_seconds(folder: str | Path) -> list[PhaseSeconds]:
     """Sum up the seconds that jobs left in their logs, in the order of the work."""
-    logs: dict[str, list[Path]] = {}
+    logs: dict[str, dict[str, JobSeconds | None]] = {}
     for log in sorted(Path(folder).rglob("*.log")):
-        place = log.relative_to(folder)
-        logs.setdefault(place.parts[0].removesuffix(".log"), []).append(log)
+        phase = log.relative_to(folder).parts[0].removesuffix(".log")
+        logs.setdefault(phase, {})[str(log)] = read_seconds(log)
     logs.pop("report", None)
-    order = {phase: number for number, phase in enumerate(PHASES)}
-    return [
-        _summed(phase, logs[phase])
-        for phase in sorted(logs, key=lambda name: (order.get(name, len(PHASES)), name))
-    ]
-
-
-def _summed(phase: str, logs: Sequence[Path]) -> PhaseSeconds:
-    seconds = {str(log): read_seconds(log) for log in logs}
-    finished = [found for found in seconds.values() if found is not None]
-    imports, work = (sum(getattr(one, name) for one in finished) for name in ("imports", "work"))
-    unfinished = tuple(log for log, found in seconds.items() if found is None)
-    return PhaseSeconds(phase, len(finished), imports, work, unfinished)
+    summed = []
+    for phase, found in logs.items():
+        done = [one for one in found.values() if one is not None]
+        unfinished = tuple(log for log, one in found.items() if one is None)
+        imports, work = sum(one.imports for one in done), sum(one.work for one in done)
+        summed.append(PhaseSeconds(phase, len(done), imports, work, unfinished))
+    place = {phase: number for number, phase in enumerate(PHASES)}
+    return sorted(summed, key=lambda one: (place.get(one.phase, len(PHASES)), one.phase))
 
 
 def _git(folder: str | Path, *arguments: str) -> str | None:

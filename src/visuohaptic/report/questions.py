@@ -35,9 +35,8 @@ REASONS: Mapping[Verdict, str] = {
 class Answer:
     """A question of the experiment, and what its tables say.
 
-    `number` is the figure that the verdict rests on, with its interval, `sentence` says in at most
-    25 words what it is of, `link` is the anchor of the section that shows more, and `recount` are
-    lines of Python that print the number.
+    `number` is the figure that the verdict rests on, `sentence` says in at most 25 words what it is of, `link` is the
+    anchor of the section that shows more, and `recount` are lines of Python that print the number.
     """
 
     question: str
@@ -56,11 +55,9 @@ class Answer:
 def recognition_answer(
     tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str
 ) -> Answer:
-    """Answer whether objects can be recognised by touch.
+    """Answer whether objects can be recognised by touch; `unseen` is what training had not met.
 
     Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above it.
-    `tables` are at least one, the paper's pipeline first; `unseen` says what training had not met of
-    what is tested, such as ``unseen objects``.
     """
     found = [row_of(table).accuracy[table.leading] for table in tables]
     chance = 1 / classes
@@ -70,14 +67,14 @@ def recognition_answer(
     elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
         word = "no"
     others = [
-        f"{_of(table)} {percent(figure.mean)}"
+        f"{pipeline_name(table.name)} {percent(figure.mean)}"
         for table, figure in zip(tables[1:], found[1:], strict=True)
     ]
     return Answer(
         "Can an object be recognised by touch?",
         word,
         with_interval(found[0], percent),
-        f"of {touches}-touch sequences of {unseen} correctly classified by {_of(tables[0])} "
+        f"of {touches}-touch sequences of {unseen} correctly classified by {pipeline_name(tables[0].name)} "
         f"({row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
         "comparison",
     )
@@ -92,13 +89,14 @@ def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) 
         return None
     (first, main), *others = compared
     further = [
-        f"; {_of(table)} {with_interval(found.difference, points)}" for table, found in others
+        f"; {pipeline_name(table.name)} {with_interval(found.difference, points)}"
+        for table, found in others
     ]
     return Answer(
         "Does it help to touch where the eye would fixate?",
         readings.verdict,
         with_interval(main.difference, points, " points"),
-        f"correctly classified above random touches, {_of(first)}, "
+        f"correctly classified above random touches, {pipeline_name(first.name)}, "
         f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[readings.verdict]}.",
         "readings",
     )
@@ -162,7 +160,3 @@ def row_of(table: PipelineTable) -> ClassifierRow:
 def pipeline_name(name: str) -> str:
     """Name a pipeline in a sentence."""
     return "the paper's pipeline" if name == PAPER_PIPELINE else f"pipeline “{spaced(name)}”"
-
-
-def _of(table: PipelineTable) -> str:
-    return pipeline_name(table.name)

@@ -12,7 +12,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import read_json
 from visuohaptic.studies.stored import Source
 
 Verdict = Literal["yes", "no", "depends", "not shown"]
@@ -32,11 +32,9 @@ class Spread(BaseModel):
 
 
 class ReadingsSummary(BaseModel):
-    """What all readings say together.
+    """What all readings say together: whether fixation leads, by the rule in docs/readings.md, and of how many.
 
-    `verdict` says whether fixation leads, by the rule in docs/readings.md; `spread` is of the paper's
-    best classifier, on the paper's set and on other objects; `literal` are accuracies of the most
-    literal reading, by strategy and classifier; `source` is None where the readings are of this run.
+    `literal` are accuracies of the most literal reading, by strategy and classifier; `source` is None for this run.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -49,10 +47,7 @@ class ReadingsSummary(BaseModel):
 
 
 def read_readings(path: Path | None = None) -> ReadingsSummary:
-    """Read what a run of the study wrote, ``reports/readings.json``, else what is kept with the package.
-
-    Raises `ReportError` if the run's file holds none.
-    """
+    """Read what a run of the study wrote, ``reports/readings.json``, else what is kept with the package."""
     if path is None:
         kept = files("visuohaptic.report").joinpath(KEPT).read_text("utf-8")
         return ReadingsSummary.model_validate_json(kept)

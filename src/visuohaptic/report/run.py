@@ -1,4 +1,4 @@
-"""What a run left behind, read once and handed to every section of the page."""
+"""What a run left behind, in the folder of an experiment; read once and handed to every section of the page."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from typing import Any
 
 import pyarrow as pa
 
+from visuohaptic.errors import ReportError
 from visuohaptic.geometry.surface import object_of, set_aside_reason
-from visuohaptic.meshes.catalogue import Credit, read_credits
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.meshes.catalogue import Credit, find_own_models, models_of_set, read_credits
+from visuohaptic.parameters import ExperimentParameters, read_parameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import read_json
 from visuohaptic.report.stability import StabilityFigures, stability_figures
 from visuohaptic.tables.phases import (
     EFFECTS,
@@ -30,16 +31,36 @@ from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.stability import STABILITY
 from visuohaptic.touches.choosing import touched_places
 
+METRICS = "reports/metrics.json"
+PARAMETERS = "params.yaml"
+
+_TABLES = ("predictions", "views", "fixations", "touches", "features", "pictures")
+_EXTRAS = {
+    "studies": "results/studies",
+    "frontier": "results/frontier.parquet",
+    "effect_influence": "results/effect_influence.parquet",
+    "touches_needed": "results/touches_needed.parquet",
+    "cost": "results/cost.parquet",
+    "certainty": "results/certainty.parquet",
+    "certainty_figures": "reports/certainty.json",
+    "looking": "results/looking.parquet",
+    "looking_figures": "reports/looking.json",
+    "evaluation": "reports/evaluation.parquet",
+    "readings": "reports/readings.json",
+    "gaze": "results/gaze/measured.parquet",
+    "gaze_pictures": "results/gaze/pictures.parquet",
+    "stability": "results/stability",
+    "guards": "results/guards.parquet",
+}
+
 
 @dataclass(frozen=True)
 class RunFiles:
-    """Where a run's tables lie; what may be missing has a default.
+    """Where a run's tables lie, in parts; what may be missing has a default.
 
-    Tables lie in parts. `meshes` are ``<class>/<block>/<object>.ply``, `credits` CSV files of which
-    later ones add to earlier ones, `logs` the folder of the jobs' logs, `folder` that to which the
-    page's names of files are relative, `extras` tables that not every run has, by name.
-    `earlier_studies` are those of other tables, parameters or code than the run's, with the date;
-    `key` is the digest of all that the page was made from.
+    `meshes` are ``<class>/<block>/<object>.ply``; later `credits` add to earlier ones; the page names files from
+    `folder` on; `extras` are tables that not every run has; `earlier_studies` have the date of the state that they
+    belong to; `key` is the digest of all that the page was made from.
     """
 
     metrics: str | Path
@@ -135,31 +156,73 @@ class Run:
 
 
 def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
-    """Read a run; `objects` were to take part, `class/name`.
+    """Read a run, in which `objects` were to take part; `ReportError` or `TableError` for a wrong table."""
 
-    Raises `ReportError` if the metrics can't be read, and `TableError` if a table is missing or
-    breaks its schema.
-    """
+    def parts(metrics: Any) -> Mapping[str, Any]:
+        return {part: metrics[part] for part in ("comparisons", "method", "results")}
+
+    fault, way_out = "holds no metrics of this workflow", "run rule metrics again"
+    metrics = read_json(Path(files.metrics), parts, fault, way_out)
     touches = read_table(TOUCHES, files.touches)
+    effects = files.effects
     return Run(
         files=files,
         parameters=parameters,
         named_objects=tuple(objects),
-        metrics=_read_metrics(Path(files.metrics)),
+        metrics=metrics,
         predictions=read_table(PREDICTIONS, files.predictions),
         views=read_table(VIEWS, files.views),
         fixations=touched_places(read_table(FIXATIONS, files.fixations), touches),
         touches=touches,
         features=read_table(FEATURES, files.features),
         pictures=read_table(PICTURES, files.pictures),
-        effects=read_table(EFFECTS, files.effects)
-        if files.effects
-        else EFFECTS.arrow.empty_table(),
+        effects=read_table(EFFECTS, effects) if effects else EFFECTS.arrow.empty_table(),
     )
 
 
-def _read_metrics(path: Path) -> Mapping[str, Any]:
-    def parts(metrics: Any) -> Mapping[str, Any]:
-        return {part: metrics[part] for part in ("comparisons", "method", "results")}
+def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
+    """Name the tables that not every run has, whether they are there or not; `checks` is where `make test-hard` ran."""
+    found = {name: Path(run, path) for name, path in _EXTRAS.items()}
+    return found | {"precision": Path(checks, "reports/precision.json")}
 
-    return read_json(path, parts, "holds no metrics of this workflow", "run rule metrics again")
+
+def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[str, ...]]:
+    """Find a run's tables in its folder, its parameters, and the objects that were to take part, `class/name`.
+
+    Raises `ReportError` if the parameters, the metrics or a table is missing.
+    """
+    folder = Path(folder)
+    results = folder / "results"
+    for name in (PARAMETERS, *(f"results/{table}" for table in _TABLES), METRICS):
+        if not (folder / name).is_file() and not _parts(folder / name):
+            raise ReportError(
+                f"{folder / name} is not there, and the report needs it; name the folder of a "
+                "finished run, or run `snakemake -j2` there first."
+            )
+    parameters = read_parameters(folder / PARAMETERS)
+    tables: dict[str, Any] = {name: _parts(results / name) for name in _TABLES}
+    logs = folder / "logs"
+    files = RunFiles(
+        metrics=folder / METRICS,
+        **tables,
+        effects=[*_parts(results / "effects/views"), *_parts(results / "effects/touches")],
+        meshes=sorted((results / "meshes").glob("*/*/*.ply")),
+        credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],
+        logs=logs if logs.is_dir() else None,
+        folder=folder,
+        extras=find_extras(folder, folder),
+    )
+    return files, parameters, _objects(folder, parameters, files)
+
+
+def _parts(folder: Path) -> list[Path]:
+    return sorted(folder.rglob("*.parquet"))
+
+
+def _objects(folder: Path, parameters: ExperimentParameters, files: RunFiles) -> tuple[str, ...]:
+    catalogue = folder / "meshes/catalogue.csv"
+    if not catalogue.is_file():
+        return tuple(object_of(path) for path in files.meshes)
+    catalogued = {model.key for model in models_of_set(catalogue, parameters.meshes.set)}
+    own = find_own_models(folder / "meshes/own", catalogued)
+    return tuple(sorted({*catalogued, *(model.key for model in own.models)}))

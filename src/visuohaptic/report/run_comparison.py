@@ -19,6 +19,7 @@ from visuohaptic.parameters import ExperimentParameters, leaves
 from visuohaptic.report.comparison import pipeline_order
 from visuohaptic.report.estimates import Figure, points_above_interval
 from visuohaptic.report.measured_runs import MEASURES, Cell, CellFigures, MeasuredRun
+from visuohaptic.report.page import make_environment
 from visuohaptic.report.wording import classifier_name, counted, strategy_name
 
 EQUAL = Figure(0.0, 0.0, 0.0)
@@ -27,9 +28,9 @@ EQUAL = Figure(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Difference:
-    """A run's figure less that of the first run; the p value is of the sign-change test over the same objects.
+    """A run's figure less that of the first run; p is of the sign-change test over the same objects.
 
-    The direction is `equal` on every object, `higher` or `lower` where the interval leaves out 0, else `open`.
+    `equal` is on every object, `higher` or `lower` where the interval leaves out 0, else it is `open`.
     """
 
     difference: Figure
@@ -62,8 +63,7 @@ class Fact:
 class RunComparison:
     """Everything that differs, or could have: of each run its letter and where it was read from.
 
-    `facts` are parameters, code, packages and machine that differ, and seconds; `parameters_known`
-    says whether each run has parameters of its own.
+    Seconds are among the `facts` whether they differ or not.
     """
 
     labels: tuple[str, ...]
@@ -99,10 +99,7 @@ class RunComparison:
 
 
 def compare_runs(runs: Sequence[MeasuredRun]) -> RunComparison:
-    """Set runs side by side; differences are each run's figure minus the first's.
-
-    Raises `ReportError` for fewer than two runs, or more than there are letters.
-    """
+    """Set 2 to 26 runs side by side; differences are each run's figure minus the first's."""
     if not 2 <= len(runs) <= len(ascii_uppercase):
         raise ReportError(
             f"{counted(len(runs), 'run')} can't be compared; 2 to {len(ascii_uppercase)} are allowed."
@@ -151,8 +148,6 @@ def difference_in_words(found: Difference) -> str | Markup:
 
 def render_comparison(comparison: RunComparison) -> str:
     """Give the page of a comparison: HTML that asks the network for nothing."""
-    from visuohaptic.report.page import make_environment
-
     environment = make_environment()
     environment.filters["difference"] = difference_in_words
     style = package_files("visuohaptic.report").joinpath("templates", "style.css")

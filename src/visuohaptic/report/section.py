@@ -9,8 +9,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.report.cost import CostFigures, read_cost
-from visuohaptic.report.influence import influence_figures
+from visuohaptic.report.cost import read_cost
+from visuohaptic.report.effects import influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.readings import ReadingsSummary, read_readings
@@ -23,10 +23,7 @@ Rows = Mapping[str, str | int]
 
 @dataclass(frozen=True)
 class Reads:
-    """A table that a section shows: what of it, its schema, and which of its `rows`, by a name in `_rows`.
-
-    `files` are those of `RunFiles`, or one of its extras; ``studies/NAME`` for a study.
-    """
+    """A table that a section shows: what of it, which `files` of `RunFiles`, and which `rows`, by a name in `_rows`."""
 
     what: str
     schema: Schema
@@ -43,7 +40,7 @@ class ReportContext:
     seconds: Sequence[PhaseSeconds]
 
     @cached_property
-    def frontier(self) -> CostFigures | None:
+    def frontier(self) -> Values | None:
         """What accuracy costs in this run."""
         return read_cost(self.run.file_of("frontier"), self.run.parameters)
 
@@ -66,10 +63,9 @@ class ReportContext:
 
 @dataclass(frozen=True)
 class Section:
-    """One section of the page: its anchor, which is the stem of its template, and its title.
+    """One section of the page: its anchor, which is the stem of its template, its title, and what it reads.
 
-    `values` gives the words and figures of the template; None leaves the section out, and ``title`` stands
-    in the title's place. `reads` are the tables that it shows, which may depend on the run.
+    `values` gives the words and figures of the template; None leaves the section out, ``title`` is another title.
     """
 
     name: str

@@ -21,16 +21,14 @@ from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
     count_states,
-    sum_channels,
-    sum_effects,
-)
-from visuohaptic.report.gaze import gaze_figures
-from visuohaptic.report.influence import (
     effects_answer,
     hard_places,
     rows_of_scenes,
     scene_strips,
+    sum_channels,
+    sum_effects,
 )
+from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.looking import ANSWERS, looking_figures
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
@@ -41,10 +39,10 @@ from visuohaptic.report.questions import (
     readings_sentence,
     recognition_answer,
     reproduction_answer,
+    row_of,
 )
-from visuohaptic.report.recounting import recount_accuracy, recount_cost, recount_lead
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import ReportContext, Values
+from visuohaptic.report.section import ReportContext, Values, narrowed, place_of
 from visuohaptic.report.stability import (
     StabilityFigures,
     describe_checks,
@@ -52,8 +50,7 @@ from visuohaptic.report.stability import (
     stability_answer,
     stability_figures,
 )
-from visuohaptic.report.studies import names_of_own_studies, read_study
-from visuohaptic.report.touches_needed import curve_figures
+from visuohaptic.report.studies import curve_figures, names_of_own_studies, read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
@@ -75,6 +72,35 @@ NO_TOUCH = {
     "passed over": "no touch: a place that the sensor can't reach, before one that was touched instead",
     "missing": "no touch: the view has no further place in reach",
 }
+
+
+# Lines of Python with which a reader counts a headline number again, from the run's own tables.
+_SHARES = """\
+import pandas as pd
+rows = pd.read_parquet({place!r})
+rows = rows[(rows["pipeline"] == {pipeline!r}) & (rows["classifier"] == {classifier!r})]
+right = (rows["predicted"] == rows["class"]).groupby([rows["strategy"], rows["split"], rows["seed"]])
+shares = right.mean().groupby("strategy").mean()
+print({shown})"""
+_COST = """\
+import pandas as pd
+rows = pd.read_parquet({place!r})
+row = rows[(rows["family"] == {family!r}) & (rows["setting"] == {setting!r})].iloc[0]
+print(f"{{row['seconds']:.4f}} s, error rate {{100 * row['error']:.1f}} %")"""
+
+
+def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
+    """Give the lines that print `shown`, of the ``shares`` that the answers' classifier gets right by strategy."""
+    place = place_of(run, narrowed(run.parts("predictions"), {"pipeline": table.name}))
+    return _SHARES.format(
+        place=place.as_posix(), pipeline=table.name, classifier=row_of(table).key, shown=shown
+    )
+
+
+def recount_cost(run: Run, row: Mapping[str, Any]) -> str:
+    """Give the lines that print seconds and error rate of a setting of this run."""
+    place = place_of(run, run.parts("frontier")).as_posix()
+    return _COST.format(place=place, family=row["family"], setting=row["setting"])
 
 
 def given(**values: object) -> Values | None:
@@ -109,13 +135,14 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         first, fixations = run.pipelines[0], run.parameters.attention.fixations
         touches = min(recognition.touches or fixations, fixations)
         unseen = UNSEEN[recognition.protocol.protocol]
-        accuracy = recount_accuracy(run, first)
+        accuracy = recount_shares(run, first, f'f"{{100 * shares[{first.leading!r}]:.1f}} %"')
         compared = next((table for table in run.pipelines if has_opponent(table)), first)
         yield recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy
-        lead = recount_lead(run, compared, MAIN_OPPONENT)
+        lead = f"shares[{compared.leading!r}] - shares[{MAIN_OPPONENT!r}]"
+        lead = recount_shares(run, compared, f'f"{{100 * ({lead}):+.1f}} points"')
         yield fixation_answer(run.pipelines, context.readings), lead
         yield reproduction_answer(first), accuracy
-    rows = context.frontier.rows if context.frontier else []
+    rows = context.frontier["rows"] if context.frontier else []
     quickest = first_step(rows)
     if quickest is not None:
         yield cost_verdict(rows), recount_cost(run, quickest)
@@ -147,7 +174,7 @@ def comparison_values(context: ReportContext) -> Values | None:
     sentences = (
         gain_sentence(run.pipelines[0]),
         readings_sentence(context.readings),
-        *(cue_sentences(context.frontier.rows) if context.frontier else ()),
+        *(cue_sentences(context.frontier["rows"]) if context.frontier else ()),
     )
     return {
         "title": titled(f"{first} against {against}" if others else first),
@@ -198,7 +225,8 @@ def ablations_values(context: ReportContext) -> Values | None:
 def own_studies_values(context: ReportContext) -> Values | None:
     """Give the studies that don't come with the package."""
     folder = context.run.file_of("studies")
-    return given(studies=[read_study(folder, name) for name in names_of_own_studies(folder)])
+    studies = [read_study(folder, name) for name in names_of_own_studies(folder)]
+    return given(studies=[study for study in studies if study])
 
 
 def cost_values(context: ReportContext) -> Values | None:

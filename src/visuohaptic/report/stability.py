@@ -10,8 +10,7 @@ from pathlib import Path
 import pyarrow as pa
 from markupsafe import Markup
 
-from visuohaptic.report.estimates import Row
-from visuohaptic.report.json_files import read_json
+from visuohaptic.report.estimates import Row, read_json
 from visuohaptic.report.wording import counted, percent
 
 # Elements and attributes that a drawing may have; all others are removed.
@@ -25,11 +24,7 @@ _DRAWING = re.compile(
 
 @dataclass(frozen=True)
 class Check:
-    """A row of `tables.STABILITY`: one kind of hard case, and how the worst of them went.
-
-    `key` is `class/name` of the object that it is about, or empty. `worst_error` is None where it was
-    not finite. `drawing` is the worst case as SVG, safe to be shown, or empty.
-    """
+    """A row of `tables.STABILITY`; `key` is `class/name` of its object, or empty, and `drawing` safe to be shown."""
 
     family: str
     requirement: str
@@ -132,18 +127,13 @@ def stability_answer(figures: Sequence[StabilityFigures]) -> str:
 
 
 def read_precision(path: Path) -> dict[str, list[Row]]:
-    """Read errors and seconds of each kernel's settings, ``reports/precision.json``, by kernel.
+    """Read errors and seconds of each kernel's settings, ``reports/precision.json``, by kernel."""
 
-    Raises `ReportError` if the file holds no such rows.
-    """
-    return read_json(path, _by_kernel, "holds no rows of kernels", "run make test-hard again")
+    def by_kernel(rows: Sequence[Row]) -> dict[str, list[Row]]:
+        kernels = dict.fromkeys(row["kernel"] for row in rows)
+        return {kernel: [row for row in rows if row["kernel"] == kernel] for kernel in kernels}
 
-
-def _by_kernel(rows: Iterable[Row]) -> dict[str, list[Row]]:
-    kernels: dict[str, list[Row]] = {}
-    for row in rows:
-        kernels.setdefault(row["kernel"], []).append(row)
-    return kernels
+    return read_json(path, by_kernel, "holds no rows of kernels", "run make test-hard again")
 
 
 def _check(row: Row) -> Check:

@@ -55,6 +55,13 @@ def table(
     on the page; `caption` stands above it, if not the label.
     """
     listed = list(rows)
+    cells = [
+        (
+            "best" if row is best else isinstance(row, Mapping) and row.get("mark"),
+            [_write(environment, row, *column[1:]) for column in columns],
+        )
+        for row in listed
+    ]
     numeric = [
         column[-1] == NUMBER or any(_is_number(_find(row, column[1])) for row in listed)
         for column in columns
@@ -65,13 +72,7 @@ def table(
             caption=caption or label,
             headings=[column[0] for column in columns],
             numeric=numeric,
-            rows=[
-                (
-                    "best" if row is best else _mark(row),
-                    [_write(environment, row, *column[1:]) for column in columns],
-                )
-                for row in listed
-            ],
+            rows=cells,
         )
     )
 
@@ -79,22 +80,6 @@ def table(
 def _is_number(value: object) -> bool:
     kinds = (int, float, Figure, Interval, Mapping)
     return isinstance(value, kinds) and not isinstance(value, bool)
-
-
-def _with_interval(environment: Environment, figure: Figure, form: str) -> Markup:
-    if form in SHARES:
-        return SHARES[form](figure)
-    return above_interval(figure, environment.filters[form])
-
-
-def _mark(row: object) -> object:
-    return row.get("mark") if isinstance(row, Mapping) else None
-
-
-def _figure(value: object) -> Figure | None:
-    if isinstance(value, Interval):
-        return estimate(value)
-    return value if isinstance(value, Figure) else None
 
 
 def _find(row: Any, key: str) -> Any:
@@ -113,8 +98,11 @@ def _write(environment: Environment, row: Any, key: str, form: str = "") -> obje
         return NONE
     if form.startswith("±"):
         owner, _, name = key.rpartition(".")
-        figure = _figure(value) or figure_of(_find(row, owner) if owner else row, name)
-        return NONE if figure is None else _with_interval(environment, figure, form[1:])
+        figure = estimate(value) if isinstance(value, Interval) else value
+        if not isinstance(figure, Figure):
+            figure = figure_of(_find(row, owner), name) or Figure(value)
+        write = SHARES.get(form[1:])
+        return write(figure) if write else above_interval(figure, environment.filters[form[1:]])
     if "%" in form:
         return form % value
     if "{" in form:

@@ -4,6 +4,7 @@
   const MOST_OPEN = 6; // browsers limit the number of WebGL contexts
   const [SQUARES, LEADERS, NUMBERS] = [1, 4, 5]; // places of their traces
   const LABEL = 0.09; // radius of a number, in object radii
+  const [REACHES, TURNS] = [[0.15, 0.22, 0.3, 0.45], [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6]]; // of numbers from squares
   const MOST_ASIDE = 1.05; // of a number from the middle, where the stage still shows it
   const opened = [];
   let library = null;
@@ -28,24 +29,16 @@
     const block = await unpack(figure.querySelector(".geometry").textContent);
     const { vertices, faces, touches } = figure.dataset;
     let place = 0;
-    const take = (Type, count) => {
-      const end = place + count * Type.BYTES_PER_ELEMENT;
-      const values = new Type(block.slice(place, end));
-      place = end;
-      return values;
-    };
+    const take = (Type, count) => new Type(block.slice(place, place += count * Type.BYTES_PER_ELEMENT));
     const scaled = (values) => Array.from(values, (value) => value / COORDINATE_STEPS);
     const keys = JSON.parse(figure.querySelector(".touch-keys").textContent);
-    const model = {
-      vertices: scaled(take(Int16Array, 3 * vertices)),
-      touches: scaled(take(Int16Array, 10 * touches)),
-      corners: take(Uint32Array, 3 * faces),
-      colours: take(Uint8Array, 3 * faces),
+    const [points, poses] = [3 * vertices, 10 * touches].map((count) => scaled(take(Int16Array, count)));
+    return {
+      vertices: points, corners: take(Uint32Array, 3 * faces), colours: take(Uint8Array, 3 * faces),
+      keys: keys.map(([strategy, viewpoint, number, state], row) => ({
+        strategy, viewpoint, number, state, pose: poses.slice(10 * row, 10 * row + 10),
+      })),
     };
-    model.keys = keys.map(([strategy, viewpoint, number, state], row) => ({
-      strategy, viewpoint, number, state, pose: model.touches.slice(10 * row, 10 * row + 10),
-    }));
-    return model;
   }
 
   const column = (values, width, place) => Array.from({ length: values.length / width }, (_, row) => values[row * width + place]);
@@ -75,23 +68,20 @@
     const centres = poses.map((pose) => ({ x: dot(pose, right), y: dot(pose, up), radius: 0.71 * pose[9] }));
     const taken = [];
     return poses.map((pose, place) => {
-      let best = null;
-      for (const reach of [0.15, 0.22, 0.3, 0.45]) {
-        // Away from the object's middle first, where the object is not behind a number.
-        for (const turn of [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6]) {
-          const angle = Math.atan2(centres[place].y, centres[place].x) + (turn * Math.PI) / 6;
-          const length = centres[place].radius + reach;
-          const [a, b] = [length * Math.cos(angle), length * Math.sin(angle)];
-          const [x, y] = [centres[place].x + a, centres[place].y + b];
-          const room = Math.min(
-            MOST_ASIDE - Math.abs(x), MOST_ASIDE - Math.abs(y),
-            ...centres.map((other) => Math.hypot(x - other.x, y - other.y) - other.radius - LABEL),
-            ...taken.map((other) => Math.hypot(x - other.x, y - other.y) - 2 * LABEL),
-          );
-          if (!best || Math.min(room, 0) > Math.min(best.room, 0)) best = { room, x, y, a, b };
-        }
-      }
-      taken.push(best);
+      const { x, y, radius } = centres[place];
+      // Away from the object's middle first, where the object is not behind a number.
+      const places = REACHES.flatMap((reach) => TURNS.map((turn) => {
+        const angle = Math.atan2(y, x) + (turn * Math.PI) / 6;
+        return { a: (radius + reach) * Math.cos(angle), b: (radius + reach) * Math.sin(angle) };
+      }));
+      const room = ({ a, b }) => Math.min(
+        0, MOST_ASIDE - Math.abs(x + a), MOST_ASIDE - Math.abs(y + b),
+        ...centres.map((other) => Math.hypot(x + a - other.x, y + b - other.y) - other.radius - LABEL),
+        ...taken.map((other) => Math.hypot(x + a - other.x, y + b - other.y) - 2 * LABEL),
+      );
+      const rooms = places.map(room);
+      const best = places[rooms.indexOf(Math.max(...rooms))];
+      taken.push({ x: x + best.a, y: y + best.b });
       return [0, 1, 2].map((axis) => pose[axis] + best.a * right[axis] + best.b * up[axis] + 0.25 * towards[axis]);
     });
   }
@@ -142,15 +132,15 @@
   }
 
   // Shows what the sensor felt at a touch, cut out of the strategy's sheet of imprints.
-  function showImprint(figure, sheets, key) {
+  function showImprint(figure, sheets, keys, key) {
     const felt = figure.querySelector(".felt");
-    const sheet = sheets[key.strategy];
+    const columns = Math.max(...keys.filter(({ strategy }) => strategy === key.strategy).map(({ number }) => number));
     const picture = document.createElement("span");
     picture.className = "cell";
     picture.setAttribute("role", "img");
     picture.setAttribute("aria-label", `Imprint of touch ${key.number}`);
     const place = `${-96 * (key.number - 1)}px ${-96 * key.viewpoint}px`;
-    picture.style.background = `url(${sheet.picture}) ${place} / ${96 * sheet.columns}px auto`;
+    picture.style.background = `url(${sheets[key.strategy]}) ${place} / ${96 * columns}px auto`;
     const edge = key.pose[9].toFixed(3);
     felt.replaceChildren(picture, `Touch ${key.number}: edge ${edge} object radii, contact ${key.state.replaceAll("_", " ")}`);
     felt.hidden = false;
@@ -188,16 +178,11 @@
     if (opened.length >= MOST_OPEN) close(opened.shift());
     const rest = [...stage.children];
     const sheets = JSON.parse(figure.querySelector(".imprint-sheets").textContent);
-    for (const [strategy, picture] of Object.entries(sheets)) {
-      const columns = Math.max(...model.keys.filter((key) => key.strategy === strategy).map((key) => key.number));
-      sheets[strategy] = { picture, columns };
-    }
-    const ink = () => getComputedStyle(document.body).color;
     const [strategies, viewpoints] = ["strategies", "viewpoints"].map((name) => figure.querySelector(`.${name}`));
     const chosen = () => model.keys.filter((key) => key.strategy === strategies.value && key.viewpoint === Number(viewpoints.value));
-    const touches = () => touchTraces(chosen(), (stage.layout?.scene.camera ?? standing()).eye, ink());
+    const touches = () => touchTraces(chosen(), (stage.layout?.scene.camera ?? standing()).eye, getComputedStyle(document.body).color);
     const shown = () => [surfaceTrace(model), ...touches()];
-    const show = (key) => showImprint(figure, sheets, key);
+    const show = (key) => showImprint(figure, sheets, model.keys, key);
     const offer = () => offerTouches(figure, chosen(), show);
     const standing = () => {
       const { azimuth, elevation } = viewpoints.selectedOptions[0].dataset;
@@ -213,8 +198,9 @@
     stage.classList.add("open");
     stage.setAttribute("role", "img");
     stage.setAttribute("aria-label", `Model of ${figure.dataset.name} with numbered touches; rotate it with the buttons below or by dragging`);
-    await Plotly.newPlot(stage, shown(), layout, { displayModeBar: false, responsive: true, scrollZoom: false });
-    const redraw = () => Plotly.react(stage, shown(), stage.layout, { displayModeBar: false, responsive: true, scrollZoom: false });
+    const settings = { displayModeBar: false, responsive: true, scrollZoom: false };
+    await Plotly.newPlot(stage, shown(), layout, settings);
+    const redraw = () => Plotly.react(stage, shown(), stage.layout, settings);
     const stand = (camera) => Plotly.relayout(stage, { "scene.camera": camera });
     const point = ({ points: [{ curveNumber, pointNumber }] }) => {
       if (curveNumber === SQUARES) show(chosen()[Math.floor(pointNumber / 4)]);
@@ -257,11 +243,8 @@
     figure.querySelector(".controls").hidden = true;
   }
 
-  function drawsIn3D() {
-    return typeof DecompressionStream === "function" && Boolean(window.WebGLRenderingContext);
-  }
-
-  for (const figure of drawsIn3D() ? document.querySelectorAll(".model") : []) {
+  const drawsIn3D = typeof DecompressionStream === "function" && Boolean(window.WebGLRenderingContext);
+  for (const figure of drawsIn3D ? document.querySelectorAll(".model") : []) {
     const button = figure.querySelector(".open");
     figure.querySelector(".stage p").textContent = "The model with its touches; it can be rotated.";
     figure.querySelector(".stage").classList.add("ready");

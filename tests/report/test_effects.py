@@ -4,7 +4,7 @@ import pytest
 from report.pages import plain
 from report.synthetic import PARAMETERS, write_study
 
-from visuohaptic.report.influence import (
+from visuohaptic.report.effects import (
     effects_answer,
     hard_places,
     influence_figures,
@@ -69,7 +69,7 @@ def test_scenes_as_a_whole_have_rows_of_their_own(tmp_path):
     ]
     study = read_study(write_study(tmp_path, "effects", rows), "effects")
     ((table, found),) = rows_of_scenes(study)
-    assert table is study.tables[0]
+    assert table is study["tables"][0]
     assert [row["condition"] for row in found] == ["ideal", "worn_fsr"]
     failed = read_study(write_study(tmp_path, "effects", [("fsr400", None, None, None)]), "effects")
     assert rows_of_scenes(failed) == []
