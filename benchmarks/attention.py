@@ -80,4 +80,4 @@ def nearest(found: np.ndarray, sought: np.ndarray) -> np.ndarray:
 def attend_to(views: Views, parameters: AttentionParameters) -> list[Attention]:
     """Find the fixations of views."""
     names = ("colour", "mask", "point", "normal", "face", "curvature")
-    return attend(*(getattr(views, name) for name in names), parameters)
+    return attend(**{name: getattr(views, name) for name in names}, parameters=parameters)
