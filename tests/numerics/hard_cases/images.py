@@ -2,7 +2,6 @@
 
 from fractions import Fraction
 from functools import cache
-from itertools import chain
 
 import numpy as np
 from contourlet_definition import toolbox_bands
@@ -57,26 +56,23 @@ def exact_bank(side):
 
 def whole_numbers(values):
     """Give Python integers and a power of two that they are to be divided by; nothing is rounded."""
-    exact = [Fraction(value) for value in values.ravel().tolist()]
-    unit = max(value.denominator for value in exact)
-    whole = [value.numerator * (unit // value.denominator) for value in exact]
-    return np.array(whole, dtype=object).reshape(values.shape), unit
+    exact = oracles.exact(values)
+    unit = max(value.denominator for value in exact.flat)
+    return np.frompyfunc(int, 1, 1)(exact * unit), unit
 
 
 def exact_bands(image):
     """Give the bands of an image by the definition, in exact rationals."""
     matrix, unit, sizes = exact_bank(len(image))
     pixels, own = whole_numbers(image.ravel())
-    products = [Fraction(whole, unit * own) for whole in pixels @ matrix]
-    ends = np.cumsum(sizes)
-    return [products[end - size : end] for end, size in zip(ends, sizes, strict=True)]
+    products = np.array([Fraction(whole, unit * own) for whole in pixels @ matrix])
+    return np.split(products, np.cumsum(sizes)[:-1])
 
 
 def exact_deviation(band):
     """Give the sample deviation of a band."""
-    mean = sum(band, Fraction(0)) / len(band)
-    square = sum(((value - mean) ** 2 for value in band), Fraction(0))
-    return oracles.root(square / (len(band) - 1))
+    offsets = band - band.sum() / len(band)
+    return oracles.root((offsets**2).sum() / (len(band) - 1))
 
 
 def bands(_):
@@ -85,7 +81,7 @@ def bands(_):
         exact = exact_bands(image)
         largest, picture = np.abs(image).max(), drawings.image(image, name)
         found = Contourlet(levels=(4,)).forward(image).ravel()
-        errors = off(found, chain.from_iterable(exact))
+        errors = off(found, np.concatenate(exact))
         wanted = "images/contourlet bands against exact rationals"
         yield Finding(wanted, errors / largest, name, picture)
         deviations = [exact_deviation(band) for band in exact[1:]]
@@ -96,8 +92,7 @@ def bands(_):
 
 def off(found, wanted):
     """Give how far numbers are from exact rationals."""
-    pairs = zip(found.tolist(), wanted, strict=True)
-    return np.array([abs(float(Fraction(value) - right)) for value, right in pairs])
+    return np.abs(oracles.exact(found) - wanted).astype(float)
 
 
 def reconstruction(_):
@@ -168,8 +163,7 @@ def sequence_moments(generator):
     found = summarise_signals(signal, 1)
     count = len(signal)
     _, second, _ = oracles.exact_moments(signal)
-    square = sum((Fraction(float(value)) ** 2 for value in signal), Fraction(0)) / count
-    rms = oracles.root(square)
+    rms = oracles.root((oracles.exact(signal) ** 2).sum() / count)
     deviation = oracles.root(second * count / max(count - 1, 1))
     label = f"{count} values, root mean square {rms:.3g}, deviation {deviation:.3g}"
     picture = drawings.image(signal[None], "the sequence")

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 from numerics.hard_cases.attention import look, recovery
-from numerics.surfaces import lopsided, of_trimesh, pick
+from numerics.surfaces import lopsided, moved, of_trimesh, pick
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import INWARD
@@ -198,11 +198,6 @@ def mesh_descriptions(generator, base="lopsided"):
         requirement = "order, winding, corners, doubled vertices: vertices"
         yield compare_vertices(found.triangles, wanted.triangles, requirement, label)
     yield from compare(found, wanted, label)
-
-
-def moved(surface, scale, shift=0.0):
-    """Scale a surface after a shift."""
-    return Surface(scale * (surface.vertices + shift), surface.faces, surface.face_colours)
 
 
 def mesh_units(generator):

@@ -1,7 +1,6 @@
 """Learning from samples that are too few, too alike, or of unhandy size."""
 
 import warnings
-from fractions import Fraction
 
 import numpy as np
 from numerics import oracles
@@ -185,7 +184,7 @@ def standardised_columns(generator):
     found = fit_standardiser(values[:, None], "standardise").apply(values[:, None])[:, 0]
     mean, second, _ = oracles.exact_moments(values)
     deviation = oracles.root(second)
-    wanted = [float(Fraction(float(value)) - mean) / deviation for value in values]
+    wanted = (oracles.exact(values) - mean).astype(float) / deviation
     yield Finding(
         "learning/standardised columns against exact rationals",
         np.abs(found - wanted),

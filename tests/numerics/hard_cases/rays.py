@@ -8,12 +8,12 @@ from numerics.surfaces import (
     closed_shapes,
     draw_triangles,
     float32_exact,
+    moved,
     of_trimesh,
     pick,
 )
 
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
@@ -221,8 +221,8 @@ def off_centre(generator):
     home = closed_shapes()["ball"]
     size, offset = pick(generator, -6, 6), pick(generator, 0, 6)
     towards = generator.normal(size=3)
-    shift = 10.0**size * 10.0**offset * towards / np.linalg.norm(towards)
-    away = Surface(10.0**size * home.vertices + shift, home.faces, home.face_colours)
+    towards *= 10.0**offset / np.linalg.norm(towards)
+    away = moved(home, 10.0**size, towards)
     casters = [RayCaster(normalise(surface, "ball", merge_tolerance=0)) for surface in (home, away)]
     targets = generator.normal(size=(200, 3))
     targets *= 0.8 / np.linalg.norm(targets, axis=1, keepdims=True)
