@@ -22,8 +22,8 @@ def near(triangles, origin, direction):
 
 
 def exact_first_hit(triangles, origin, direction):
-    """Give the exact distance to the first triangle, rims included, as a Fraction; None for a miss."""
-    d, best = exact(direction), None
+    """Give the exact distance to the first triangle, rims included, as a Fraction; infinite for a miss."""
+    d, best = exact(direction), np.inf
     for corner, first, second in exact(near(triangles, origin, direction)):
         a, b, s = first - corner, second - corner, exact(origin) - corner
         normal, q = np.cross(a, b), np.cross(s, d)
@@ -31,8 +31,8 @@ def exact_first_hit(triangles, origin, direction):
         if determinant == 0:
             continue
         t, u, v = (part / determinant for part in (s @ normal, q @ b, -(q @ a)))
-        if t >= 0 and u >= 0 and v >= 0 and u + v <= 1 and (best is None or t < best):
-            best = t
+        if t >= 0 and u >= 0 and v >= 0 and u + v <= 1:
+            best = min(best, t)
     return best
 
 
