@@ -55,7 +55,7 @@ def test_a_scaling_that_is_fitted_on_test_objects_is_found(monkeypatch):
         seen.append(sequences.features)
         return run(sequences, *arguments)
 
-    monkeypatch.setattr("visuohaptic.guards.leaks.run_paper_split", remember)
+    monkeypatch.setattr(experiment, "run_paper_split", remember)
     monkeypatch.setattr(
         experiment, "fit_sequence_encoder", lambda _, *more: honest(seen[-1], *more)
     )
@@ -69,7 +69,8 @@ def test_a_projection_that_is_fitted_on_test_objects_is_found(monkeypatch):
     described = []
     describe = experiment.describe_sequences
     monkeypatch.setattr(
-        "visuohaptic.guards.leaks.describe_sequences",
+        experiment,
+        "describe_sequences",
         lambda *values: described.append(describe(*values)) or described[-1],
     )
     honest = tuning.fit_projection
