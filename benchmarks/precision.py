@@ -29,8 +29,6 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 
-ROOT = Path(__file__).parent.parent
-TESTS = [str(ROOT / "tests"), str(ROOT / "packages/contourlets/tests")]
 RAYS = 20_000
 IMAGES = 256
 TOUCHES = 64
@@ -46,11 +44,9 @@ def run(rounds: int = 3) -> dict[str, list[dict[str, Any]]]:
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
-    sys.path[:0] = TESTS
     try:
         rows = [*_rays(rounds), *_imprints(rounds), *_contourlets(rounds), *_attention(rounds)]
     finally:
-        del sys.path[: len(TESTS)]
         cv2.setNumThreads(threads)
     return {"work_precision": rows}
 
