@@ -149,10 +149,7 @@ def brightness(generator):
 
 def way_of_the_eye(saliency, mask, places, parameters):
     """Follow the eye by its definition, in float64; stop where two places nearly tie."""
-    from scipy.ndimage import distance_transform_edt
-
-    depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
-    drive = saliency + INWARD * depth / depth.max()
+    depth, drive = drive_at_first(saliency, mask)
     allowed = mask & (depth > 3)
     way = []
     for _ in range(parameters.fixations):
@@ -166,6 +163,14 @@ def way_of_the_eye(saliency, mask, places, parameters):
         drive = drive * recovery(distance, parameters)
         allowed &= distance > 1
     return way
+
+
+def drive_at_first(saliency, mask):
+    """Give how far pixels lie inside the outline, and what drives the eye before any fixation."""
+    from scipy.ndimage import distance_transform_edt
+
+    depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    return depth, saliency.astype(float) + INWARD * depth / depth.max()
 
 
 def recovery(distance, parameters):

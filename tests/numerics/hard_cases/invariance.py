@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numerics.hard_cases.attention import look, recovery
+from numerics.hard_cases.attention import drive_at_first, look, recovery
 from numerics.surfaces import lopsided, moved, of_trimesh, pick
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.attention.scanpath import INWARD
 from visuohaptic.features.describing import describe_imprints
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import ViewpointParameters
@@ -117,10 +116,7 @@ KINDS = {
 
 def drive_of(points, attended, mask, upto):
     """Give what drives the eye after some fixations, in float64, by the model's definition."""
-    from scipy.ndimage import distance_transform_edt
-
-    depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
-    drive = attended.saliency.astype(float) + INWARD * depth / depth.max()
+    _, drive = drive_at_first(attended.saliency, mask)
     parameters = AttentionParameters()
     for point in attended.scanpath.points[:upto]:
         distance = np.linalg.norm(points - point, axis=-1) / parameters.focus_radius
