@@ -1,4 +1,4 @@
-"""Contourlets against PyWavelets and against the plain recursive form, side by side.
+"""Contourlets against PyWavelets and against the plain recursive form: `python -m benchmarks contourlet`.
 
 Peers take turns within one run, and medians are compared, so that a slow spell of the machine
 falls on all of them. Set `OPENBLAS_NUM_THREADS=1` for figures of one core.
@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import time
 import tracemalloc
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
-from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
-from types import ModuleType
+from importlib import import_module
 
 import numpy as np
 import pywt
@@ -27,37 +25,33 @@ from contourlets import (
 )
 
 ROUNDS = 9
-_DEFINITION = Path(__file__).parent.parent / "packages/contourlets/tests/contourlet_definition.py"
+MICRO, MILLI = 1e6, 1e3
 
 
-def contest_of(peers: Peers) -> dict[str, float]:
-    """Give the median processor seconds of each of some peers."""
-    return medians(in_turn(peers, ROUNDS))
+def images_of(*shape: int) -> np.ndarray:
+    """Draw noise."""
+    return np.random.default_rng(0).standard_normal(shape)
 
 
-def plain_form() -> ModuleType:
-    """Load the recursive form that the tests compare with: arrays resampled, extended, filtered."""
-    spec = spec_from_file_location("contourlet_definition", _DEFINITION)
-    if spec is None or spec.loader is None:
-        raise FileNotFoundError(_DEFINITION)
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def contest(peers: Peers, scale: float) -> dict[str, float]:
+    """Give the median processor seconds of each of some peers, times a number."""
+    return medians(in_turn(peers, ROUNDS), scale)
 
 
 def deviations_of_small_images(count: int = 1000) -> dict[str, float]:
     """Time 16 deviations of 32 × 32 images; microseconds an image."""
-    images = np.random.default_rng(0).standard_normal((count, 32, 32))
-    plain = plain_form()
+    images = images_of(count, 32, 32)
+    plain = import_module("contourlet_definition")
 
     def recursive() -> list[float]:
-        return [float(np.std(b, ddof=1)) for b in plain.toolbox_bands(images[0], (4,))[1:]]
+        """Resample, extend and filter arrays, as the tests do."""
+        return [float(np.std(band, ddof=1)) for band in plain.toolbox_bands(images[0], (4,))[1:]]
 
-    contest: dict[str, Callable[[], object]] = {
+    peers: dict[str, Callable[[], object]] = {
         f"deviations_{extension}": partial(directional_deviations, images, extension=extension)
         for extension in EXTENSIONS
     }
-    contest |= {
+    peers |= {
         "wavelet_db2_3_levels": lambda: wavelet_deviations(images, "db2", 3),
         "wavelet_bior44_1_level": lambda: wavelet_deviations(images, "bior4.4", 1),
         "wavelet_db2_3_levels_PyWavelets_batch": lambda: pywt.wavedec2(
@@ -65,35 +59,30 @@ def deviations_of_small_images(count: int = 1000) -> dict[str, float]:
         ),
         "ladder_transform": lambda: Contourlet((4,)).forward(images),
     }
-    figures = {name: 1e6 * value / count for name, value in contest_of(contest).items()}
-    figures["plain_recursive_form"] = 1e6 * contest_of({"plain": recursive})["plain"]
-    figures["plain_over_periodic"] = (
-        figures["plain_recursive_form"] / figures["deviations_periodic"]
-    )
-    return figures
+    figures = contest(peers, MICRO / count) | contest({"plain_recursive_form": recursive}, MICRO)
+    ratio = figures["plain_recursive_form"] / figures["deviations_periodic"]
+    return figures | {"plain_over_periodic": ratio}
 
 
-def small_batches(sizes: Sequence[int] = (1, 8, 80)) -> dict[str, float]:
+def small_batches() -> dict[str, float]:
     """Time deviations of batches that a single job has; microseconds an image."""
-    images = np.random.default_rng(0).standard_normal((max(sizes), 32, 32))
-    contest: dict[str, Callable[[], object]] = {
-        str(size): partial(directional_deviations, images[:size]) for size in sizes
-    }
-    return {name: 1e6 * value / int(name) for name, value in contest_of(contest).items()}
+    images = images_of(80, 32, 32)
+    peers = {size: partial(directional_deviations, images[:size]) for size in (1, 8, 80)}
+    seconds = contest({str(size): call for size, call in peers.items()}, MICRO)
+    return {size: value / int(size) for size, value in seconds.items()}
 
 
-def large_image(side: int = 512) -> dict[str, float]:
+def large_image() -> dict[str, float]:
     """Time two levels (l = 3, 4) of a large image; milliseconds, and ratios to PyWavelets."""
-    image = np.random.default_rng(0).standard_normal((side, side))
-    transforms = {extension: Contourlet((3, 4), extension=extension) for extension in EXTENSIONS}
-    contest: dict[str, Callable[[], object]] = {
+    image = images_of(512, 512)
+    peers: dict[str, Callable[[], object]] = {
         "wavedec2_bior44": lambda: pywt.wavedec2(image, "bior4.4", "periodization", level=2)
     }
-    for extension, transform in transforms.items():
-        coefficients = transform.forward(image)
-        contest[f"forward_{extension}"] = partial(transform.forward, image)
-        contest[f"inverse_{extension}"] = partial(transform.inverse, coefficients)
-    figures = {name: 1e3 * value for name, value in contest_of(contest).items()}
+    for extension in EXTENSIONS:
+        transform = Contourlet((3, 4), extension=extension)
+        peers[f"forward_{extension}"] = partial(transform.forward, image)
+        peers[f"inverse_{extension}"] = partial(transform.inverse, transform.forward(image))
+    figures = contest(peers, MILLI)
     for extension in EXTENSIONS:
         ratio = figures[f"forward_{extension}"] / figures["wavedec2_bior44"]
         figures[f"forward_{extension}_over_wavedec2"] = ratio
@@ -102,29 +91,29 @@ def large_image(side: int = 512) -> dict[str, float]:
 
 def published_sizes() -> dict[str, float]:
     """Time 64 × 64 images, two levels, for which other packages publish times; milliseconds."""
-    image = np.random.default_rng(0).standard_normal((64, 64))
-    contest: dict[str, Callable[[], object]] = {
+    image = images_of(64, 64)
+    peers: dict[str, Callable[[], object]] = {
         "contourlet": lambda: Contourlet((3, 4)).forward(image),
         "nonsubsampled": lambda: NonsubsampledContourlet((3, 4)).forward(image),
     }
-    return {name: 1e3 * value for name, value in contest_of(contest).items()}
+    return contest(peers, MILLI)
 
 
 def first_calls() -> dict[str, float]:
     """Time the deviations of one image together with the tables that a first call makes; milliseconds."""
-    image = np.random.default_rng(0).standard_normal((1, 32, 32))
+    image = images_of(1, 32, 32)
     figures = {}
     for extension in EXTENSIONS:
         # No other benchmark has these filters, so no table is there yet.
         start = time.perf_counter()
         directional_deviations(image, 4, "bior2.8", "pkva6", extension)
-        figures[f"deviations_{extension}"] = 1e3 * (time.perf_counter() - start)
+        figures[f"deviations_{extension}"] = MILLI * (time.perf_counter() - start)
     return figures
 
 
 def peak_memory() -> dict[str, float]:
     """Peak of working memory beyond input and output; MiB."""
-    images = np.random.default_rng(0).standard_normal((20_000, 32, 32))
+    images = images_of(20_000, 32, 32)
     directional_deviations(images[:1])
     tracemalloc.start()
     found = directional_deviations(images)
@@ -152,16 +141,3 @@ def run() -> dict[str, object]:
         "first_call_ms": first_calls(),
         "peak_mib": peak_memory(),
     }
-
-
-def main() -> None:
-    """Print the figures as a table."""
-    for group, figures in run().items():
-        print(group)
-        if isinstance(figures, dict):
-            for name, value in figures.items():
-                print(f"  {name:42s} {value:10.2f}")
-
-
-if __name__ == "__main__":
-    main()

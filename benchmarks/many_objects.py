@@ -1,8 +1,8 @@
 """How the workflow grows with objects: seconds and memory of each step, for 12 to 568 objects, or as many as asked.
 
 `python -m benchmarks.many_objects FOLDER [COUNT …]` makes the objects, the paper's twelve, each deformed by a seed, and
-plans a run; with `--run` it makes the whole run from nothing, too, and what follows it. Figures are printed as a table,
-and kept as FOLDER/measured.json. The objects stay in FOLDER, where `snakemake -s Snakefile -d FOLDER/COUNT` runs them.
+the whole run from nothing, and what follows it. Figures are kept as FOLDER/measured.json. The objects stay in FOLDER,
+where `snakemake -s Snakefile -d FOLDER/COUNT` runs them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import os
 import re
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 from contextlib import suppress
@@ -108,14 +107,6 @@ def _watch_memory(process: int, most: list[float], ended: threading.Event) -> No
         most[0] = max(most[0], total / 2**20)
 
 
-def run() -> dict[str, object]:
-    """Measure the plans of all counts in a folder that does not stay."""
-    with tempfile.TemporaryDirectory() as folder:
-        return {
-            str(count): plan(prepare(Path(folder), count, viewpoints=16), count) for count in COUNTS
-        }
-
-
 def prepare(folder: Path, count: int, viewpoints: int) -> Path:
     """Make a folder with so many objects and parameters, and give its path."""
     here = folder / str(count)
@@ -130,21 +121,6 @@ def prepare(folder: Path, count: int, viewpoints: int) -> Path:
     return here
 
 
-def in_blocks(count: int) -> list[str]:
-    """Give the options by which a job takes several objects."""
-    blocks = {"objects_per_job": BLOCKS.get(count, 50)}
-    return ["--config", f"workflow={json.dumps(blocks)}"]
-
-
-def plan(folder: Path, count: int) -> Steps:
-    """Measure how long it takes to read the workflow, and to plan a run with a job a phase and object, and with blocks."""
-    return {
-        "parse": measure(folder, "--list-target-rules", *in_blocks(count)),
-        "dry run, a job a phase and object": measure(folder, "-n", "--quiet"),
-        "dry run, in blocks": measure(folder, "-n", "--quiet", *in_blocks(count)),
-    }
-
-
 def run_all(folder: Path, count: int, cores: int) -> Steps:
     """Measure a whole run in blocks from nothing, then one with nothing to do, and the report by itself.
 
@@ -154,7 +130,8 @@ def run_all(folder: Path, count: int, cores: int) -> Steps:
         raise SystemExit(
             f"{folder / 'results'} is there; a run from nothing needs a new folder or none in its place."
         )
-    options = ["--cores", str(cores), *in_blocks(count)]
+    blocks = {"objects_per_job": BLOCKS.get(count, 50)}
+    options = ["--cores", str(cores), "--config", f"workflow={json.dumps(blocks)}"]
     steps = {
         "whole run": measure(folder, *options),
         "nothing to do": measure(folder, *options),
@@ -179,42 +156,21 @@ def of_phases(folder: Path) -> dict[str, float]:
     return found
 
 
-def as_table(found: dict[str, Steps]) -> str:
-    """Write seconds, processor seconds and memory of every step as a Markdown table, a column a count."""
-    steps = dict.fromkeys(step for one in found.values() for step in one)
-    rows = [["", *(f"{int(count):,} objects" for count in found)], ["---"] * (len(found) + 1)]
-    rows += [[step, *(_write(one.get(step)) for one in found.values())] for step in steps]
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
-
-
-def _write(step: dict[str, float] | None) -> str:
-    if step is None:
-        return "–"
-    files = [f"{step[name]:g} MB of files" for name in ("file_mb", "results_mb") if name in step]
-    seconds = [f"{step[name]:.1f} s" for name in ("seconds", "processor_s") if name in step]
-    taken = f"{', '.join(seconds)}, {step['memory_mb']:,.0f} MB"
-    return "; ".join([taken, *files])
-
-
 def main() -> None:
     """Measure what the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("counts", type=int, nargs="*", default=COUNTS, metavar="count")
-    parser.add_argument("--run", action="store_true", help="a whole run from nothing, too")
     parser.add_argument("--viewpoints", type=int, default=4, help="of each object")
     parser.add_argument("--cores", type=int, default=len(os.sched_getaffinity(0)))
     asked = parser.parse_args()
     found: dict[str, Steps] = {}
     for count in asked.counts:
         here = prepare(asked.folder, count, asked.viewpoints)
-        found[str(count)] = plan(here, count)
-        if asked.run:
-            found[str(count)] |= run_all(here, count, asked.cores)
+        found[str(count)] = run_all(here, count, asked.cores)
         print(count, json.dumps(found[str(count)]), flush=True)
         kept = json.dumps({"viewpoints": asked.viewpoints, "cores": asked.cores, "counts": found})
         (asked.folder / "measured.json").write_text(f"{kept}\n", encoding="utf-8")
-    print(f"seconds of the clock, processor seconds, memory of all processes\n\n{as_table(found)}")
 
 
 if __name__ == "__main__":

@@ -17,23 +17,18 @@ from typing import Any
 import cv2
 import numpy as np
 
-from benchmarks.attention import attend_to
+from benchmarks.attention import CAMERAS, attend_to, every_paper_object, nearest
 from benchmarks.casts import open3d_cast, rays_of
 from benchmarks.turns import in_turn, medians
-from contourlets import Contourlet, contourlet_operator, directional_deviations
-from visuohaptic.attention import AttentionParameters
-from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from contourlets import Contourlet, ContourletOperator, contourlet_operator, directional_deviations
+from visuohaptic.attention import Attention, AttentionParameters
+from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import Views, render_views
-from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface, read_surface
-from visuohaptic.meshes.preparing import normalise
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 
-ROOT = Path(__file__).parent.parent
-TESTS = [str(ROOT / "tests"), str(ROOT / "packages/contourlets/tests")]
 RAYS = 20_000
 IMAGES = 256
 TOUCHES = 64
@@ -49,11 +44,9 @@ def run(rounds: int = 3) -> dict[str, list[dict[str, Any]]]:
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
-    sys.path[:0] = TESTS
     try:
         rows = [*_rays(rounds), *_imprints(rounds), *_contourlets(rounds), *_attention(rounds)]
     finally:
-        del sys.path[: len(TESTS)]
         cv2.setNumThreads(threads)
     return {"work_precision": rows}
 
@@ -96,7 +89,7 @@ def _rays(rounds: int) -> list[dict[str, Any]]:
     origins = generator.normal(size=(RAYS, 3))
     origins *= 2 / np.linalg.norm(origins, axis=1, keepdims=True)
     directions = targets - origins
-    exact, _, unsure = oracles.first_hits(torus.triangles, origins, directions)
+    exact, unsure = oracles.first_hits(torus.triangles, origins, directions)
     sure = np.isfinite(exact) & ~unsure
     caster = RayCaster(torus)
     bare, joined = open3d_cast(torus), rays_of(origins, directions)
@@ -163,12 +156,14 @@ def _contourlets(rounds: int) -> list[dict[str, Any]]:
     wanted = np.array(
         [[exact_deviation(band) for band in exact_bands(image)[1:]] for image in images[:8]]
     )
+    ladder = Contourlet(levels=(4,))
     calls: dict[str, Callable[[], np.ndarray]] = {
         "float64, ladder": lambda: directional_deviations(images),
-        "float32, ladder": lambda: _ladder(images.astype(np.float32)),
-        "float64, one matrix": lambda: _matrix(images, np.float64),
-        "float32, one matrix": lambda: _matrix(images, np.float32),
+        "float32, ladder": partial(_deviations, ladder, images, np.float32),
     }
+    for name, dtype in (("float64", np.float64), ("float32", np.float32)):
+        operator = contourlet_operator(ladder, (16, 16), dtype)
+        calls[f"{name}, one matrix"] = partial(_deviations, operator, images, dtype)
     settings: list[Setting] = [
         (f"16 × 16, {name}", *_spread(call()[:8] - wanted), IMAGES / 1e3, call)
         for name, call in calls.items()
@@ -178,46 +173,35 @@ def _contourlets(rounds: int) -> list[dict[str, Any]]:
     )
 
 
-def _ladder(images: np.ndarray) -> np.ndarray:
-    bands = Contourlet(levels=(4,)).forward(images).levels[0]
+def _deviations(
+    transform: Contourlet | ContourletOperator, images: np.ndarray, dtype: type
+) -> np.ndarray:
+    bands = transform.forward(images.astype(dtype)).levels[0]
     return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
 
 
-def _matrix(images: np.ndarray, dtype: type) -> np.ndarray:
-    operator = contourlet_operator(Contourlet(levels=(4,)), (16, 16), dtype)
-    bands = operator.forward(images.astype(dtype)).levels[0]
-    return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
-
-
-def _attend_to_all(views: list[Views], parameters: AttentionParameters) -> list[object]:
-    return [attend_to(seen, parameters) for seen in views]
+def _attend_to_all(views: list[Views]) -> list[Attention]:
+    return [one for seen in views for one in attend_to(seen, AttentionParameters())]
 
 
 def _attention(rounds: int) -> list[dict[str, Any]]:
     """Fixations at each resolution of the view against those at the largest."""
-    files = sorted((ROOT / "meshes/paper").rglob("*.ply.gz"))[::4]
-    surfaces: list[Surface] = [normalise(read_surface(path), path.name) for path in files]
-    cameras = place_cameras(ViewpointParameters())[::4]
-    casters = [RayCaster(surface) for surface in surfaces]
-    parameters = AttentionParameters()
-    points: dict[int, list[np.ndarray]] = {}
+    casters = [RayCaster(surface) for surface in every_paper_object(4)]
     views: dict[int, list[Views]] = {}
+    points: dict[int, list[np.ndarray]] = {}
     for resolution in (64, 128, 256, 512, 1024):
         at = RenderingParameters(resolution=resolution)
-        views[resolution] = [render_views(caster, cameras, at) for caster in casters]
-        found = [attend_to(seen, parameters) for seen in views[resolution]]
-        points[resolution] = [one.scanpath.points for each in found for one in each]
+        views[resolution] = [render_views(caster, CAMERAS, at) for caster in casters]
+        found = _attend_to_all(views[resolution])
+        points[resolution] = [one.scanpath.points for one in found]
+    reference = points.pop(1024)
     settings: list[Setting] = []
-    for resolution in (64, 128, 256, 512):
-        apart = [
-            np.linalg.norm(one[:, None] - other[None], axis=2).min(axis=1)
-            for one, other in zip(points[resolution], points[1024], strict=True)
-        ]
-        joined = np.concatenate(apart)
-        call = partial(_attend_to_all, views[resolution], parameters)
-        amount = len(surfaces) * len(cameras)
+    for resolution, found_points in points.items():
+        pairs = zip(found_points, reference, strict=True)
+        gaps = np.concatenate([nearest(found, sought) for found, sought in pairs])
+        call = partial(_attend_to_all, views[resolution])
         name = f"{resolution} × {resolution} pixels"
-        settings.append((name, float(joined.max()), float(np.median(joined)), amount, call))
+        settings.append((name, gaps.max(), np.median(gaps), len(reference), call))
     return _timed(
         "attention",
         "distance to the nearest fixation at 1024², object radii",

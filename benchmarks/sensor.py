@@ -1,4 +1,4 @@
-"""Imprints a second: geometry, effects, and a plain cast by trimesh and embreex beside them.
+"""Imprints a second: geometry, effects, and a bare cast of their rays by embreex beside them.
 
 Run as ``python benchmarks/sensor.py``. All peers touch the same probes and take turns in every
 round; figures are medians over the rounds, ratios are medians of ratios within a round.
@@ -21,11 +21,13 @@ from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.scene.parameters import TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters, touch
+from visuohaptic.sensor.gallery import Height, sheet
 from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, stand_on
 
 CAR = Path(__file__).parent.parent / "meshes/paper/car/kl_VW-new-beetle.ply.gz"
 PROBES = 256
 ROUNDS = 7
+BARE = "embreex, bare plain cast"
 ABSOLUTE = SensorParameters(normalisation="absolute")
 
 
@@ -55,7 +57,7 @@ def _measure(surface: Surface) -> dict[str, object]:
         return lambda: touch(caster, points, normals, SensorParameters(), scene, fields)
 
     peers: dict[str, Callable[[], object]] = {
-        **_peers(surface, points, normals),
+        BARE: _bare_cast(surface, points, normals),
         "plain cast": _plain_cast(caster, points, normals),
         "ideal, fixed size": imprint(Scene(effects=fixed)),
         "ideal, auto": imprint(Scene()),
@@ -71,9 +73,7 @@ def _measure(surface: Surface) -> dict[str, object]:
         "faces": len(surface.faces),
         "states": dict(zip(states.tolist(), counts.tolist(), strict=True)),
         "milliseconds": medians(seconds, 1e3 / PROBES),
-        "ratio_to_trimesh": ratios(seconds, "trimesh + embreex, plain cast"),
-        "ratio_to_bare_embreex": ratios(seconds, "embreex, bare plain cast"),
-        "ratio_to_bare_open3d": ratios(seconds, "Open3D, bare plain cast"),
+        "ratio_to_bare_embreex": ratios(seconds, BARE),
     }
 
 
@@ -83,41 +83,17 @@ def _plain_cast(caster: RayCaster, points: np.ndarray, normals: np.ndarray) -> C
     return lambda: cast_heights(caster, poses, sizes, lifts, 32)
 
 
-def _peers(
+def _bare_cast(
     surface: Surface, points: np.ndarray, normals: np.ndarray
-) -> dict[str, Callable[[], object]]:
-    """One plain cast of each probe's largest square by others; bare ones give distances only."""
-    import trimesh
-    from trimesh.ray.ray_pyembree import RayMeshIntersector
-
-    mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
-    intersector = RayMeshIntersector(mesh)
-    embreex, open3d = embreex_cast(surface), open3d_cast(surface)
-    poses = stand_on(points, normals)
+) -> Callable[[], np.ndarray]:
+    """Cast the rays of each probe's largest square by embreex alone, which gives distances only."""
+    embreex, poses = embreex_cast(surface), stand_on(points, normals)
     offsets = 0.15 * sensing_offsets(32)
-
-    def rays() -> tuple[np.ndarray, np.ndarray]:
-        origins = (
-            (points + 2.0 * normals)[:, None, None]
-            + offsets[:, None, None] * poses.rows[:, None, None]
-            + offsets[:, None] * poses.columns[:, None, None]
-        ).reshape(-1, 3)
-        return origins, np.repeat(-normals, 32 * 32, axis=0)
-
-    def located() -> np.ndarray:
-        origins, directions = rays()
-        _, hits, locations = intersector.intersects_id(
-            origins, directions, multiple_hits=False, return_locations=True
-        )
-        depths = np.full(len(origins), np.inf)
-        depths[hits] = np.einsum("ij,ij->i", locations - origins[hits], directions[hits])
-        return depths
-
-    return {
-        "trimesh + embreex, plain cast": located,
-        "embreex, bare plain cast": lambda: embreex(rays_of(*rays())),
-        "Open3D, bare plain cast": lambda: open3d(rays_of(*rays())),
-    }
+    origins = (points + 2.0 * normals)[:, None, None]
+    origins = origins + offsets[:, None, None] * poses.rows[:, None, None]
+    origins = origins + offsets[:, None] * poses.columns[:, None, None]
+    rays = rays_of(origins.reshape(-1, 3), np.repeat(-normals, 32 * 32, axis=0))
+    return lambda: embreex(rays)
 
 
 def _probes(surface: Surface, caster: RayCaster) -> tuple[np.ndarray, np.ndarray, RandomFields]:
@@ -132,7 +108,7 @@ def _probes(surface: Surface, caster: RayCaster) -> tuple[np.ndarray, np.ndarray
 
 def _exactness() -> dict[str, dict[str, float]]:
     """Worst errors over the sensor's size: of the mesh, of the caster in float32 and as it is."""
-    shapes: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
+    shapes: dict[str, Height] = {
         "sphere": lambda x, z: np.sqrt(1 - x**2 - z**2) - 1,
         "cylinder": lambda x, z: np.sqrt(0.16 - x**2) - 0.4 + 0 * z,
         "cone": lambda x, z: -0.7 * np.hypot(x, z),
@@ -147,11 +123,9 @@ def _exactness() -> dict[str, dict[str, float]]:
     }
 
 
-def _errors(
-    height: Callable[[np.ndarray, np.ndarray], np.ndarray], *, exact: bool
-) -> dict[str, float]:
+def _errors(height: Height, *, exact: bool) -> dict[str, float]:
     half, cells, size = 0.25, 150, 0.3
-    surface = _blocks(height, half) if exact else _sheet(height, half, cells)
+    surface = _blocks(height, half) if exact else sheet(height, half, cells)
     caster = RayCaster(surface)
     poses = stand_on(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
     heights = cast_heights(caster, poses, np.array([size]), np.array([1.5]), 32)[0]
@@ -173,7 +147,7 @@ def _single_precision(surface: Surface, x: np.ndarray, z: np.ndarray) -> np.ndar
 
 
 def _sheet_height(
-    height: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    height: Height,
     x: np.ndarray,
     z: np.ndarray,
     half: float,
@@ -189,18 +163,7 @@ def _sheet_height(
     return low + (beside - low) * np.maximum(u, v) + (high - beside) * np.minimum(u, v)
 
 
-def _sheet(
-    height: Callable[[np.ndarray, np.ndarray], np.ndarray], half: float, cells: int
-) -> Surface:
-    along = np.linspace(-half, half, cells + 1)
-    x, z = np.meshgrid(along, along, indexing="ij")
-    index = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
-    a, b, c, d = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
-    faces = np.concatenate([np.stack([a, d, c], -1), np.stack([a, c, b], -1)]).reshape(-1, 3)
-    return _surface(np.stack([x, height(x, z), z], axis=-1).reshape(-1, 3), faces)
-
-
-def _blocks(height: Callable[[np.ndarray, np.ndarray], np.ndarray], half: float) -> Surface:
+def _blocks(height: Height, half: float) -> Surface:
     import trimesh
 
     edges = np.array([-half, 0.012, 0.019, 0.081, half])

@@ -1,6 +1,6 @@
 """Fill the table of docs/scaling.md and draw docs/pictures/scaling.png from benchmarks/scaling.json.
 
-`python -m benchmarks.many_objects FOLDER --run` measures; its FOLDER/measured.json is kept as benchmarks/scaling.json.
+`python -m benchmarks.many_objects FOLDER` measures; its FOLDER/measured.json is kept as benchmarks/scaling.json.
 """
 
 from __future__ import annotations

@@ -12,7 +12,9 @@ TORUS = of_trimesh(trimesh.creation.torus(0.6, 0.25, 24, 12))
 COUNT = 4000
 
 
-def places_of(faces, weights):
+def on_faces(faces, outer, along):
+    """Give the coordinates of points by the share of their face that is nearer to its first corner, and along it."""
+    weights = np.column_stack([1 - outer, outer * (1 - along), outer * along])
     return coordinates(TORUS, np.einsum("nc,ncd->nd", weights, TORUS.triangles[faces]), faces)
 
 
@@ -21,9 +23,21 @@ def uniform(generator, count=COUNT):
     return coordinates(TORUS, drawn.points, drawn.faces)
 
 
-def within(generator, count=COUNT):
-    outer, along = np.sqrt(generator.random(count)), generator.random(count)
-    return np.column_stack([1 - outer, outer * (1 - along), outer * along])
+def faces_alike(generator):
+    faces = generator.integers(0, len(TORUS.faces), COUNT)
+    return on_faces(faces, np.sqrt(generator.random(COUNT)), generator.random(COUNT))
+
+
+def crowded_at_a_corner(generator):
+    shares = TORUS.face_areas / TORUS.face_areas.sum()
+    faces = generator.choice(len(shares), COUNT, p=shares)
+    return on_faces(faces, *generator.random((2, COUNT)))
+
+
+def in_reach_alone(generator):
+    drawn = draw_by_area(TORUS, COUNT, generator)
+    kept = drawn.take(np.flatnonzero(np.hypot(drawn.points[:, 0], drawn.points[:, 1]) > 0.6))
+    return coordinates(TORUS, kept.points, kept.faces)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -31,38 +45,18 @@ def test_draws_by_area_hold(seed):
     assert guard_areas([uniform(np.random.default_rng(seed))]).outcome == "held"
 
 
-def test_faces_that_are_drawn_alike_are_found():
-    generator = np.random.default_rng(0)
-    faces = generator.integers(0, len(TORUS.faces), COUNT)
-    assert guard_areas([places_of(faces, within(generator))]).outcome == "failed"
-
-
-def test_points_that_crowd_at_a_corner_of_their_face_are_found():
-    generator = np.random.default_rng(0)
-    areas = TORUS.face_areas / TORUS.face_areas.sum()
-    faces = generator.choice(len(areas), COUNT, p=areas)
-    outer, along = generator.random((2, COUNT))
-    crowded = np.column_stack([1 - outer, outer * (1 - along), outer * along])
-    assert guard_areas([places_of(faces, crowded)]).outcome == "failed"
-
-
-def test_places_in_reach_alone_are_found():
-    generator = np.random.default_rng(0)
-    drawn = draw_by_area(TORUS, COUNT, generator)
-    outside = np.flatnonzero(np.hypot(drawn.points[:, 0], drawn.points[:, 1]) > 0.6)
-    kept = drawn.take(outside)
-    assert guard_areas([coordinates(TORUS, kept.points, kept.faces)]).outcome == "failed"
+@pytest.mark.parametrize("draw", [faces_alike, crowded_at_a_corner, in_reach_alone])
+def test_other_draws_are_found(draw):
+    assert guard_areas([draw(np.random.default_rng(0))]).outcome == "failed"
 
 
 def test_too_few_places_are_not_tested():
-    generator = np.random.default_rng(0)
-    assert guard_areas([uniform(generator, LEAST - 1)]).outcome == "not tested"
-    assert guard_areas([]).outcome == "not tested"
+    few = uniform(np.random.default_rng(0), LEAST - 1)
+    assert [guard_areas(drawn).outcome for drawn in ([few], [])] == ["not tested"] * 2
 
 
 def test_the_three_coordinates_are_shares_of_area():
     corners = TORUS.triangles[[0, 5]]
     middles = 0.5 * (corners[:, 1] + corners[:, 2])
     found = coordinates(TORUS, middles, np.array([0, 5]))
-    np.testing.assert_allclose(found[:, 1], 1)
-    np.testing.assert_allclose(found[:, 2], 0.5)
+    np.testing.assert_allclose(found[:, 1:], [[1, 0.5]] * 2)

@@ -9,12 +9,14 @@ from visuohaptic.guards.verdicts import (
     ALARM,
     failed_guards,
     highest_mean,
+    judge,
     require_guards,
+    table_of,
     uniform_p_value,
     widest_gap,
 )
 from visuohaptic.tables.guards import GUARDS
-from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.schema import write_table
 
 
 @pytest.mark.parametrize("draws", [20, 40])
@@ -25,12 +27,8 @@ def test_chance_exceeds_the_highest_mean_as_seldom_as_stated(draws, expected):
     assert binom.sf(np.ceil(limit * draws) - 1, draws, expected) <= ALARM
 
 
-def test_so_few_draws_that_all_may_be_right_by_chance_have_no_limit():
-    assert highest_mean(0.5, 3) == 1.0
-
-
-def test_more_draws_allow_less():
-    assert highest_mean(0.25, 40) < highest_mean(0.25, 20) < 1
+def test_more_draws_allow_less_and_so_few_that_all_may_be_right_by_chance_have_no_limit():
+    assert highest_mean(0.25, 40) < highest_mean(0.25, 20) < highest_mean(0.5, 3) == 1
     assert widest_gap(400) == pytest.approx(widest_gap(100) / 2)
 
 
@@ -40,20 +38,15 @@ def test_uniform_values_have_any_p_value_and_others_a_small_one():
     assert uniform_p_value(values**1.3, 16) < ALARM
 
 
-def guarded(folder, **rows):
-    columns = {"guard": list(rows), "outcome": list(rows.values()), "found": ["So."] * len(rows)}
-    write_table(GUARDS, build_table(GUARDS, columns), folder / "guards.parquet")
-    return folder / "guards.parquet"
-
-
-def test_guards_that_held_or_were_not_tested_raise_nothing(tmp_path):
-    path = guarded(tmp_path, one="held", other="not tested")
-    assert failed_guards(path) == []
-    require_guards(path, "report.html")
-
-
-def test_a_guard_that_failed_ends_in_one_sentence_that_names_it(tmp_path):
-    path = guarded(tmp_path, one="held", other="failed")
+@pytest.mark.parametrize("held", [True, False])
+def test_a_guard_that_failed_ends_in_one_sentence_that_names_it(tmp_path, held):
+    path = tmp_path / "guards.parquet"
+    verdicts = [judge("one", held=True, found="So."), judge("other", held=held, found="So.")]
+    write_table(GUARDS, table_of(verdicts), path)
+    if held:
+        assert failed_guards(path) == []
+        require_guards(path, "report.html")
+        return
     assert failed_guards(path) == ["other: failed. So."]
-    with pytest.raises(GuardError, match=r"as report.html says, too: other: failed\. So\."):
+    with pytest.raises(GuardError, match=r"report.html.*other: failed\. So\."):
         require_guards(path, "report.html")

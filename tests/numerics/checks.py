@@ -38,21 +38,22 @@ class Check:
 
 def run_check(check, seed, draws):
     """Draw a check's cases and give the worst of each tolerance."""
-    return merge_results(
-        replace(result, hardest=f"{result.hardest} (draw {number})")
-        for number in range(draws)
-        for result in results_of(
-            check.measure(spawn_generator(seed, "stability", check.name, number)), TOLERANCES
-        )
-    )
+    return merge_results(_results(check, seed, draws))
 
 
 def holds(check, seed, draws):
     """Tell whether every error is within its tolerance; a check that breaks off does not hold."""
     try:
-        return all(result.held for result in run_check(check, seed, draws).values())
+        return all(result.held for result in _results(check, seed, draws))
     except Exception:  # noqa: BLE001 broken code may fail in any way
         return False
+
+
+def _results(check, seed, draws):
+    for number in range(draws):
+        generator = spawn_generator(seed, "stability", check.name, number)
+        for result in results_of(check.measure(generator), TOLERANCES):
+            yield replace(result, hardest=f"{result.hardest} (draw {number})")
 
 
 _ALL = (

@@ -1,4 +1,4 @@
-"""A small experiment as arrays, to be run again on another processor: FOLDER MESH..."""
+"""A small experiment as arrays, to be run again on another processor: FILE.npz MESH..."""
 
 import sys
 from pathlib import Path
@@ -70,20 +70,14 @@ def recognition_arrays(pipeline):
     return columns_of(run_pipeline(table, parameters, 3, pipeline)[1])
 
 
-def main(folder, *paths):
-    """Write an array a file, `phase/object/column`."""
+def main(file, *paths):
+    """Write every array by `phase/object/column`."""
+    parts = [(f"recognition/{name}", recognition_arrays(name)) for name in ("paper", "best")]
     for path in paths:
-        for phase, arrays in object_arrays(path):
-            save(Path(folder) / phase / Path(path).name.partition(".")[0], arrays)
-    for pipeline in ("paper", "best"):
-        save(Path(folder) / "recognition" / pipeline, recognition_arrays(pipeline))
-
-
-def save(folder, arrays):
-    """Write each array to a file of its name."""
-    folder.mkdir(parents=True)
-    for name, array in arrays.items():
-        np.save(folder / f"{name}.npy", array, allow_pickle=False)
+        name = Path(path).name.partition(".")[0]
+        parts += [(f"{phase}/{name}", arrays) for phase, arrays in object_arrays(path)]
+    named = {f"{of}/{column}": array for of, some in parts for column, array in some.items()}
+    np.savez(file, allow_pickle=False, **named)
 
 
 if __name__ == "__main__":

@@ -5,24 +5,11 @@ from fractions import Fraction
 import numpy as np
 
 
-def _exact(values):
-    return [Fraction(float(value)) for value in values]
-
-
-def _minus(p, q):
-    return [x - y for x, y in zip(p, q, strict=True)]
-
-
-def _cross(p, q):
-    return [
-        p[1] * q[2] - p[2] * q[1],
-        p[2] * q[0] - p[0] * q[2],
-        p[0] * q[1] - p[1] * q[0],
-    ]
-
-
-def _dot(p, q):
-    return sum((x * y for x, y in zip(p, q, strict=True)), Fraction(0))
+def exact(values):
+    """Give numbers as an array of Fractions."""
+    values = np.asarray(values)
+    whole = np.array([Fraction(value) for value in values.ravel().tolist()], dtype=object)
+    return whole.reshape(values.shape)
 
 
 def near(triangles, origin, direction):
@@ -35,36 +22,28 @@ def near(triangles, origin, direction):
 
 
 def exact_first_hit(triangles, origin, direction):
-    """Give the exact distance to the first triangle, rims included, as a Fraction; None for a miss."""
-    triangles = near(triangles, np.asarray(origin), np.asarray(direction))
-    o, d = _exact(origin), _exact(direction)
-    best = None
-    for triangle in triangles:
-        corner, first, second = (_exact(point) for point in triangle)
-        a, b = _minus(first, corner), _minus(second, corner)
-        normal = _cross(a, b)
-        determinant = -_dot(d, normal)
+    """Give the exact distance to the first triangle, rims included, as a Fraction; infinite for a miss."""
+    d, best = exact(direction), np.inf
+    for corner, first, second in exact(near(triangles, origin, direction)):
+        a, b, s = first - corner, second - corner, exact(origin) - corner
+        normal, q = np.cross(a, b), np.cross(s, d)
+        determinant = -(d @ normal)
         if determinant == 0:
             continue
-        s = _minus(o, corner)
-        t = _dot(s, normal) / determinant
-        q = _cross(s, d)
-        u, v = _dot(q, b) / determinant, -_dot(q, a) / determinant
-        if t >= 0 and u >= 0 and v >= 0 and u + v <= 1 and (best is None or t < best):
-            best = t
+        t, u, v = (part / determinant for part in (s @ normal, q @ b, -(q @ a)))
+        if t >= 0 and u >= 0 and v >= 0 and u + v <= 1:
+            best = min(best, t)
     return best
 
 
 def exact_moments(values):
     """Give mean, variance (population) and third moment about the mean, as Fractions."""
-    exact = _exact(values)
-    count = len(exact)
-    mean = sum(exact, Fraction(0)) / count
-    deviations = [value - mean for value in exact]
+    values = exact(values)
+    mean = values.sum() / len(values)
     return (
         mean,
-        sum((deviation**2 for deviation in deviations), Fraction(0)) / count,
-        sum((deviation**3 for deviation in deviations), Fraction(0)) / count,
+        ((values - mean) ** 2).sum() / len(values),
+        ((values - mean) ** 3).sum() / len(values),
     )
 
 
@@ -82,37 +61,19 @@ def skewness(values):
     _, second, third = exact_moments(values)
     if second == 0:
         return 0.0
-    square = third**2 / second**3
-    return float(np.copysign(np.sqrt(float(square)), float(np.sign(third.numerator))))
+    return float(np.copysign(np.sqrt(float(third**2 / second**3)), float(np.sign(third.numerator))))
 
 
 def exact_detail_levels(values, low, high, levels, extension):
-    """Decompose a sequence with half-sample symmetric extension or with zeros, in Fractions.
+    """Decompose a sequence by y[n] = Σ taps[k] x[2 n + 1 − k], with half-sample reflection or with zeros.
 
     The taps are taken as the float64 numbers that they are.
     """
-    taps_low, taps_high = _exact(low), _exact(high)
-    length = len(taps_low)
+    signal, low, high = exact(values), exact(low), exact(high)
+    mode = {"symmetric": "symmetric", "zero": "constant"}[extension]
     details = []
-    signal = _exact(values)
     for _ in range(levels):
-        count = len(signal)
-
-        def at(index, signal=signal, count=count):
-            if extension == "zero" and not 0 <= index < count:
-                return Fraction(0)
-            index %= 2 * count
-            return signal[index] if index < count else signal[2 * count - 1 - index]
-
-        places = range((count + length - 1) // 2)
-        details.append(
-            [
-                sum((taps_high[k] * at(2 * n + 1 - k) for k in range(length)), Fraction(0))
-                for n in places
-            ]
-        )
-        signal = [
-            sum((taps_low[k] * at(2 * n + 1 - k) for k in range(length)), Fraction(0))
-            for n in places
-        ]
+        wide = np.pad(signal, len(low) - 1, mode)
+        details.append(np.convolve(wide, high, "valid")[1::2])
+        signal = np.convolve(wide, low, "valid")[1::2]
     return details

@@ -33,6 +33,11 @@ def float32_exact(surface):
     )
 
 
+def moved(surface, scale, shift=0.0):
+    """Scale a surface after a shift."""
+    return Surface(scale * (surface.vertices + shift), surface.faces, surface.face_colours)
+
+
 @cache
 def closed_shapes():
     """Give closed surfaces within the unit sphere, by name."""

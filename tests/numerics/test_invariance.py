@@ -13,11 +13,10 @@ from numerics.hard_cases.invariance import (
     compare_imprints,
     drive_of,
     mesh_descriptions,
-    moved,
     sense,
     sense_base,
 )
-from numerics.surfaces import float32_exact
+from numerics.surfaces import float32_exact, moved
 
 from visuohaptic.features.describing import describe_imprints
 from visuohaptic.features.parameters import FeatureParameters

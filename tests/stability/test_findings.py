@@ -37,8 +37,8 @@ def test_merging_sums_cases_and_keeps_the_worst_in_the_order_of_their_coming():
     found = results(
         Finding(OTHER, [0, 0], "a"),
         Finding(NAME, [1.0, 2.0], "b"),
-        Finding(NAME, 5.0, "c", cases=7),
+        Finding(NAME, [5.0, 0, 0], "c"),
     )
     merged = merge_results(found)
     assert list(merged) == [OTHER, NAME]
-    assert (merged[NAME].cases, merged[NAME].worst_error, merged[NAME].hardest) == (9, 5.0, "c")
+    assert (merged[NAME].cases, merged[NAME].worst_error, merged[NAME].hardest) == (5, 5.0, "c")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +9,11 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.guards.verdicts import Verdict, highest_mean, judge
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import (
-    Answer,
+    fitting,
     gather_pipeline,
-    run_best_split,
     run_paper_split,
+    split_runner,
 )
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import TouchSequences
@@ -147,25 +145,11 @@ def _predict(
     sequences: TouchSequences, split: Split, pipeline: str, parameters: RecognitionParameters
 ) -> dict[str, NDArray[np.int64] | NDArray[np.float64]]:
     """Give by classifier what it predicts for a split's n test sequences: classes, or probabilities, shape (n, c)."""
-    from sklearn import config_context
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(limits=1), config_context(assume_finite=True):
-        answers = list(_answers(sequences, split, pipeline, parameters))
-    return {
-        answer.classifier: answer.predicted if answer.ballots is None else answer.ballots.alone()
-        for answer in answers
-    }
-
-
-def _answers(
-    sequences: TouchSequences, split: Split, pipeline: str, parameters: RecognitionParameters
-) -> Iterator[Answer]:
-    generator = np.random.default_rng(0)
-    if pipeline == "paper":
-        return run_paper_split(sequences, parameters, split, generator)
-    waves = draw_waves(parameters.best, np.random.default_rng(0))
-    described = describe_sequences(
-        sequences.features, sequences.feature_names, waves, parameters.best
-    )
-    return run_best_split(sequences, described, parameters, split, generator)
+    answer_split = split_runner(sequences, parameters, 0, pipeline)
+    with fitting():
+        return {
+            answer.classifier: answer.predicted
+            if answer.ballots is None
+            else answer.ballots.alone()
+            for answer in answer_split(split, np.random.default_rng(0))
+        }

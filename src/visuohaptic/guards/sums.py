@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from statistics import fmean
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -19,8 +19,6 @@ NEAR = 2e-5
 MOST_SIGNS = 14
 """Objects of which all sign changes are taken."""
 
-Cell = tuple[str, str, str]
-Owner = tuple[str, str]
 Row = Mapping[str, Any]
 """Sequences of one object that were predicted alike in one split: keys, and `viewpoint_count`."""
 
@@ -28,6 +26,14 @@ _KEYS = [
     *("pipeline", "strategy", "classifier", "split", "seed"),
     *("class", "object", "predicted", "voted"),
 ]
+
+
+class _Sums(NamedTuple):
+    """Figures by name; and by object, in order, its accuracy and its weight: over splits, its share of all sequences."""
+
+    figures: dict[str, float]
+    shares: dict[tuple[str, str], float]
+    weights: list[float]
 
 
 def guard_sums(metrics: Mapping[str, Any], predictions: pa.Table) -> Verdict:
@@ -48,91 +54,68 @@ def _pairs(
     metrics: Mapping[str, Any], predictions: pa.Table
 ) -> Iterator[tuple[str, float | None, float]]:
     """Give the name of each figure, as it was published and as it is summed again."""
-    cells: dict[Cell, list[Row]] = defaultdict(list)
-    for row in predictions.group_by(_KEYS).aggregate([("viewpoint", "count")]).to_pylist():
-        cells[row["pipeline"], row["strategy"], row["classifier"]].append(row)
+    rows = predictions.group_by(_KEYS).aggregate([("viewpoint", "count")]).to_pylist()
+    cells = {key: _sum_again(some) for key, some in _grouped(rows, *_KEYS[:3]).items()}
     published = metrics["results"]
-    for key, rows in sorted(cells.items()):
+    for key, sums in sorted(cells.items()):
         figures = published.get(key[0], {}).get(key[1], {}).get(key[2], {})
-        for name, again in _sum_again(rows).items():
+        for name, again in sums.figures.items():
             yield f"{name} of {', '.join(key)}", figures.get(name, {}).get("mean"), again
     for pipeline, classifiers in metrics["comparisons"].items():
         for classifier, others in classifiers.items():
             for other, found in others.items():
-                rows, against = (cells[pipeline, one, classifier] for one in ("fixation", other))
-                first, second = _shares(rows), _shares(against)
+                ours, against = (cells[pipeline, one, classifier] for one in ("fixation", other))
+                parts = np.array([ours.shares[key] - against.shares[key] for key in ours.shares])
+                parts *= np.array(ours.weights) / sum(ours.weights)
                 name = f"fixation against {other}, {pipeline}, {classifier}"
-                apart = {key: first[key] - second[key] for key in first}
-                weights = _sums(rows, rows)
-                yield f"difference: {name}", found["difference"]["mean"], _mean(apart, weights)
-                if found["exact"] and len(apart) <= MOST_SIGNS:
-                    yield f"p value: {name}", found["p_value"], _sign_test(apart, weights)
+                yield f"difference: {name}", found["difference"]["mean"], float(parts.sum())
+                if found["exact"] and len(parts) <= MOST_SIGNS:
+                    yield f"p value: {name}", found["p_value"], _sign_test(parts)
 
 
-def _sum_again(rows: list[Row]) -> dict[str, float]:
-    tests = defaultdict(list)
+def _grouped(rows: Iterable[Row], *names: str) -> dict[tuple[Any, ...], list[Row]]:
+    groups = defaultdict(list)
     for row in rows:
-        tests[row["split"], row["seed"]].append(row)
-    shares = _shares(rows)
+        groups[tuple(row[name] for name in names)].append(row)
+    return groups
+
+
+def _sum_again(rows: list[Row]) -> _Sums:
+    accuracies, votes = [], []
+    right: defaultdict[tuple[str, str], float] = defaultdict(float)
+    weights: defaultdict[tuple[str, str], float] = defaultdict(float)
+    for test in _grouped(rows, "split", "seed").values():
+        size = sum(row["viewpoint_count"] for row in test)
+        correct = [row for row in test if row["predicted"] == row["class"]]
+        accuracies.append(sum(row["viewpoint_count"] for row in correct) / size)
+        votes.append(fmean(map(_vote, _grouped(test, "class", "object").values())))
+        for sums, some in ((weights, test), (right, correct)):
+            for row in some:
+                sums[row["class"], row["object"]] += row["viewpoint_count"] / size
+    shares = {key: right[key] / weights[key] for key in sorted(weights)}
     classes = defaultdict(list)
     for (name, _), share in shares.items():
         classes[name].append(share)
-    return {
-        "accuracy": fmean(
-            _count(row for row in some if row["predicted"] == row["class"]) / _count(some)
-            for some in tests.values()
-        ),
-        "object_accuracy": fmean(_credit(some) for some in tests.values()),
+    figures = {
+        "accuracy": fmean(accuracies),
+        "object_accuracy": fmean(votes),
         "balanced_accuracy": fmean(map(fmean, classes.values())),
     }
+    return _Sums(figures, shares, [weights[key] for key in shares])
 
 
-def _count(rows: Iterable[Row]) -> int:
-    return sum(row["viewpoint_count"] for row in rows)
+def _vote(rows: list[Row]) -> float:
+    """Give whether a vote of an object's sequences in a split is right; where some tie, the share of these."""
+    name, voted = rows[0]["class"], rows[0]["voted"]
+    if voted is not None:
+        return float(voted == name)
+    most = max(row["viewpoint_count"] for row in rows)
+    first = [row["predicted"] for row in rows if row["viewpoint_count"] == most]
+    return (name in first) / len(first)
 
 
-def _credit(rows: list[Row]) -> float:
-    """Give the share of a split's objects that a vote of their sequences classifies correctly."""
-    objects = defaultdict(list)
-    for row in rows:
-        objects[row["class"], row["object"]].append(row)
-    shares = []
-    for (name, _), some in objects.items():
-        if some[0]["voted"] is not None:
-            shares.append(float(some[0]["voted"] == name))
-            continue
-        most = max(row["viewpoint_count"] for row in some)
-        first = [row["predicted"] for row in some if row["viewpoint_count"] == most]
-        shares.append((name in first) / len(first))
-    return fmean(shares)
-
-
-def _shares(rows: list[Row]) -> dict[Owner, float]:
-    """Give each object's accuracy over its splits, weighted as `_sums` are."""
-    right = _sums([row for row in rows if row["predicted"] == row["class"]], rows)
-    return {key: right.get(key, 0.0) / weight for key, weight in sorted(_sums(rows, rows).items())}
-
-
-def _sums(rows: list[Row], all_rows: list[Row]) -> dict[Owner, float]:
-    """Give each object's weight: over splits, the sum of its rows' share of all sequences."""
-    sizes: Counter[tuple[int, int]] = Counter()
-    for row in all_rows:
-        sizes[row["split"], row["seed"]] += row["viewpoint_count"]
-    found: dict[Owner, float] = defaultdict(float)
-    for row in rows:
-        size = sizes[row["split"], row["seed"]]
-        found[row["class"], row["object"]] += row["viewpoint_count"] / size
-    return found
-
-
-def _mean(values: Mapping[Any, float], weights: Mapping[Any, float]) -> float:
-    return sum(values[key] * weights[key] for key in values) / sum(weights.values())
-
-
-def _sign_test(values: Mapping[Any, float], weights: Mapping[Any, float]) -> float:
+def _sign_test(parts: np.ndarray) -> float:
     """Give the share of all sign changes whose sum is as far from 0, to either side."""
-    parts = np.array([values[key] * weights[key] for key in values])
-    parts /= sum(weights.values())
     sums = np.array([0.0])
     for part in parts:
         sums = np.concatenate([sums + part, sums - part])

@@ -13,18 +13,17 @@ from visuohaptic.stability.tolerances import Tolerance
 
 @dataclass(frozen=True)
 class Finding:
-    """The errors of some cases, by the tolerance's name, `family/requirement`.
+    """The error of each of some cases, by the tolerance's name, `family/requirement`.
 
     `errors` have any shape and the tolerance's unit; True is an error of 1, and NaN is infinite.
     `hardest` is the case in words and `drawing` the same as SVG, or empty; a function takes its place
-    among the flat errors. `cases` counts those that were tried, where one error stands for several.
+    among the flat errors.
     """
 
     tolerance: str
     errors: ArrayLike
     hardest: str | Callable[[int], str] = ""
     drawing: str | Callable[[int], str] = ""
-    cases: int | None = None
 
 
 @dataclass(frozen=True)
@@ -60,9 +59,10 @@ def results_of(
         hardest, drawing = (
             made(place) if callable(made) else made for made in (finding.hardest, finding.drawing)
         )
-        cases = errors.size if finding.cases is None else finding.cases
         allowed = tolerances[finding.tolerance]
-        yield Result(finding.tolerance, allowed, cases, float(errors[place]), hardest, drawing)
+        yield Result(
+            finding.tolerance, allowed, errors.size, float(errors[place]), hardest, drawing
+        )
 
 
 def measure(

@@ -55,14 +55,13 @@ def judge(found, mask, label, parameters):
     path = found.scanpath
     apart = np.linalg.norm(path.points[:, None] - path.points[None], axis=2)
     apart[np.diag_indices(len(apart))] = np.inf
-    wrong = bool((apart < parameters.focus_radius * (1 - 1e-6)).any())
-    wrong |= not mask[path.rows, path.columns].all() or bool(mask.any() and path.distinct == 0)
+    wrong = (apart < parameters.focus_radius * (1 - 1e-6)).any(axis=1)
+    wrong |= ~mask[path.rows, path.columns]
     yield Finding(
         "attention/fixations: distinct, on the object, a focus apart",
-        wrong,
+        wrong if path.distinct else mask.any(),
         label,
         picture,
-        max(path.distinct, 1),
     )
 
 
@@ -150,10 +149,7 @@ def brightness(generator):
 
 def way_of_the_eye(saliency, mask, places, parameters):
     """Follow the eye by its definition, in float64; stop where two places nearly tie."""
-    from scipy.ndimage import distance_transform_edt
-
-    depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
-    drive = saliency + INWARD * depth / depth.max()
+    depth, drive = drive_at_first(saliency, mask)
     allowed = mask & (depth > 3)
     way = []
     for _ in range(parameters.fixations):
@@ -167,6 +163,14 @@ def way_of_the_eye(saliency, mask, places, parameters):
         drive = drive * recovery(distance, parameters)
         allowed &= distance > 1
     return way
+
+
+def drive_at_first(saliency, mask):
+    """Give how far pixels lie inside the outline, and what drives the eye before any fixation."""
+    from scipy.ndimage import distance_transform_edt
+
+    depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    return depth, saliency.astype(float) + INWARD * depth / depth.max()
 
 
 def recovery(distance, parameters):
@@ -217,14 +221,14 @@ def pyramids(generator):
     )
     name, label = "attention/pyramid against scipy.ndimage", f"noise of {side}² pixels"
     picture = drawings.image(plane, "noise")
-    yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger), label, picture, cases=1)
+    yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger).max(), label, picture)
     for border, mode in ((GOES_ON, "nearest"), (NOTHING_BEYOND, "constant")):
         blurred = exact
         for axis in (0, 1):
             blurred = correlate1d(blurred, [0.25, 0.5, 0.25], axis=axis, mode=mode)
         half = blurred.reshape(side // 2, 2, side // 2, 2).mean(axis=(1, 3))
-        yield Finding(name, np.abs(blur(plane, border) - blurred), label, picture, cases=1)
-        yield Finding(name, np.abs(reduce(plane, border) - half), label, picture, cases=1)
+        yield Finding(name, np.abs(blur(plane, border) - blurred).max(), label, picture)
+        yield Finding(name, np.abs(reduce(plane, border) - half).max(), label, picture)
 
 
 def sphere_curvature(generator):
@@ -237,8 +241,7 @@ def sphere_curvature(generator):
     shape = measure_shape(surface, 40.0, 0.03 * radius)
     yield Finding(
         "attention/a uniform sphere's curvature",
-        np.abs(shape.corner_curvature * radius - 1),
+        np.abs(shape.corner_curvature * radius - 1).max(),
         f"a sphere of radius {radius:g}",
         drawings.triangles(surface.triangles / radius, "a sphere"),
-        cases=1,
     )

@@ -15,61 +15,52 @@ from visuohaptic.sensor.touching import touch
 from visuohaptic.stability.findings import Finding
 
 NAME = "determinism/batch split of kernels"
-
-
-def coefficients(images):
-    """Give all contourlet coefficients of each image in a row."""
-    return Contourlet(levels=(4,)).forward(images).ravel()
-
-
-def moments(images):
-    """Give deviation, root mean square and skewness of each image's pixels."""
-    return summarise_signals(images.reshape(len(images), -1), 1)
-
-
 KERNELS = {
     "contourlet deviations": directional_deviations,
-    "contourlet coefficients": coefficients,
+    "contourlet coefficients": lambda images: Contourlet(levels=(4,)).forward(images).ravel(),
     "shape of imprints": describe_imprint_shape,
-    "moments": moments,
+    "moments": lambda images: summarise_signals(images.reshape(len(images), -1), 1),
 }
 
 
+def compare_batches(kernel, values, generator, label):
+    """Want a kernel to give the same for each of n values together, in parts, and in another order."""
+    order, cuts = generator.permutation(len(values)), generator.integers(0, len(values), 3)
+    together = kernel(values)
+    parts = [kernel(part) for part in np.split(values, np.sort(cuts)) if len(part)]
+    in_parts, shuffled = np.concatenate(parts), kernel(values[order])[np.argsort(order)]
+    wrong = [not np.array_equal(together, other) for other in (in_parts, shuffled)]
+    return Finding(NAME, wrong, label)
+
+
 def kernel_batches(generator):
-    """Describe images together, in parts, and in another order."""
+    """Describe images."""
     count = int(generator.integers(2, 71))
     images = generator.random((count, 32, 32)).astype(generator.choice(["float32", "float64"]))
-    cuts = np.sort(generator.integers(0, count, 3))
-    order = generator.permutation(count)
     for name, kernel in KERNELS.items():
-        together = kernel(images)
-        parts = [kernel(part) for part in np.split(images, cuts) if len(part)]
-        shuffled = kernel(images[order])[np.argsort(order)]
-        wrong = [not np.array_equal(together, other) for other in (np.concatenate(parts), shuffled)]
-        yield Finding(NAME, wrong, f"{name}, {count} images")
+        yield compare_batches(kernel, images, generator, f"{name}, {count} images")
 
 
 def touch_batches(generator):
-    """Touch a hard place many times together, and one by one."""
+    """Touch a hard place and its surroundings."""
     probes = hard_probes()
     probe = probes[generator.integers(len(probes))]
     caster = RayCaster(probe.surface)
     points = np.array(probe.point) + 0.01 * generator.normal(size=(12, 3))
     normals = np.array(probe.normal) + 0.1 * generator.normal(size=(12, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    together = touch(caster, points, normals, SensorParameters(), Scene())
-    wrong = []
-    for row in generator.permutation(12)[:4]:
-        rows = slice(row, row + 1)
-        alone = touch(caster, points[rows], normals[rows], SensorParameters(), Scene())
-        same = np.array_equal(alone.images[0], together.images[row])
-        same &= bool(alone.size[0] == together.size[row])
-        wrong.append(not same or alone.contact_state[0] != together.contact_state[row])
-    yield Finding(NAME, wrong, f"touches on {probe.name}")
+
+    def feel(poses):
+        felt = touch(caster, poses[:, 0], poses[:, 1], SensorParameters(), Scene())
+        states = [hash(state) for state in felt.contact_state]
+        return np.column_stack([felt.images.reshape(len(poses), -1), felt.size, states])
+
+    poses = np.stack([points, normals], axis=1)
+    yield compare_batches(feel, poses, generator, f"touches on {probe.name}")
 
 
 def view_batches(generator):
-    """Attend to views together, and one by one."""
+    """Attend to views."""
     count = int(generator.integers(2, 6))
     shape = (count, 32, 32)
     views = {
@@ -80,11 +71,10 @@ def view_batches(generator):
         "face": np.zeros(shape, dtype=np.int64),
         "curvature": generator.random(shape).astype(np.float32),
     }
-    together = attend(**views, parameters=AttentionParameters())
-    wrong = []
-    for row, found in enumerate(together):
-        view = {name: values[row : row + 1] for name, values in views.items()}
-        alone = attend(**view, parameters=AttentionParameters())[0]
-        same = np.array_equal(alone.saliency, found.saliency)
-        wrong.append(not same or not np.array_equal(alone.scanpath.rows, found.scanpath.rows))
-    yield Finding(NAME, wrong, f"attention to {count} views")
+
+    def look(rows):
+        some = {name: values[rows] for name, values in views.items()}
+        found = attend(**some, parameters=AttentionParameters())
+        return np.stack([[*one.saliency.ravel(), *one.scanpath.rows] for one in found])
+
+    yield compare_batches(look, np.arange(count), generator, f"attention to {count} views")

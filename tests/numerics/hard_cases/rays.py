@@ -8,12 +8,12 @@ from numerics.surfaces import (
     closed_shapes,
     draw_triangles,
     float32_exact,
+    moved,
     of_trimesh,
     pick,
 )
 
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
@@ -72,21 +72,22 @@ def vertices_and_edges(generator):
     origins = np.rint(generator.uniform(-2, 2, (count, 3)) * 256) / 256
     directions = targets - origins
     hits = RayCaster(surface).first_hits(origins, directions, everything)
-    exact = [
-        oracles.exact_first_hit(surface.triangles, origin, direction)
-        for origin, direction in zip(origins, directions, strict=True)
-    ]
-    expected = np.array([np.inf if value is None else float(value) for value in exact])
+    expected = np.array(
+        [
+            float(oracles.exact_first_hit(surface.triangles, *ray))
+            for ray in zip(origins, directions, strict=True)
+        ]
+    )
     length = np.linalg.norm(directions, axis=1)
     both = np.isfinite(expected) & hits.hit
-    error = np.abs(np.where(both, hits.distance, 0) - np.where(both, expected, 0)) * length
+    error = np.abs(np.subtract(hits.distance, expected, where=both, out=np.zeros(count))) * length
     # The direction was rounded: rays at a silhouette may pass on either side of it in rationals,
     # and float64 may keep what rationals lose by 1e-16; such a hit must still touch the surface.
     normals = surface.face_normals[np.where(hits.hit, hits.face, 0)]
     cosine = np.abs((normals * directions).sum(axis=1)) / length
     yield Finding(
         "rays/against exact rationals, aimed at vertices and edges",
-        np.where(both, error * cosine, 0),
+        error * cosine,
         lambda row: f"{shape}, ray {row} from {origins[row]}",
         draw_ray(surface, origins, directions, f"{shape} and a ray at a vertex or edge"),
     )
@@ -221,8 +222,8 @@ def off_centre(generator):
     home = closed_shapes()["ball"]
     size, offset = pick(generator, -6, 6), pick(generator, 0, 6)
     towards = generator.normal(size=3)
-    shift = 10.0**size * 10.0**offset * towards / np.linalg.norm(towards)
-    away = Surface(10.0**size * home.vertices + shift, home.faces, home.face_colours)
+    towards *= 10.0**offset / np.linalg.norm(towards)
+    away = moved(home, 10.0**size, towards)
     casters = [RayCaster(normalise(surface, "ball", merge_tolerance=0)) for surface in (home, away)]
     targets = generator.normal(size=(200, 3))
     targets *= 0.8 / np.linalg.norm(targets, axis=1, keepdims=True)

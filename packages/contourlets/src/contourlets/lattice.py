@@ -224,12 +224,11 @@ def _wrapped_tree(
         half_turn = level == 1 and filter_name != "haar"
         for number, node in enumerate(nodes):
             parts = _components(node, level, number % 2, filter_name)
-            ladders.append(
-                [
-                    (parts[s.target], _wrap(parts[1 - s.target], s, half_turn=half_turn), None)
-                    for s in steps
-                ]
-            )
+            ladder: _Ladder = []
+            for step in steps:
+                source = _wrap(parts[1 - step.target], step, half_turn=half_turn)
+                ladder.append((parts[step.target], source, None))
+            ladders.append(ladder)
             children += in_order(parts, level, number % 2, filter_name)
         half = len(children) // 2
         nodes = [n.T for n in children[:half]] + children[half:] if level == 2 else children
@@ -317,10 +316,10 @@ def _rectangle(
     target: Indices, displaced: Indices, matrix: Indices, step: LadderStep
 ) -> tuple[Indices, Indices]:
     """Give the lattice positions that a step's filter covers, and which outputs belong to the target."""
-    cells = np.rint((target - target[0]) @ np.linalg.inv(matrix).T).astype(np.intp)
+    cells: Indices = np.rint((target - target[0]) @ np.linalg.inv(matrix).T).astype(np.intp)
     low, high = cells.min(axis=0), cells.max(axis=0) + 1
     axes = [np.arange(a - step.before, b + step.after) for a, b in zip(low, high, strict=True)]
-    rectangle = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    rectangle: Indices = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     keep = (cells - low) @ np.array([high[1] - low[1], 1])
     return displaced + rectangle @ matrix.T, keep
 
@@ -344,11 +343,13 @@ def _placed_bands(
             after = anchors[number][1]
             row, column = (2 * i - j % 2, j + after) if circular else (2 * i + (j + after) % 2, j)
         else:
+            # The second half has exchanged axes, and the reverse order.
             turned = number >= half
             anchor = anchors[3 * half - 1 - number if turned else number]
             start = anchor if circular else anchor % spacing
-            steps = zip(start, spacing, (j, i) if turned else (i, j), strict=True)
-            row, column = [s + step * k for s, step, k in steps][:: -1 if turned else 1]
+            first, second = (j, i) if turned else (i, j)
+            place = (start[0] + spacing[0] * first, start[1] + spacing[1] * second)
+            row, column = place[::-1] if turned else place
         places.append(row % shape[0] * shape[1] + column % shape[1])
     return places
 

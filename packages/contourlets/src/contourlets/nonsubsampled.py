@@ -22,6 +22,7 @@ from .lattice import Extension, Indices, in_order, ladder_geometry
 from .pyramid import analysis_offsets, fold_indices, synthesis_offsets
 from .transform import Parts, PyramidalTransform, Shapes
 
+_WHOLE = np.eye(2, dtype=np.intp)
 Spans = list[tuple[int, int]]
 """The first row and column that an array covers, and those after its last."""
 
@@ -68,15 +69,15 @@ class NonsubsampledContourlet(PyramidalTransform):
         for scale, level in enumerate(reversed(self.levels)):
             coarse = self._lower(block, scale)
             detail = block - self._raise(coarse, scale)
-            found = self._analyse_directions(detail, level) + found
+            found = _second_half_reversed(self._split(detail, level)) + found
             block = coarse
         return [block, *found]
 
     def _synthesise(self, parts: Parts) -> Floats:
         block = parts[0][0]
         depth = len(self.levels)
-        for index, (level, bands) in enumerate(zip(self.levels, parts[1:], strict=True)):
-            detail = self._synthesise_directions(bands, level)
+        for index, bands in enumerate(parts[1:]):
+            detail = self._join(_second_half_reversed(bands))
             block = detail + self._raise(block, depth - 1 - index)
         return block
 
@@ -101,41 +102,38 @@ class NonsubsampledContourlet(PyramidalTransform):
             x = total
         return x
 
-    def _analyse_directions(self, detail: Floats, level: int) -> list[Floats]:
-        bands = [detail]
-        for depth, ladders in enumerate(self._ladders(level), start=1):
-            children: list[Floats] = []
-            for number, (ladder, band) in enumerate(zip(ladders, bands, strict=True)):
-                children += in_order(ladder.split(band), depth, number % 2, self.directional_filter)
-            bands = children
-        return _second_half_reversed(bands)
+    def _split(
+        self, x: Floats, level: int, depth: int = 1, number: int = 0, parent: Indices = _WHOLE
+    ) -> list[Floats]:
+        """Divide a channel of the tree, at a depth and of a number there, down to `level`."""
+        if depth > level:
+            return [x]
+        ladder = self._ladder(parent, depth, number)
+        parts = in_order(ladder.split(x), depth, number % 2, self.directional_filter)
+        return [
+            band
+            for k, part in enumerate(parts)
+            for band in self._split(part, level, depth + 1, 2 * number + k, ladder.matrix)
+        ]
 
-    def _synthesise_directions(self, bands: list[Floats], level: int) -> Floats:
-        bands = _second_half_reversed(bands)
-        for depth, ladders in reversed(list(enumerate(self._ladders(level), start=1))):
-            pairs = zip(bands[::2], bands[1::2], strict=True)
-            bands = [
-                ladder.join(*in_order(pair, depth, number % 2, self.directional_filter))
-                for number, (ladder, pair) in enumerate(zip(ladders, pairs, strict=True))
-            ]
-        return bands[0]
+    def _join(
+        self, bands: list[Floats], depth: int = 1, number: int = 0, parent: Indices = _WHOLE
+    ) -> Floats:
+        """Undo `_split`."""
+        if len(bands) == 1:
+            return bands[0]
+        ladder, half = self._ladder(parent, depth, number), len(bands) // 2
+        first, second = (
+            self._join(some, depth + 1, 2 * number + k, ladder.matrix)
+            for k, some in enumerate((bands[:half], bands[half:]))
+        )
+        return ladder.join(*in_order((first, second), depth, number % 2, self.directional_filter))
 
-    def _ladders(self, level: int) -> list[list[_Ladder]]:
-        """Ladders of every depth of the tree."""
+    def _ladder(self, parent: Indices, depth: int, number: int) -> _Ladder:
         haar = self.directional_filter == "haar"
-        matrices = [np.eye(2, dtype=np.intp)]
-        tree = []
-        for depth in range(1, level + 1):
-            ladders = []
-            for number, parent in enumerate(matrices):
-                matrix, neighbour = ladder_geometry(parent, depth, number % 2, haar=haar)
-                turned = depth > 2 and number >= len(matrices) // 2
-                ladders.append(
-                    _Ladder(self.directional_filter, matrix, neighbour, turned, self.extension)
-                )
-            tree.append(ladders)
-            matrices = [ladder.matrix for ladder in ladders for _ in range(2)]
-        return tree
+        matrix, neighbour = ladder_geometry(parent, depth, number % 2, haar=haar)
+        turned = depth > 2 and number >= 2 ** (depth - 2)
+        return _Ladder(self.directional_filter, matrix, neighbour, turned, self.extension)
 
 
 def _second_half_reversed(bands: list[Floats]) -> list[Floats]:
