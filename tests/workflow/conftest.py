@@ -1,7 +1,6 @@
 """A small copy of the experiment: four objects of two classes, two small views, everything real."""
 
 import fcntl
-import hashlib
 import os
 import re
 import shutil
@@ -91,20 +90,6 @@ class Experiment:
         self.run("dvc", "commit", "--force")
         self.run("git", "add", "--all")
         self.run("git", "commit", "-qm", message)
-
-    def digests(self):
-        """Give the SHA-256 of every result that does not hold seconds or dates."""
-        files = [
-            *(self.folder / "results").rglob("*.parquet"),
-            *(self.folder / "results/meshes").rglob("*.ply"),
-            *(self.folder / "reports/plots").rglob("*.csv"),
-            self.folder / "reports/metrics.json",
-        ]
-        return {
-            str(file.relative_to(self.folder)): hashlib.sha256(file.read_bytes()).hexdigest()
-            for file in files
-            if "results/effects/" not in str(file)
-        }
 
     def copy(self, folder):
         shutil.copytree(self.folder, folder, symlinks=True)

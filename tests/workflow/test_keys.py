@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from visuohaptic_workflow.closing import put_aside
 from visuohaptic_workflow.closure import Code, Start
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.keys import Job, Keys, read_record
-from visuohaptic_workflow.leftovers import put_aside
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.records import StateError, check_inputs, check_unchanged, write_record
 
@@ -53,11 +53,7 @@ class Run:
                 Path(table).write_text(str(keys.parts(record)))
             check_unchanged(given)
 
-            class Output(tuple):
-                pass
-
-            output = Output(job.outputs)
-            output.record = record
+            output = type("Output", (tuple,), {"record": record})(job.outputs)
             write_record(SimpleNamespace(output=output, log=["a.log"]), given)
 
     def reasons(self):
@@ -75,49 +71,47 @@ def run(tmp_path, monkeypatch):
     return run
 
 
-@pytest.mark.parametrize("turn", range(3))
-def test_a_parameter_is_named_each_time_that_it_changes(run, turn):
-    for size in (0.2, 0.3, 0.2)[: turn + 1]:
-        run.parameters = {"sensor": {"size": size + turn, "reach": 1}}
-        assert run.reasons() == [None, "parameters: sensor.size"]
-        run.make("touch")
-        assert run.reasons() == [None, None]
-
-
-def test_a_source_replaced_by_an_older_file_is_another_one(run):
+def replace_by_older(run):
     Path("b.obj").write_text("of 1999")
     os.utime("b.obj", LONG_AGO)
     Path("b.obj").replace("model.obj")
-    assert run.reasons() == ["source: model.obj"] * 2
 
 
-def test_times_say_nothing(run):
-    for file in Path().iterdir():
-        os.utime(file, LONG_AGO)
-    assert run.reasons() == [None, None]
-
-
-def test_a_module_edited_and_set_back_to_its_time_is_named(run):
+def edit_and_set_time_back(run):
     before = Path("look.py").stat()
     Path("look.py").write_text("l00k.py")
     os.utime("look.py", ns=(before.st_atime_ns, before.st_mtime_ns))
-    assert run.reasons() == ["code: look.py"] * 2
 
 
-def test_another_version_of_a_package_is_named(run):
-    run.versions = {"numpy": "2.1"}
-    assert run.reasons() == ["packages: numpy"] * 2
+def forget_times(run, draw=None):
+    for file in Path().iterdir():
+        os.utime(file, LONG_AGO)
 
 
-@pytest.mark.parametrize("damage", [lambda file: file.write_text("x"), Path.unlink])
-def test_a_table_edited_by_hand_or_lost_is_named_and_what_was_made_of_it_stays(run, damage):
-    damage(Path("mesh.ply"))
-    assert run.reasons() == ["table: mesh.ply", None]
+@pytest.mark.parametrize(
+    ("change", "mesh", "touch"),
+    [
+        (forget_times, None, None),
+        (replace_by_older, "source: model.obj", "source: model.obj"),
+        (edit_and_set_time_back, "code: look.py", "code: look.py"),
+        (lambda run: run.versions.update(numpy="2.1"), "packages: numpy", "packages: numpy"),
+        # What was made of a table stays: it comes out as it was.
+        (lambda run: Path("mesh.ply").write_text("x"), "table: mesh.ply", None),
+        (lambda run: Path("mesh.ply").unlink(), "table: mesh.ply", None),
+        (lambda run: Path("mesh.json").write_text("{}"), "record: none of this version", None),
+    ],
+)
+def test_what_is_another_is_named_and_times_say_nothing(run, change, mesh, touch):
+    change(run)
+    assert run.reasons() == [mesh, touch]
 
 
-def test_a_record_of_another_version_does_not_fit(run):
-    Path("mesh.json").write_text('{"params": {}, "outputs": {}}')
-    assert run.reasons() == ["record: none of this version", None]
+def test_a_parameter_is_named_each_time_that_it_changes(run):
+    for size in (0.2, 0.3, 0.2):
+        run.parameters = {"sensor": {"size": size + 1, "reach": 1}}
+        assert run.reasons() == [None, "parameters: sensor.size"]
+        run.make("touch")
+        assert run.reasons() == [None, None]
 
 
 def test_code_edited_while_a_job_runs_leaves_no_record(run):
@@ -219,11 +213,6 @@ def lose(name):
 
 def write(name):
     return lambda run, draw: Path(name).write_text(draw(("one", "two", "others")))
-
-
-def forget_times(run, draw):
-    for file in Path().iterdir():
-        os.utime(file, LONG_AGO)
 
 
 ACTIONS = (

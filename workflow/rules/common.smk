@@ -32,12 +32,11 @@ from visuohaptic.pipeline import OF_OBJECT, phase as phase_of
 from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
 from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
-from visuohaptic_workflow.closing import lines_at_end
+from visuohaptic_workflow.closing import lines_at_end, put_aside
 from visuohaptic_workflow.closure import Start, code_of, with_plug_ins
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.keys import Keys, read_record
-from visuohaptic_workflow.leftovers import put_aside
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.one_run import (
     check_writable,
