@@ -126,7 +126,7 @@ def test_a_strategy_is_code_of_the_runs_alone_that_use_it():
 
 
 def test_functions_by_their_names_are_code_of_what_names_them():
-    files = files_of(Start(ROOT / "workflow/scripts/study_features.py"))
+    files = files_of(Start(ROOT / "workflow/scripts/features_of_study.py"))
     strategies = ROOT.glob("src/visuohaptic/fixations/strategies/*.py")
     assert files >= {str(file.relative_to(ROOT)) for file in strategies}
     assert "src/visuohaptic/touches/touching.py" in files

@@ -214,12 +214,14 @@ GIVEN_FILE = Path("logs/given.json")
 GIVEN = {}
 
 
-def takes(name, script, runs=(), chosen=(), **inputs):
+def takes(name, script=None, runs=(), chosen=(), **inputs):
     """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits.
 
-    The script `runs` modules of which it does not know; of registries the entries count that are `chosen`.
+    The script, which has the rule's name, `runs` modules of which it does not know; of registries the entries count that
+    are `chosen`.
     """
-    start = Start(ROOT / "workflow/scripts" / script, tuple(runs), tuple(chosen))
+    path = ROOT / "workflow/scripts" / (script or f"{name}.py")
+    start = Start(path, tuple(runs), tuple(chosen))
     DECLARED[name] = Declared(start, inputs)
 
     def found(wildcards):

@@ -8,7 +8,6 @@ rule crate:
     input:
         takes(
             "crate",
-            "crate.py",
             results=[*rules.all.input, "results/frontier_seconds.parquet"],
             packed=packed_code,
         ),

@@ -27,7 +27,6 @@ rule export:
     input:
         takes(
             "export",
-            "export.py",
             touches=files_of("touches"),
             features=files_of("features"),
             predictions=files_of("predictions", "{pipeline}/{strategy}"),

@@ -26,10 +26,7 @@ rule downloads_all:
 
 rule downloads:
     input:
-        takes(
-            "downloads",
-            "downloads.py",
-        ),
+        takes("downloads"),
     output:
         models=expand("meshes/downloaded/{object}.ply.gz", object=sorted(DOWNLOADED)),
         record="results/records/downloads.json",
@@ -53,10 +50,7 @@ rule downloads:
 
 rule credits:
     input:
-        takes(
-            "credits",
-            "credits.py",
-        ),
+        takes("credits"),
     output:
         credits="meshes/downloaded/credits.csv",
         record="results/records/credits.json",
@@ -75,12 +69,7 @@ rule credits:
 
 rule meshes:
     input:
-        takes(
-            "meshes",
-            "meshes.py",
-            sources=sources_of,
-            companions=companions_of,
-        ),
+        takes("meshes", sources=sources_of, companions=companions_of),
     output:
         directory("results/meshes/{objects}"),
         record="results/records/meshes/{objects}.json",

@@ -30,7 +30,6 @@ rule metrics:
     input:
         takes(
             "metrics",
-            "metrics.py",
             scores=files_of("scores", "{pipeline}/{strategy}"),
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
             training="results/guards_of_training.parquet",
@@ -72,7 +71,6 @@ rule report:
     input:
         takes(
             "report",
-            "report.py",
             metrics="reports/metrics.json",
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
             views=files_of("views"),
