@@ -160,27 +160,20 @@ def test_a_marked_record_that_is_a_link_becomes_a_file_of_its_own(run):
     assert Path("touch.json").read_text() == Path("cached.json").read_text()
 
 
-def test_only_what_records_name_is_put_aside(run):
-    records = Path("results/records/touches/cup")
-    records.mkdir(parents=True)
-    Path("logs").mkdir()
-    for name in ("results/gone.parquet", "results/mine.parquet", "logs/gone.log"):
-        Path(name).write_text(name)
-    record = {
-        "key": "",
-        "parts": {},
-        "tables": {"results/gone.parquet": ""},
-        "log": "logs/gone.log",
-    }
-    (records / "gone.json").write_text(json.dumps(record))
-    (sentence,) = put_aside([])
-    assert sentence.startswith(
-        "3 files that today's run no longer names were put into .cache/aside/"
-    )
-    assert [file.name for file in Path("results").rglob("*.*")] == ["mine.parquet"]
+def test_only_what_records_name_and_no_job_of_today_makes_is_put_aside(run):
+    tables = {f"results/{name}.parquet": "" for name in ("gone", "mine", "now")}
+    record = {"key": "", "parts": {}, "tables": {**tables}, "log": "logs/gone.log"}
+    del record["tables"]["results/mine.parquet"]
+    texts = dict.fromkeys([*tables, "logs/gone.log"], "a")
+    for name, text in {**texts, "results/records/cup/gone.json": json.dumps(record)}.items():
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).write_text(text)
+    (sentence,) = put_aside(["results/now.parquet"])
+    assert sentence.startswith("3 files that today's run no longer names were put into .cache/")
+    left = {file.name for folder in ("results", "logs") for file in Path(folder).rglob("*.*")}
+    assert left == {"mine.parquet", "now.parquet"}
     assert len(list(Path(".cache/aside").rglob("gone.*"))) == 3
-    assert not Path("logs/gone.log").exists()
-    assert not list(put_aside([]))
+    assert not list(put_aside(["results/now.parquet"]))
 
 
 @pytest.mark.parametrize("is_known", [True, False])

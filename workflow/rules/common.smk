@@ -30,6 +30,7 @@ from visuohaptic.parameters import (
 )
 from visuohaptic.pipeline import OF_OBJECT, phase as phase_of
 from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
+from visuohaptic.report.provenance import find_commit
 from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end, put_aside
@@ -281,21 +282,6 @@ def find_code(start):
     return with_plug_ins(code_of(start, sources), loaded(), sources)
 
 
-def packed_code(wildcards):
-    """List the files of the workflow that are packed, beside its results."""
-    from visuohaptic_workflow.crate import list_code
-
-    files = ["workflow/Snakefile", *list_code(ROOT)]
-    return in_clone(os.path.relpath(ROOT / file) for file in files)
-
-
-def packed_commit(wildcards):
-    """Name the commit of the workflow."""
-    from visuohaptic.report.provenance import find_commit
-
-    return find_commit()
-
-
 def all_cores(wildcards):
     """Give the number of cores for a job that must run alone; profiles of clusters set it to one."""
     return workflow.cores or 1
@@ -304,11 +290,9 @@ def all_cores(wildcards):
 def answer():
     """Say why jobs would run, or which records do not fit, and end, if `make why` or `make verify` asks."""
     if DECIDES and ASKED in os.environ:
-        is_fine = True
+        lines, is_fine = why(keys(), map(str, rules.all.input)), True
         if os.environ[ASKED] == "verify":
             lines, is_fine = verify(keys())
-        else:
-            lines = why(keys(), map(str, rules.all.input))
         print(*lines, sep="\n")
         sys.exit(not is_fine)
 

@@ -43,7 +43,7 @@ rule export:
     params:
         key=key_of_job,
         seed=PARAMETERS.seed,
-        commit=packed_commit,
+        commit=lambda wildcards: find_commit(),
         parameters=PARAMETERS.model_dump(mode="json", exclude={"workflow"}),
     message:
         "exporting touches as a data set"
