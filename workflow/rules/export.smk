@@ -17,12 +17,6 @@ EXPORTED = [
 ]
 
 
-rule export_all:
-    input:
-        expand("results/export/{file}", file=EXPORTED),
-        "results/records/export.json",
-
-
 rule export:
     input:
         takes(
@@ -49,3 +43,8 @@ rule export:
         "exporting touches as a data set"
     script:
         "../scripts/export.py"
+
+
+rule export_all:
+    input:
+        rules.export.output,

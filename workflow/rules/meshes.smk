@@ -16,14 +16,6 @@ rule meshes_all:
         ["meshes/downloaded/credits.csv"] if DOWNLOADED else [],
 
 
-rule downloads_all:
-    input:
-        expand("meshes/downloaded/{object}.ply.gz", object=sorted(DOWNLOADED)),
-        "meshes/downloaded/credits.csv",
-        "results/records/downloads.json",
-        "results/records/credits.json",
-
-
 rule downloads:
     input:
         takes("downloads"),
@@ -65,6 +57,12 @@ rule credits:
         "writing the credits of the downloaded models"
     script:
         "../scripts/credits.py"
+
+
+rule downloads_all:
+    input:
+        rules.downloads.output,
+        rules.credits.output,
 
 
 rule meshes:

@@ -11,21 +11,6 @@ TEMPLATES = in_clone(
 MEASURED_BESIDE = ["reports/evaluation.parquet", "reports/precision.json"]
 
 
-rule report_all:
-    input:
-        "reports/report.html",
-        "reports/metrics.json",
-        "reports/headline.json",
-        "reports/plots/accuracy.csv",
-        "reports/plots/confusion.csv",
-        "results/records/metrics.json",
-        "results/records/report.json",
-        "results/guards_of_training.parquet",
-        "results/guards.parquet",
-        "results/records/guards_of_training.json",
-        "results/records/guards_hold.json",
-
-
 rule metrics:
     input:
         takes(
@@ -109,3 +94,11 @@ rule report:
         "writing the report"
     script:
         "../scripts/report.py"
+
+
+rule report_all:
+    input:
+        rules.metrics.output,
+        rules.guards_of_training.output,
+        rules.report.output,
+        rules.guards_hold.output,
