@@ -2,6 +2,7 @@
 
 import json
 import os
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -191,6 +192,16 @@ def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_pat
     module.write_text("VALUE = 2")
     digests.of(module)
     assert not bytecode.exists()
+
+
+def test_a_file_that_may_change_again_without_another_time_is_read_again(tmp_path, monkeypatch):
+    now = time.time_ns()
+    monkeypatch.setattr("visuohaptic_workflow.digests.stamp", lambda path: (1, 1, now, now))
+    digests, file = Digests(), tmp_path / "a.obj"
+    file.write_text("a")
+    before = digests.of(file)
+    file.write_text("b")
+    assert digests.of(file) != before
 
 
 def recompute(run):
