@@ -123,10 +123,9 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
                     [abs(100 * cell[end] - one) for cell, one in zip(cells, leads, strict=True)]
                     for end in ("lead_low", "lead_high")
                 ]
-                panel.errorbar(
-                    leads, [number + 0.16 * (1.5 - place) for number in range(len(CUES))], xerr=ends,
-                    fmt="osDX"[place], color=COLOURS[place], label=OPPONENTS[strategy],
-                )  # fmt: skip
+                rows = [number + 0.16 * (1.5 - place) for number in range(len(CUES))]
+                style = {"color": COLOURS[place], "label": OPPONENTS[strategy]}
+                panel.errorbar(leads, rows, xerr=ends, fmt="osDX"[place], **style)
     axes[0, 0].set_yticks(range(len(CUES)), CUES.values())
     for panel in axes[-1]:
         panel.set_xlabel("lead of fixation, percentage points")

@@ -148,13 +148,13 @@ def _draw_times(axes: Axes, figures: Figures) -> None:
             line = zip(*sorted([*looks, *touches]), strict=True)
             style = {"color": COLOUR_OF[strategy], "label": f"look, then touch: {words}"}
             axes.plot(*line, marker="o", markersize=3, **style)
-    for rows, answer, strategy, words, style in (
-        ("curves", TOUCH, BLIND, "touch alone", {"linestyle": "--", "marker": "x", "markersize": 4}),
-        ("budgets", STOPPING, COMPARED[0], "the rule that stops", {"linestyle": "none", "marker": "D", "fillstyle": "none"}),
-    ):  # fmt: skip
-        line = zip(*_line(figures[rows], answer, strategy), strict=True)
-        label = f"{words}: {WORDS[strategy]}"
-        axes.plot(*line, color=COLOUR_OF[strategy], label=label, **style)
+    blind = _line(figures["curves"], TOUCH, BLIND)
+    style = {"color": COLOUR_OF[BLIND], "label": f"touch alone: {WORDS[BLIND]}"}
+    axes.plot(*zip(*blind, strict=True), linestyle="--", marker="x", markersize=4, **style)
+    rule = COMPARED[0]
+    stops = _line(figures["budgets"], STOPPING, rule)
+    style = {"color": COLOUR_OF[rule], "label": f"the rule that stops: {WORDS[rule]}"}
+    axes.plot(*zip(*stops, strict=True), linestyle="none", marker="D", fillstyle="none", **style)
     axes.set_xscale("log")
     ticks = (0.5, 1, 2, 5, 10, 20, 40)
     axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])

@@ -90,10 +90,10 @@ def pair_table(tables: dict[str, list[Row]]) -> str:
         if pair is None:
             continue
         labels = [BY_NAME[choice].label.lower() for choice in pair.choices]
-        lines = [
-            [*(option.replace("_", " ") for option in options), points(lead.middle), f"{lead.ahead} of {lead.cases}"]
-            for options, lead in pair.leads.items()
-        ]  # fmt: skip
+        lines = []
+        for options, lead in pair.leads.items():
+            words = (option.replace("_", " ") for option in options)
+            lines.append([*words, points(lead.middle), f"{lead.ahead} of {lead.cases}"])
         found += [
             f"Set {name}: the two choices explain {share(pair.share, 0)} of how leads differ.",
             table([*labels, "median lead", "fixation ahead"], lines),

@@ -1,6 +1,7 @@
 """params.yaml and its schema come from the descriptions in the code, and an editor can rely on both."""
 
 import json
+import re
 import runpy
 from pathlib import Path
 
@@ -17,24 +18,12 @@ SCHEMA = ROOT / "workflow" / "schemas" / "params.schema.json"
 VALIDATOR = Draft202012Validator(json.loads(SCHEMA.read_text()))
 
 
-@pytest.fixture(scope="module")
-def maker():
-    return runpy.run_path(str(ROOT / "docs" / "make_params.py"))
-
-
-def test_parameters_are_those_of_the_code(maker):
+def test_both_files_are_those_of_the_code_and_an_editor_finds_the_schema():
+    maker = runpy.run_path(str(ROOT / "docs" / "make_params.py"))
     assert maker["parameters_page"]() == TEXT, "run `make params`"
-
-
-def test_the_schema_is_that_of_the_code(maker):
     assert maker["schema_page"]() == SCHEMA.read_text(), "run `make params`"
-
-
-def test_an_editor_finds_the_schema():
-    mark = "# yaml-language-server: $schema="
-    first = TEXT.splitlines()[0]
-    assert first.startswith(mark)
-    assert (ROOT / first.removeprefix(mark)) == SCHEMA
+    named = TEXT.splitlines()[0].removeprefix("# yaml-language-server: $schema=")
+    assert (ROOT / named) == SCHEMA
 
 
 def test_the_schema_allows_the_defaults():
@@ -64,19 +53,15 @@ def test_the_schema_allows_what_the_program_allows(values):
     assert list(VALIDATOR.iter_errors(values)) == []
 
 
-def descriptions(model, path=""):
+def descriptions(model):
     for name, field in type(model).model_fields.items():
         value = getattr(model, name)
-        if isinstance(value, BaseModel):
-            yield from descriptions(value, f"{path}{name}.")
-        else:
-            yield f"{path}{name}", field.description or ""
+        yield from (
+            descriptions(value) if isinstance(value, BaseModel) else [field.description or ""]
+        )
 
 
 def test_descriptions_begin_with_a_capital_and_have_no_full_stop():
-    wrong = [
-        f"{path}: {text}"
-        for path, text in descriptions(ExperimentParameters())
-        if (not text[:1].isupper() and text[:1] != "`") or text.endswith(".")
-    ]
-    assert wrong == []
+    begun = re.compile(r"[A-Z`]")
+    found = list(descriptions(ExperimentParameters()))
+    assert [text for text in found if not begun.match(text) or text.endswith(".")] == []

@@ -1,7 +1,6 @@
 """A small copy of the experiment: four objects of two classes, two small views, everything real."""
 
 import fcntl
-import hashlib
 import os
 import re
 import shutil
@@ -23,17 +22,6 @@ SMALL = {
 }
 
 
-def environment():
-    """Give the environment of a user's shell, with bytecode; a copy's own package is found by the copy's own means."""
-    kept = {
-        key: value
-        for key, value in os.environ.items()
-        if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
-        and key not in {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
-    }
-    return {**kept, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-
-
 @dataclass(frozen=True)
 class Experiment:
     """A copy of the repository in which commands can be run; `variables` are more of the environment."""
@@ -41,10 +29,22 @@ class Experiment:
     folder: Path
     variables: dict[str, str] = field(default_factory=dict)
 
+    @property
+    def environment(self):
+        """That of a user's shell, with bytecode; a copy's own package is found by the copy's own means."""
+        kept = {
+            key: value
+            for key, value in os.environ.items()
+            if not key.startswith(("GIT_", "PYTEST_", "DVC_"))
+            and key not in {"PYTHONPATH", "PYTHONDONTWRITEBYTECODE"}
+        }
+        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        return {**kept, "PATH": path, **self.variables}
+
     def run(self, *command, check=True, **more):
         """Run a command of the environment there, and give what it printed."""
         result = subprocess.run(
-            command, cwd=self.folder, env={**environment(), **self.variables, **more}, check=False, text=True,
+            command, cwd=self.folder, env={**self.environment, **more}, check=False, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=600,
         )  # fmt: skip
         if check and result.returncode:
@@ -54,7 +54,7 @@ class Experiment:
     def start(self, *command):
         """Start a command in a process group of its own."""
         return subprocess.Popen(
-            command, cwd=self.folder, env={**environment(), **self.variables}, start_new_session=True,
+            command, cwd=self.folder, env=self.environment, start_new_session=True,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
 
@@ -91,20 +91,6 @@ class Experiment:
         self.run("dvc", "commit", "--force")
         self.run("git", "add", "--all")
         self.run("git", "commit", "-qm", message)
-
-    def digests(self):
-        """Give the SHA-256 of every result that does not hold seconds or dates."""
-        files = [
-            *(self.folder / "results").rglob("*.parquet"),
-            *(self.folder / "results/meshes").rglob("*.ply"),
-            *(self.folder / "reports/plots").rglob("*.csv"),
-            self.folder / "reports/metrics.json",
-        ]
-        return {
-            str(file.relative_to(self.folder)): hashlib.sha256(file.read_bytes()).hexdigest()
-            for file in files
-            if "results/effects/" not in str(file)
-        }
 
     def copy(self, folder):
         shutil.copytree(self.folder, folder, symlinks=True)

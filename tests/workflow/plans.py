@@ -22,6 +22,7 @@ from small_experiment import SMALL_OBJECTS as OBJECTS
 LONG_AGO = (946_000_000, 946_000_000)
 CATALOGUE = "meshes/catalogue.csv"
 OF_THE_SHAPE = ("width_cm", "depth_cm", "height_cm", "rotation")
+MESH = "meshes/paper/chair/bsby_chair3.ply.gz"
 OTHER_MESH = "meshes/paper/chair/bs0_chair2.ply.gz"
 OBJECT = "chair/bs0_chair2/00-01.parquet"
 
@@ -113,9 +114,7 @@ CHANGES = {
     "seed": of("fixations", seed=7),
     "workflow": of("meshes", 4, workflow={"objects_per_job": 1}),
     "views a job": of("fixations", 4, workflow={"views_per_job": 1}),
-    "another mesh": file(
-        "meshes", "meshes/paper/chair/bsby_chair3.ply.gz", lambda _: Path(OTHER_MESH).read_bytes(), 1
-    ),
+    "another mesh": file("meshes", MESH, lambda _: Path(OTHER_MESH).read_bytes(), 1),
     "columns of the shape": file("meshes", CATALOGUE, cells(*of_the_shape())),
     "other columns": file("report", CATALOGUE, cells(*of_other_columns()), 1),
     "a credit": file(
@@ -125,7 +124,9 @@ CHANGES = {
     "meshes/preparing": file("meshes", "src/visuohaptic/meshes/preparing.py"),
     "attention/saliency": file("fixations", "src/visuohaptic/attention/saliency.py"),
     "sensor/placing": file("touches", "src/visuohaptic/sensor/placing.py"),
-    "contourlets/directional": file("features", "packages/contourlets/src/contourlets/directional.py"),
+    "contourlets/directional": file(
+        "features", "packages/contourlets/src/contourlets/directional.py"
+    ),
     "recognition/classifiers": file("recognition", "src/visuohaptic/recognition/classifiers.py"),
     "recognition/metrics": file("metrics", "src/visuohaptic/recognition/metrics.py", jobs=1),
     "an edited table": alone("features", f"results/features/{OBJECT}", edited),

@@ -38,29 +38,27 @@ def source(tmp_path_factory):
     sys.path.remove(str(source))
 
 
-def code(source, folder, text):
-    script = folder / "script.py"
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        # Into functions, but not for the type checker.
+        ("import toyhand.a", {"a.py", "b.py", "c.py"}),
+        # With data beside a module that reads some.
+        ("from toyhand import d", {"d.py", "figures.json"}),
+        # What the stub of a lazy package names.
+        (
+            "from toyhand.lazy import x",
+            {"lazy/__init__.py", "lazy/one.py", "lazy/two.py", "d.py", "figures.json"},
+        ),
+    ],
+)
+def test_imports_are_followed(source, tmp_path, text, names):
+    script = tmp_path / "script.py"
     script.write_text(text)
     found = code_of(Start(script), (source,))
-    names = {str(file.relative_to(source / "toyhand")) for file in found.files if file != script}
-    assert script in found.files
-    return names, found.versions
-
-
-def test_imports_are_followed_into_functions_but_not_for_the_type_checker(source, tmp_path):
-    names, versions = code(source, tmp_path, "import toyhand.a\n")
-    assert names == {"__init__.py", "a.py", "b.py", "c.py"}
-    assert versions["yaml"] == version("PyYAML")
-
-
-def test_figures_beside_a_module_that_reads_some_count(source, tmp_path):
-    names, _ = code(source, tmp_path, "from toyhand import d\n")
-    assert names == {"__init__.py", "d.py", "figures.json"}
-
-
-def test_a_lazy_package_brings_what_its_stub_names(source, tmp_path):
-    names, _ = code(source, tmp_path, "from toyhand.lazy import x\n")
-    assert names >= {"lazy/__init__.py", "lazy/one.py", "lazy/two.py", "d.py"}
+    files = {source / "toyhand" / name for name in ("__init__.py", *names)}
+    assert set(found.files) == {script, *files}
+    assert found.versions.get("yaml") == (version("PyYAML") if "a.py" in names else None)
 
 
 def test_a_plug_in_is_code_of_the_scripts_that_run_what_it_registered_with(
@@ -126,7 +124,7 @@ def test_a_strategy_is_code_of_the_runs_alone_that_use_it():
 
 
 def test_functions_by_their_names_are_code_of_what_names_them():
-    files = files_of(Start(ROOT / "workflow/scripts/study_features.py"))
+    files = files_of(Start(ROOT / "workflow/scripts/features_of_study.py"))
     strategies = ROOT.glob("src/visuohaptic/fixations/strategies/*.py")
     assert files >= {str(file.relative_to(ROOT)) for file in strategies}
     assert "src/visuohaptic/touches/touching.py" in files

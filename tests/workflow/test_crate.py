@@ -76,7 +76,8 @@ def test_the_run_has_parameters_and_all_results_of_the_finished_run(crate, finis
     given = [entities[name] for name in references(run["object"])]
     parameters = {one["name"]: one["value"] for one in given}
     assert json.loads(parameters["viewpoints"])["count"] == 2
-    tables = {name for name in finished.digests() if not name.startswith("results/study_")}
+    files = (finished.folder / "results").glob("[!s]*/**/*.parquet")
+    tables = {str(file.relative_to(finished.folder)) for file in files}
     expected = {*tables, "reports/report.html", "results/records/report.json"}
     assert expected <= set(references(run["result"]))
     assert crate.planned() == {}

@@ -17,14 +17,10 @@ PATHS = f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"
 
 
 def logged_job(log):
-    return job(snakemake_of(log))
-
-
-def snakemake_of(log):
-    """Stand in for what Snakemake gives the script of a job that leaves a record and no table."""
+    """Begin a job of stand-ins for what Snakemake gives a script: it leaves a record and no table."""
     record = str(log.with_name("record.json"))
     output = type("Output", (list,), {"record": record})([record])
-    return SimpleNamespace(log=[str(log)], output=output, params={})
+    return job(SimpleNamespace(log=[str(log)], output=output, params={}))
 
 
 def run(program):
@@ -39,22 +35,24 @@ def test_a_job_that_ends_well_logs_its_seconds(tmp_path):
     assert seconds.work >= 0
 
 
-def test_a_foreseen_error_is_one_sentence_without_traceback(tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("error", "sentence", "is_traced"),
+    [
+        (MeshError("a.obj is empty."), "error: a.obj is empty.\n", False),
+        (ZeroDivisionError("oh"), "error: ZeroDivisionError: oh (see {})\n", True),
+    ],
+)
+def test_an_error_is_one_sentence_and_only_the_log_has_the_traceback_of_an_unforeseen_one(
+    tmp_path, capsys, error, sentence, is_traced
+):
     log = tmp_path / "a.log"
     with pytest.raises(SystemExit) as caught, logged_job(log):
-        raise MeshError("a.obj is empty.")
+        raise error
     assert caught.value.code == 1
-    assert capsys.readouterr().err == "error: a.obj is empty.\n"
-    assert log.read_text() == "error: a.obj is empty.\n"
+    assert capsys.readouterr().err == sentence.format(log)
+    assert log.read_text().startswith(sentence.format(log))
+    assert ("Traceback" in log.read_text()) == is_traced
     assert read_seconds(log) is None
-
-
-def test_an_unforeseen_error_keeps_its_traceback_in_the_log(tmp_path, capsys):
-    log = tmp_path / "a.log"
-    with pytest.raises(SystemExit), logged_job(log):
-        raise ZeroDivisionError("oh")
-    assert capsys.readouterr().err.startswith("error: ZeroDivisionError: oh (see ")
-    assert "Traceback" in log.read_text()
 
 
 def test_a_step_of_a_study_knows_pyarrow_before_its_job_begins_which_keeps_pandas_out():

@@ -2,16 +2,17 @@
 
 import json
 import os
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from visuohaptic_workflow.closing import put_aside
 from visuohaptic_workflow.closure import Code, Start
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.keys import Job, Keys, read_record
-from visuohaptic_workflow.leftovers import put_aside
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.records import StateError, check_inputs, check_unchanged, write_record
 
@@ -53,11 +54,7 @@ class Run:
                 Path(table).write_text(str(keys.parts(record)))
             check_unchanged(given)
 
-            class Output(tuple):
-                pass
-
-            output = Output(job.outputs)
-            output.record = record
+            output = type("Output", (tuple,), {"record": record})(job.outputs)
             write_record(SimpleNamespace(output=output, log=["a.log"]), given)
 
     def reasons(self):
@@ -75,49 +72,47 @@ def run(tmp_path, monkeypatch):
     return run
 
 
-@pytest.mark.parametrize("turn", range(3))
-def test_a_parameter_is_named_each_time_that_it_changes(run, turn):
-    for size in (0.2, 0.3, 0.2)[: turn + 1]:
-        run.parameters = {"sensor": {"size": size + turn, "reach": 1}}
-        assert run.reasons() == [None, "parameters: sensor.size"]
-        run.make("touch")
-        assert run.reasons() == [None, None]
-
-
-def test_a_source_replaced_by_an_older_file_is_another_one(run):
+def replace_by_older(run):
     Path("b.obj").write_text("of 1999")
     os.utime("b.obj", LONG_AGO)
     Path("b.obj").replace("model.obj")
-    assert run.reasons() == ["source: model.obj"] * 2
 
 
-def test_times_say_nothing(run):
-    for file in Path().iterdir():
-        os.utime(file, LONG_AGO)
-    assert run.reasons() == [None, None]
-
-
-def test_a_module_edited_and_set_back_to_its_time_is_named(run):
+def edit_and_set_time_back(run):
     before = Path("look.py").stat()
     Path("look.py").write_text("l00k.py")
     os.utime("look.py", ns=(before.st_atime_ns, before.st_mtime_ns))
-    assert run.reasons() == ["code: look.py"] * 2
 
 
-def test_another_version_of_a_package_is_named(run):
-    run.versions = {"numpy": "2.1"}
-    assert run.reasons() == ["packages: numpy"] * 2
+def forget_times(run, draw=None):
+    for file in Path().iterdir():
+        os.utime(file, LONG_AGO)
 
 
-@pytest.mark.parametrize("damage", [lambda file: file.write_text("x"), Path.unlink])
-def test_a_table_edited_by_hand_or_lost_is_named_and_what_was_made_of_it_stays(run, damage):
-    damage(Path("mesh.ply"))
-    assert run.reasons() == ["table: mesh.ply", None]
+@pytest.mark.parametrize(
+    ("change", "mesh", "touch"),
+    [
+        (forget_times, None, None),
+        (replace_by_older, "source: model.obj", "source: model.obj"),
+        (edit_and_set_time_back, "code: look.py", "code: look.py"),
+        (lambda run: run.versions.update(numpy="2.1"), "packages: numpy", "packages: numpy"),
+        # What was made of a table stays: it comes out as it was.
+        (lambda run: Path("mesh.ply").write_text("x"), "table: mesh.ply", None),
+        (lambda run: Path("mesh.ply").unlink(), "table: mesh.ply", None),
+        (lambda run: Path("mesh.json").write_text("{}"), "record: none of this version", None),
+    ],
+)
+def test_what_is_another_is_named_and_times_say_nothing(run, change, mesh, touch):
+    change(run)
+    assert run.reasons() == [mesh, touch]
 
 
-def test_a_record_of_another_version_does_not_fit(run):
-    Path("mesh.json").write_text('{"params": {}, "outputs": {}}')
-    assert run.reasons() == ["record: none of this version", None]
+def test_a_parameter_is_named_each_time_that_it_changes(run):
+    for size in (0.2, 0.3, 0.2):
+        run.parameters = {"sensor": {"size": size + 1, "reach": 1}}
+        assert run.reasons() == [None, "parameters: sensor.size"]
+        run.make("touch")
+        assert run.reasons() == [None, None]
 
 
 def test_code_edited_while_a_job_runs_leaves_no_record(run):
@@ -166,27 +161,20 @@ def test_a_marked_record_that_is_a_link_becomes_a_file_of_its_own(run):
     assert Path("touch.json").read_text() == Path("cached.json").read_text()
 
 
-def test_only_what_records_name_is_put_aside(run):
-    records = Path("results/records/touches/cup")
-    records.mkdir(parents=True)
-    Path("logs").mkdir()
-    for name in ("results/gone.parquet", "results/mine.parquet", "logs/gone.log"):
-        Path(name).write_text(name)
-    record = {
-        "key": "",
-        "parts": {},
-        "tables": {"results/gone.parquet": ""},
-        "log": "logs/gone.log",
-    }
-    (records / "gone.json").write_text(json.dumps(record))
-    (sentence,) = put_aside([])
-    assert sentence.startswith(
-        "3 files that today's run no longer names were put into .cache/aside/"
-    )
-    assert [file.name for file in Path("results").rglob("*.*")] == ["mine.parquet"]
+def test_only_what_records_name_and_no_job_of_today_makes_is_put_aside(run):
+    tables = {f"results/{name}.parquet": "" for name in ("gone", "mine", "now")}
+    record = {"key": "", "parts": {}, "tables": {**tables}, "log": "logs/gone.log"}
+    del record["tables"]["results/mine.parquet"]
+    texts = dict.fromkeys([*tables, "logs/gone.log"], "a")
+    for name, text in {**texts, "results/records/cup/gone.json": json.dumps(record)}.items():
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).write_text(text)
+    (sentence,) = put_aside(["results/now.parquet"])
+    assert sentence.startswith("3 files that today's run no longer names were put into .cache/")
+    left = {file.name for folder in ("results", "logs") for file in Path(folder).rglob("*.*")}
+    assert left == {"mine.parquet", "now.parquet"}
     assert len(list(Path(".cache/aside").rglob("gone.*"))) == 3
-    assert not Path("logs/gone.log").exists()
-    assert not list(put_aside([]))
+    assert not list(put_aside(["results/now.parquet"]))
 
 
 @pytest.mark.parametrize("is_known", [True, False])
@@ -206,6 +194,16 @@ def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_pat
     assert not bytecode.exists()
 
 
+def test_a_file_that_may_change_again_without_another_time_is_read_again(tmp_path, monkeypatch):
+    now = time.time_ns()
+    monkeypatch.setattr("visuohaptic_workflow.digests.stamp", lambda path: (1, 1, now, now))
+    digests, file = Digests(), tmp_path / "a.obj"
+    file.write_text("a")
+    before = digests.of(file)
+    file.write_text("b")
+    assert digests.of(file) != before
+
+
 def recompute(run):
     """Run what does not fit, in order."""
     for rule in ("mesh", "touch"):
@@ -219,11 +217,6 @@ def lose(name):
 
 def write(name):
     return lambda run, draw: Path(name).write_text(draw(("one", "two", "others")))
-
-
-def forget_times(run, draw):
-    for file in Path().iterdir():
-        os.utime(file, LONG_AGO)
 
 
 ACTIONS = (

@@ -61,7 +61,7 @@ ASIDE = {
     "workflow/scripts/export.py",
     "workflow/scripts/crate.py",
     "workflow/scripts/gaze.py",
-    "workflow/scripts/study_figures.py",
+    "workflow/scripts/figures_of_study.py",
 }
 
 

@@ -78,8 +78,7 @@ def test_the_run_itself_has_the_accuracy_of_its_metrics(studied):
 def test_the_report_shows_it_after_the_same_call_and_nothing_is_left_to_do(studied):
     page = (studied.folder / "reports/report.html").read_text()
     assert "Does &lt;b&gt;it&lt;/b&gt; matter?" in page
-    assert planned(studied) == {}
-    assert studied.planned() == {}
+    assert studied.planned("--", "study_mine", "all") == {}
 
 
 def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, tmp_path):
@@ -100,7 +99,6 @@ def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, 
     experiment.snakemake("--", "study_mine")
     assert figures.read_bytes() != measured
     assert EARLIER not in page.read_text()
-    assert experiment.planned() == {}
 
 
 def test_what_was_lost_added_or_changed_is_measured_again_and_nothing_else(studied, tmp_path):

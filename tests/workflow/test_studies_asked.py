@@ -5,9 +5,13 @@ import pytest
 from readings.study import STUDY as READINGS
 from visuohaptic.studies.registry import STUDIES as PACKAGED
 from visuohaptic.studies.study import Study
-from visuohaptic_workflow.studies_asked import studies_asked_for
+from visuohaptic_workflow.studies_asked import is_asked_for
 
 STUDIES = (*PACKAGED, READINGS, *(Study(name, "Mine") for name in ("palm", "palm_size", "touches")))
+
+
+def asked_for(arguments):
+    return {study.name for study in STUDIES if is_asked_for(arguments, study)}
 
 
 @pytest.mark.parametrize(
@@ -28,7 +32,7 @@ STUDIES = (*PACKAGED, READINGS, *(Study(name, "Mine") for name in ("palm", "palm
     ],
 )
 def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
-    assert studies_asked_for(["-j2", "--", target], STUDIES) == {study}
+    assert asked_for(["-j2", "--", target]) == {study}
 
 
 @pytest.mark.parametrize(
@@ -43,4 +47,4 @@ def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
     ],
 )
 def test_other_arguments_ask_for_no_study(line):
-    assert studies_asked_for(line.split(), STUDIES) == set()
+    assert asked_for(line.split()) == set()

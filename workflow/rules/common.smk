@@ -30,14 +30,14 @@ from visuohaptic.parameters import (
 )
 from visuohaptic.pipeline import OF_OBJECT, phase as phase_of
 from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
+from visuohaptic.report.provenance import find_commit
 from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
-from visuohaptic_workflow.closing import lines_at_end
+from visuohaptic_workflow.closing import lines_at_end, put_aside
 from visuohaptic_workflow.closure import Start, code_of, with_plug_ins
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.keys import Keys, read_record
-from visuohaptic_workflow.leftovers import put_aside
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.one_run import (
     check_writable,
@@ -215,12 +215,14 @@ GIVEN_FILE = Path("logs/given.json")
 GIVEN = {}
 
 
-def takes(name, script, runs=(), chosen=(), **inputs):
+def takes(name, script=None, runs=(), chosen=(), **inputs):
     """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits.
 
-    The script `runs` modules of which it does not know; of registries the entries count that are `chosen`.
+    The script, which has the rule's name, `runs` modules of which it does not know; of registries the entries count that
+    are `chosen`.
     """
-    start = Start(ROOT / "workflow/scripts" / script, tuple(runs), tuple(chosen))
+    path = ROOT / "workflow/scripts" / (script or f"{name}.py")
+    start = Start(path, tuple(runs), tuple(chosen))
     DECLARED[name] = Declared(start, inputs)
 
     def found(wildcards):
@@ -280,21 +282,6 @@ def find_code(start):
     return with_plug_ins(code_of(start, sources), loaded(), sources)
 
 
-def packed_code(wildcards):
-    """List the files of the workflow that are packed, beside its results."""
-    from visuohaptic_workflow.crate import list_code
-
-    files = ["workflow/Snakefile", *list_code(ROOT)]
-    return in_clone(os.path.relpath(ROOT / file) for file in files)
-
-
-def packed_commit(wildcards):
-    """Name the commit of the workflow."""
-    from visuohaptic.report.provenance import find_commit
-
-    return find_commit()
-
-
 def all_cores(wildcards):
     """Give the number of cores for a job that must run alone; profiles of clusters set it to one."""
     return workflow.cores or 1
@@ -303,11 +290,9 @@ def all_cores(wildcards):
 def answer():
     """Say why jobs would run, or which records do not fit, and end, if `make why` or `make verify` asks."""
     if DECIDES and ASKED in os.environ:
-        is_fine = True
+        lines, is_fine = why(keys(), map(str, rules.all.input)), True
         if os.environ[ASKED] == "verify":
             lines, is_fine = verify(keys())
-        else:
-            lines = why(keys(), map(str, rules.all.input))
         print(*lines, sep="\n")
         sys.exit(not is_fine)
 

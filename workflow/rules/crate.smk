@@ -3,14 +3,18 @@
 Takes all results; gives reports/crate.zip. Not part of `all`: `snakemake -j2 crate`.
 """
 
+from visuohaptic_workflow.crate import list_code
+
 
 rule crate:
     input:
         takes(
             "crate",
-            "crate.py",
             results=[*rules.all.input, "results/frontier_seconds.parquet"],
-            packed=packed_code,
+            packed=lambda wildcards: in_clone(
+                os.path.relpath(ROOT / file)
+                for file in ["workflow/Snakefile", *list_code(ROOT)]
+            ),
         ),
     output:
         "reports/crate.zip",
@@ -26,7 +30,7 @@ rule crate:
             **PARAMETERS.model_dump(exclude={"workflow"}),
             "plugins": list(PARAMETERS.plugins),
         },
-        commit=packed_commit,
+        commit=lambda wildcards: find_commit(),
     message:
         "packing the run as an RO-Crate"
     script:

@@ -17,17 +17,10 @@ EXPORTED = [
 ]
 
 
-rule export_all:
-    input:
-        expand("results/export/{file}", file=EXPORTED),
-        "results/records/export.json",
-
-
 rule export:
     input:
         takes(
             "export",
-            "export.py",
             touches=files_of("touches"),
             features=files_of("features"),
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
@@ -44,9 +37,14 @@ rule export:
     params:
         key=key_of_job,
         seed=PARAMETERS.seed,
-        commit=packed_commit,
+        commit=lambda wildcards: find_commit(),
         parameters=PARAMETERS.model_dump(mode="json", exclude={"workflow"}),
     message:
         "exporting touches as a data set"
     script:
         "../scripts/export.py"
+
+
+rule export_all:
+    input:
+        rules.export.output,

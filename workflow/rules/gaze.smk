@@ -16,7 +16,6 @@ rule gaze:
     input:
         takes(
             "gaze",
-            "gaze.py",
             recordings=RECORDED_GAZE,
             meshes=files_of_gaze((*MODEL_SUFFIXES, *COMPANION_SUFFIXES)),
             peer=PREDICTED_BY_PEER,

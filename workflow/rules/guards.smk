@@ -10,7 +10,6 @@ rule guards_of_training:
     input:
         takes(
             "guards_of_training",
-            "guards_of_training.py",
             features=files_of("features"),
             fixations=files_of("fixations"),
             meshes=meshes_of(),
@@ -38,7 +37,7 @@ rule guards_of_training:
 # After the report, so that the page is there to say what failed; another page changes nothing of that.
 rule guards_hold:
     input:
-        takes("guards_hold", "guards_hold.py", guards="results/guards.parquet"),
+        takes("guards_hold", guards="results/guards.parquet"),
         report=ancient("reports/report.html"),
     output:
         record="results/records/guards_hold.json",

@@ -16,20 +16,9 @@ rule meshes_all:
         ["meshes/downloaded/credits.csv"] if DOWNLOADED else [],
 
 
-rule downloads_all:
-    input:
-        expand("meshes/downloaded/{object}.ply.gz", object=sorted(DOWNLOADED)),
-        "meshes/downloaded/credits.csv",
-        "results/records/downloads.json",
-        "results/records/credits.json",
-
-
 rule downloads:
     input:
-        takes(
-            "downloads",
-            "downloads.py",
-        ),
+        takes("downloads"),
     output:
         models=expand("meshes/downloaded/{object}.ply.gz", object=sorted(DOWNLOADED)),
         record="results/records/downloads.json",
@@ -53,10 +42,7 @@ rule downloads:
 
 rule credits:
     input:
-        takes(
-            "credits",
-            "credits.py",
-        ),
+        takes("credits"),
     output:
         credits="meshes/downloaded/credits.csv",
         record="results/records/credits.json",
@@ -73,14 +59,15 @@ rule credits:
         "../scripts/credits.py"
 
 
+rule downloads_all:
+    input:
+        rules.downloads.output,
+        rules.credits.output,
+
+
 rule meshes:
     input:
-        takes(
-            "meshes",
-            "meshes.py",
-            sources=sources_of,
-            companions=companions_of,
-        ),
+        takes("meshes", sources=sources_of, companions=companions_of),
     output:
         directory("results/meshes/{objects}"),
         record="results/records/meshes/{objects}.json",

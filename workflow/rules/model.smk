@@ -24,11 +24,7 @@ rule model_all:
 
 rule model:
     input:
-        takes(
-            "model",
-            "model.py",
-            features=files_of("features"),
-        ),
+        takes("model", features=files_of("features")),
     output:
         model="results/models/{model}.skops",
         record="results/records/model/{model}.json",

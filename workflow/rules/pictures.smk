@@ -21,7 +21,6 @@ rule pictures:
     input:
         takes(
             "pictures",
-            "pictures.py",
             meshes="results/meshes/{objects}",
             views=views_of("views"),
             touches=views_of("touches"),

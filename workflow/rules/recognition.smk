@@ -13,11 +13,7 @@ rule recognition_all:
 
 rule recognition:
     input:
-        takes(
-            "recognition",
-            "recognition.py",
-            features=files_of("features"),
-        ),
+        takes("recognition", features=files_of("features")),
         # Stops before the first job where there are no classes to tell apart.
         checked=lambda wildcards: or_stop(check_classes, OBJECTS) or [],
     output:

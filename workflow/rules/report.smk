@@ -11,26 +11,10 @@ TEMPLATES = in_clone(
 MEASURED_BESIDE = ["reports/evaluation.parquet", "reports/precision.json"]
 
 
-rule report_all:
-    input:
-        "reports/report.html",
-        "reports/metrics.json",
-        "reports/headline.json",
-        "reports/plots/accuracy.csv",
-        "reports/plots/confusion.csv",
-        "results/records/metrics.json",
-        "results/records/report.json",
-        "results/guards_of_training.parquet",
-        "results/guards.parquet",
-        "results/records/guards_of_training.json",
-        "results/records/guards_hold.json",
-
-
 rule metrics:
     input:
         takes(
             "metrics",
-            "metrics.py",
             scores=files_of("scores", "{pipeline}/{strategy}"),
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
             training="results/guards_of_training.parquet",
@@ -72,7 +56,6 @@ rule report:
     input:
         takes(
             "report",
-            "report.py",
             metrics="reports/metrics.json",
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
             views=files_of("views"),
@@ -111,3 +94,11 @@ rule report:
         "writing the report"
     script:
         "../scripts/report.py"
+
+
+rule report_all:
+    input:
+        rules.metrics.output,
+        rules.guards_of_training.output,
+        rules.report.output,
+        rules.guards_hold.output,

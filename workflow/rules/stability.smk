@@ -15,7 +15,6 @@ rule stability_of_object:
     input:
         takes(
             "stability_of_object",
-            "stability_object.py",
             meshes="results/meshes/{objects}",
             fixations=views_of("fixations"),
             touches=views_of("touches"),
@@ -36,4 +35,4 @@ rule stability_of_object:
     message:
         "checking the numbers of {wildcards.objects} and others"
     script:
-        "../scripts/stability_object.py"
+        "../scripts/stability_of_object.py"

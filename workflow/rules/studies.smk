@@ -39,7 +39,6 @@ rule features_of_study:
     input:
         takes(
             "features_of_study",
-            "study_features.py",
             meshes=recomputed_from("meshes", {"views", "touches"}),
             fixations=recomputed_from("fixations", {"touches"}),
             touches=recomputed_from("touches", {"features"}),
@@ -59,16 +58,12 @@ rule features_of_study:
     message:
         "recomputing features for study {wildcards.study}, from its {params.phase} on"
     script:
-        "../scripts/study_features.py"
+        "../scripts/features_of_study.py"
 
 
 rule block_of_study:
     input:
-        takes(
-            "block_of_study",
-            "study_block.py",
-            **features_for(),
-        ),
+        takes("block_of_study", **features_for()),
     output:
         "results/study_blocks/{study}/{block}.parquet",
         record="results/records/block_of_study/{study}/{block}.json",
@@ -85,14 +80,13 @@ rule block_of_study:
     message:
         "measuring conditions {wildcards.block} of study {wildcards.study}"
     script:
-        "../scripts/study_block.py"
+        "../scripts/block_of_study.py"
 
 
 rule figures_of_study:
     input:
         takes(
             "figures_of_study",
-            "study_figures.py",
             parts=lambda wildcards: study_blocks(wildcards.study),
         ),
     output:
@@ -113,7 +107,7 @@ rule figures_of_study:
     message:
         "summing up study {wildcards.study}"
     script:
-        "../scripts/study_figures.py"
+        "../scripts/figures_of_study.py"
 
 
 for study, step in STEPS:

@@ -12,7 +12,7 @@ from visuohaptic.studies.conditions import (
 from visuohaptic.studies.registry import find_studies
 from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import OF_CONDITIONS
-from visuohaptic_workflow.studies_asked import names_rules_of, studies_asked_for
+from visuohaptic_workflow.studies_asked import is_asked_for, names_rules_of
 
 STUDIES = or_stop(find_studies, PARAMETERS, STUDY_FOLDERS)
 PLANS = {
@@ -28,17 +28,10 @@ STEPS = [(study, step) for study in STUDIES.values() for step in study.steps]
 # With thousands of objects the sampled studies would take longer than all the rest.
 SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
 
-
-def some_of(objects, count):
-    """Choose some objects, spread over all; for run times, or for what effects do, few are enough."""
-    return objects[:: max(1, -(-len(objects) // count))]
-
-
 # Jobs on other machines parse these files, too, and have other arguments.
 if IS_PLANNER:
     os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
 ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
-ASKED_STUDIES = studies_asked_for(ARGUMENTS, STUDIES.values())
 # Measured once, and left as they are.
 KEPT_STUDIES = [
     study
@@ -46,7 +39,7 @@ KEPT_STUDIES = [
     if DECIDES
     and not study.is_part_of_run
     and (study.is_on_request or not PARAMETERS.workflow.keep_studies_current)
-    and study.name not in ASKED_STUDIES
+    and not is_asked_for(ARGUMENTS, study)
     and Path(study.shown[0]).exists()
 ]
 
@@ -174,10 +167,11 @@ def sources_of_step(step):
 
 
 def measured_objects(study, step):
-    """List the objects whose meshes and fixations a step takes."""
+    """List the objects whose meshes and fixations a step takes: where few are enough, some that are spread over all."""
     objects = objects_of(study.name)
     counts = {"timed": PARAMETERS.cost.objects, "two": 2}
-    return some_of(objects, counts[step.objects]) if step.objects in counts else objects
+    count = counts.get(step.objects, len(objects) or 1)
+    return objects[:: max(1, -(-len(objects) // count))]
 
 
 def inputs_of_step(study, step):

@@ -1,16 +1,22 @@
-"""What a run says at its end: the figures, where the report is, and what was left out."""
+"""What a run does at its end: it puts aside what is no longer named, and says what it found and left out."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import os
+import time
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from visuohaptic.geometry.surface import object_of, set_aside_reason
+from visuohaptic_workflow.keys import read_record
 
 METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
+RECORDS = Path("results/records")
+ASIDE = Path(".cache/aside")
 
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
@@ -59,3 +65,24 @@ def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
 
 def _interval(low: float | None, high: float | None) -> str:
     return "" if low is None or high is None else f" ({100 * low:.1f} to {100 * high:.1f})"
+
+
+def put_aside(named: Collection[str]) -> Iterator[str]:
+    """Move what records name, but for the files of today's jobs, to a folder beside the results, and say so in a sentence.
+
+    A reader of a folder would meet an object's rows twice where blocks were other ones. Nothing else is touched.
+    """
+    stale = []
+    for record in sorted(set(map(str, RECORDS.rglob("*.json"))).difference(named)):
+        kept = read_record(record)
+        stale += [record, *(kept["tables"] if kept else ()), *([kept["log"]] if kept else ())]
+    target = ASIDE / time.strftime("%Y-%m-%d-%H%M%S")
+    moved = [file for file in dict.fromkeys(stale) if file not in named and os.path.lexists(file)]
+    for file in map(Path, moved):
+        (target / file).parent.mkdir(parents=True, exist_ok=True)
+        file.rename(target / file)
+        with suppress(OSError):  # until a folder that holds something
+            for folder in file.parents[:-2]:
+                folder.rmdir()
+    if moved:
+        yield f"{len(moved)} files that today's run no longer names were put into {target}."

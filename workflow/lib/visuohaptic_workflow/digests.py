@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import json
-import os
 import time
 from collections.abc import Iterable
 from contextlib import suppress
@@ -23,7 +22,7 @@ _YOUNG_NS = 2_000_000_000
 
 def stamp(path: str | Path) -> tuple[int, ...]:
     """Give what changes with a file, whatever its time is set to: size, inode, times of content and of change."""
-    found = os.stat(path)  # noqa: PTH116 - as above
+    found = Path(path).stat()
     return (found.st_size, found.st_ino, found.st_mtime_ns, found.st_ctime_ns)
 
 
@@ -72,10 +71,6 @@ class Digests:
 
 def stamps_of(files: Iterable[str | Path]) -> str:
     """Sum up the stamps of files, to see later whether one was touched; a missing one counts, too."""
-    found: list[list[object]] = []
-    for file in files:
-        try:
-            found.append([str(file), stamp(file)])
-        except OSError:
-            found.append([str(file), None])
+    paths = [Path(file) for file in files]
+    found = [[str(path), stamp(path) if path.exists() else None] for path in paths]
     return hashlib.sha256(json.dumps(found).encode()).hexdigest()

@@ -13,14 +13,9 @@ if TYPE_CHECKING:
     from visuohaptic.studies.study import Study
 
 
-def studies_asked_for(arguments: Sequence[str], studies: Iterable[Study]) -> set[str]:
-    """Find the studies of which a command line of Snakemake names a rule, or a file."""
-    return {
-        study.name
-        for study in studies
-        if names_rules_of(arguments, study.name)
-        or any(study.owns(argument) for argument in arguments)
-    }
+def is_asked_for(arguments: Sequence[str], study: Study) -> bool:
+    """Whether a command line of Snakemake names a rule of a study, or a file."""
+    return names_rules_of(arguments, study.name) or any(map(study.owns, arguments))
 
 
 def names_rules_of(arguments: Iterable[str], study: str) -> bool:

@@ -1,8 +1,23 @@
-"""What Slurm says of a job is what Snakemake gets to know."""
+"""What Slurm says of a job is what Snakemake gets to know, and the groups of its profile fit every study."""
+
+from pathlib import Path
 
 import pytest
+import yaml
 
 from visuohaptic_workflow.slurm_status import judge, main
+
+PROFILE = Path(__file__).parents[2] / "profiles/slurm/config.yaml"
+STUDIES = ("cost", "curves", "readings", "ablations", "effects", "certainty", "looking")
+
+
+@pytest.mark.workflow
+def test_every_study_can_be_asked_for_with_the_groups_of_the_profile(fresh):
+    profile = yaml.safe_load(PROFILE.read_text())
+    groups = [f"{rule}={group}" for rule, group in profile["groups"].items()]
+    targets = [f"{study}_all" for study in STUDIES]
+    output = fresh.snakemake("-n", "-q", "rules", "--groups", *groups, "--", *targets).stdout
+    assert "figures_of_study" in output
 
 
 @pytest.mark.parametrize(
