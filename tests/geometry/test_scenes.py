@@ -13,14 +13,12 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import run
 
 BALL = icosphere(3)
-# Faces on one another, faces as narrow as float32's errors, and an open sheet within a closed solid.
+NARROW = np.array([[1.2, -1, 0.1], [1.2, 1, 0.1], [1.2, 0, 0.1 + 1e-7]])
+# Faces on one another, a face as narrow as float32's errors, and an open sheet within a closed solid.
 SURFACES = {
     "ball": surface_of(BALL.vertices, BALL.faces),
     "doubled": surface_of(BALL.vertices, np.concatenate([BALL.faces, BALL.faces[::-1]])),
-    "narrow": joined(
-        surface_of(BALL.vertices, BALL.faces),
-        surface_of([[0, -1, 0], [0, 1, 0], [1e-7, 0, 1.5]], [[0, 1, 2]]),
-    ),
+    "narrow": joined(surface_of(BALL.vertices, BALL.faces), surface_of(NARROW, [[0, 1, 2]])),
     "gap": joined(
         box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.4)), sheet(lambda x, z: 0.6 + 0.1 * x * z, cells=20)
     ),
@@ -32,11 +30,12 @@ def rays():
     generator = np.random.default_rng(5)
     origins = generator.normal(size=(3000, 3))
     origins *= 2.5 / np.linalg.norm(origins, axis=1, keepdims=True)
-    # A third each through vertices, through edges, and anywhere.
+    # A third each through vertices, through edges, and anywhere, of which some meet the narrow face.
     targets = generator.uniform(-1, 1, (3000, 3))
     corners = BALL.triangles[generator.integers(0, len(BALL.faces), 2000)]
     share = np.where(np.arange(2000) < 1000, 0, generator.random(2000))[:, None]
     targets[:2000] = corners[:, 0] * (1 - share) + corners[:, 1] * share
+    targets[2800:] = generator.dirichlet(np.ones(3), 200) @ NARROW
     return origins, targets - origins
 
 
