@@ -124,7 +124,11 @@ def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModel
         if not _may_be_meant(file, folder):
             continue
         found = Model(file.parent.name, file.stem)
-        why = _why_not(file, folder) or _taken(found, taken, models)
+        why = _why_not(found, file, folder)
+        if why is None and found in models:
+            why = f"is object {found.key}, as {models[found]} is already; rename one."
+        elif why is None and found.key in taken:
+            why = f"is object {found.key}, as one of the catalogue is already; rename it."
         if why is None:
             models[found] = file
         else:
@@ -137,11 +141,11 @@ def _may_be_meant(file: Path, folder: Path) -> bool:
     return not (hidden or file.is_dir() or file.suffix.lower() in _NO_MODEL_SUFFIXES)
 
 
-def _why_not(file: Path, folder: Path) -> str | None:
+def _why_not(found: Model, file: Path, folder: Path) -> str | None:
     """Tell why a file can't be an object, and what to do."""
     if not file.is_file():
         return "is no file; a file is needed."
-    if why := _unreadable(file.suffix):
+    if why := why_unreadable(file.suffix):
         return why
     parts = file.relative_to(folder).parts
     if len(parts) == 1:
@@ -149,32 +153,20 @@ def _why_not(file: Path, folder: Path) -> str | None:
     if len(parts) > 2:
         return f"lies too deep; move it to {folder}/{_shown(parts[0])}/{_shown(file.name)}."
     try:
-        for name in (file.parent.name, file.stem):
+        for name in (found.category, found.name):
             check_name(name, "")
     except CatalogueError as error:
         return f"can't take part: {str(error).removeprefix(': ')}"
     return None
 
 
-def _unreadable(suffix: str) -> str | None:
+def why_unreadable(suffix: str) -> str | None:
+    """Tell why files of a suffix can't be read, or which packages they need that are not installed."""
     if suffix.lower() not in MODEL_SUFFIXES:
         ending = repr(suffix) if suffix else "nothing"
         return f"ends in {ending}, which can't be read; export it as .glb or .obj."
-    missing = missing_for(suffix)
+    missing = what_is_missing("formats", *_PACKAGES.get(suffix.lower(), ()))
     return f"can't be read yet: {missing}" if missing else None
-
-
-def missing_for(suffix: str) -> str | None:
-    """Tell which packages a format needs that are not installed, and what brings them."""
-    return what_is_missing("formats", *_PACKAGES.get(suffix.lower(), ()))
-
-
-def _taken(found: Model, taken: Collection[str], models: Mapping[Model, Path]) -> str | None:
-    if found in models:
-        return f"is object {found.key}, as {models[found]} is already; rename one."
-    if found.key in taken:
-        return f"is object {found.key}, as one of the catalogue is already; rename it."
-    return None
 
 
 def _shown(name: str | Path) -> str:

@@ -10,7 +10,7 @@ from zipfile import ZipFile
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, missing_for
+from visuohaptic.meshes.catalogue import why_unreadable
 from visuohaptic.meshes.collada import checked_collada
 from visuohaptic.meshes.gltf_files import add_wraps, check_gltf, gltf_document
 from visuohaptic.meshes.in_memory import reason_of, surface_of_trimesh
@@ -71,12 +71,8 @@ def surface_from_archive(data: bytes, name: str, archive: ZipFile) -> Surface:
 
 
 def _check_suffix(suffix: str, name: str) -> None:
-    if suffix.lower() not in MODEL_SUFFIXES:
-        raise MeshError(
-            f"{name} ends in {suffix or 'nothing'!r}; {', '.join(MODEL_SUFFIXES)} are allowed."
-        )
-    if missing := missing_for(suffix):
-        raise MeshError(f"{name} can't be read yet: {missing}")
+    if why := why_unreadable(suffix):
+        raise MeshError(f"{name} {why}")
 
 
 def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> bytes:
