@@ -14,7 +14,6 @@ from visuohaptic.studies.cost.front import (
     mark_front,
     more_accurate,
     on_robot,
-    pareto_front,
     reference_row,
     setting_rows,
     setting_times,
@@ -62,17 +61,15 @@ def cost_table(points, failed=()):
 
 def test_the_front_is_that_of_the_definition():
     generator = np.random.default_rng(0)
-    seconds, errors = generator.integers(1, 6, size=(2, 60)).astype(float)
-    front = pareto_front(seconds, errors)
-    for point in range(60):
+    points = list(zip(*generator.integers(1, 6, size=(2, 60)).tolist(), strict=True))
+    rows = mark_front([dict(zip(("seconds", "error"), point, strict=True)) for point in points])
+    for (seconds, error), row in zip(points, rows, strict=True):
         beaten = any(
-            seconds[other] <= seconds[point]
-            and errors[other] <= errors[point]
-            and (seconds[other] < seconds[point] or errors[other] < errors[point])
-            for other in range(60)
+            other <= seconds and wrong <= error and (other < seconds or wrong < error)
+            for other, wrong in points
         )
-        assert front[point] == (not beaten)
-    assert 0 < front.sum() < 60
+        assert row["on_front"] == (not beaten) != row["dominated"]
+    assert 0 < sum(row["on_front"] for row in rows) < 60
 
 
 def test_each_setting_is_on_the_front_or_dominated_and_one_without_figures_is_neither():

@@ -185,25 +185,19 @@ def more_accurate(cells: Sequence[Cell], last: Cell, run: ExperimentParameters) 
 
 
 def mark_front(rows: Sequence[Row]) -> list[Row]:
-    """Mark which rows are on the front, which are dominated, and which, without figures, are neither."""
-    points = [[row[name] for row in rows] for name in ("seconds", "error")]
-    on_front = pareto_front(*np.array(points, dtype=float)).tolist()
-    return [
-        {**row, "on_front": on, "dominated": _is_known(row) and not on}
-        for row, on in zip(rows, on_front, strict=True)
-    ]
+    """Mark which rows are on the front, which are dominated, and which, without figures, are neither.
 
-
-def pareto_front(seconds: NDArray[np.float64], errors: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Tell which points no other beats: at most as slow, at most as wrong, and one of both less.
-
-    Shape (n,) each; a point with a NaN is never on the front.
+    On the front no other is at most as slow, at most as wrong, and one of both less.
     """
-    no_slower = seconds[None, :] <= seconds[:, None]
-    no_worse = errors[None, :] <= errors[:, None]
-    better = (seconds[None, :] < seconds[:, None]) | (errors[None, :] < errors[:, None])
-    beaten = (no_slower & no_worse & better).any(axis=1)
-    return ~beaten & np.isfinite(seconds) & np.isfinite(errors)
+    points = [[row[name] for row in rows] for name in ("seconds", "error")]
+    seconds, errors = np.array(points, dtype=np.float64)
+    no_slower, no_worse = seconds <= seconds[:, None], errors <= errors[:, None]
+    better = (seconds < seconds[:, None]) | (errors < errors[:, None])
+    beaten = (no_slower & no_worse & better).any(axis=1).tolist()
+    return [
+        {**row, "on_front": _is_known(row) and not one, "dominated": _is_known(row) and one}
+        for row, one in zip(rows, beaten, strict=True)
+    ]
 
 
 def _is_known(row: Row) -> bool:
