@@ -21,7 +21,6 @@ class Page:
 
     elements: list = field(default_factory=list)
     texts: list = field(default_factory=list)
-    mismatches: list = field(default_factory=list)
 
     def named(self, *names):
         return [element for element in self.elements if element.name in names]
@@ -50,10 +49,7 @@ class _Reader(HTMLParser):
         self.page.elements.append(Element(tag, dict(attrs), tuple(self.open)))
 
     def handle_endtag(self, tag):
-        if not self.open or self.open[-1].name != tag:
-            self.page.mismatches.append((tag, self.getpos()))
-            return
-        self.open.pop()
+        assert self.open.pop().name == tag, (tag, self.getpos())
 
     def handle_data(self, data):
         if not self.open or self.open[-1].name not in {"script", "style"}:
@@ -66,9 +62,9 @@ def plain(text):
 
 
 def read_page(text):
-    """Read a page; tags that do not match are listed."""
+    """Read a page, of which every tag must be closed where it was opened."""
     reader = _Reader()
     reader.feed(text)
     reader.close()
-    reader.page.mismatches += [(element.name, "left open") for element in reader.open]
+    assert reader.open == []
     return reader.page

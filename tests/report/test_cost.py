@@ -16,8 +16,6 @@ from visuohaptic.report.estimates import Figure
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 
-POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
-
 
 def test_what_was_not_measured_has_no_figures(tmp_path):
     assert read_cost(None, PARAMETERS) is None

@@ -70,7 +70,6 @@ def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(
     files = replace(write_run(tmp_path), extras={"stability": tmp_path / "objects"})
     page = read_page(render_page(read_run(files, PARAMETERS, [])))
     found = page.text
-    assert page.mismatches == []
     assert "8 hard cases of 1 kind: 1 tolerance exceeded (cup/mug: objects, touches" in found
     assert "1 tolerance exceeded (rays, grazing)" in found
     assert "Numerical checks on this object: 4 hard cases of 1 kind: 1 tolerance exceeded" in found

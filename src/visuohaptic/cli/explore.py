@@ -21,7 +21,6 @@ from visuohaptic.cli.printing import (
 )
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.plugins import load_installed
 from visuohaptic.studies.cost.budgets import BudgetName
 
 if TYPE_CHECKING:
@@ -98,11 +97,10 @@ def touch(
 
     Example: visuohaptic touch mug.obj --out mug
     """
-    from visuohaptic.parameters import ExperimentParameters, read_parameters
+    from visuohaptic.parameters import as_parameters, read_parameters
 
     folders = _folders(meshes, out)
-    load_installed()
-    chosen = ExperimentParameters() if parameters is None else read_parameters(parameters)
+    chosen = as_parameters(None) if parameters is None else read_parameters(parameters)
     _check_strategy(strategy)
     viewpoints = _viewpoints(viewpoints, budget)
 

@@ -17,7 +17,7 @@ from markupsafe import Markup
 from visuohaptic.errors import ParameterError, ReportError
 from visuohaptic.parameters import ExperimentParameters, leaves
 from visuohaptic.report.comparison import pipeline_order
-from visuohaptic.report.estimates import Figure, points_above_interval
+from visuohaptic.report.estimates import Figure, estimate, points_above_interval
 from visuohaptic.report.measured_runs import MEASURES, Cell, CellFigures, MeasuredRun
 from visuohaptic.report.page import make_environment
 from visuohaptic.report.wording import classifier_name, counted, strategy_name
@@ -215,8 +215,7 @@ def _paired_difference(first: CellFigures, second: CellFigures) -> tuple[Figure,
         return EQUAL, 1.0
     generator = spawn_generator(0, "compared runs")
     found = compare_paired(after, before, weights, IntervalParameters(), generator)
-    ends = found.difference
-    return Figure(ends.mean, ends.low, ends.high), found.p_value
+    return estimate(found.difference), found.p_value
 
 
 def _parameters(runs: Sequence[MeasuredRun]) -> list[Fact]:
