@@ -192,7 +192,15 @@ def _bytes(views: Views) -> np.ndarray:
 
 def attend_to(views: Views, parameters: AttentionParameters) -> list[Attention]:
     """Find the fixations of views."""
-    return attend(**views.arrays(), parameters=parameters)
+    return attend(
+        views.colour,
+        views.mask,
+        views.point,
+        views.normal,
+        views.face,
+        views.curvature,
+        parameters,
+    )
 
 
 if __name__ == "__main__":

@@ -27,15 +27,21 @@ TO_DEVELOP = [
 OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.
 OF_AN_EXTRA = {
-    f"{folder}/{start}": (extra, f"{folder}/{refusing}")
-    for folder, start, extra, refusing in (
-        ("src/visuohaptic", "geometry/compiled_open3d.py", "open3d", "geometry/compiled_open3d.py"),
-        ("src/visuohaptic", "report/", "report", "cli/report.py"),
-        ("src/visuohaptic", "report/measured_runs.py", "workflow", "report/measured_runs.py"),
-        ("src/visuohaptic", "meshes/collada.py", "formats", "meshes/catalogue.py"),
-        ("src/visuohaptic", "meshes/xml_claims.py", "formats", "meshes/catalogue.py"),
-        ("workflow/lib/visuohaptic_workflow", "crate.py", "crate", "crate.py"),
-    )
+    "src/visuohaptic/geometry/compiled_open3d.py": (
+        "open3d",
+        "src/visuohaptic/geometry/compiled_open3d.py",
+    ),
+    "src/visuohaptic/report/": ("report", "src/visuohaptic/cli/report.py"),
+    "src/visuohaptic/report/measured_runs.py": (
+        "workflow",
+        "src/visuohaptic/report/measured_runs.py",
+    ),
+    "src/visuohaptic/meshes/collada.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
+    "src/visuohaptic/meshes/xml_claims.py": ("formats", "src/visuohaptic/meshes/catalogue.py"),
+    "workflow/lib/visuohaptic_workflow/crate.py": (
+        "crate",
+        "workflow/lib/visuohaptic_workflow/crate.py",
+    ),
 }
 # What comes with a package that is asked for and is imported beside it: versions that fit are its business.
 BROUGHT_BY = {

@@ -57,7 +57,7 @@ def _take_interrupts() -> None:
     # At the end nothing can be imported that the main thread is importing.
     from visuohaptic.whole_files import remove_unfinished
 
-    act_at_interrupt(lambda: _stop(remove_unfinished))
+    act_at_interrupt(lambda _: _stop(remove_unfinished))
 
 
 def _interrupt(_signal: int, frame: FrameType | None) -> None:
