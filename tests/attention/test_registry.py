@@ -1,4 +1,4 @@
-"""Channels by their entries; what holds of every channel is tested in test_model.py."""
+"""Channels by their entries, and entropy by its definition; test_model.py tests what holds of all."""
 
 from dataclasses import replace
 
@@ -13,6 +13,7 @@ from visuohaptic.attention import (
     conspicuity_maps,
     prepare_view,
 )
+from visuohaptic.attention.channels import WorkingView, entropy_planes
 from visuohaptic.attention.registry import Channel
 
 FLAT = np.full((64, 64), 1.0, dtype=np.float32)
@@ -41,3 +42,11 @@ def test_a_channel_has_either_planes_or_stacks():
         Channel("glare", "Light that blinds.")
     with pytest.raises(AttentionError, match="planes and stacks"):
         replace(CHANNELS["edge"], stacks=lambda *_: [])
+
+
+def test_entropy_is_large_for_all_greys_a_bit_between_two_and_none_for_one():
+    even = np.random.default_rng(0).random((128, 128), dtype=np.float32)
+    for grey, fraction in ((even, 0.95), (np.full_like(even, 0.5), 0.25), (np.ones_like(even), 0)):
+        view = WorkingView(np.ones_like(grey), (grey,) * 3, grey, grey, grey)
+        (plane,) = entropy_planes(view, 16)
+        assert plane[8:-8, 8:-8].mean() == pytest.approx(fraction, abs=0.05)

@@ -73,10 +73,10 @@ def test_locations_lie_on_their_faces_and_face_outwards(caster, looks, strategy)
 def test_locations_depend_on_their_own_viewpoint_alone_and_fewer_are_the_first_of_more(
     caster, looks, strategy
 ):
-    many = locate(looks[2], strategy, ATTENTION, 3)
-    assert many.equals(locate(sight_of(caster, (2,)).looks[0], strategy, ATTENTION, 3))
+    many = locate(looks[1], strategy, ATTENTION, 3)
+    assert many.equals(locate(sight_of(caster, (1,)).looks[0], strategy, ATTENTION, 3))
     shorter = AttentionParameters(fixations=3)
-    few = locate(sight_of(caster, (2,), shorter).looks[0], strategy, shorter, 3)
+    few = locate(sight_of(caster, (1,), shorter).looks[0], strategy, shorter, 3)
     assert few.num_rows > 3
     assert few.equals(many.slice(0, 3 + SPARE))
 

@@ -51,9 +51,9 @@ def test_noise_in_place_of_test_objects_changes_no_other_answer(pipeline):
 def test_a_scaling_that_is_fitted_on_test_objects_is_found(monkeypatch):
     seen, run, honest = [], experiment.run_paper_split, experiment.fit_sequence_encoder
 
-    def remember(sequences, *arguments):
+    def remember(sequences, *arguments, **options):
         seen.append(sequences.features)
-        return run(sequences, *arguments)
+        return run(sequences, *arguments, **options)
 
     monkeypatch.setattr(experiment, "run_paper_split", remember)
     monkeypatch.setattr(

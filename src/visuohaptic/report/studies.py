@@ -86,10 +86,7 @@ def _by_cell(rows: Sequence[Row]) -> dict[tuple[str, str], list[Row]]:
 
 
 def _study_table(pipeline: str, classifier: str, cells: list[Row]) -> Row:
-    """Give rows of `tables.STUDY_FIGURES`, ``cells``, as ``rows``, a condition each, and in ``sentences``.
-
-    ``opponents`` are the strategies that fixation is compared with.
-    """
+    """Give rows of `tables.STUDY_FIGURES` as ``rows``, a condition each, and in ``sentences``; ``opponents`` are compared with fixation."""
     rows: dict[str, dict[str, Any]] = {}
     for cell in cells:
         row = rows.setdefault(cell["condition"], {**cell, "seconds": 0.0, "cells": {}})
