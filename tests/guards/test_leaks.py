@@ -69,7 +69,7 @@ def test_a_projection_that_is_fitted_on_test_objects_is_found(monkeypatch):
     described = []
     describe = descriptors.describe_sequences
     monkeypatch.setattr(
-        experiment,
+        descriptors,
         "describe_sequences",
         lambda *values: described.append(describe(*values)) or described[-1],
     )
