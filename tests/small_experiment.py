@@ -28,7 +28,8 @@ def copy_experiment(folder, copied, objects, parameters):
         source, target = ROOT / name, folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if source.is_dir():
-            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+            # With bytecode, but for what another process is writing just now.
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("*.pyc.*"))
         else:
             shutil.copy2(source, target)
     rows = list(csv.DictReader((ROOT / "meshes/catalogue.csv").open(newline="")))
