@@ -1,6 +1,6 @@
 """Imprints a second: geometry, effects, and a bare cast of their rays by embreex beside them.
 
-Run as ``python benchmarks/sensor.py``. All peers touch the same probes and take turns in every
+Run as ``python -m benchmarks.sensor``. All peers touch the same probes and take turns in every
 round; figures are medians over the rounds, ratios are medians of ratios within a round.
 """
 
