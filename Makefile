@@ -25,9 +25,9 @@ report: $(READY)
 
 # What would run now and why, and whether what is here is what today's parameters, code and sources give.
 why: $(READY)
-	@VISUOHAPTIC_ASKED=why snakemake --list-rules --quiet all
+	@VISUOHAPTIC_ASKED=why snakemake --list-rules --quiet
 verify: $(READY)
-	@VISUOHAPTIC_ASKED=verify snakemake --list-rules --quiet all
+	@VISUOHAPTIC_ASKED=verify snakemake --list-rules --quiet
 
 # The quick loop: under a minute on two cores.
 check: lint

@@ -1,6 +1,6 @@
 """Imprints a second: geometry, effects, and a bare cast of their rays by embreex beside them.
 
-Run as ``python benchmarks/sensor.py``. All peers touch the same probes and take turns in every
+Run as ``python -m benchmarks.sensor``. All peers touch the same probes and take turns in every
 round; figures are medians over the rounds, ratios are medians of ratios within a round.
 """
 
@@ -86,14 +86,17 @@ def _plain_cast(caster: RayCaster, points: np.ndarray, normals: np.ndarray) -> C
 def _bare_cast(
     surface: Surface, points: np.ndarray, normals: np.ndarray
 ) -> Callable[[], np.ndarray]:
-    """Cast the rays of each probe's largest square by embreex alone, which gives distances only."""
+    """Make and cast the rays of each probe's largest square by embreex alone, which gives distances only."""
     embreex, poses = embreex_cast(surface), stand_on(points, normals)
     offsets = 0.15 * sensing_offsets(32)
-    origins = (points + 2.0 * normals)[:, None, None]
-    origins = origins + offsets[:, None, None] * poses.rows[:, None, None]
-    origins = origins + offsets[:, None] * poses.columns[:, None, None]
-    rays = rays_of(origins.reshape(-1, 3), np.repeat(-normals, 32 * 32, axis=0))
-    return lambda: embreex(rays)
+
+    def cast() -> np.ndarray:
+        origins = (points + 2.0 * normals)[:, None, None]
+        origins = origins + offsets[:, None, None] * poses.rows[:, None, None]
+        origins = origins + offsets[:, None] * poses.columns[:, None, None]
+        return embreex(rays_of(origins.reshape(-1, 3), np.repeat(-normals, 32 * 32, axis=0)))
+
+    return cast
 
 
 def _probes(surface: Surface, caster: RayCaster) -> tuple[np.ndarray, np.ndarray, RandomFields]:

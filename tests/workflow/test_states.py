@@ -3,12 +3,15 @@
 What a change asks for is tested in test_plans.py; here Snakemake runs it. The scripts are stand-ins.
 """
 
+import json
 import os
 import shutil
 
 import numpy as np
 import pytest
 from workflow.stand_ins import digests
+
+from visuohaptic.geometry.surface import write_set_aside
 
 pytestmark = pytest.mark.workflow
 
@@ -18,7 +21,7 @@ LONG_AGO = (946_000_000, 946_000_000)
 
 
 def ask(experiment, question):
-    command = ("snakemake", "--list-rules", "--quiet", "all")
+    command = ("snakemake", "--list-rules", "--quiet")
     return experiment.run("env", f"VISUOHAPTIC_ASKED={question}", *command, check=False)
 
 
@@ -30,6 +33,13 @@ def test_nothing_is_left_to_do_whatever_the_times_are_and_without_snakemakes_mem
     assert stand_in.planned() == {}
     assert "Nothing to be done." in ask(stand_in, "why").stdout
     assert ask(stand_in, "verify").returncode == 0
+
+
+def test_why_names_a_wrong_parameter(stand_in):
+    stand_in.set(sensor={"shape": "round"})
+    asked = ask(stand_in, "why")
+    assert asked.returncode == 1
+    assert "sensor.shape is no parameter" in asked.stdout
 
 
 def test_each_job_of_a_plan_runs_for_its_own_reason(stand_in):
@@ -98,8 +108,13 @@ def test_files_of_the_user_stay_and_what_is_no_longer_named_is_put_aside(stand_i
     for file in mine:
         file.parent.mkdir(exist_ok=True)
         file.write_text("mine")
+    earlier = "results/meshes/chair/earlier/gone.ply"
+    write_set_aside(stand_in.folder / earlier, "it has no face")
+    record = {"key": "", "parts": {}, "tables": {earlier: ""}, "log": "logs/gone.log"}
+    (stand_in.folder / "results/records/gone.json").write_text(json.dumps(record))
     stand_in.set(probing={"strategies": ["fixation"]})
     output = stand_in.snakemake().stdout
+    assert "gone was left out" not in output
     assert all(file.read_text() == "mine" for file in mine)
     assert not (stand_in.folder / "results/scores/paper/random.parquet").exists()
     assert "files that today's run no longer names were put into .cache/aside/" in output

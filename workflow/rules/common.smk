@@ -316,15 +316,16 @@ def close_run():
     found = {record: read_record(record).get("key") for record in keys().jobs}
     stale = {record: key for record, key in found.items() if key != keys().key(record)}
     report_is_current = "results/records/report.json" not in stale
-    lines = lines_at_end(report_is_current=report_is_current)
-    if any(stale.values()):
-        count = sum(key is not None for key in stale.values())
-        lines = [
-            f"{count} records are of an earlier state: `make verify` lists them.",
-            *lines,
-        ]
+    lines = []
     if report_is_current:
         named = {file for job in keys().jobs.values() for file in job.outputs}
-        lines = [*put_aside(named), *lines]
+        lines += put_aside(named)
+    if any(stale.values()):
+        count = sum(key is not None for key in stale.values())
+        lines.append(
+            f"{count} records are of an earlier state: `make verify` lists them."
+        )
+    # Of what is left.
+    lines += lines_at_end(report_is_current=report_is_current)
     for line in lines:
         print(line, file=sys.stderr)

@@ -6,6 +6,7 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
+from visuohaptic.whole_files import whole_file
 from visuohaptic_workflow.keys import NEW
 from visuohaptic_workflow.one_run import not_writable
 
@@ -30,12 +31,10 @@ def mark_stale(record: str, reason: str) -> list[str]:
         marker.mkdir(parents=True, exist_ok=True)
         with suppress(PermissionError):  # another user's has that time
             os.utime(marker, (_OF_A_MARKER, _OF_A_MARKER))
-        path.parent.mkdir(parents=True, exist_ok=True)
         # A copy takes its place: it may be a link to DVC's cache, whose times are its own, or another user's.
-        copy = path.with_name(f".{path.name}-copy")
-        copy.write_bytes(path.read_bytes() if path.exists() else b"{}\n")
-        os.utime(copy, (_OF_A_RECORD, _OF_A_RECORD))
-        copy.replace(path)
+        with whole_file(path) as copy:
+            copy.write_bytes(path.read_bytes() if path.exists() else b"{}\n")
+            os.utime(copy, (_OF_A_RECORD, _OF_A_RECORD))
     except PermissionError:
         raise not_writable("permission denied") from None
     return [str(marker)]
