@@ -122,3 +122,16 @@ def test_winding_numbers_count_the_solids_around_a_point_in_any_direction(windin
     for count, point in points.items():
         found = caster.winding_numbers(np.tile(point, (200, 1)), directions)
         np.testing.assert_array_equal(found, winding * count)
+
+
+def test_rays_through_many_narrow_faces_are_compared_with_some_of_these_at_a_time(monkeypatch):
+    heights = np.linspace(-0.5, 0.5, 40)
+    corners = np.array([(-0.7, 0.0), (0.7, 0.0), (0.7, 1e-7)])
+    slivers = [np.column_stack([corners, np.full(3, height)]) for height in heights]
+    caster = RayCaster(surface_of(np.concatenate(slivers), np.arange(120).reshape(-1, 3)))
+    origins = np.column_stack([np.linspace(-0.6, 0.6, 500), np.zeros(500), np.full(500, 2.0)])
+    directions = np.tile([0.0, 0.0, -1.0], (500, 1))
+    monkeypatch.setattr(raycasting, "_PAIRS", 1000)
+    parts = [len(rays) for rays, _ in caster._narrow_pairs(origins, directions)]
+    assert sum(parts) == 500 * 40
+    assert max(parts) <= 1000 + 40

@@ -121,11 +121,15 @@ def test_other_tools_read_a_file_with_images_or_without_as_one_with_colours(
 
 
 def test_images_that_do_not_fit_are_refused_by_name(painted, tmp_path):
-    path = tmp_path / "a.ply"
-    for step in (1, -1):
-        texture = replace(painted.texture, image=painted.texture.image + np.int32(step))
-        write_surface(replace(painted, texture=texture), path)
-        with pytest.raises(MeshError, match=r"a\.ply is no coloured triangle mesh.*none of the 3"):
+    path, good = tmp_path / "a.ply", painted.texture
+    for bad, says in (
+        (replace(good, image=good.image + np.int32(1)), "none of the 3"),
+        (replace(good, image=good.image - np.int32(1)), "none of the 3"),
+        (replace(good, wraps=good.wraps + np.uint8(1)), "how it goes on"),
+        (replace(good, corners=good.corners * np.inf), "how it goes on"),
+    ):
+        write_surface(replace(painted, texture=bad), path)
+        with pytest.raises(MeshError, match=rf"a\.ply is no coloured triangle mesh.*{says}"):
             read_surface(path)
     write_surface(painted, path)
     data = path.read_bytes()

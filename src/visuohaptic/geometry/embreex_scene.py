@@ -49,6 +49,10 @@ class EmbreexScene:
         rays_met, faces_met = zip(*found, strict=True)
         return np.concatenate(rays_met), np.concatenate(faces_met)
 
+    def count_crossings(self, rays: Rays) -> Integers:
+        """Count the faces that each ray meets."""
+        return np.bincount(self.crossings(rays)[0], minlength=len(rays))
+
     def nearest_faces(self, points: Floats) -> Integers:
         """Give the face nearest to each point; all faces are tried."""
         nearest = [np.zeros(0, np.int64)]

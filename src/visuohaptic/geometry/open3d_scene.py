@@ -43,6 +43,11 @@ class Open3DScene:
         ray, face = (found[name].numpy().astype(np.int64) for name in ("ray_ids", "primitive_ids"))
         return ray, face
 
+    def count_crossings(self, rays: Rays) -> Integers:
+        """Count the faces that each ray meets."""
+        counts: Integers = self._scene.count_intersections(self._tensor(rays)).numpy()
+        return counts
+
     def nearest_faces(self, points: Floats) -> Integers:
         """Give the face nearest to each point."""
         answer = self._scene.compute_closest_points(self._tensor(points.astype(np.float32)))

@@ -269,10 +269,14 @@ class RayCaster:
         if not len(self._narrow):
             return
         rays = _as_float32(origins, directions)
-        for start in range(0, len(rays), _PAIRS):
-            which, met = self._around_narrow.crossings(rays[start : start + _PAIRS])
+        counts = self._around_narrow.count_crossings(rays)
+        near = np.flatnonzero(counts)
+        for part in in_parts(near, counts[near], _PAIRS):
+            if not len(part):
+                continue
+            which, met = self._around_narrow.crossings(rays[part])
             pairs = np.unique(which * len(self._narrow) + met // len(_BOX_FACES))
-            yield start + pairs // len(self._narrow), self._narrow[pairs % len(self._narrow)]
+            yield part[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
 
     def _nearest_of(self, candidates: Integers, origins: Floats, directions: Floats) -> Hits:
         """Meet each of m rays with its own candidates, shape (m, c), in float64."""

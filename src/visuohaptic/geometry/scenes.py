@@ -37,6 +37,10 @@ class Scene(Protocol):
         """Give every face that rays, shape (n, 6), meet: a ray and a face for each, in any order."""
         ...
 
+    def count_crossings(self, rays: Rays) -> Integers:
+        """Count the faces that rays, shape (n, 6), meet: shape (n,)."""
+        ...
+
     def nearest_faces(self, points: Floats) -> Integers:
         """Give the faces, shape (n,), nearest to points, shape (n, 3)."""
         ...

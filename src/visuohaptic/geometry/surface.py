@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
-from visuohaptic.geometry.texture import NO_IMAGE, Texture
+from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
 
 _BLOCK_BYTES = 1 << 20
 
@@ -209,7 +209,7 @@ def _image_elements(texture: Texture, face: NDArray[Any]) -> dict[str, NDArray[A
 
 
 def _read_texture(data: Any) -> Texture:
-    """Give the images of a file; raises `ValueError` if faces, sizes and texels don't fit each other."""
+    """Give the images of a file; raises `ValueError` if they are none that `write_surface` writes."""
     face, image, texel = data["face"], data["image"], data["texel"]
     sizes = np.column_stack([image[name] for name in ("height", "width")]).astype(np.int64)
     wraps = np.column_stack([image[name] for name in ("wrap_u", "wrap_v")]).astype(np.uint8)
@@ -218,6 +218,8 @@ def _read_texture(data: Any) -> Texture:
     texels = np.column_stack([texel[name] for name in _CHANNELS]).astype(np.uint8)
     if numbers.min(initial=0) < NO_IMAGE or numbers.max(initial=NO_IMAGE) >= len(sizes):
         raise ValueError(f"a face has an image that is none of the {len(sizes)}")
+    if wraps.max(initial=0) >= len(WRAPS) or not np.isfinite(corners).all():
+        raise ValueError("a place in an image, or how it goes on there, is no number that is known")
     ends = np.cumsum(sizes.prod(axis=1))[:-1]
     images = tuple(
         part.reshape(*size, 3) for part, size in zip(np.split(texels, ends), sizes, strict=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.srgb import decode_srgb, encode_bytes
 
-REPEAT, CLAMP, MIRROR = 0, 1, 2
+WRAPS = REPEAT, CLAMP, MIRROR = 0, 1, 2
 """How an image goes on beyond its edges: again, as its last texels, or mirrored."""
 
 NO_IMAGE = -1
