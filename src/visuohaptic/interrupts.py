@@ -6,11 +6,13 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 
 STOPPED = 130
 """Status of a command that the user stopped, as shells have it: 128 + SIGINT."""
 
+_SECONDS_TO_END = 5.0
 _CLEAR_LINE = "\r\033[K"  # of a progress bar
 
 
@@ -30,6 +32,9 @@ def end_at_interrupt(tidy_up: Callable[[], None]) -> None:
     def hand_on() -> None:
         signal.sigwait([signal.SIGINT])
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGUSR2)
+        # Python calls a handler only once a library's long computation is over.
+        time.sleep(_SECONDS_TO_END)
+        end()
 
     signal.signal(signal.SIGINT, end)
     if sys.platform != "win32":

@@ -116,6 +116,7 @@ def test_a_file_of_points_and_normals_stands_as_press_does(tmp_path):
         ("x,y,z,qw,qx,qy,qz\n1,2,inf,1,0,0,0\n", "pose 0 .* not finite"),
         ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,a,0,1\n", "Row #2: .* 'a'"),
         ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,1\n", "Row #2: Expected 6 columns, got 4"),
+        ("x,y,z,qw,qx,qy,qz,a,a\n1,2,3,1,0,0,0,1,1\n", "column a, or more than one"),
         ("", "Empty"),
     ],
 )
@@ -123,6 +124,11 @@ def test_a_wrong_file_of_poses_is_refused_in_a_sentence(tmp_path, text, sentence
     (tmp_path / "poses.csv").write_text(text)
     with pytest.raises(ParameterError, match=sentence):
         read_poses(tmp_path / "poses.csv")
+
+
+def test_empty_lines_of_a_file_of_poses_are_passed_over(tmp_path):
+    (tmp_path / "poses.csv").write_text("\nx,y,z,qw,qx,qy,qz\n\n1,2,3,1,0,0,0\n\n")
+    assert read_poses(tmp_path / "poses.csv")[0, :3, 3].tolist() == [1.0, 2.0, 3.0]
 
 
 def test_turned_and_rectangular_sensors_feel_the_turned_surface():

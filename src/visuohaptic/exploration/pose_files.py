@@ -57,7 +57,7 @@ def read_poses(path: str | Path) -> Floats:
     table = _read_numbers(path)
     names = table.column_names
     axes = QUATERNION if set(QUATERNION) <= set(names) else NORMAL
-    missing = [name for name in (*PLACE, *axes) if names.count(name) != 1]
+    missing = [name for name in (*PLACE, *axes, *names) if names.count(name) != 1]
     if missing:
         raise ParameterError(
             f"{path} has no column {missing[0]}, or more than one; {', '.join(PLACE)} and "
@@ -107,7 +107,8 @@ def _read_numbers(path: str | Path) -> pa.Table:
     from pyarrow.csv import ConvertOptions, ReadOptions, read_csv
 
     with Path(path).open(newline="", encoding="utf-8") as stream:
-        names = next(csv.reader(stream), [])
+        # Arrow passes over empty lines, too.
+        names = next(filter(None, csv.reader(stream)), [])
     numbers = ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
     try:
         # One thread alone knows the lines.

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 from collections import Counter, defaultdict
 from typing import Any
+from zipfile import is_zipfile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +31,9 @@ def checked_collada(data: bytes) -> bytes:
     """
     from lxml import etree
 
+    # pycollada would read the archive, of which nothing is checked, even within a comment.
+    if is_zipfile(io.BytesIO(data)):
+        raise MeshError("it is a zip archive; unpack it first")
     root = parse_xml(data)
     tags = Counter(etree.QName(element).localname for element in root.iter())
     elements = tags.total() - tags["p"]
