@@ -162,7 +162,7 @@ def curve_figures(studies: str | Path | None, needed: str | Path | None) -> list
         return []
     points_by_cell = _by_cell(points_of)
     return [
-        curves(*key, rows, points_by_cell[key])
+        curves(*key, rows, points_by_cell.get(key, []))
         for key, rows in _by_cell(read_table(TOUCHES_NEEDED, needed).to_pylist()).items()
     ]
 
