@@ -1,19 +1,21 @@
 """From a mesh file to features, file to file: what each phase writes is what its table promises."""
 
 import inspect
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import trimesh
 from phases_by_files import run_phases
 
+from visuohaptic import pipeline
 from visuohaptic.attention.scanpath import INWARD, TIE
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, run
+from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, needed_from, run
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, SPARE, TOUCHES
 from visuohaptic.touches.choosing import touched_places
@@ -77,6 +79,21 @@ def test_a_run_goes_on_behind_the_tables_that_are_known(tables):
     assert [phase.name for phase in after(known)] == ["features"]
     found = run(Subject("ring/torus", None), ring(), known)
     assert found["features"].equals(tables["features"])
+
+
+def test_what_is_needed_from_a_phase_on_was_made_before_it_also_where_one_is_put_between(
+    monkeypatch,
+):
+    found = [needed_from(table) for table in ("views", "touches", "features")]
+    assert found == [("meshes",), ("meshes", "fixations"), ("touches",)]
+    looking, touching, describing = OF_OBJECT
+    smoothing = replace(
+        touching, name="smoothing", reads=("touches",), writes={"smoothed": "smoothed"}
+    )
+    between = (looking, touching, smoothing, replace(describing, reads=("smoothed",)))
+    monkeypatch.setattr(pipeline, "OF_OBJECT", between)
+    assert needed_from("smoothed") == ("touches",)
+    assert needed_from("features") == ("smoothed",)
 
 
 def test_every_probing_location_is_touched_where_everywhere_is_asked_for(folder, tables):

@@ -216,4 +216,12 @@ def after(tables: Mapping[str, pa.Table]) -> tuple[Phase, ...]:
     return OF_OBJECT[max(known, default=0) :]
 
 
+def needed_from(table: str) -> tuple[str, ...]:
+    """Name what is taken, ``meshes`` or tables, to make a table of one object again and all behind it."""
+    first = next(place for place, one in enumerate(OF_OBJECT) if table in one.writes)
+    behind = OF_OBJECT[first:]
+    made = {name for one in behind for name in one.writes}
+    return tuple(dict.fromkeys(name for one in behind for name in one.reads if name not in made))
+
+
 _READ = {name for phase in PHASES for name in phase.reads}

@@ -84,4 +84,5 @@ def write_sources(folder, surfaces, run=RUN):
     schemas = (FIXATIONS, TOUCHES, FEATURES)
     for schema, file, table in zip(schemas, files, run_tables(surfaces, run), strict=True):
         write_table(schema, table, file)
-    return Sources(meshes, files[:1], files[1:2]), files[2]
+    tables = {"fixations": files[:1], "touches": files[1:2]}
+    return Sources(meshes, tables), files[2]

@@ -112,10 +112,11 @@ CHANGES = (
 def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, changes):
     (recomputation,) = mine(Condition("c", changes)).recomputations.values()
     sources, features = run
+    meshes, tables = sources.meshes, sources.tables
     needed = {
-        "features": Sources(touches=sources.touches),
-        "touches": Sources(meshes=sources.meshes, fixations=sources.fixations),
-        "views": Sources(meshes=sources.meshes),
+        "features": Sources(tables={"touches": tables["touches"]}),
+        "touches": Sources(meshes, {"fixations": tables["fixations"]}),
+        "views": Sources(meshes),
     }[recomputation.phase]
     if recomputation.phase == "features":
         monkeypatch.setattr(surfaces_of_files, "read_surface", None)

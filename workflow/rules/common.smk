@@ -28,7 +28,7 @@ from visuohaptic.parameters import (
     check_config,
     check_spelling,
 )
-from visuohaptic.pipeline import OF_OBJECT, phase as phase_of
+from visuohaptic.pipeline import OF_OBJECT, needed_from, phase as phase_of
 from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
 from visuohaptic.report.provenance import find_commit
 from visuohaptic.whole_files import write_whole

@@ -39,9 +39,7 @@ rule features_of_study:
     input:
         takes(
             "features_of_study",
-            meshes=recomputed_from("meshes", {"views", "touches"}),
-            fixations=recomputed_from("fixations", {"touches"}),
-            touches=recomputed_from("touches", {"features"}),
+            **{name: needed_by_recomputation(name) for name in NEEDED},
         ),
     output:
         "results/study_features/{study}/{key}.parquet",

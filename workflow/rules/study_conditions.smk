@@ -96,11 +96,17 @@ def recomputation_of(wildcards):
     return PLANS[wildcards.study].recomputations[wildcards.key]
 
 
-def recomputed_from(table, phases):
-    """Give what lists the parts of a table for features that are recomputed from these phases on."""
+# What features may be recomputed from, whatever the first phase.
+NEEDED = dict.fromkeys(
+    name for one in OF_OBJECT for name in needed_from(next(iter(one.writes)))
+)
+
+
+def needed_by_recomputation(table):
+    """Give what lists the parts of a table, or the meshes, where a job recomputes features from it."""
 
     def files(wildcards):
-        if recomputation_of(wildcards).phase not in phases:
+        if table not in needed_from(recomputation_of(wildcards).phase):
             return []
         objects = objects_of(wildcards.study)
         if table == "meshes":

@@ -2,6 +2,7 @@
 
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pipeline import needed_from
 from visuohaptic.studies.conditions import Recomputation
 from visuohaptic.studies.measuring import Sources, make_study_features
 from visuohaptic_workflow.jobs import job
@@ -14,8 +15,11 @@ with job(snakemake):
         ),
         sources=Sources(
             meshes=list(meshes_in(snakemake.input.meshes, snakemake.params.sample).values()),
-            fixations=snakemake.input.fixations,
-            touches=snakemake.input.touches,
+            tables={
+                name: snakemake.input.get(name)
+                for name in needed_from(snakemake.params.phase)
+                if name != "meshes"
+            },
             objects=snakemake.params.sample,
         ),
         output=snakemake.output[0],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, lru_cache, partial
 from itertools import groupby
 from pathlib import Path
@@ -22,7 +22,7 @@ from visuohaptic.errors import RecognitionError, VisuohapticError
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of
 from visuohaptic.one_phase import SCHEMAS, objects_of
-from visuohaptic.pipeline import run
+from visuohaptic.pipeline import needed_from, run
 from visuohaptic.recognition.experiment import answer_splits, gather_pipeline, split_runner
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.pooling import Ballots, spread_choices
@@ -55,22 +55,23 @@ _ERROR = b"error"
 
 @dataclass(frozen=True)
 class Sources:
-    """Files of the run that features are made from: meshes, and parts of tables; those of later phases may be empty.
+    """Files of the run that features are made from: meshes, and parts of tables by name.
 
     `objects`, ``class/name``, are those of the tables that count; None for all. Meshes are taken as they
     are.
     """
 
     meshes: Paths = ()
-    fixations: Paths = ()
-    touches: Paths = ()
+    tables: Mapping[str, Paths] = field(default_factory=dict)
     objects: Collection[str] | None = None
 
-    def tables(self, phase: str) -> list[dict[str, Paths]]:
-        """Give the files that a phase takes, by table; imprints, which are large, part by part."""
-        if phase == "touches":
-            return [{"fixations": self.fixations}]
-        return [{"touches": [part]} for part in self.touches] if phase == "features" else [{}]
+    def taken_from(self, phase: str) -> list[dict[str, Paths]]:
+        """Give the files that are taken together from a phase on, by table; imprints, which are large, part by part."""
+        needed = needed_from(phase)
+        tables = {name: self.tables[name] for name in needed if name != "meshes"}
+        if "meshes" in needed or len(tables) > 1:
+            return [tables]
+        return [{name: [part]} for name, parts in tables.items() for part in parts]
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Tab
     parameters = recomputation.parameters
     meshes = {object_of(mesh): mesh for mesh in sources.meshes}
     parts = [FEATURES.arrow.empty_table()]
-    for taken in sources.tables(recomputation.phase):
+    for taken in sources.taken_from(recomputation.phase):
         tables = {
             name: _of_strategies(
                 of_objects(read_table(SCHEMAS[name], files), sources.objects),
