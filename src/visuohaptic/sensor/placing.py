@@ -94,15 +94,12 @@ def _shrink_further(
     heights: Floats,
 ) -> None:
     """Shrink the squares of some rows, in place, until no sensing point is penetrated."""
-    tolerance, smallest = parameters.penetration_tolerance, parameters.smallest_size
-    while True:
+    tolerance, resolution = parameters.penetration_tolerance, parameters.resolution
+    while len(rows):
         free = unobstructed_half_sizes(heights[rows], sizes[rows], tolerance)
-        # Each pass takes away a ring of sensing points at least, so it comes to an end.
-        penetrated = np.isfinite(free) & (sizes[rows] > smallest)
-        rows, free = rows[penetrated], free[penetrated]
-        if not len(rows):
-            return
-        sizes[rows] = admissible_sizes(free, smallest, parameters.largest_size)
-        heights[rows] = cast_heights(
-            caster, poses[rows], sizes[rows], lifts[rows], parameters.resolution
-        )
+        smaller = admissible_sizes(free, parameters.smallest_size, parameters.largest_size)
+        # A pass takes away a ring of sensing points at least, until the square is the smallest allowed.
+        penetrated = smaller < sizes[rows]
+        rows = rows[penetrated]
+        sizes[rows] = smaller[penetrated]
+        heights[rows] = cast_heights(caster, poses[rows], sizes[rows], lifts[rows], resolution)
