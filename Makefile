@@ -5,10 +5,10 @@ SHELL := /bin/bash
 .PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes bench wheels readme params format lock clean
 .PHONY: lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
-PYTHON ?= python3
+export PYTHON ?= python3
 JOBS ?= all
 SET ?= paper
-VENV := .venv
+export VENV := .venv
 PACKAGES := $(VENV)/.packages
 PROJECTS := pyproject.toml packages/contourlets/pyproject.toml
 READY := $(VENV)/.ready
@@ -42,11 +42,11 @@ test-all: lint
 	pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 # With the packages that users have: every module is imported, and the README's commands run on a small experiment,
-# those of DVC beside the others.
-test-installed: $(INSTALLED)/.ready
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target installed-alone installed-dvc
+# those of DVC beside the others. The environment is one of its own, for .venv may have more.
+test-installed:
+	@PATH="$(OUTER_PATH)" $(MAKE) --no-print-directory --jobs 2 --output-sync=target VENV=$(INSTALLED) installed-alone installed-dvc
 
-installed-alone installed-dvc: export PATH := $(CURDIR)/$(INSTALLED)/bin:$(OUTER_PATH)
+installed-alone installed-dvc: $(VENV)/.ready-to-try
 installed-alone installed-dvc: export PYTHONPATH :=
 # Only pytest is there: what tests/conftest.py needs is not.
 installed-alone installed-dvc: export PYTEST_ADDOPTS := --confcutdir=tests/installed --durations=0
@@ -127,15 +127,15 @@ clean:
 	rm -rf results reports/report.html reports/metrics.json reports/headline.json reports/plots logs .snakemake
 
 $(PACKAGES): requirements.lock
-	@PYTHON=$(PYTHON) ./set_up.sh packages
-	@touch $@
-
-$(INSTALLED)/.ready: requirements.lock requirements-dev.lock $(PROJECTS) set_up.sh
-	@for step in packages package pytest; do VENV=$(INSTALLED) PYTHON=$(PYTHON) ./set_up.sh $$step; done
+	@./set_up.sh packages
 	@touch $@
 
 $(READY): $(PACKAGES) $(PROJECTS)
 	@./set_up.sh package
+	@touch $@
+
+$(VENV)/.ready-to-try: $(READY) requirements-dev.lock
+	@./set_up.sh pytest
 	@touch $@
 
 $(DEVELOP): $(READY) requirements-dev.lock
