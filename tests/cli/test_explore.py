@@ -7,13 +7,10 @@ import pytest
 import trimesh
 from cli import processes
 from cli.models import SMALL, fit_on_nonsense
-from PIL import Image
 
 from visuohaptic.cli.main import run
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.schemas import SCHEMAS
-
-FILES = {"views", "fixations", "touches", "effects", "features"}
 
 
 @pytest.fixture
@@ -41,10 +38,8 @@ def test_a_mesh_file_is_touched(visuohaptic, small, tmp_path, name):
     ended = visuohaptic("touch", name, *small, "--out", "felt")
     assert (ended.code, ended.err) == (0, "")
     assert ended.out.startswith(f"{name}: 10 touches from 2 viewpoints by fixation")
-    for table in FILES:
+    for table in ("views", "fixations", "touches", "effects", "features"):
         assert read_table(SCHEMAS[table], tmp_path / "felt" / f"{table}.parquet").num_rows
-    with Image.open(tmp_path / "felt" / "picture.png") as picture:
-        assert picture.width > 500
     asked = "--strategy", "random", "--out", "felt", "--json"
     values = json.loads(visuohaptic("touch", name, *small, *asked).out)
     assert (values["strategy"], values["viewpoints"], values["touches"]) == ("random", 2, 10)
@@ -90,10 +85,8 @@ def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
 
 
 def test_a_budget_is_a_number_of_viewpoints(visuohaptic, small, tmp_path, monkeypatch):
-    from visuohaptic.studies.cost import budgets
-
     held = {"balanced": {"viewpoints": 3}}
-    monkeypatch.setattr(budgets, "budgets", lambda: held)
+    monkeypatch.setattr("visuohaptic.studies.cost.budgets.budgets", lambda: held)
     ring(tmp_path / "ring.obj")
     ended = visuohaptic("touch", "ring.obj", *small, "--budget", "balanced", "--json")
     assert json.loads(ended.out)["viewpoints"] == 3

@@ -57,9 +57,8 @@ def test_an_image_is_described_by_itself_alone_and_an_empty_one_too():
 
 
 def test_a_shift_changes_neither_pressure_nor_shape():
-    first, moved = (
-        describe_tactile_images(pressed(centre, 4)[None]) for centre in ((9, 12), (11, 20))
-    )
+    places = (9, 12), (11, 20)
+    first, moved = (describe_tactile_images(pressed(one, 4)[None]) for one in places)
     for name in ("pressure", "ordered", "shape"):
         np.testing.assert_allclose(first[name], moved[name], rtol=1e-9, atol=1e-9)
 
