@@ -16,16 +16,15 @@ LIGHT, DARK = (
     dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6})", block))
     for block in re.findall(r":root[^{]*\{(.*?)\}", STYLE, re.DOTALL)[:2]
 )
-NASTY = '<script>alert(1)</script> & "x"'
 
 
-def chart(name="a"):
-    return figures.runs([name], {"A": [Figure(0.5, 0.4, 0.6)], "B": [Figure(1.0, 0.7, 1.0)]})
+def chart():
+    return figures.runs(["a"], {"A": [Figure(0.5, 0.4, 0.6)], "B": [Figure(1.0, 0.7, 1.0)]})
 
 
 @pytest.fixture(scope="module")
 def svg():
-    return inline_svg(chart(), "one", "What it shows")
+    return inline_svg(chart(), "one", 'What "it" <shows>')
 
 
 def test_the_same_table_gives_the_same_bytes_whatever_a_reader_has_set():
@@ -39,7 +38,7 @@ def test_the_same_table_gives_the_same_bytes_whatever_a_reader_has_set():
 
 def test_a_chart_is_described_and_as_wide_as_its_place_and_its_text_is_text(svg):
     root = ET.fromstring(svg)  # noqa: S314 - made here
-    assert (root.get("role"), root.get("aria-label")) == ("img", "What it shows")
+    assert (root.get("role"), root.get("aria-label")) == ("img", 'What "it" <shows>')
     assert root.get("viewBox").startswith("0 0 360 ")
     assert root.get("width") is None
     assert "correctly classified" in ["".join(one.itertext()) for one in root.iter("text")]
@@ -59,14 +58,6 @@ def test_two_charts_of_a_page_share_no_id_and_each_finds_its_own():
     assert len(identifiers) == len(set(identifiers))
     used = set(re.findall(r'href="#([^"]*)"|url\(#([^)]*)\)', both))
     assert {first or second for first, second in used} == set(identifiers)
-
-
-def test_names_are_text_and_nothing_else():
-    root = ET.fromstring(inline_svg(chart(NASTY), "one", NASTY))  # noqa: S314 - made here
-    assert not list(root.iter("script"))
-    written = " ".join("".join(one.itertext()) for one in root.iter("text"))
-    assert "<script>" in written
-    assert root.get("aria-label") == NASTY
 
 
 def luminance(colour):

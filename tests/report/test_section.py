@@ -1,7 +1,6 @@
 """Every part of the page names its rows of a table, and they are there."""
 
 import json
-import shutil
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -67,7 +66,6 @@ def folder(tmp_path_factory):
     written(results / "stability", [ON_OBJECT], "cup/mug")
     (results / "studies").mkdir()
     write_tables(results)
-    shutil.move(results / "needed.parquet", results / "touches_needed.parquet")
     studies = results / "studies"
     scenes = [("ideal", 0.6, None, None), ("worn_fsr", 0.5, None, None)]
     scenes += [("worn_fsr without noise", 0.52, "worn_fsr", 0.02)]

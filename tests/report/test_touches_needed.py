@@ -26,24 +26,23 @@ BEHIND = [
     row("random", 0.6, None, 0.1, 0.4),
 ]
 AHEAD = [row("fixation", 0.8, 1), row("random", 0.7, 2, 0.1, 0.2)]
-POINTS = {
-    "fixation": [(1, 0.6), (2, 0.8)],
-    "farthest_point": [(1, 0.7), (2, 0.9)],
-    "random": [(1, 0.5), (2, 0.7)],
-}
+POINTS = [
+    ("fixation", 1, 0.6),
+    ("fixation", 2, 0.8),
+    ("farthest_point", 1, 0.7),
+    ("random", 1, 0.5),
+]
 
 
-def write_tables(folder, rows=BEHIND):
-    columns = {name: [one[name] for one in rows] for name in rows[0]}
+def write_tables(results):
+    """Write the curves, and the touches that the strategies of `BEHIND` need, as a run does."""
+    columns = {name: [one[name] for one in BEHIND] for name in BEHIND[0]}
     needed = build_table(TOUCHES_NEEDED, {**KEYS, **columns})
-    write_table(TOUCHES_NEEDED, needed, folder / "needed.parquet")
-    points = [
-        (touches_name(one), mean, None, None) for pair in POINTS.values() for one, mean in pair
-    ]
-    strategies = [strategy for strategy in POINTS for _ in range(2)]
-    more = {"strategy": strategies, "place": [0, 1] * len(POINTS)}
-    write_study(folder / "studies", "curves", points, **KEYS, **more)
-    return folder / "studies", folder / "needed.parquet"
+    write_table(TOUCHES_NEEDED, needed, results / "touches_needed.parquet")
+    points = [(touches_name(one), mean, None, None) for _, one, mean in POINTS]
+    strategies = [strategy for strategy, _, _ in POINTS]
+    places = [one - 1 for _, one, _ in POINTS]
+    write_study(results / "studies", "curves", points, **KEYS, strategy=strategies, place=places)
 
 
 def answer(rows):
