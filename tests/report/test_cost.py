@@ -5,13 +5,7 @@ from report.pages import plain
 from report.synthetic import PARAMETERS
 from studies.cost.test_front import RENDER, cost_rows
 
-from visuohaptic.report.cost import (
-    cost_figures,
-    cost_verdict,
-    cue_sentences,
-    read_cost,
-    time_parts,
-)
+from visuohaptic.report.cost import cost_figures, cost_verdict, cue_sentences, read_cost, time_parts
 from visuohaptic.report.estimates import Figure
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
