@@ -100,10 +100,11 @@ time.sleep(30)
     assert (code, said) in {(130, "stopped.\n"), (0, "")}
 
 
-def test_the_strategies_of_the_help_are_those_of_the_parameters(visuohaptic):
+def test_the_help_has_an_example_and_the_strategies_of_the_parameters(visuohaptic):
     shown = visuohaptic("touch", "--help").out
     assert all(strategy in shown for strategy in STRATEGIES.names)
     assert "…" not in shown
+    assert "Example: visuohaptic touch" in shown
 
 
 def test_the_version_is_that_of_the_package_whatever_else_is_asked(visuohaptic):
