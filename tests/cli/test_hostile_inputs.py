@@ -5,20 +5,17 @@ What each reader of models and parameters refuses is tested beside it; here is o
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 import trimesh
-from source_folders import PYTHONPATH
+from cli.processes import run
 
-PROGRAM = "from visuohaptic.cli.main import main; main()"
 SMALL = "{rendering: {resolution: 32}, viewpoints: {count: 1}}"
 QUICK = ("--params", "quick.yaml")
 RING = ("touch", "ring.obj")
 WITH = (*RING, "--params", "p.yaml")
-CODE = "!!python/object/apply:os.system ['touch owned']"
+CODE = b"!!python/object/apply:os.system ['touch owned']"
 
 
 @pytest.fixture
@@ -30,8 +27,7 @@ def folder(tmp_path):
 
 @pytest.mark.parametrize(
     "name",
-    ["$(touch owned).obj", "--help.obj", "a\nb.obj", "\x1b[31m\u202e杯.obj", "<b>%s'\"\\.OBJ", "...obj",
-     "a" * 251 + ".obj", os.fsdecode(b"\xff\xfe.obj")],
+    ["\x1b[31m\n$(touch owned)\u202e杯.OBJ", "<b>%s{}.obj", "...obj", "a" * 251 + ".obj", os.fsdecode(b"\xff.obj")],
 )  # fmt: skip
 def test_any_name_is_a_name_and_nothing_leaves_the_output_folder(visuohaptic, folder, name):
     (folder / "ring.obj").rename(folder / name)
@@ -39,32 +35,25 @@ def test_any_name_is_a_name_and_nothing_leaves_the_output_folder(visuohaptic, fo
     ended = visuohaptic("touch", *QUICK, "--out", "felt", "--", f"./{name}")
     assert (ended.code, ended.err) == (0, "")
     assert "5 touches" in ended.out
-    assert ended.out.isprintable() or ended.out.count("\n") == len(ended.out.splitlines())
+    assert all(line.isprintable() for line in ended.out.split("\n"))
     written = set(folder.rglob("*")) - before - {folder / "felt"}
     assert [path.parent for path in written] == 7 * [folder / "felt"]
 
 
 REFUSED = [
-    # files
     (("touch", "a.obj"), "a.obj is empty", {"a.obj": b""}),
     (("touch", "a.glb"), "a.glb can't be read as GLB: ", {"a.glb": bytes(range(256))}),
-    (("touch", "a.ply.gz"), "a.ply.gz is no coloured triangle mesh", {"a.ply.gz": b"hello"}),
     (("touch", "mug.fbx"), "ends in '.fbx', .* export it as .glb or .obj", {"mug.fbx": b"hello"}),
     (("touch", "line\nbreak.obj"), r"line\\nbreak.obj has no faces", {"line\nbreak.obj": b"nothing"}),
-    # places
     (("touch", "gone.obj"), "gone.obj can't be read: No such file", {}),
     (("touch", "."), "ends in nothing|Is a directory", {}),
     (("touch", "x" * 300 + ".obj"), "File name too long", {}),
-    (("touch", "ring.obj/mug.obj"), "can't be read: Not a directory", {}),
-    # parameters
     (WITH, "p.yaml can't be read: No such file", {}),
     (WITH, "holds no parameters", {"p.yaml": b"[1, 2]"}),
-    (WITH, "can't be read", {"p.yaml": b"\xff\xfe\x00"}),
-    (WITH, "can't be read", {"p.yaml": CODE.encode()}),
+    (WITH, "can't be read", {"p.yaml": CODE}),
     (WITH, "can't be read|RecursionError", {"p.yaml": b"a: " + b"[" * 3000 + b"]" * 3000}),
     (WITH, "p.yaml: sensor.resolutoin is no parameter", {"p.yaml": b"sensor: {resolutoin: 3}"}),
     ((*RING, "--viewpoints", "100000"), "viewpoints.count is 100000", {}),
-    # models and runs
     (("recognise", "ring.obj", "--model", "gone"), r"gone is not there.*snakemake -j2 model_all", {}),
     (("recognise", "ring.obj", "--model", "."), "is a folder; the model in it is needed", {}),
     (("recognise", "ring.obj", "--model", "m"), "m is no whole 'visuohaptic recognition model", {"m": b"no"}),
@@ -89,20 +78,15 @@ def test_what_can_not_be_read_is_refused_in_one_sentence(
 
 WRONG = [
     ((), "Usage: visuohaptic"),
-    (("touch",), "Missing argument"),
     (("touch", ""), "the name is empty; a file is needed"),
-    (("mashes",), "No such command"),
-    ((*RING, "--colour"), "No such option"),
     ((*RING, "--strategy", "guess"), "'guess' is no strategy of touch; fixation, random"),
     ((*RING, "--strategy", "adaptive"), "for it is for curves only"),
     ((*RING, "--viewpoints", "0"), "--viewpoints"),
-    ((*RING, "--up", "x"), "'x' is not one of 'y', 'z'"),
     ((*RING, "--budget", "fast", "--viewpoints", "2"), "--viewpoints 2 is another"),
     (("touch", "one/a.obj", "two/a.obj"), "would both be written to touched/a"),
     ((*RING, "--out", ""), "the name is empty; a folder is needed"),
     ((*RING, "--out", "ring.obj/x"), "is a file; a folder is needed"),
     ((*RING, "--out", "/proc/x"), "/proc/x can't be written"),
-    ((*RING, "--out", "y" * 300), "File name too long"),
     (("report", "gone", "--out", "ring.obj"), "is a file; a folder is needed"),
     (("compare", "a", "b", "--out", "ring.obj"), "is a file; a folder is needed"),
 ]
@@ -117,28 +101,18 @@ def test_wrong_use_ends_with_2_before_any_work(visuohaptic, folder, arguments, s
     assert set(folder.rglob("*")) == before
 
 
-def run(arguments, folder, **options):
-    return subprocess.run(
-        [sys.executable, "-c", PROGRAM, *arguments], cwd=folder, check=False,
-        env={**os.environ, "PYTHONPATH": PYTHONPATH, **options.pop("env", {})},
-        **({"stdout": subprocess.PIPE} | options), stderr=subprocess.PIPE, timeout=120,
-    )  # fmt: skip
-
-
 @pytest.mark.slow
 def test_a_full_disk_behind_the_output_is_one_sentence(folder):
     with Path("/dev/full").open("w") as full:
-        ended = run(("--help",), folder, stdout=full)
-    assert ended.returncode == 1
-    assert ended.stderr.decode() == "error: Writing or reading failed: No space left on device.\n"
+        code, _, err = run(["--help"], folder, stdout=full)
+    assert (code, err) == (1, "error: Writing or reading failed: No space left on device.\n")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("locale", "encoding"), [("C", "ascii"), ("nonsense", "cp1252")])
 def test_no_locale_or_encoding_stops_it(folder, locale, encoding):
     (folder / "ring.obj").rename(folder / "tasse à café.obj")
-    env = {"LANG": locale, "LC_ALL": locale, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
-    ended = run(("touch", "tasse à café.obj", *QUICK), folder, env=env)
-    assert ended.returncode == 0, ended.stderr
-    assert b"5 touches from 1 viewpoints" in ended.stdout
-    assert ended.stderr == b""
+    odd = {"LANG": locale, "LC_ALL": locale, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    code, out, err = run(["touch", "tasse à café.obj", *QUICK], folder, **odd)
+    assert (code, err) == (0, "")
+    assert "5 touches from 1 viewpoints" in out

@@ -1,14 +1,11 @@
 """How the command ends: by itself, by Ctrl-C at any moment, or with what it can't do."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 import trimesh
 from cli.models import fit_on_nonsense
-from source_folders import PYTHONPATH
+from cli.processes import run
 
 import visuohaptic as package
 from visuohaptic.fixations.probing import STRATEGIES
@@ -16,7 +13,7 @@ from visuohaptic.fixations.probing import STRATEGIES
 ROOT = Path(__file__).parents[2]
 # A thread sends the signal, for it knows when the command takes signals, which a clock does not.
 PROGRAM = """
-import os, signal, sys, threading, time
+import os, signal, threading, time
 from visuohaptic.cli.main import main
 def send():
     while signal.getsignal(signal.SIGINT) is signal.default_int_handler:
@@ -24,21 +21,8 @@ def send():
     time.sleep({after})
     os.kill(os.getpid(), signal.SIGINT)
 threading.Thread(target=send, daemon=True).start()
-sys.argv[1:] = {arguments}
 main()
 """
-
-
-def start(arguments, folder, after):
-    program = PROGRAM.format(after=after, arguments=list(map(str, arguments)))
-    return subprocess.Popen(
-        [sys.executable, "-c", program], cwd=folder, env={**os.environ, "PYTHONPATH": PYTHONPATH},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
-    )  # fmt: skip
-
-
-def files_in(folder):
-    return set(folder.rglob("*"))
 
 
 @pytest.fixture(scope="module")
@@ -62,11 +46,10 @@ def folder(tmp_path_factory):
     ],
 )
 def test_ctrl_c_stops_every_command_at_any_moment_and_leaves_nothing(folder, arguments, after):
-    before = files_in(folder)
-    process = start(arguments, folder, after)
-    _, said = process.communicate(timeout=60)
-    assert (process.returncode, said) == (130, "stopped.\n")
-    assert files_in(folder) == before
+    before = set(folder.rglob("*"))
+    code, _, said = run(arguments, folder, program=PROGRAM.format(after=after))
+    assert (code, said) == (130, "stopped.\n")
+    assert set(folder.rglob("*")) == before
 
 
 # What Python calls at odd moments, where an exception is lost: in imports, of objects that go, and at its end.
@@ -113,20 +96,17 @@ end_at_interrupt(lambda: None)
 {ODD_MOMENTS[moment]}
 time.sleep(30)
 """
-    ended = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, timeout=20, check=False, text=True,
-        env={**os.environ, "PYTHONPATH": PYTHONPATH}, capture_output=True,
-    )  # fmt: skip
-    assert (ended.returncode, ended.stderr) in {(130, "stopped.\n"), (0, "")}
+    code, _, said = run([], tmp_path, program=program)
+    assert (code, said) in {(130, "stopped.\n"), (0, "")}
 
 
-def test_the_strategies_of_the_help_are_those_of_the_parameters(visuohaptic):
+def test_the_help_has_an_example_and_the_strategies_of_the_parameters(visuohaptic):
     shown = visuohaptic("touch", "--help").out
     assert all(strategy in shown for strategy in STRATEGIES.names)
     assert "…" not in shown
+    assert "Example: visuohaptic touch" in shown
 
 
-@pytest.mark.parametrize("arguments", [["--version"], ["--version", "touch", "mug.obj"]])
-def test_the_version_is_that_of_the_package(visuohaptic, arguments):
-    ended = visuohaptic(*arguments)
+def test_the_version_is_that_of_the_package_whatever_else_is_asked(visuohaptic):
+    ended = visuohaptic("--version", "touch", "mug.obj")
     assert (ended.code, ended.out) == (0, f"visuohaptic {package.__version__}\n")

@@ -29,9 +29,7 @@ def test_each_of_several_objects_is_touched_as_it_is_alone():
 def test_files_in_a_list_keep_their_names_and_one_that_can_not_be_read_stops_all(tmp_path):
     for name, mesh in zip("ab", MESHES, strict=True):
         mesh.export(tmp_path / f"{name}.ply")
-    found = vh.touch(
-        sorted(tmp_path.iterdir()), viewpoints=1, strategy="random", parameters=SMALL, track=iter
-    )
+    found = vh.touch(sorted(tmp_path.iterdir()), 1, "random", SMALL, track=iter)
     assert [one.key for one in found] == ["unknown/a", "unknown/b"]
     assert found[0].strategy == "random"
     with pytest.raises(MeshError, match=r"none\.obj"):

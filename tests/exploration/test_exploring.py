@@ -3,6 +3,7 @@
 import ast
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import trimesh
@@ -30,20 +31,14 @@ def ring_file(tmp_path_factory):
     return path
 
 
-def tables_of_the_workflow(key, source, folder, parameters):
-    model = next(
-        model for model in read_catalogue(ROOT / "meshes/catalogue.csv") if model.key == key
-    )
-    make_mesh(key, model, source, folder / "mesh.ply", parameters.meshes)
-    return run_phases(key, folder / "mesh.ply", folder, parameters)
-
-
 @pytest.mark.slow
 def test_tables_of_a_shipped_object_are_those_of_the_workflow(tmp_path):
     """With a worn sensor too, whose chance hangs on the object's key."""
     key = "bottle/sc_com_bath2_jabon_pijo"
     source = ROOT / "meshes" / "paper" / f"{key}.ply.gz"
-    expected = tables_of_the_workflow(key, source, tmp_path, SMALL)
+    models = {model.key: model for model in read_catalogue(ROOT / "meshes/catalogue.csv")}
+    make_mesh(key, models[key], source, tmp_path / "mesh.ply", SMALL.meshes)
+    expected = run_phases(key, tmp_path / "mesh.ply", tmp_path, SMALL)
     for strategy in ("fixation", "random"):
         found = vh.load(source).touch(strategy=strategy, parameters=SMALL)
         assert found.key == key
@@ -64,13 +59,9 @@ def test_one_line_from_a_file_to_a_table(ring_file):
         vh.load(ring_file, key="ring")
 
 
-class ModelOfFixations:
-    strategy = "fixation"
-
-
 def test_touches_of_another_kind_than_the_model_learnt_are_refused(ring_file):
     there = ExperimentParameters.from_mapping({"sensor": {"resolution": 16}})
-    recogniser = vh.Recogniser(ModelOfFixations(), there)
+    recogniser = vh.Recogniser(SimpleNamespace(strategy="fixation"), there)
     by_chance = vh.load(ring_file).touch(1, "random", SMALL)
     with pytest.raises(RecognitionError, match=r"touched by random .* learnt from touches by fix"):
         by_chance.recognise(recogniser)

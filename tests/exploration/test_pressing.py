@@ -30,13 +30,11 @@ def test_a_ball_is_as_deep_as_it_is_round_wherever_it_lies():
 def test_arrays_and_a_trimesh_give_the_same_and_each_pose_is_alone():
     normals = poses()
     sizes = np.linspace(2, 20, 20)
-    together = vh.press(
-        (BALL.vertices, BALL.faces), normals * 40, normals, sizes, above=9.0, depth=3
-    )
-    for place in (0, 7, 19):
-        alone = vh.press(
-            BALL, normals[[place]] * 40, normals[[place]], sizes[place], above=9.0, depth=3
-        )
+    arrays = (BALL.vertices, BALL.faces)
+    together = vh.press(arrays, normals * 40, normals, sizes, above=9.0, depth=3)
+    for place in (0, 19):
+        normal = normals[[place]]
+        alone = vh.press(BALL, normal * 40, normal, sizes[place], above=9.0, depth=3)
         np.testing.assert_array_equal(together.heights[place], alone.heights[0])
 
 

@@ -29,12 +29,9 @@ def test_each_prints_one_short_line(felt, named):
     start = "<Exploration of unknown/<b>ring: 30 touches from 6 viewpoints by fixation, "
     assert repr(felt).startswith(start)
     assert repr(named).endswith("<b>ring: <i>car 75.0 %, chair 25.0 %; from 30 touches>")
+    many = vh.Recognition("a", dict.fromkeys("abcdefgh", 0.125), felt, 30, {})
+    assert "a 12.5 %, b 12.5 %, c 12.5 %, …; from" in repr(many)
     assert repr(felt.surface) == "<Surface: 128 vertices, 256 triangles>"
-
-
-def test_of_many_classes_the_likeliest_are_printed(felt):
-    named = vh.Recognition("a", dict.fromkeys("abcdefgh", 0.125), felt, 30, {})
-    assert "a 12.5 %, b 12.5 %, c 12.5 %, …; from" in repr(named)
 
 
 def test_a_notebook_shows_an_object_and_the_first_views_of_an_exploration(felt):

@@ -23,11 +23,8 @@ def ring_file(tmp_path):
 def test_every_kind_of_source_gives_the_same_surface(ring_file):
     expected = vh.load(ring_file).surface
     arrays = (RING.vertices.astype(np.float32), RING.faces)
-    sources = [
-        trimesh.load(ring_file, process=False), arrays, tuple(map(np.ndarray.tolist, arrays)),
-        trimesh.Scene([RING]),
-    ]  # fmt: skip
-    for source in sources:
+    lists = tuple(map(np.ndarray.tolist, arrays))
+    for source in (trimesh.load(ring_file, process=False), arrays, lists, trimesh.Scene([RING])):
         found = vh.load(source)
         assert found.key == "unknown/object"
         np.testing.assert_allclose(found.surface.vertices, expected.vertices, atol=1e-6)
@@ -46,15 +43,18 @@ def test_an_open_file_is_read_as_what_it_is_said_to_be(ring_file):
     np.testing.assert_array_equal(found.surface.vertices, expected.vertices)
 
 
-def test_an_open_file_needs_a_type_and_bytes(ring_file):
-    with pytest.raises(MeshError, match=r"file_type is needed; obj, ply, .* are allowed"):
-        vh.load(io.BytesIO(b"v 0 0 0"))
-    with pytest.raises(MeshError, match="file_type is 'txt'; obj, ply"):
-        vh.load(io.BytesIO(b"v 0 0 0"), file_type="txt")
-    with pytest.raises(MeshError, match='open it with mode "rb"'):
-        vh.load(io.StringIO("v 0 0 0"), file_type="obj")
-    with pytest.raises(MeshError, match="is empty"):
-        vh.load(io.BytesIO(), file_type="obj")
+@pytest.mark.parametrize(
+    ("content", "file_type", "sentence"),
+    [
+        (io.BytesIO(b"v 0 0 0"), None, r"file_type is needed; obj, ply, .* are allowed"),
+        (io.BytesIO(b"v 0 0 0"), "txt", "file_type is 'txt'; obj, ply"),
+        (io.StringIO("v 0 0 0"), "obj", 'open it with mode "rb"'),
+        (io.BytesIO(), "obj", "is empty"),
+    ],
+)
+def test_an_open_file_needs_a_type_and_bytes(content, file_type, sentence):
+    with pytest.raises(MeshError, match=sentence):
+        vh.load(content, file_type=file_type)
 
 
 @pytest.mark.parametrize(
@@ -62,11 +62,9 @@ def test_an_open_file_needs_a_type_and_bytes(ring_file):
     [
         (([[0, 0, 0]], [[0, 0, 0]]), "no area"),
         (([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]]), r"vertices of shape \(3, 2\)"),
-        (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0, 1, 2]), r"faces of shape \(3,\)"),
         (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]]), "names vertex 3"),
         (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0.5, 1, 2]]), "faces of float64"),
         (("a", "b"), "numbers are needed"),
-        (([], []), "shape"),
         (None, "NoneType; a path, a trimesh.Trimesh"),
         (trimesh.Trimesh(), "no faces"),
     ],
@@ -92,7 +90,6 @@ def test_section_meshes_is_taken_from_whatever_parameters_are_given():
     cone = trimesh.creation.cone(0.3, 2)
     for parameters in (
         {"meshes.own_up_axis": "z"},
-        {"meshes": {"own_up_axis": "z"}},
         {"own_up_axis": "z"},
         ExperimentParameters.from_mapping({"meshes": {"own_up_axis": "z"}}),
         MeshParameters(own_up_axis="z"),

@@ -29,6 +29,11 @@ class Page:
         return [e.attributes[attribute] for e in self.elements if attribute in e.attributes]
 
     @property
+    def objects(self):
+        """Names of the objects that are shown."""
+        return [article.attributes["data-name"] for article in self.named("article")]
+
+    @property
     def text(self):
         return " ".join(" ".join(self.texts).split())
 
@@ -45,11 +50,9 @@ class _Reader(HTMLParser):
         if tag not in VOID:
             self.open.append(element)
 
-    def handle_startendtag(self, tag, attrs):
-        self.page.elements.append(Element(tag, dict(attrs), tuple(self.open)))
-
     def handle_endtag(self, tag):
-        assert self.open.pop().name == tag, (tag, self.getpos())
+        if tag not in VOID:
+            assert self.open.pop().name == tag, (tag, self.getpos())
 
     def handle_data(self, data):
         if not self.open or self.open[-1].name not in {"script", "style"}:

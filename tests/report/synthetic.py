@@ -48,14 +48,12 @@ def write_run(
         "features": _features(fixations, generator),
         "predictions": predictions,
         "effects": _effects(objects),
-        "pictures": None,
     }
-    paths = {name: folder / "results" / name / "all.parquet" for name in written}
+    paths = {name: folder / "results" / name / "all.parquet" for name in (*written, "pictures")}
     paths["effects"] = folder / "results/effects/touches/all.parquet"
     meshes = [_write_mesh(folder / "results", key) for key in objects]
     for name, table in written.items():
-        if table is not None:
-            write_table(SCHEMAS[name], table, paths[name])
+        write_table(SCHEMAS[name], table, paths[name])
     held = SCHEMAS["stability"].arrow.empty_table()
     write_table(SCHEMAS["stability"], held, folder / "held.parquet")
     tables = paths["views"], paths["touches"], folder / "held.parquet"
@@ -155,9 +153,7 @@ def _fixations(objects, strategies, generator):
     normals = generator.normal(size=(len(places), 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
 
-    def pixel(strategy, touch):
-        if strategy != "fixation":
-            return {}
+    def pixel(touch):
         return {"pixel_row": 8 * touch + 3, "pixel_column": 40 - 8 * touch, "saliency": 1.0}
 
     return _rows(
@@ -165,8 +161,8 @@ def _fixations(objects, strategies, generator):
         [
             {
                 **_owner(key), "viewpoint": viewpoint, "strategy": strategy, "touch": touch,
-                "chance": strategy, **pixel(strategy, touch), **_named("{}", normal),
-                **_named("normal_{}", normal),
+                "chance": strategy, **(pixel(touch) if strategy == "fixation" else {}),
+                **_named("{}", normal), **_named("normal_{}", normal),
             }
             for (key, viewpoint, strategy, touch), normal in zip(places, normals, strict=True)
         ],
@@ -275,10 +271,9 @@ def _write_mesh(folder, key):
 
 def _write_credits(folder, objects):
     path = folder / "credits.csv"
-    lines = ["class,object,author,licence,source_url"]
     category, name = objects[0].split("/", 1)
-    lines.append(f'"{category}","{name}",Ada,CC0-1.0,https://example.org/mug')
-    path.write_text("\n".join(lines))
+    credit = f'"{category}","{name}",Ada,CC0-1.0,https://example.org/mug'
+    path.write_text(f"class,object,author,licence,source_url\n{credit}")
     return path
 
 

@@ -3,6 +3,7 @@
 from visuohaptic.report.comparison import gain_sentence, merge_notes, read_tables
 
 COUNTS = {"splits": 81, "repeats": 1, "objects": 12, "sequences": 192, "notes": []}
+TESTED = {"objects": 12, "exact": True}
 
 
 def interval(mean):
@@ -20,16 +21,10 @@ def metrics(fixation, random, p_values):
         strategy: {name: cell(mean) for name, mean in means.items()}
         for strategy, means in (("fixation", fixation), ("random", random))
     }
+    differences = {name: interval(mean - random[name]) for name, mean in fixation.items()}
     compared = {
-        name: {
-            "random": {
-                "difference": interval(mean - random[name]),
-                "p_value": p_values[name],
-                "objects": 12,
-                "exact": True,
-            }
-        }
-        for name, mean in fixation.items()
+        name: {"random": {"difference": found, "p_value": p_values[name], **TESTED}}
+        for name, found in differences.items()
     }
     return {"results": {"paper": cells}, "comparisons": {"paper": compared}}
 

@@ -1,15 +1,8 @@
 """The page tells what effects cost and change where it was measured, and shows hard places always."""
 
-import pytest
-from report.pages import plain
 from report.synthetic import PARAMETERS, write_study
 
-from visuohaptic.report.effects import (
-    effects_answer,
-    hard_places,
-    influence_figures,
-    rows_of_scenes,
-)
+from visuohaptic.report.effects import hard_places, rows_of_scenes
 from visuohaptic.report.studies import read_study
 from visuohaptic.sensor import hard_probes
 from visuohaptic.tables.phases import CONTACT_STATES
@@ -31,24 +24,6 @@ def write_influence(path):
     columns = {name: [row[place] for row in rows] for place, name in enumerate(names)}
     write_table(EFFECT_INFLUENCE, build_table(EFFECT_INFLUENCE, columns), path)
     return path
-
-
-def test_seconds_are_those_of_the_run_and_shifts_those_of_every_scene(tmp_path):
-    figures = influence_figures(write_influence(tmp_path / "influence.parquet"), "ideal")
-    assert (figures["touches"], figures["views"]) == (500, 8)
-    ideal, worn = figures["scenes"]
-    assert (ideal["needed"], ideal["unneeded"]) == (["adaptive_size"], ["noise"])
-    assert (ideal["milliseconds"], ideal["milliseconds_always"]) == pytest.approx((200.0, 1000.0))
-    assert (worn["name"], worn["needed"], worn["unneeded"]) == ("worn_fsr", ["noise"], [])
-    assert plain(effects_answer(figures["scenes"])) == (
-        "Of 2 effects of touch a scene gets those that it needs: 1 in ideal (saves 80 % of the time), 1 in worn_fsr. "
-        "Images are the same, bit for bit, as with all effects."
-    )
-    size, noise = figures["touch"]
-    assert (size["milliseconds"], size["milliseconds_always"]) == pytest.approx((200.0, 400.0))
-    assert noise["shifts"] == {"worn_fsr": 0.0125}
-    assert [one["name"] for one in figures["view"]] == ["texture", "shading", "cast_shadows"]
-    assert figures["view"][2]["milliseconds_always"] == pytest.approx(50.0)
 
 
 def test_every_hard_place_has_a_picture_a_size_and_a_state():

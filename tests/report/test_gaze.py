@@ -36,12 +36,8 @@ def test_the_section_shows_each_predictor_and_the_worst_objects():
 
 
 def test_pictures_are_shown_worst_first_and_kept_figures_say_where_they_come_from(tmp_path):
-    columns = {
-        "object": ["good", "bad<"],
-        "rank": np.array([3, 0], dtype=np.int32),
-        "correlation": [0.9, 0.1],
-        "picture": [b"\x89PNG1", b"\x89PNG2"],
-    }
+    columns = {"object": ["good", "bad<"], "rank": np.array([3, 0], dtype=np.int32)}
+    columns |= {"correlation": [0.9, 0.1], "picture": [b"\x89PNG1", b"\x89PNG2"]}
     path = tmp_path / "pictures.parquet"
     write_table(GAZE_PICTURES, build_table(GAZE_PICTURES, columns), path)
     origin = {"date": "2026-01-02", "command": "measure <it>", "source": "recordings"}
@@ -54,8 +50,6 @@ def test_pictures_are_shown_worst_first_and_kept_figures_say_where_they_come_fro
 
 def test_what_is_kept_with_the_package_has_an_origin_and_no_test_data_of_its_own():
     kept = read_measured(None)
-    assert kept is not None
     assert set(kept.origin) == {"date", "command", "source"}
-    assert len(set(kept.table.column("digest").to_pylist())) == len(
-        set(kept.table.column("object").to_pylist())
-    )
+    digests, objects = (set(kept.table.column(name).to_pylist()) for name in ("digest", "object"))
+    assert len(digests) == len(objects)

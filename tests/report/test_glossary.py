@@ -19,14 +19,9 @@ def test_a_word_means_what_the_glossary_says(word):
 def test_the_first_use_of_a_word_is_explained_and_no_later_one():
     text = explained("Fixations, a fixation, and one imprint.")
     assert text.count("<abbr") == 2
-    assert text.startswith('<abbr title="A place at which')
     assert "s, a fixation, and" in text
 
 
-def test_names_are_escaped_before_words_are_explained():
+def test_names_are_escaped_first_and_parts_of_words_are_left_alone():
     assert explained("<b>split</b> & 'x'").startswith("&lt;b&gt;<abbr")
-    assert "<b>" not in explained("<b>")
-
-
-def test_parts_of_words_are_left_alone():
     assert "<abbr" not in explained("splitting, rereadings, effective")

@@ -3,7 +3,6 @@
 import gzip
 
 import numpy as np
-import pytest
 from report.synthetic import ball
 
 from visuohaptic.geometry.surface import Surface
@@ -11,23 +10,16 @@ from visuohaptic.report.models import COORDINATE_STEPS, pack_model, plotly_libra
 from visuohaptic.report.shown import faces_of_model
 
 
-def test_a_thin_ball_is_still_a_ball_with_its_colours():
-    surface = ball(60)
-    thinned = thin(surface, 1000)
-    assert len(surface.faces) > 10_000
+def test_a_thin_ball_is_still_a_ball_with_its_colours_and_a_small_one_stays_as_it_is():
+    small = ball(4)
+    assert thin(small, 1000) is small
+    thinned = thin(ball(60), 1000)
     assert len(thinned.faces) <= 1000
-    radii = np.linalg.norm(thinned.vertices, axis=1)
-    assert radii.min() > 0.97
-    assert radii.max() < 1.03
+    np.testing.assert_allclose(np.linalg.norm(thinned.vertices, axis=1), 1, atol=0.03)
     red = thinned.face_colours[:, 0] == 255
     sides = thinned.triangles.mean(axis=1)[:, 0]
     assert np.all(sides[red] < 0.1)
     assert np.all(sides[~red] > -0.1)
-
-
-def test_a_small_surface_stays_as_it_is():
-    surface = ball(4)
-    assert thin(surface, 1000) is surface
 
 
 def test_a_packed_model_reads_back():
@@ -45,10 +37,10 @@ def test_a_packed_model_reads_back():
         data = data[kind.itemsize * count :]
     assert data == b""
     vertices, poses, corners, colours = parts
-    corner_places = vertices.reshape(-1, 3)[corners.reshape(-1, 3)] / COORDINATE_STEPS
-    np.testing.assert_allclose(corner_places, surface.triangles, atol=1 / COORDINATE_STEPS)
-    found = poses.reshape(-1, 10) / COORDINATE_STEPS
-    np.testing.assert_allclose(found, touches, atol=1 / COORDINATE_STEPS)
+    step = 1 / COORDINATE_STEPS
+    corner_places = step * vertices.reshape(-1, 3)[corners.reshape(-1, 3)]
+    np.testing.assert_allclose(corner_places, surface.triangles, atol=step)
+    np.testing.assert_allclose(step * poses.reshape(-1, 10), touches, atol=step)
     np.testing.assert_array_equal(colours.reshape(-1, 3), surface.face_colours)
 
 
@@ -61,8 +53,6 @@ def test_the_pages_parts_fit_their_budgets():
     assert model < 120_000
 
 
-@pytest.mark.parametrize(
-    ("objects", "faces"), [(0, 4000), (1, 4000), (30, 4000), (60, 2000), (500, 1200)]
-)
-def test_models_share_the_faces_of_the_page(objects, faces):
-    assert faces_of_model(objects) == faces
+def test_models_share_the_faces_of_the_page():
+    faces = {objects: faces_of_model(objects) for objects in (0, 30, 60, 500)}
+    assert faces == {0: 4000, 30: 4000, 60: 2000, 500: 1200}

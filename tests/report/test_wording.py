@@ -17,7 +17,6 @@ from visuohaptic.report.wording import (
 
 
 def test_numbers_in_words():
-    assert percent(0.9345) == "93.5\xa0%"
     assert percent(0.9345, 2) == "93.45\xa0%"
     assert points(-0.036) == "−3.6"
     assert points(0.118) == "+11.8"
