@@ -1,8 +1,6 @@
 """What effects cost and move is measured for every scene, and is 0 where nothing needs them."""
 
-from collections import Counter
 from dataclasses import replace
-from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -15,9 +13,7 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.studies.effects import influence
 from visuohaptic.studies.effects.influence import (
-    ROUNDS,
     make_effect_influence,
     measured_scenes,
     sum_influences,
@@ -52,10 +48,6 @@ def fixations(surface):
     return build_table(FIXATIONS, columns | dict.fromkeys(empty, [None] * COUNT))
 
 
-def influences(surface, fixations, scenes):
-    return touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
-
-
 def test_every_preset_is_measured_and_the_run_stands_for_its_own():
     scene = Scene(preset="fsr400", noise=0.2)
     scenes = measured_scenes(scene)
@@ -65,30 +57,22 @@ def test_every_preset_is_measured_and_the_run_stands_for_its_own():
 
 
 def test_an_effect_moves_images_where_it_is_needed_and_only_there(surface, fixations):
-    found = influences(surface, fixations, measured_scenes(Scene()))
-    shifts = {(part["scene"], part["effect"]): part["image_shift"] for part in found}
-    assert len(shifts) == len(PRESETS) * (len(EffectModes.model_fields) - len(VISUAL_EFFECTS))
+    off = Scene.model_validate({"preset": "fsr400", "effects": {"noise": "never"}})
+    scenes = {**measured_scenes(Scene()), "without noise": off}
+    found = touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
+    shifts, needed = (
+        {(part["scene"], part["effect"]): part[name] for part in found}
+        for name in ("image_shift", "needed")
+    )
+    assert len(shifts) == len(scenes) * (len(EffectModes.model_fields) - len(VISUAL_EFFECTS))
     moved = {effect for (scene, effect), shift in shifts.items() if scene == "ideal" and shift > 0}
     assert moved == {"adaptive_size"}
     assert shifts["worn_fsr", "dead_cells"] > 0 == shifts["fsr400", "dead_cells"]
     assert shifts["worn_fsr", "noise"] > shifts["fsr400", "noise"] > 0
-    assert {part["touches"] for part in found} == {COUNT}
-
-
-def test_sensors_are_placed_once_a_round_and_mode(surface, fixations):
-    with patch.object(influence, "place_at", wraps=influence.place_at) as placing:
-        influences(surface, fixations, measured_scenes(Scene()))
-    modes = Counter(call.args[-1] for call in placing.call_args_list)
-    assert modes == {"auto": ROUNDS, "always": ROUNDS, "never": 1}
-
-
-def test_leaving_out_what_no_touch_needs_changes_no_bit(surface, fixations):
-    off = Scene.model_validate({"preset": "fsr400", "effects": {"noise": "never"}})
-    scenes = {**measured_scenes(Scene()), "without noise": off}
-    found = influences(surface, fixations, scenes)
-    needed = {(part["scene"], part["effect"]): part["needed"] for part in found}
     assert needed["ideal", "noise"] == needed["fsr400", "dead_cells"] == 0
     assert needed["worn_fsr", "dead_cells"] == COUNT
+    assert {part["touches"] for part in found} == {COUNT}
+    # Leaving out what no touch needs changes no bit.
     equal = {part["scene"]: part["equal_to_always"] for part in found}
     assert equal == {**dict.fromkeys(PRESETS, True), "without noise": None}
 

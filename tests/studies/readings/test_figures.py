@@ -164,7 +164,6 @@ def means_of_groups(training, touches):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("strategy", ["fixation", "random"])
 @pytest.mark.parametrize(
     ("reading", "classifier", "how"),
     [
@@ -175,25 +174,25 @@ def means_of_groups(training, touches):
     ],
 )  # fmt: skip
 def test_a_reading_is_what_scikit_learn_and_pywavelets_give(
-    made, features, reading, classifier, how, strategy
+    made, features, reading, classifier, how
 ):
-    expected = by_hand(features, strategy, *how)
     key = (reading, classifier, "reachable")
     names = ("reading", "classifier", "random_probing")
     (row,) = [row for row in made[0] if tuple(row[name] for name in names) == key]
-    assert row["splits"] == len(expected) == 18
-    assert row[strategy] == pytest.approx(expected.mean(), abs=1e-9)
-    assert row[f"{strategy}_best_split"] == pytest.approx(expected.max(), abs=1e-9)
-    reached = (expected >= TABLE_1[classifier][strategy]).mean()
-    assert row[f"{strategy}_splits_reaching"] == pytest.approx(reached, abs=1e-9)
+    for strategy in ("fixation", "random"):
+        expected = by_hand(features, strategy, *how)
+        assert row["splits"] == len(expected) == 18
+        assert row[strategy] == pytest.approx(expected.mean(), abs=1e-9)
+        assert row[f"{strategy}_best_split"] == pytest.approx(expected.max(), abs=1e-9)
+        reached = (expected >= TABLE_1[classifier][strategy]).mean()
+        assert row[f"{strategy}_splits_reaching"] == pytest.approx(reached, abs=1e-9)
 
 
 def test_a_reading_that_fails_stays_in_the_table_with_its_reason(made):
     rows, summary = made
     failed = [row for row in rows if row["reading"] == ONLINE_LATTICE]
     assert {row["classifier"] for row in failed} == set(TABLE_1)
-    assert all("MiniSom has two at most" in row["error"] for row in failed)
-    assert all(row["fixation"] is None for row in failed)
+    assert all("MiniSom" in row["error"] and row["fixation"] is None for row in failed)
     assert summary["failed"] == [ONLINE_LATTICE]
     assert summary["readings"] == 3
 
