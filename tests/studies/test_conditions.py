@@ -48,26 +48,22 @@ def test_what_is_made_again_follows_from_what_changes(changes, phase):
     assert [one["recomputed"] for one in described["conditions"]] == [phase or "recognition"]
 
 
-def test_conditions_that_touch_alike_share_their_touches():
+def test_conditions_that_touch_alike_share_touches_enough_for_the_longest_and_every_strategy():
+    size, neighbours = {"sensor.largest_size": 0.2}, {"recognition.classifier.neighbours": 3}
     found = plan(
-        {"sensor.largest_size": 0.2},
-        {"sensor.largest_size": 0.2, "recognition.classifier.neighbours": 3},
+        size | {"recognition.touches": 12, "probing.strategies": ["fixation"]},
+        size | {"recognition.touches": 8, "probing.strategies": ["curvature"]} | neighbours,
         {"sensor.largest_size": 0.4},
-        {"recognition.classifier.neighbours": 3},
+        neighbours,
     )
     first, second, third, fourth = (one.key for one in found.conditions)
     assert first == second != third
     assert fourth is None
     assert set(found.recomputations) == {first, third}
-
-
-def test_shared_touches_are_enough_for_the_longest_and_for_every_strategy():
-    (recomputation,) = plan(
-        {"recognition.touches": 8, "probing.strategies": ["fixation"]},
-        {"recognition.touches": 12, "probing.strategies": ["curvature"]},
-    ).recomputations.values()
-    assert recomputation.parameters.attention.fixations == 12
-    assert set(recomputation.parameters.probing.strategies) == {"fixation", "curvature"}
+    shared = found.recomputations[first]
+    # More touches than the run has begin at the views.
+    assert (shared.phase, shared.parameters.attention.fixations) == ("views", 12)
+    assert set(shared.parameters.probing.strategies) == {"fixation", "curvature"}
 
 
 def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():

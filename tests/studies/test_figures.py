@@ -75,14 +75,10 @@ def test_differences_are_paired_and_adjusted_over_the_conditions():
     assert [better["adjusted_p"], worse["adjusted_p"]] == adjusted
 
 
-def test_equal_conditions_have_equal_intervals_and_no_difference():
-    found = rows_of({key("better"): cell(WHOLE)})
+def test_equal_conditions_have_no_difference_and_those_of_other_objects_are_not_compared():
+    found = rows_of({key("better"): cell(WHOLE), key("worse"): cell(WHOLE[:4])})
     assert found["better"]["low"] == found["whole"]["low"]
     assert (found["better"]["difference"], found["better"]["p_value"]) == (0, 1)
-
-
-def test_conditions_that_were_tested_on_other_objects_are_not_compared():
-    found = rows_of({key("worse"): cell(WHOLE[:4])})
     assert found["worse"]["difference"] is None
     assert found["worse"]["accuracy"] == pytest.approx(0.65)
 
