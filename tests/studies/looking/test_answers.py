@@ -21,24 +21,23 @@ PARAMETERS = RecognitionParameters(best={"classifiers": ("naive_bayes",)})
 SEED = 7
 
 
-def sequences_and_descriptors(objects=(4, 4, 4)):
+def sequences_of(*objects):
     table = features_table(objects=objects, viewpoints=3, separation=1.0)
-    sequences = gather_pipeline(table, PARAMETERS, "best", SEED)
-    return sequences, describe_all(sequences, PARAMETERS.best, SEED)
+    return gather_pipeline(table, PARAMETERS, "best", SEED)
 
 
-def trials_of(sequences, count=1):
-    return list(draw_splits(sequences, PARAMETERS, SEED))[:count]
+def answer(sequences, *described, count=1):
+    trials = list(draw_splits(sequences, PARAMETERS, SEED))[:count]
+    return trials, answer_trials(trials, [described] * count, sequences, PARAMETERS, SEED)
 
 
 @pytest.fixture(scope="module")
 def answered():
-    sequences, described = sequences_and_descriptors()
-    trials = trials_of(sequences, 3)
+    sequences = sequences_of(4, 4, 4)
+    described = describe_all(sequences, PARAMETERS.best, SEED)
     # In a second condition of the test, descriptors are nowhere near those of training.
     strange = described + 50 * described.std(axis=0) * np.sin(np.arange(described.shape[1]))
-    found = answer_trials(trials, [[described, strange]] * 3, sequences, PARAMETERS, SEED)
-    return sequences, trials, found
+    return sequences, *answer(sequences, described, strange, count=3)
 
 
 def test_the_answers_are_those_of_pipeline_best_and_each_training_sequence_is_held_out_once(
@@ -46,26 +45,25 @@ def test_the_answers_are_those_of_pipeline_best_and_each_training_sequence_is_he
 ):
     sequences, trials, found = answered
     theirs = answer_splits(sequences, PARAMETERS, SEED, "best")
-    for (split, _, answer), trial, ours in zip(theirs, trials, found, strict=False):
+    for (split, _, own), trial, ours in zip(theirs, trials, found, strict=False):
         assert np.array_equal(split.test, trial[0].test)
-        assert np.array_equal(answer.ballots.alone(), ours.tested[0])
+        assert np.array_equal(own.ballots.alone(), ours.tested[0])
         assert np.array_equal(np.sort(ours.places), split.train)
         assert np.allclose(ours.held_out.sum(axis=1), 1)
 
 
 def test_a_held_out_answer_is_of_a_model_without_its_object():
     # Objects have one descriptor of their own: only a model that met an object could know its class.
-    sequences, _ = sequences_and_descriptors(objects=(6, 6))
-    own = np.eye(len(sequences.objects))[sequences.object_index]
-    (one,) = answer_trials(trials_of(sequences), [[own]], sequences, PARAMETERS, SEED)
+    sequences = sequences_of(6, 6)
+    _, (one,) = answer(sequences, np.eye(len(sequences.objects))[sequences.object_index])
     right = one.held_out.argmax(axis=1) == sequences.labels[one.places]
     assert right.mean() <= 0.5
 
 
 def test_one_training_object_a_class_is_refused():
-    sequences, described = sequences_and_descriptors(objects=(2, 2))
+    sequences = sequences_of(2, 2)
     with pytest.raises(RecognitionError, match="one training object"):
-        answer_trials(trials_of(sequences), [[described]], sequences, PARAMETERS, SEED)
+        answer(sequences, np.eye(len(sequences.labels)))
 
 
 def test_what_training_spans_is_not_strange_and_what_leaves_it_is_by_its_squared_distance():
