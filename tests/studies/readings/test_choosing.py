@@ -103,7 +103,8 @@ def test_no_rule_sees_who_leads_or_touches_out_of_reach():
     held = cells(lambda options: 0.5 + 0.1 * (options["reach"] == "0.5"), ON_OTHERS)
     shifts = {"fixation": 0.05, "random": -0.05, "random_anywhere": 0.3}
     shifted = {
-        key: replace(cell, accuracy=cell.accuracy + shifts[key[2]]) for key, cell in held.items()
+        key: replace(cell, accuracy=cell.accuracy + shifts.get(key[2], 0.0))
+        for key, cell in held.items()
     }
     before, after = (choose_options(one, ALL_ACQUIRED, INTERVALS, 1) for one in (held, shifted))
     assert [one["chosen"] for one in before] == [one["chosen"] for one in after]
