@@ -153,10 +153,11 @@ def test_likelihoods_of_a_class_are_a_mean_over_its_objects_but_one(training_obj
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
-def test_left_and_right_are_alike():
+def test_poses_are_scaled_and_left_and_right_are_alike():
     poses = np.array([[0.3, 0.1, 0.2, 0.6, 0.0, 0.8]])
-    mirrored = poses * [-1, 1, 1, -1, 1, 1]
-    np.testing.assert_array_equal(scale_poses(poses, PARAMETERS), scale_poses(mirrored, PARAMETERS))
+    scaled = poses / PARAMETERS.wave_length * np.repeat([1, PARAMETERS.normal_weight], 3)
+    for one in (poses, poses * [-1, 1, 1, -1, 1, 1]):
+        np.testing.assert_allclose(scale_poses(one, PARAMETERS), scaled)
 
 
 def test_the_order_of_rows_changes_nothing():
