@@ -13,7 +13,6 @@ from readings.choosing import (
     scored_readings,
 )
 from readings.design import BASE, PARTS_ON_OTHERS, STRATEGIES, all_readings
-from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.figures import Cell
@@ -60,13 +59,6 @@ def test_a_lead_that_only_scatters_keeps_the_former_default():
     found = default_of(lambda options: 0.5 + scatter * (options["map_output"] == "one_hot"))
     assert found["best"]["changed"]["map_output"] == "one_hot"
     assert found["chosen"]["changed"] == {}
-
-
-def test_a_missing_reading_is_refused():
-    held = cells(lambda options: 0.5)
-    held.pop((READINGS[3].name, "paper", "random", "naive_bayes"))
-    with pytest.raises(RecognitionError, match="r003 has no result for random naive_bayes"):
-        choose_default(held, INTERVALS, 1)
 
 
 def test_an_option_that_is_surely_better_becomes_the_default_and_none_that_is_so_by_chance():
