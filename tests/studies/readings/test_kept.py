@@ -18,10 +18,13 @@ from readings.summary import summarise
 from readings.tables import READINGS
 from visuohaptic.errors import ReportError
 from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.tables.schema import build_rows, write_table
 
 DOCS = Path(__file__).parents[3] / "docs"
 CHOSEN = json.loads(files("readings").joinpath("chosen.json").read_text())
+ROWS = kept_readings(PAPER_SET).rows
+ASKED = [row for row in ROWS if row["error"] is None and row["part"] != "protocol"]
 
 
 def test_the_tables_of_the_pages_are_those_of_the_kept_readings(monkeypatch):
@@ -56,6 +59,14 @@ def test_choices_that_add_up_explain_all_of_the_spread_by_themselves():
     assert max(row["share"] for row in found.values()) < 1e-9
 
 
+def test_of_pairs_in_the_fraction_those_with_the_map_output_alone_are_shown():
+    rows = [row for row in ASKED if row["random_probing"] == "reachable"]
+    found = weigh_choices([row for row in rows if row["classifier"] == BEST_OF_PAPER])
+    pairs = [one["choices"] for one in found if one["part"] == "upstream" and not one["gains"]]
+    assert pairs
+    assert all("map_output" in pair for pair in pairs)
+
+
 def test_the_package_has_the_default_that_the_rules_chose():
     (chosen,) = [one for one in all_readings() if one.name == CHOSEN["chosen"]["reading"]]
     of_touches = {one["choice"]: one["chosen"] for one in CHOSEN["options"]}
@@ -79,18 +90,17 @@ def test_the_kept_readings_have_a_page_that_stands_alone_and_says_where_they_com
     text = read_page(html).text
     assert f"not in this run: {kept_readings(PAPER_SET).source.date}" in text
     assert "The same on 130 objects outside the paper's set" in text
-    rows = kept_readings(PAPER_SET).rows
-    failed = {row["reading"] for row in rows if row["error"] is not None}
+    assert "Another question: known objects" in text
+    failed = {row["reading"] for row in ROWS if row["error"] is not None}
     assert f"{len(failed)} readings could not be run" in text
-    asked = [row for row in rows if row["error"] is None and row["part"] != "protocol"]
-    shown = {(row["reading"], row["classifier"]) for row in asked}
+    shown = {(row["reading"], row["classifier"]) for row in ASKED}
     assert html.count("<circle cx") == len(shown)
     assert "://" not in html
 
 
 def test_a_table_of_failures_alone_has_no_page(tmp_path):
     path = tmp_path / "readings.parquet"
-    failed = [row for row in kept_readings(PAPER_SET).rows if row["error"] is not None]
+    failed = [row for row in ROWS if row["error"] is not None]
     write_table(READINGS, build_rows(READINGS, failed), path)
     with pytest.raises(ReportError, match="no reading that could be run"):
         render_readings_page(path)
