@@ -53,10 +53,3 @@ def test_other_draws_are_found(draw):
 def test_too_few_places_are_not_tested():
     few = uniform(np.random.default_rng(0), LEAST - 1)
     assert [guard_areas(drawn).outcome for drawn in ([few], [])] == ["not tested"] * 2
-
-
-def test_the_three_coordinates_are_shares_of_area():
-    corners = TORUS.triangles[[0, 5]]
-    middles = 0.5 * (corners[:, 1] + corners[:, 2])
-    found = coordinates(TORUS, middles, np.array([0, 5]))
-    np.testing.assert_allclose(found[:, 1:], [[1, 0.5]] * 2)

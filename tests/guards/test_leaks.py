@@ -1,6 +1,6 @@
 """Test objects that take part in training are found, and honest splits are not."""
 
-import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,11 +27,11 @@ def unseen(pipeline):
 def test_shuffled_labels_give_chance_where_no_test_sequence_trains(monkeypatch):
     assert chance().outcome == "held"
     honest = splits._split
-
-    def leaky(number, tested):
-        return dataclasses.replace(honest(number, tested), train=np.arange(len(tested)))
-
-    monkeypatch.setattr(splits, "_split", leaky)
+    monkeypatch.setattr(
+        splits,
+        "_split",
+        lambda number, tested: replace(honest(number, tested), train=np.arange(len(tested))),
+    )
     verdict = chance()
     assert verdict.outcome == "failed"
     assert "100%" in verdict.found
@@ -51,9 +51,9 @@ def test_noise_in_place_of_test_objects_changes_no_other_answer(pipeline):
 def test_a_scaling_that_is_fitted_on_test_objects_is_found(monkeypatch):
     seen, run, honest = [], experiment.run_paper_split, experiment.fit_sequence_encoder
 
-    def remember(sequences, *arguments, **options):
+    def remember(sequences, *more, **options):
         seen.append(sequences.features)
-        return run(sequences, *arguments, **options)
+        return run(sequences, *more, **options)
 
     monkeypatch.setattr(experiment, "run_paper_split", remember)
     monkeypatch.setattr(
@@ -66,17 +66,14 @@ def test_a_scaling_that_is_fitted_on_test_objects_is_found(monkeypatch):
 
 @pytest.mark.slow
 def test_a_projection_that_is_fitted_on_test_objects_is_found(monkeypatch):
-    described = []
-    describe = descriptors.describe_sequences
-    monkeypatch.setattr(
-        descriptors,
-        "describe_sequences",
-        lambda *values: described.append(describe(*values)) or described[-1],
-    )
-    honest = tuning.fit_projection
-    monkeypatch.setattr(
-        tuning, "fit_projection", lambda values, *more: honest(described[-1], *more)
-    )
+    described, describe, honest = [], descriptors.describe_sequences, tuning.fit_projection
+
+    def remember(*values):
+        described.append(describe(*values))
+        return described[-1]
+
+    monkeypatch.setattr(descriptors, "describe_sequences", remember)
+    monkeypatch.setattr(tuning, "fit_projection", lambda _, *more: honest(described[-1], *more))
     assert unseen("best").outcome == "failed"
 
 

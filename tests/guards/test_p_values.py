@@ -8,14 +8,24 @@ import pytest
 from visuohaptic.guards import p_values
 from visuohaptic.guards.p_values import guard_signs
 
-WEIGHTS = np.ones(12)
+
+def found(objects=12):
+    return guard_signs(np.ones(objects), np.random.default_rng(0)).outcome
 
 
-def found(seed=0, weights=WEIGHTS):
-    return guard_signs(weights, np.random.default_rng(seed)).outcome
+@pytest.mark.parametrize("objects", [5, 8, 12, 100])
+def test_the_two_sided_test_holds(objects):
+    assert found(objects) == "held"
 
 
-def distorted(monkeypatch, change):
+def one_sided(apart, p):
+    return p / 2 if apart.sum() > 0 else 1 - p / 2
+
+
+@pytest.mark.parametrize(
+    "change", [one_sided, lambda _, p: p / 2, lambda _, p: 1.0, lambda _, p: p**2]
+)
+def test_p_values_that_are_one_sided_or_not_uniform_are_found(monkeypatch, change):
     honest = p_values.compare_paired
 
     def wrong(first, second, *more):
@@ -23,23 +33,8 @@ def distorted(monkeypatch, change):
         return dataclasses.replace(paired, p_value=change(first - second, paired.p_value))
 
     monkeypatch.setattr(p_values, "compare_paired", wrong)
-
-
-@pytest.mark.parametrize("objects", [5, 8, 12, 100])
-def test_the_two_sided_test_holds(objects):
-    assert found(weights=np.ones(objects)) == "held"
-
-
-def test_a_one_sided_p_value_is_found(monkeypatch):
-    distorted(monkeypatch, lambda apart, p: p / 2 if apart.sum() > 0 else 1 - p / 2)
-    assert found() == "failed"
-
-
-@pytest.mark.parametrize("change", [lambda _, p: p / 2, lambda _, p: 1.0, lambda _, p: p**2])
-def test_p_values_that_are_not_uniform_are_found(monkeypatch, change):
-    distorted(monkeypatch, change)
     assert found() == "failed"
 
 
 def test_too_few_objects_are_not_tested():
-    assert found(weights=np.ones(4)) == "not tested"
+    assert found(objects=4) == "not tested"

@@ -4,6 +4,7 @@ import copy
 import json
 
 import pytest
+from recognition.synthetic import with_column
 from report.synthetic import write_run
 
 from visuohaptic.guards.sums import guard_sums
@@ -46,10 +47,9 @@ def test_a_figure_that_is_missing_is_found(run):
     assert guard_sums(*run).outcome == "failed"
 
 
-def test_predictions_of_another_run_are_found(run):
+def test_predictions_of_another_run_and_a_run_without_any_are_found(run):
     metrics, predictions = run
-    place = predictions.schema.get_field_index("predicted")
-    field, true = predictions.schema.field(place), predictions.column("class")
-    assert guard_sums(metrics, predictions.set_column(place, field, true)).outcome == "failed"
+    right = with_column(predictions, "predicted", predictions["class"].combine_chunks())
+    assert guard_sums(metrics, right).outcome == "failed"
     nothing = {"results": {}, "comparisons": {}}
     assert guard_sums(nothing, predictions.slice(0, 0)).outcome == "failed"

@@ -16,24 +16,19 @@ from visuohaptic.tables.schema import read_table, write_table
 
 def guarded(folder, features):
     files = write_run(folder)
-    write_table(FEATURES, features, folder / "guarded.parquet")
+    touched, training, guards = (folder / name for name in ("touched", "training", "guards"))
+    write_table(FEATURES, features, touched)
     make_training_guards(
-        features=[folder / "guarded.parquet"],
+        features=[touched],
         fixations=files.fixations,
         meshes={},
-        output=folder / "guards_of_training.parquet",
+        output=training,
         pipelines=["paper"],
         recognition=RecognitionParameters(),
         seed=1,
     )
-    make_guards(
-        folder / "guards_of_training.parquet",
-        files.predictions,
-        files.metrics,
-        folder / "guards.parquet",
-        seed=1,
-    )
-    rows = read_table(GUARDS, folder / "guards.parquet").to_pylist()
+    make_guards(training, files.predictions, files.metrics, guards, seed=1)
+    rows = read_table(GUARDS, guards).to_pylist()
     return {row["guard"]: (row["outcome"], row["found"]) for row in rows}
 
 

@@ -5,6 +5,7 @@ import pyarrow as pa
 import pytest
 import trimesh
 from numerics.surfaces import of_trimesh
+from recognition.synthetic import with_column
 from stability.errors import plant
 
 from visuohaptic.attention.parameters import AttentionParameters
@@ -41,12 +42,6 @@ def broken(sensed, **changes):
     return [name.removeprefix("objects/") for name, result in found.items() if not result.held]
 
 
-def changed(table, name, change):
-    place = table.schema.get_field_index(name)
-    values = change(table.column(name).to_numpy())
-    return table.set_column(place, table.schema.field(name), pa.array(values))
-
-
 def test_a_sound_object_passes_every_check(sensed):
     assert broken(sensed) == []
 
@@ -63,24 +58,23 @@ def test_an_error_of_the_library_is_found(sensed, monkeypatch, part, found):
     assert broken(sensed)[:2] == found
 
 
-def test_a_location_off_its_face_is_found(sensed):
-    moved = changed(sensed.fixations, "x", lambda x: x + 1e-9)
-    assert "probing locations lie on their face's plane" in broken(sensed, fixations=moved)
-
-
-def test_a_normal_that_is_too_long_is_found(sensed):
-    longer = changed(sensed.touches, "normal_y", lambda y: y * (1 + 1e-9))
-    assert broken(sensed, touches=longer) == ["frames of touches", "touches by themselves"]
+@pytest.mark.parametrize(
+    ("table", "column", "change", "found"),
+    [
+        ("fixations", "x", lambda x: x + 1e-9, "probing locations lie on their face's plane"),
+        ("touches", "normal_y", lambda y: y * (1 + 1e-9), "frames of touches"),
+        ("touches", "penetration", lambda depth: depth + 1e-12, "touches by themselves"),
+    ],
+)
+def test_an_error_in_a_table_is_found(sensed, table, column, change, found):
+    own = getattr(sensed, table)
+    other = with_column(own, column, pa.array(change(own[column].to_numpy())))
+    assert broken(sensed, **{table: other})[0] == found
 
 
 def test_fixations_that_are_too_close_are_found(sensed):
     wider = AttentionParameters(focus_radius=PARAMETERS.attention.focus_radius * 3)
     assert broken(sensed, attention=wider) == ["fixations of a view are a focus apart"]
-
-
-def test_another_imprint_in_the_table_is_found(sensed):
-    deeper = changed(sensed.touches, "penetration", lambda depth: depth + 1e-12)
-    assert broken(sensed, touches=deeper) == ["touches by themselves"]
 
 
 def test_a_check_that_breaks_off_is_named(sensed):

@@ -23,17 +23,13 @@ def plan(*changes, run=RUN):
         ({"sensor.largest_size": RUN.sensor.largest_size, "scene.preset": "ideal"}, None),
         ({"recognition.classifier.neighbours": 3}, None),
         ({"recognition.touches": 3}, None),
-        ({"attention.fixations": 3, "recognition.touches": 3}, None),
         ({"probing.strategies": ["random"]}, None),
         ({"features.extension": "symmetric"}, "features"),
         ({"sensor.largest_size": 0.2}, "touches"),
         ({"scene.preset": "fsr400"}, "touches"),
         ({"probing.unreachable": "keep"}, "touches"),
-        ({"probing.when_exhausted": "begin_again"}, "touches"),
-        ({"recognition.order": "shuffled"}, None),
         ({"scene.effects.adaptive_size": "never", "features.extension": "symmetric"}, "touches"),
         ({"scene.effects.shading": "never"}, "views"),
-        ({"attention.weights.colour": 0.0}, "views"),
         ({"rendering.resolution": 64}, "views"),
         ({"recognition.touches": 6}, "views"),
         ({"probing.strategies": ["curvature"]}, "views"),
@@ -49,26 +45,22 @@ def test_what_is_made_again_follows_from_what_changes(changes, phase):
     assert [one["recomputed"] for one in described["conditions"]] == [phase or "recognition"]
 
 
-def test_conditions_that_touch_alike_share_their_touches():
+def test_conditions_that_touch_alike_share_touches_enough_for_the_longest_and_every_strategy():
+    size, neighbours = {"sensor.largest_size": 0.2}, {"recognition.classifier.neighbours": 3}
     found = plan(
-        {"sensor.largest_size": 0.2},
-        {"sensor.largest_size": 0.2, "recognition.classifier.neighbours": 3},
+        size | {"recognition.touches": 12, "probing.strategies": ["fixation"]},
+        size | {"recognition.touches": 8, "probing.strategies": ["curvature"]} | neighbours,
         {"sensor.largest_size": 0.4},
-        {"recognition.classifier.neighbours": 3},
+        neighbours,
     )
     first, second, third, fourth = (one.key for one in found.conditions)
     assert first == second != third
     assert fourth is None
     assert set(found.recomputations) == {first, third}
-
-
-def test_shared_touches_are_enough_for_the_longest_and_for_every_strategy():
-    (recomputation,) = plan(
-        {"recognition.touches": 8, "probing.strategies": ["fixation"]},
-        {"recognition.touches": 12, "probing.strategies": ["curvature"]},
-    ).recomputations.values()
-    assert recomputation.parameters.attention.fixations == 12
-    assert set(recomputation.parameters.probing.strategies) == {"fixation", "curvature"}
+    shared = found.recomputations[first]
+    # More touches than the run has begin at the views.
+    assert (shared.phase, shared.parameters.attention.fixations) == ("views", 12)
+    assert set(shared.parameters.probing.strategies) == {"fixation", "curvature"}
 
 
 def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():
@@ -82,14 +74,13 @@ def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"sensor.larges_size": 0.2}, r"mine: sensor.larges_size is no parameter; sensor has resolution, .*"),
-        ({"sensr.x": 1}, "mine: sensr.x is no parameter; an experiment has seed, .*"),
+        ({"sensor.larges_size": 0.2}, "mine: sensor.larges_size is no parameter; sensor has resolution, "),
         ({"seed.x": 1}, "mine: seed.x is no parameter; seed has no parts."),
-        ({"sensor.largest_size": -1}, r"mine: sensor.largest_size is -1: .*greater.*"),
-        ({"scene.preset": "moon"}, "mine: scene.preset is 'moon': .*ideal.*"),
+        ({"sensor.largest_size": -1}, "mine: sensor.largest_size is -1"),
+        ({"scene.preset": "moon"}, "mine: scene.preset is 'moon'"),
         ({"meshes.set": "all"}, "mine: meshes.set can't vary, for a study has the objects of the run."),
-        ({"workflow": {}}, "mine: workflow can't vary, for .*"),
-        ({"plugins": ["a.py"]}, "mine: plugins can't vary, for they are code of the whole run."),
+        ({"workflow": {}}, "mine: workflow can't vary"),
+        ({"plugins": ["a.py"]}, "mine: plugins can't vary"),
     ],
 )  # fmt: skip
 def test_what_is_not_allowed_is_refused_in_one_sentence(changes, sentence):
@@ -99,8 +90,13 @@ def test_what_is_not_allowed_is_refused_in_one_sentence(changes, sentence):
 
 
 def test_blocks_hold_every_condition_once_and_neighbours_share_features():
-    changes = [{"sensor.largest_size": size, "recognition.touches": touches} for touches in (1, 2, 3) for size in (0.2, 0.25, 0.4)]  # fmt: skip
-    found = plan(*changes)
+    found = plan(
+        *(
+            {"sensor.largest_size": size, "recognition.touches": touches}
+            for touches in (1, 2, 3)
+            for size in (0.2, 0.25, 0.4)
+        )
+    )
     blocks = make_blocks(found, 3)
     assert list(blocks) == ["0000-0002", "0003-0005", "0006-0008"]
     assert all(len({one.key for one in block}) == 1 for block in blocks.values())

@@ -29,8 +29,8 @@ def cell(accuracy):
     return Cell(objects, np.array(accuracy), np.ones(len(accuracy)), 1.5)
 
 
-def key(name):
-    return (name, "paper", "fixation", "naive_bayes")
+def key(name, strategy="fixation"):
+    return (name, "paper", strategy, "naive_bayes")
 
 
 CELLS = {
@@ -41,22 +41,17 @@ CELLS = {
 }
 
 
-def rows_of(cells):
+def rows_of(cells, strategy="fixation"):
     rows = study_figures(STUDY_OF, CELLS | cells, INTERVALS, 1).to_pylist()
-    return {
-        row["condition"]
-        if row["strategy"] == "fixation"
-        else (row["condition"], row["strategy"]): row
-        for row in rows
-    }
+    return {row["condition"]: row for row in rows if row["strategy"] == strategy}
 
 
 def test_a_strategy_is_compared_with_fixation_in_the_same_condition():
-    names = ("whole", "worse")
-    found = rows_of({(name, "paper", "random", "naive_bayes"): cell(WHOLE - 0.1) for name in names})
-    leads = [found[name]["lead"] for name in (*(names), *((name, "random") for name in names))]
-    assert leads == [None, None, pytest.approx(0.1), pytest.approx(-0.1)]
-    whole = found["whole", "random"]
+    random = {key(name, "random"): cell(WHOLE - 0.1) for name in ("whole", "worse")}
+    assert rows_of(random)["whole"]["lead"] is None
+    found = rows_of(random, "random")
+    whole, worse = found["whole"], found["worse"]
+    assert (whole["lead"], worse["lead"]) == (pytest.approx(0.1), pytest.approx(-0.1))
     assert whole["lead_low"] <= whole["lead"] <= whole["lead_high"]
     assert 0 < whole["lead_p"] <= 1
 
@@ -80,14 +75,10 @@ def test_differences_are_paired_and_adjusted_over_the_conditions():
     assert [better["adjusted_p"], worse["adjusted_p"]] == adjusted
 
 
-def test_equal_conditions_have_equal_intervals_and_no_difference():
-    found = rows_of({key("better"): cell(WHOLE)})
+def test_equal_conditions_have_no_difference_and_those_of_other_objects_are_not_compared():
+    found = rows_of({key("better"): cell(WHOLE), key("worse"): cell(WHOLE[:4])})
     assert found["better"]["low"] == found["whole"]["low"]
     assert (found["better"]["difference"], found["better"]["p_value"]) == (0, 1)
-
-
-def test_conditions_that_were_tested_on_other_objects_are_not_compared():
-    found = rows_of({key("worse"): cell(WHOLE[:4])})
     assert found["worse"]["difference"] is None
     assert found["worse"]["accuracy"] == pytest.approx(0.65)
 

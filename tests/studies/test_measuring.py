@@ -58,6 +58,7 @@ EARLIER_RUN = with_changes(
         "probing.unreachable": "keep",
     },
 )
+PAPER_ALONE = {**ALONE, "recognition.pipelines": ["paper"]}
 SYNTHETIC = features_table(objects=(3, 3, 3), viewpoints=4, touches=3, separation=0.3)
 
 
@@ -72,12 +73,8 @@ def ablations(tmp_path_factory):
         tmp_path_factory.mktemp("earlier"), small_surfaces(), EARLIER_RUN
     )
     plan = plan_study(ABLATIONS, EARLIER_RUN)
-    made = {None: read_table(FEATURES, features)}
-    made |= {
-        key: recompute_features(recomputation, sources)
-        for key, recomputation in plan.recomputations.items()
-    }
-    return plan, made
+    made = {key: recompute_features(one, sources) for key, one in plan.recomputations.items()}
+    return plan, {None: read_table(FEATURES, features), **made}
 
 
 def mine(*conditions):
@@ -111,8 +108,7 @@ CHANGES = (
 @pytest.mark.parametrize("changes", CHANGES)
 def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, changes):
     (recomputation,) = mine(Condition("c", changes)).recomputations.values()
-    sources, features = run
-    meshes, tables = sources.meshes, sources.tables
+    meshes, tables = run[0].meshes, run[0].tables
     needed = {
         "features": Sources(tables={"touches": tables["touches"]}),
         "touches": Sources(meshes, {"fixations": tables["fixations"]}),
@@ -120,7 +116,7 @@ def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, cha
     }[recomputation.phase]
     if recomputation.phase == "features":
         monkeypatch.setattr(surfaces_of_files, "read_surface", None)
-    found, own = recompute_features(recomputation, needed), read_table(FEATURES, features)
+    found, own = recompute_features(recomputation, needed), read_table(FEATURES, run[1])
     assert found["touch"].equals(own["touch"])
     assert not found["contourlet_03"].equals(own["contourlet_03"])
     assert found["x"].equals(own["x"]) == (recomputation.phase != "views")
@@ -147,8 +143,8 @@ def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
 
 
 def test_conditions_that_differ_in_the_vote_alone_train_once():
-    changes = {**ALONE, "recognition.pipelines": ["paper"]}
-    planned = mine(*(Condition(f"{votes}", changes, votes=votes) for votes in (1, 2, 4))).conditions
+    votes = [Condition(f"{votes}", PAPER_ALONE, votes=votes) for votes in (1, 2, 4)]
+    planned = mine(*votes).conditions
     with patch.object(measuring, "predict_objects", wraps=measuring.predict_objects) as predicting:
         found = cells(SYNTHETIC, *planned)
     assert predicting.call_count == 1
@@ -167,10 +163,9 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
         Condition("too many", {**ALONE, "recognition.protocol.protocol": "grouped_folds"}, votes=9),
         Condition("fine", {**ALONE, "recognition.classifier.svm_penalty": 2.0}),
     )
-    made = {}
-    for key, recomputation in plan.recomputations.items():
-        made[key] = tmp_path / f"{key}.parquet"
-        make_study_features(recomputation, sources, made[key])
+    ((key, recomputation),) = plan.recomputations.items()
+    made = {key: tmp_path / "features.parquet"}
+    make_study_features(recomputation, sources, made[key])
     assert isinstance(features_by_key([], made, None)(key), str)
     block = tmp_path / "block.parquet"
     make_study_block("mine", describe_conditions(plan.conditions), [features], made, block, RUN)
@@ -192,12 +187,8 @@ def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
 
 @pytest.mark.slow
 def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
-    plan = mine(
-        *(
-            Condition(f"{penalty}", {**ALONE, "recognition.classifier.svm_penalty": penalty})
-            for penalty in (1.0, 2.0, 4.0)
-        )
-    )
+    penalties = [{**ALONE, "recognition.classifier.svm_penalty": one} for one in (1.0, 2.0, 4.0)]
+    plan = mine(*(Condition(f"{place}", changes) for place, changes in enumerate(penalties)))
 
     def rows(*blocks):
         files = [tmp_path / f"{len(blocks)}-{place}" for place in range(len(blocks))]
@@ -218,12 +209,7 @@ WITHOUT_LAST = SYNTHETIC.filter(
 @pytest.mark.parametrize("votes", [None, 1, 2, 4])
 @pytest.mark.parametrize("protocol", ["leave_one_object_a_class_out", "grouped_folds"])
 def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protocol):
-    changes = {
-        **ALONE,
-        "recognition.touches": 3,
-        "recognition.pipelines": ["paper"],
-        "recognition.protocol.protocol": protocol,
-    }
+    changes = {**PAPER_ALONE, "recognition.touches": 3, "recognition.protocol.protocol": protocol}
     (planned,) = mine(Condition("c", changes, votes=votes)).conditions
     (found,) = cells(WITHOUT_LAST, planned).values()
     assert found.error is None
@@ -254,7 +240,7 @@ def test_a_condition_that_makes_fewer_touches_takes_no_more():
 def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, changes):
     hair = surface_of(trimesh.creation.cylinder(1e-5, 2))
     sources, _ = write_sources(tmp_path, small_surfaces() | {"ring/hair": hair})
-    plan = mine(Condition("c", changes | ALONE | {"recognition.pipelines": ["paper"]}))
+    plan = mine(Condition("c", changes | PAPER_ALONE))
     (recomputation,) = plan.recomputations.values()
     (found,) = cells(recompute_features(recomputation, sources), *plan.conditions).values()
     assert len(found.objects) == len(small_surfaces())

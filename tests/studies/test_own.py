@@ -10,34 +10,29 @@ from visuohaptic.studies.own import read_study
 RUN = ExperimentParameters()
 
 
-def study(folder, text, name="mine"):
-    path = folder / f"{name}.yaml"
+def study(folder, text):
+    path = folder / "mine.yaml"
     path.write_text(text)
     return read_study(path, RUN)
 
 
-def test_conditions_follow_the_one_that_changes_nothing(tmp_path):
-    found = study(
-        tmp_path, "title: Palm\nconditions:\n  palm 0.2: {sensor.largest_size: 0.2}\n  palm 0.4: {sensor.largest_size: 0.4}\n"
-    )  # fmt: skip
-    assert (found.name, found.title) == ("mine", "Palm")
-    sizes = {one.name: one.changes.get("sensor.largest_size") for one in found.conditions(RUN)}
-    assert sizes == {"as run": None, "palm 0.2": 0.2, "palm 0.4": 0.4}
+PAIR = (
+    "title: Pair\nconditions:\n  one: {recognition.touches: 1}\n  two: {recognition.touches: 2}\n"
+)
 
 
-PAIR = "title: P\nconditions:\n  one: {recognition.touches: 1}\n  two: {recognition.touches: 2}\n"
-
-
-def test_a_condition_may_be_compared_with_another_than_the_first(tmp_path):
+def test_conditions_follow_the_one_that_changes_nothing_and_may_be_compared_with_another(tmp_path):
     found = study(tmp_path, PAIR + "compared_with: {two: one}\n")
-    assert [one.compared_with for one in found.conditions(RUN)] == [None, None, "one"]
+    assert (found.name, found.title) == ("mine", "Pair")
+    conditions = found.conditions(RUN)
+    touches = {one.name: one.changes.get("recognition.touches") for one in conditions}
+    assert touches == {"as run": None, "one": 1, "two": 2}
+    assert [one.compared_with for one in conditions] == [None, None, "one"]
 
 
 def test_a_grid_is_every_combination(tmp_path):
-    found = study(
-        tmp_path, "title: G\ngrid: {recognition.touches: [1, 2], recognition.classifier.neighbours: [1, 3, 5]}\n"
-    )  # fmt: skip
-    conditions = found.conditions(RUN)
+    grid = "{recognition.touches: [1, 2], recognition.classifier.neighbours: [1, 3, 5]}"
+    conditions = study(tmp_path, f"title: G\ngrid: {grid}\n").conditions(RUN)
     assert [one.name for one in conditions] == [
         "as run",
         *(f"touches {one}, neighbours {other}" for one in (1, 2) for other in (1, 3, 5)),
@@ -53,11 +48,8 @@ def test_combinations_with_long_names_stay_apart():
 
 
 def test_what_is_common_holds_for_all_and_a_condition_goes_before_it(tmp_path):
-    found = study(
-        tmp_path,
-        "title: C\ncommon: {recognition.classifiers: [naive_bayes], recognition.touches: 3}\n"
-        "conditions: {four: {recognition.touches: 4}}\n",
-    )
+    common = "common: {recognition.classifiers: [naive_bayes], recognition.touches: 3}"
+    found = study(tmp_path, f"title: C\n{common}\nconditions: {{four: {{recognition.touches: 4}}}}")
     first, second = (one.changes for one in found.conditions(RUN))
     assert first["recognition.classifiers"] == second["recognition.classifiers"] == ["naive_bayes"]
     assert (first["recognition.touches"], second["recognition.touches"]) == (3, 4)
@@ -66,19 +58,14 @@ def test_what_is_common_holds_for_all_and_a_condition_goes_before_it(tmp_path):
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("title: T\nconditions: {palm: {sensor.large: 1}}", "palm: sensor.large is no parameter; sensor has resolution,"),
-        ("title: T\nconditions: {palm: {sensor.largest_size: big}}", "palm: sensor.largest_size is 'big': "),
         ("title: T\ngrid: {recognition.touches: [1, 0]}", "touches 0: recognition.touches is 0: "),
-        ("title: T\nconditions: {palm: {meshes.set: hard}}", "palm: meshes.set can't vary"),
-        ("title: T\ncondition: {}", "condition: there is no such entry; title, common, conditions, compared_with, grid are"),
+        ("title: T\ncondition: {}", "condition: there is no such entry; title, common, conditions,"),
         ("title: T", "there is neither `conditions` nor `grid`"),
-        ("conditions: {a: {}}", "title: Field required"),
         ("title: T\nconditions: {as run: {}}", "is no name of a condition"),
         ("title: T\nconditions: {'': {}}", "is no name of a condition"),
         ("title: T\ngrid: {recognition.touches: [1, 1]}", "two conditions have the name 'touches 1'"),
-        (PAIR + "compared_with: {two: three}", "compared_with: 'three' is no condition of the study; as run, one, two"),
+        (PAIR + "compared_with: {two: three}", "compared_with: 'three' is no condition"),
         ("title: [", "can't be read"),
-        ("just text", "valid dictionary"),
         ("title: T\ngrid: {recognition.touches: " + str(list(range(1, 22))) + "}", "there are 22 conditions"),
     ],
 )  # fmt: skip
@@ -86,9 +73,6 @@ def test_errors_name_the_file_the_condition_and_what_is_allowed(
     tmp_path, monkeypatch, text, sentence
 ):
     monkeypatch.setattr(own, "MOST_CONDITIONS", 20)
-    with pytest.raises(ParameterError) as error:
+    with pytest.raises(ParameterError, match=rf"^{tmp_path / 'mine.yaml'}.*{sentence}") as error:
         study(tmp_path, text)
-    said = str(error.value)
-    assert said.startswith(f"{tmp_path / 'mine.yaml'}")
-    assert sentence in said
-    assert "\n" not in said
+    assert "\n" not in str(error.value)

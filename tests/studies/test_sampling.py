@@ -21,9 +21,7 @@ def test_classes_keep_their_shares_and_objects_are_spread_over_each():
     chosen = sample_objects(objects, 100)
     assert classes(chosen) == {"car": 60, "dog": 30, "mug": 10}
     assert chosen == sorted(set(chosen))
-    assert [key for key in chosen if key.startswith("mug")] == [
-        f"mug/{place:04d}" for place in range(0, 100, 10)
-    ]
+    assert chosen[-10:] == [f"mug/{place:04d}" for place in range(0, 100, 10)]
 
 
 def test_a_rare_class_keeps_two_objects_if_it_has_them():

@@ -49,14 +49,12 @@ def test_the_area_is_that_of_trapezoids_under_each_objects_curve():
 def test_touches_needed_are_those_from_which_accuracy_stays():
     assert stays_at(0.9, [0.5, 0.92, 0.8, 0.95]) == 4
     assert stays_at(0.9, [0.95, 0.92, 0.9, 0.95]) == 1
-    assert stays_at(0.9, [0.5, 0.6]) is None
-    found = rows_of(CELLS)
-    assert found["fixation"]["touches"] == 15
+    assert rows_of(CELLS)["fixation"]["touches"] == 15
+    never = rows_of(CELLS)["curvature"]
+    assert (never["touches"], never["most_touches"]) == (None, LONGEST_SEQUENCE)
     apart = rows_of(cells({"random": curve(RISE - 0.075, apart=0.05)}))["random"]
     assert apart["touches_low"] < apart["touches"] == 15
     assert apart["touches_high"] is None
-    assert found["curvature"]["touches"] is None
-    assert found["curvature"]["most_touches"] == LONGEST_SEQUENCE
 
 
 def test_gains_are_those_of_fixations_and_paired():

@@ -1,23 +1,16 @@
 """What effects cost and move is measured for every scene, and is 0 where nothing needs them."""
 
-from collections import Counter
 from dataclasses import replace
-from unittest.mock import patch
 
 import numpy as np
 import pytest
 import trimesh
-from studies.surfaces import surface_of, write_meshes
+from studies.surfaces import RUN, run_tables, surface_of, write_meshes
 
-from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
-from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.studies.effects import influence
 from visuohaptic.studies.effects.influence import (
-    ROUNDS,
     make_effect_influence,
     measured_scenes,
     sum_influences,
@@ -25,14 +18,9 @@ from visuohaptic.studies.effects.influence import (
     view_influence,
 )
 from visuohaptic.studies.study import Given
-from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES
-from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
-
-SENSOR = SensorParameters(resolution=16)
-RENDERING = RenderingParameters(resolution=32)
-VIEWPOINTS = ViewpointParameters(count=2)
-COUNT = 6
 
 
 @pytest.fixture(scope="module")
@@ -43,17 +31,7 @@ def surface():
 
 @pytest.fixture(scope="module")
 def fixations(surface):
-    faces = np.linspace(0, len(surface.faces) - 1, COUNT).astype(int)
-    columns = dict(zip(POINT_NAMES, surface.triangles[faces].mean(axis=1).T, strict=True))
-    columns |= dict(zip(NORMAL_NAMES, surface.face_normals[faces].T, strict=True))
-    columns |= {"class": "ring", "object": "torus", "viewpoint": [0, 0, 0, 1, 1, 1]}
-    columns |= {"strategy": "random", "touch": [0, 1, 2] * 2, "face": faces, "chance": "random"}
-    empty = ("unreachable", "pixel_row", "pixel_column", "saliency")
-    return build_table(FIXATIONS, columns | dict.fromkeys(empty, [None] * COUNT))
-
-
-def influences(surface, fixations, scenes):
-    return touch_influence(RayCaster(surface), fixations, SENSOR, scenes, 7)
+    return run_tables({"ring/torus": surface})[0]
 
 
 def test_every_preset_is_measured_and_the_run_stands_for_its_own():
@@ -65,37 +43,29 @@ def test_every_preset_is_measured_and_the_run_stands_for_its_own():
 
 
 def test_an_effect_moves_images_where_it_is_needed_and_only_there(surface, fixations):
-    found = influences(surface, fixations, measured_scenes(Scene()))
-    shifts = {(part["scene"], part["effect"]): part["image_shift"] for part in found}
-    assert len(shifts) == len(PRESETS) * (len(EffectModes.model_fields) - len(VISUAL_EFFECTS))
+    off = Scene.model_validate({"preset": "fsr400", "effects": {"noise": "never"}})
+    scenes = {**measured_scenes(Scene()), "without noise": off}
+    found = touch_influence(RayCaster(surface), fixations, RUN.sensor, scenes, RUN.seed)
+    shifts, needed = (
+        {(part["scene"], part["effect"]): part[name] for part in found}
+        for name in ("image_shift", "needed")
+    )
+    assert len(shifts) == len(scenes) * (len(EffectModes.model_fields) - len(VISUAL_EFFECTS))
     moved = {effect for (scene, effect), shift in shifts.items() if scene == "ideal" and shift > 0}
     assert moved == {"adaptive_size"}
     assert shifts["worn_fsr", "dead_cells"] > 0 == shifts["fsr400", "dead_cells"]
     assert shifts["worn_fsr", "noise"] > shifts["fsr400", "noise"] > 0
-    assert {part["touches"] for part in found} == {COUNT}
-
-
-def test_sensors_are_placed_once_a_round_and_mode(surface, fixations):
-    with patch.object(influence, "place_at", wraps=influence.place_at) as placing:
-        influences(surface, fixations, measured_scenes(Scene()))
-    modes = Counter(call.args[-1] for call in placing.call_args_list)
-    assert modes == {"auto": ROUNDS, "always": ROUNDS, "never": 1}
-
-
-def test_leaving_out_what_no_touch_needs_changes_no_bit(surface, fixations):
-    off = Scene.model_validate({"preset": "fsr400", "effects": {"noise": "never"}})
-    scenes = {**measured_scenes(Scene()), "without noise": off}
-    found = influences(surface, fixations, scenes)
-    needed = {(part["scene"], part["effect"]): part["needed"] for part in found}
     assert needed["ideal", "noise"] == needed["fsr400", "dead_cells"] == 0
-    assert needed["worn_fsr", "dead_cells"] == COUNT
+    assert needed["worn_fsr", "dead_cells"] == fixations.num_rows
+    assert {part["touches"] for part in found} == {fixations.num_rows}
+    # Leaving out what no touch needs changes no bit.
     equal = {part["scene"]: part["equal_to_always"] for part in found}
     assert equal == {**dict.fromkeys(PRESETS, True), "without noise": None}
 
 
 def test_shadows_are_measured_even_where_none_are_cast(surface):
-    cameras = list(place_cameras(VIEWPOINTS))
-    rendering = RENDERING.model_copy(update={"light_elevation_degrees": 60.0})
+    cameras = list(place_cameras(RUN.viewpoints))[:2]
+    rendering = RUN.rendering.model_copy(update={"light_elevation_degrees": 60.0})
     found = view_influence(RayCaster(surface), cameras, rendering, EffectModes())
     parts = {part["effect"]: part for part in found}
     assert list(parts) == list(VISUAL_EFFECTS)
@@ -122,8 +92,7 @@ def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):
         "fixations": [tmp_path / "fixations.parquet"],
     }
     write_table(FIXATIONS, fixations, files["fixations"][0])
-    run = ExperimentParameters(seed=7, viewpoints=VIEWPOINTS, rendering=RENDERING, sensor=SENSOR)
-    make_effect_influence(Given("influence", files, [tmp_path / "table"], run))
+    make_effect_influence(Given("influence", files, [tmp_path / "table"], RUN))
     rows = read_table(EFFECT_INFLUENCE, tmp_path / "table").to_pylist()
     assert {row["effect"] for row in rows if row["scene"] == "any"} == set(VISUAL_EFFECTS)
     assert {row["scene"] for row in rows} == {"any", *PRESETS}

@@ -21,24 +21,23 @@ PARAMETERS = RecognitionParameters(best={"classifiers": ("naive_bayes",)})
 SEED = 7
 
 
-def sequences_and_descriptors(objects=(4, 4, 4)):
+def sequences_of(*objects):
     table = features_table(objects=objects, viewpoints=3, separation=1.0)
-    sequences = gather_pipeline(table, PARAMETERS, "best", SEED)
-    return sequences, describe_all(sequences, PARAMETERS.best, SEED)
+    return gather_pipeline(table, PARAMETERS, "best", SEED)
 
 
-def trials_of(sequences, count=1):
-    return list(draw_splits(sequences, PARAMETERS, SEED))[:count]
+def answer(sequences, *described, count=1):
+    trials = list(draw_splits(sequences, PARAMETERS, SEED))[:count]
+    return trials, answer_trials(trials, [described] * count, sequences, PARAMETERS, SEED)
 
 
 @pytest.fixture(scope="module")
 def answered():
-    sequences, described = sequences_and_descriptors()
-    trials = trials_of(sequences, 3)
+    sequences = sequences_of(4, 4, 4)
+    described = describe_all(sequences, PARAMETERS.best, SEED)
     # In a second condition of the test, descriptors are nowhere near those of training.
     strange = described + 50 * described.std(axis=0) * np.sin(np.arange(described.shape[1]))
-    found = answer_trials(trials, [[described, strange]] * 3, sequences, PARAMETERS, SEED)
-    return sequences, trials, found
+    return sequences, *answer(sequences, described, strange, count=3)
 
 
 def test_the_answers_are_those_of_pipeline_best_and_each_training_sequence_is_held_out_once(
@@ -46,26 +45,25 @@ def test_the_answers_are_those_of_pipeline_best_and_each_training_sequence_is_he
 ):
     sequences, trials, found = answered
     theirs = answer_splits(sequences, PARAMETERS, SEED, "best")
-    for (split, _, answer), trial, ours in zip(theirs, trials, found, strict=False):
+    for (split, _, own), trial, ours in zip(theirs, trials, found, strict=False):
         assert np.array_equal(split.test, trial[0].test)
-        assert np.array_equal(answer.ballots.alone(), ours.tested[0])
+        assert np.array_equal(own.ballots.alone(), ours.tested[0])
         assert np.array_equal(np.sort(ours.places), split.train)
         assert np.allclose(ours.held_out.sum(axis=1), 1)
 
 
 def test_a_held_out_answer_is_of_a_model_without_its_object():
     # Objects have one descriptor of their own: only a model that met an object could know its class.
-    sequences, _ = sequences_and_descriptors(objects=(6, 6))
-    own = np.eye(len(sequences.objects))[sequences.object_index]
-    (one,) = answer_trials(trials_of(sequences), [[own]], sequences, PARAMETERS, SEED)
+    sequences = sequences_of(6, 6)
+    _, (one,) = answer(sequences, np.eye(len(sequences.objects))[sequences.object_index])
     right = one.held_out.argmax(axis=1) == sequences.labels[one.places]
     assert right.mean() <= 0.5
 
 
 def test_one_training_object_a_class_is_refused():
-    sequences, described = sequences_and_descriptors(objects=(2, 2))
+    sequences = sequences_of(2, 2)
     with pytest.raises(RecognitionError, match="one training object"):
-        answer_trials(trials_of(sequences), [[described]], sequences, PARAMETERS, SEED)
+        answer(sequences, np.eye(len(sequences.labels)))
 
 
 def test_what_training_spans_is_not_strange_and_what_leaves_it_is_by_its_squared_distance():
@@ -89,25 +87,13 @@ def test_what_is_strange_is_not_asked_and_what_is_familiar_is(answered):
         assert kept[~changed].all()
 
 
-def answer_of(tested, held_out=None):
-    tested = np.asarray(tested, dtype=float)
-    held_out = tested[0] if held_out is None else np.asarray(held_out, dtype=float)
-    strange = np.zeros(tested.shape[:2])
-    return Answered(tested, held_out, np.arange(len(held_out)), strange, np.zeros(len(held_out)))
-
-
-def test_a_product_lets_the_surer_sense_decide():
-    first, second = answer_of([[[0.6, 0.4]]]), answer_of([[[0.1, 0.9]]])
-    both = multiply(first, second, np.array([1]), np.array([0]))
-    assert both.tested[0, 0].argmax() == 1
-
-
 def test_two_senses_that_err_alike_make_the_product_no_surer():
     generator = np.random.default_rng(1)
     labels = generator.integers(2, size=400)
     # Each says 80 %, is right in 80 %, and both are right and wrong together.
     right = np.arange(400) % 5 != 0
-    said = np.where(right, labels, 1 - labels)
-    one = answer_of(0.2 + 0.6 * np.eye(2)[said][None])
+    said = 0.2 + 0.6 * np.eye(2)[np.where(right, labels, 1 - labels)]
+    one = Answered(said[None], said, np.arange(400), np.zeros((1, 400)), np.zeros(400))
     both = multiply(one, one, labels, np.arange(400))
+    assert (both.tested[0].argmax(axis=1) == said.argmax(axis=1)).all()
     assert both.tested.max(axis=2).mean() == pytest.approx(0.8, abs=0.02)

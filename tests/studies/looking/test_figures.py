@@ -45,10 +45,8 @@ def table_of(accuracy_of):
             for strategy, count in product(strategies, touches)
         ),
         *(
-            (sight, answer, strategy, count, None, 0.5 + 5 * count)
-            for sight, answer, strategy, count in product(
-                SIGHTS, (PRODUCT, CHECKED), strategies, touches
-            )
+            (*key, None, 0.5 + 5 * key[-1])
+            for key in product(SIGHTS, (PRODUCT, CHECKED), strategies, touches)
         ),
         *(
             (sight, STOPPING, strategy, TOUCHES, budget, budget - 1)
@@ -76,8 +74,7 @@ def found():
 
 
 def test_accuracy_is_the_mean_over_objects_and_calibration_the_gap_of_the_tenths():
-    cells = cells_of(table_of(lambda *_: (1.0, 0.5)))
-    cell = cells[CLEAN, LOOK, "none", 0, None]
+    cell = cells_of(table_of(lambda *_: (1.0, 0.5)))[CLEAN, LOOK, "none", 0, None]
     assert cell.mean == 0.75
     assert cell.calibration_error == pytest.approx(0.25)
 
@@ -92,21 +89,16 @@ def test_both_senses_are_compared_with_the_better_of_their_parts(found):
 
 
 def test_a_budget_buys_as_many_touches_as_fit_and_blind_ones_pay_no_look(found):
-    touches = {
-        (row["budget"], row["strategy"], row["answer"]): row["touches"] for row in found["budgets"]
-    }
+    names = ("budget", "strategy", "answer")
+    touches = {tuple(row[name] for name in names): row["touches"] for row in found["budgets"]}
     assert touches[5, BLIND, TOUCH] == 1
     assert not {(5, STRATEGIES[0], CHECKED), (5, STRATEGIES[0], TOUCH)} & set(touches)
-    assert touches[12, STRATEGIES[0], TOUCH] == 2
-    assert touches[12, BLIND, TOUCH] == 2
+    assert touches[12, STRATEGIES[0], TOUCH] == touches[12, BLIND, TOUCH] == 2
 
 
 def test_the_rule_is_compared_with_numbers_of_touches_that_take_as_long(found):
-    gains = {
-        row["budget"]: row["gain"]["difference"]
-        for row in found["budgets"]
-        if row["answer"] == STOPPING
-    }
+    rows = [row for row in found["budgets"] if row["answer"] == STOPPING]
+    gains = {row["budget"]: row["gain"]["difference"] for row in rows}
     # The rule is right in 3 of 4 in 4 and 11 s. A look reaches a half in 0.5 s, one touch no more,
     # and two touches 3 of 4 in 10.5 s.
     assert gains[5] == pytest.approx(0.25)
@@ -114,8 +106,6 @@ def test_the_rule_is_compared_with_numbers_of_touches_that_take_as_long(found):
 
 
 def test_the_worth_of_touching_is_its_best_rise_a_second(found):
-    worth = {row["sight"]: row for row in found["worth"]}
-    assert worth[CLEAN]["touches"] == TOUCHES
-    assert worth[CLEAN]["accuracy_a_second"] == pytest.approx(0.25 / 10)
-    assert worth["dark"]["touches"] == 1
-    assert worth["dark"]["accuracy_a_second"] == pytest.approx(0.25 / 5)
+    worth = {row["sight"]: (row["touches"], row["accuracy_a_second"]) for row in found["worth"]}
+    assert worth[CLEAN] == (TOUCHES, pytest.approx(0.25 / 10))
+    assert worth["dark"] == (1, pytest.approx(0.25 / 5))

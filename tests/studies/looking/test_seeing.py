@@ -35,12 +35,9 @@ def seen(view, sight):
     return SIGHTS[sight](view, np.random.default_rng(1))
 
 
-def generators():
-    return {sight: [np.random.default_rng(place) for place in range(2)] for sight in SIGHTS}
-
-
 def test_every_view_is_described_by_every_cue_in_every_sight(views):
-    found = describe_views(views, generators())
+    generators = {sight: [np.random.default_rng(view) for view in range(2)] for sight in SIGHTS}
+    found = describe_views(views, generators)
     assert set(found) == set(CUES)
     assert {part.shape for part in found.values()} == {(2, len(SIGHTS), 1764)}
     assert all(np.isfinite(part).all() for part in found.values())
@@ -58,8 +55,7 @@ def test_half_of_the_object_is_behind_the_board(view):
 
 
 def test_an_unknown_texture_leaves_the_background(view):
-    textured = seen(view, "textured")
-    assert np.array_equal(textured[~view.mask], view.colour[~view.mask])
+    assert np.array_equal(seen(view, "textured")[~view.mask], view.colour[~view.mask])
 
 
 def test_a_view_without_the_object_is_occluded_by_nothing():

@@ -29,13 +29,6 @@ def test_the_rule_stops_at_the_first_touch_that_is_not_worth_it():
     assert touches([0.1, 0.1, 0.0], confidence, 0.03).tolist() == [0, 1, 2]
 
 
-@pytest.mark.parametrize("worth", [0.0, 0.005, 0.02])
-def test_a_doubtful_sequence_is_touched_at_least_as_often_as_a_sure_one(worth):
-    confidence = np.sort(np.random.default_rng(3).uniform(size=(5, 200)), axis=0)
-    pace = [0.05, 0.04, 0.03, 0.02, 0.0]
-    assert (touches(pace, confidence - 0.1, worth) >= touches(pace, confidence, worth)).all()
-
-
 @pytest.mark.parametrize("most", [0.0, 0.4, 1.0, 1.9, 10.0])
 def test_rehearsals_keep_within_the_budget_and_would_not_with_the_next_lower_worth(most):
     confidence = np.sort(np.random.default_rng(4).uniform(0.2, 1, size=(4, 50)), axis=0)

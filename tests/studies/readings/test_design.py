@@ -22,10 +22,6 @@ from visuohaptic.studies.conditions import plan_study, with_changes
 RUN = ExperimentParameters()
 
 
-def with_set(name):
-    return RUN.model_copy(update={"meshes": RUN.meshes.model_copy(update={"set": name})})
-
-
 READINGS = all_readings()
 
 
@@ -51,8 +47,8 @@ def test_one_reading_is_that_of_the_packages_own_parameters():
 
 
 def test_a_run_on_other_objects_has_each_other_choice_by_itself_and_folds_of_whole_objects():
-    run = with_set("outside")
-    plan = plan_study(STUDY_OF_READINGS, run)
+    meshes = RUN.meshes.model_copy(update={"set": "outside"})
+    plan = plan_study(STUDY_OF_READINGS, RUN.model_copy(update={"meshes": meshes}))
     names = {one.condition.name for one in plan.conditions}
     assert names == {one.name for one in READINGS if one.part in PARTS_ON_OTHERS}
     assert len(plan.recomputations) == 18
@@ -83,10 +79,8 @@ def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interaction
         one.options
         for one in READINGS
         if one.options["map_output"] == "unit_distances"
-        and (
-            one.part == "upstream"
-            or (one.part == "recognition" and is_base_but_for(one.options, CROSSED_SINGLY))
-        )
+        if one.part == "upstream"
+        or (one.part == "recognition" and is_base_but_for(one.options, CROSSED_SINGLY))
     ]
     assert len(runs) == 32
     varied = [name for name in BY_NAME if len({run[name] for run in runs}) > 1]
@@ -97,11 +91,3 @@ def test_main_effects_of_the_fraction_are_clear_of_each_other_and_of_interaction
     for main, first, second in itertools.product(places, places, places):
         if len({main, first, second}) == 3:
             assert columns[main] @ (columns[first] * columns[second]) == 0, (main, first, second)
-
-
-def test_every_choice_of_the_paper_quotes_it_or_says_that_it_is_silent():
-    quoting = [choice for choice in CHOICES if choice.sentence]
-    assert {choice.name for choice in CHOICES} - {choice.name for choice in quoting} == {
-        "touch_scaling"
-    }
-    assert all("(section " in choice.sentence for choice in quoting)
