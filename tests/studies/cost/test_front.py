@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
-from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.intervals import exact_limit
 from visuohaptic.studies.cost.front import (
     error_rate,
@@ -15,7 +14,7 @@ from visuohaptic.studies.cost.front import (
     slower_settings,
     time_quantiles,
 )
-from visuohaptic.studies.cost.settings import Setting, make_settings
+from visuohaptic.studies.cost.settings import Setting
 from visuohaptic.studies.figures import Cell
 from visuohaptic.tables.schema import build_rows, names_of
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
@@ -80,24 +79,19 @@ def test_an_error_rate_is_what_the_accuracy_leaves():
     assert rate["objects"] == 6
 
 
-BOTH = ExperimentParameters.from_mapping(
-    {**RUN.model_dump(), "probing": {"strategies": ["fixation", "random"]}}
-)
-SETTINGS = make_settings(BOTH, "frontier")
-LIMIT = exact_limit(12, 0.95)
-OWN = [one.name for one in SETTINGS].index("2 touches, 1 viewpoint")
-
-
-NOISE = np.random.default_rng(1).uniform(-0.04, 0.04, (9, 12))
-FACTORS = np.array([0.2, 0.9, 1.0, 3.0])
+NOISE = np.random.default_rng(1).uniform(-0.04, 0.04, (4, 12))
 AROUND = [0.095, 0.11, 0.1, 0.101]
 
 
-def rows_of(settings, accuracies, times):
+def rows_of(touches, accuracies, times):
     """Give rows of settings by the accuracies of objects, and by seconds of four objects that differ a lot."""
+    settings = [Setting("touches", str(place), place, one) for place, one in enumerate(touches)]
+    taken = np.stack([np.multiply(time, [0.2, 0.9, 1.0, 3.0]) for time in times])
     cells = [cell(one) for one in accuracies]
-    taken = np.stack([np.multiply(time, FACTORS) for time in times])
-    return setting_rows(settings, cells, np.tile(taken[..., None, None], 8), BOTH)
+    return setting_rows(settings, cells, np.tile(taken[..., None, None], 8), RUN)
+
+
+LIMIT = exact_limit(12, 0.95)
 
 
 @pytest.mark.parametrize(
@@ -109,55 +103,43 @@ def rows_of(settings, accuracies, times):
     ],
 )
 def test_a_setting_loses_what_the_reference_has_more(own, other, mean, low, high):
-    accuracies = [[1.0] * 12 for _ in SETTINGS]
-    accuracies[OWN - 1 : OWN + 1] = other, own
-    rows = rows_of(SETTINGS, accuracies, [0.1] * len(SETTINGS))
-    quick, reference = rows[OWN - 1 : OWN + 1]
+    less, reference, again = rows_of([1, 2, 2], [other, own, own], [0.1] * 3)
     assert reference["lost_low"] == reference["lost"] == reference["lost_high"] == 0
-    assert quick["lost"] == pytest.approx(mean)
-    assert low[0] <= quick["lost_low"] <= low[1]
-    assert high[0] <= quick["lost_high"] <= high[1]
+    assert again["lost_low"] == -LIMIT
+    assert less["lost"] == pytest.approx(mean)
+    assert low[0] <= less["lost_low"] <= low[1]
+    assert high[0] <= less["lost_high"] <= high[1]
 
 
 @pytest.mark.parametrize(
     ("levels", "times", "quick", "steps"),
     [
-        pytest.param(
-            *([0.5, 0.51, 0.9], [0.1, [0.2, 0.21, 0.2, 0.2], [0.3, 0.31, 0.3, 0.29]]),
-            *([0], [0, 2]),
-            id="slower and more accurate than the step before",
-        ),
-        pytest.param(
-            *([0.5, 0.9], [0.1, [0.12, 0.121, 0.119, 0.12]], [0], [0, 1]),
-            id="slower on each object, by less than objects differ",
-        ),
-        pytest.param(
-            *([0.50, 0.60, 0.90, 0.91], [0.1, AROUND, 0.3, [0.31, 0.29, 0.3, 0.301]]),
-            *([0, 1], [1, 3]),
-            id="the most accurate of those as quick",
-        ),
+        # Slower and more accurate than the step before.
+        ([0.5, 0.51, 0.9], [0.1, [0.2, 0.21, 0.2, 0.2], [0.3, 0.31, 0.3, 0.29]], [0], [0, 2]),
+        # Slower on each object, by less than objects differ.
+        ([0.5, 0.9], [0.1, [0.12, 0.121, 0.119, 0.12]], [0], [0, 1]),
+        # The most accurate of those as quick.
+        ([0.5, 0.6, 0.9, 0.91], [0.1, AROUND, 0.3, [0.31, 0.29, 0.3, 0.301]], [0, 1], [1, 3]),
     ],
 )
 def test_steps_are_worth_their_time(levels, times, quick, steps):
-    settings = [Setting("touches", str(place), place, 2) for place in range(len(levels))]
-    rows = rows_of(settings, np.array(levels)[:, None] + NOISE[: len(levels)], times)
+    accuracies = np.array(levels)[:, None] + NOISE[: len(levels)]
+    rows = rows_of([2] * len(levels), accuracies, times)
     assert [row["place"] for row in rows if row["as_quick"]] == quick
     assert [row["place"] for row in rows if row["step"]] == steps
 
 
 @pytest.mark.parametrize(("touches", "quicker"), [(2, [1]), (1, [])])
 def test_a_setting_is_quicker_than_the_runs_own_where_it_is_on_each_object(touches, quicker):
-    settings = [Setting("touches", "own", 0, touches)]
-    settings += [Setting("touches", name, 1, 1) for name in ("quick", "as quick")]
-    rows = rows_of(settings, [[0.5] * 12] * 3, [0.1, 0.08, AROUND])
-    assert [place for place, row in enumerate(rows) if row["quicker"]] == quicker
+    rows = rows_of([touches, 1, 1], [[0.5] * 12] * 3, [0.1, 0.08, AROUND])
+    assert [row["place"] for row in rows if row["quicker"]] == quicker
 
 
 def test_a_gain_that_is_significant_alone_is_not_among_many():
     # Six objects that all gain have p = 2 / 2 ** 6 = 0.031; Holm multiplies it by the settings.
     last, better, worse = (cell([accuracy] * 6) for accuracy in (0.5, 0.6, 0.4))
     cells = [last, better, better, worse, cell([0.6] * 5)]
-    found = [more_accurate(places, 0, cells, BOTH) for places in ([1], [1, 2], [3], [4])]
+    found = [more_accurate(places, 0, cells, RUN) for places in ([1], [1, 2], [3], [4])]
     assert found == [[1], [], [], []]
 
 
