@@ -9,20 +9,13 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from numpy.typing import NDArray
 
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.arrays import Flags, Floats
 from visuohaptic.recognition.intervals import Interval, PairedComparison, holm
 from visuohaptic.studies.cost.settings import ORDER, Setting, make_settings
-from visuohaptic.studies.figures import (
-    Cell,
-    compare,
-    condition_interval,
-    ends,
-    paired,
-    read_cells,
-)
+from visuohaptic.studies.figures import Cell, compare, condition_interval, ends, paired, read_cells
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, matrix, names_of, read_table, write_table
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
@@ -45,7 +38,7 @@ def make_cost(given: Given) -> None:
     write_table(COST, build_rows(COST, rows), given.outputs[0])
 
 
-def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> NDArray[np.float64]:
+def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> Floats:
     """Give `tables.COST_SECONDS` by setting, object and turn: (s, o, t, p), NaN where there is none.
 
     The first of p is the whole recognition, the others are `COST_PARTS`.
@@ -60,10 +53,7 @@ def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> NDArray[np.
 
 
 def setting_rows(
-    settings: Sequence[Setting],
-    cells: Sequence[Cell],
-    times: NDArray[np.float64],
-    run: ExperimentParameters,
+    settings: Sequence[Setting], cells: Sequence[Cell], times: Floats, run: ExperimentParameters
 ) -> list[Row]:
     """Give each setting with its error rate and seconds, and mark the front and the steps.
 
@@ -106,7 +96,7 @@ def _compare(cell: Cell | None, other: Cell, run: ExperimentParameters) -> Paire
     return compare(cell, other, run.recognition.intervals, run.seed, draws=("studies",))
 
 
-def time_quantiles(times: NDArray[np.float64]) -> Row:
+def time_quantiles(times: Floats) -> Row:
     """Give the median and quartiles of a setting's seconds, and its parts' medians: of (o, t, p)."""
     known = times[np.isfinite(times[..., 0])]
     if not len(known):
@@ -116,7 +106,7 @@ def time_quantiles(times: NDArray[np.float64]) -> Row:
     return row | {"seconds_low": low[0], "seconds_high": high[0], "recognitions": len(known)}
 
 
-def slower_settings(logarithms: NDArray[np.float64], confidence: float) -> NDArray[np.bool_]:
+def slower_settings(logarithms: Floats, confidence: float) -> Flags:
     """Tell which settings are significantly slower than which: (s, o, t) to (s, s), the slower second.
 
     An object's ratio of two times is the mean over the turns in which both were taken. Student's
@@ -131,7 +121,7 @@ def slower_settings(logarithms: NDArray[np.float64], confidence: float) -> NDArr
 
 
 def mark_steps(
-    rows: list[Row], cells: Sequence[Cell], slower: NDArray[np.bool_], run: ExperimentParameters
+    rows: list[Row], cells: Sequence[Cell], slower: Flags, run: ExperimentParameters
 ) -> list[Row]:
     """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
 
@@ -187,7 +177,7 @@ def mark_front(rows: Sequence[Row]) -> list[Row]:
     return [{**row, "on_front": best, "dominated": worse} for row, best, worse in marks]
 
 
-def _points(rows: Sequence[Row]) -> NDArray[np.float64]:
+def _points(rows: Sequence[Row]) -> Floats:
     """Give the seconds and error rates of rows, NaN where there is none."""
     return np.array(
         [[row[name] for row in rows] for name in ("seconds", "error")], dtype=np.float64

@@ -191,8 +191,9 @@ class Stage:
             tables = self.tables | passed_on(phase, done)
         if phase.verb == "touch":
             seconds["seconds_cast"] += caster.seconds - self.caster.seconds
-        self.further.append((asked, Stage(caster, tables, seconds)))
-        return self.further[-1][1]
+        found = Stage(caster, tables, seconds)
+        self.further.append((asked, found))
+        return found
 
 
 def prepare(surface: Surface) -> Stage:
