@@ -50,6 +50,8 @@ def test_the_frontier_goes_from_one_touch_to_those_of_the_run_from_one_view(stra
     run = ExperimentParameters()
     settings = family_settings(strategy, "frontier", run)
     assert [(one.touches, one.viewpoints) for one in settings] == [(1, 1), (2, 1), (5, 1)]
+    names = [one.name.removesuffix(", 1 viewpoint") for one in settings]
+    assert names == ["1 touch", "2 touches", "5 touches"]
     assert with_changes(run, settings[1].condition.changes).recognition.touches == 2
 
 
