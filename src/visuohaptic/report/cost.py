@@ -9,33 +9,25 @@ from typing import Any
 
 from markupsafe import Markup
 
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.report.estimates import Figure, figure_of, with_interval
 from visuohaptic.report.questions import Answer, pipeline_name
 from visuohaptic.report.tables import NONE
 from visuohaptic.report.wording import duration, listed, percent, strategy_name, titled
-from visuohaptic.studies.cost.front import (
-    Row,
-    all_touches,
-    find_savings,
-    first_step,
-    front_rows,
-    on_robot,
-    read_costs,
-    reference_row,
-)
+from visuohaptic.studies.cost.front import Row, mark_front, read_costs
 
 POINT = 0.01
 """A loss of accuracy that does not matter to most users."""
+
 _CUES = {
-    ("cues", "pose alone", "skin alone"): "In pipeline best, positions and normals alone reach {} "
-    "correctly classified, imprints alone {}. All objects stand upright.",
-    (
-        "paper",
-        "with its map",
-        "without the map",
-    ): "The paper reduces each touch to five numbers by a "
-    "self-organising map. With it its pipeline has {} correctly classified, without it {}.",
+    ("cues", "pose alone", "skin alone"): (
+        "In pipeline best, positions and normals alone reach {} correctly classified, imprints alone {}. "
+        "All objects stand upright."
+    ),
+    ("paper", "with its map", "without the map"): (
+        "The paper reduces each touch to five numbers by a self-organising map. With it its pipeline has {} "
+        "correctly classified, without it {}."
+    ),
 }
 
 
@@ -51,17 +43,13 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> Row:
     ``steps`` are settings worth their time: the most accurate of the quickest, then each slower and more
     accurate one. ``reference`` is the run's own setting from one viewpoint.
     """
-    first = first_step(rows)
-    further = [row for row in rows if row["step"] and row is not first]
-    further.sort(key=lambda row: -float(row["error"]))
-    steps = [] if first is None else [first, *further]
     return {
         "rows": rows,
         "timed": bool(timed(rows)),
-        "steps": [{**row, "name": _named(row)} for row in steps],
+        "steps": [{**row, "name": _named(row)} for row in find_steps(rows)],
         "settings": [_setting_row(row) for row in rows],
-        "savings": [_saving_row(row) for row in find_savings(rows)],
-        "robot": on_robot(list(rows), run.cost),
+        "savings": find_savings(rows),
+        "robot": on_robot(rows, run.cost),
         "recognitions": max((row["recognitions"] or 0 for row in rows), default=0),
         "objects": max((row["objects"] or 0 for row in rows), default=0),
         "reference": reference_row(rows),
@@ -73,12 +61,34 @@ def timed(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     return [row for row in rows if row["failed"] is None and row["seconds"] is not None]
 
 
+def find_steps(rows: Sequence[Row]) -> list[Row]:
+    """Give the settings that are worth their time, the quickest first."""
+    steps = [row for row in rows if row["step"]]
+    return sorted(steps, key=lambda row: (not row["as_quick"], -row["error"]))
+
+
+def reference_row(rows: Sequence[Row]) -> Row | None:
+    """Give the row of the run's own setting from one viewpoint, if it is among the rows."""
+    return next((row for row in rows if row["lost_low"] == 0 == row["lost_high"]), None)
+
+
+def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
+    """Copy rows of `tables.COST` with the time of a robot, a price for each touch and look added, and its front."""
+    moved = []
+    for row in rows:
+        price = cost.touch_seconds * _all_touches(row) + cost.look_seconds * row["looks"]
+        times = ("seconds", "seconds_low", "seconds_high")
+        moved.append(row | {name: row[name] + price for name in times if row[name] is not None})
+    return mark_front(moved)
+
+
 def cost_verdict(rows: Sequence[Row]) -> Answer | None:
     """Answer what accuracy costs in time: the quickest step and the most accurate setting."""
-    first = first_step(rows)
-    if first is None:
+    steps = find_steps(rows)
+    if not steps:
         return None
-    last = min(front_rows(rows), key=lambda row: float(row["error"]))
+    first = steps[0]
+    last = min((row for row in rows if row["on_front"]), key=lambda row: float(row["error"]))
     best = first["error"] <= last["error"]
     rate = f"{percent(first['error'])} ({_named(first)}, {pipeline_name(first['pipeline'])})"
     lowest = f"the lowest, {percent(last['error'])}, takes {duration(last['seconds'])}."
@@ -102,7 +112,7 @@ def time_parts(row: Row | None) -> list[Row]:
     if row is None or row["seconds"] is None:
         return []
     whole, views = (1, "recognition"), (row["looks"], "view")
-    touches = (all_touches(row), "touch")
+    touches = (_all_touches(row), "touch")
     looking = row["seconds_render"] + row["seconds_attend"]
     parts = (
         ("preparing the surface", row["seconds_look"] - looking, whole),
@@ -168,7 +178,27 @@ def _verdict(row: Row) -> str:
     return "on the front" if row["on_front"] else not_on_front
 
 
-def _saving_row(row: Row) -> Row:
+def find_savings(rows: Sequence[Row]) -> list[Row]:
+    """Give what quicker ways to look and touch save of the run's own seconds, and lose; the largest saving first.
+
+    They look, touch or describe otherwise, with as many touches from as many viewpoints, and are
+    significantly quicker.
+    """
+    own = reference_row(rows)
+    found = [
+        _saving_row(row, own)
+        for row in rows
+        if own
+        and row["quicker"]
+        and row["lost_high"] is not None
+        and (row["touches"], row["viewpoints"]) == (own["touches"], own["viewpoints"])
+        and row["changes"] != "{}"
+        and not any(name.startswith("recognition.") for name in json.loads(row["changes"]))
+    ]
+    return sorted(found, key=lambda row: -float(row["saved"]))
+
+
+def _saving_row(row: Row, own: Row) -> Row:
     changes = []
     for name, value in json.loads(row["changes"]).items():
         shown = (
@@ -182,11 +212,15 @@ def _saving_row(row: Row) -> Row:
     return {
         "setting": titled(_named(row)),
         "changes": listed(changes),
-        "saved": row["saved"],
+        "saved": 1 - row["seconds"] / own["seconds"],
         "lost": figure_of(row, "lost"),
         "verdict": verdict,
         "objects": row["objects"],
     }
+
+
+def _all_touches(row: Row) -> int:
+    return int(row["touches"] * row["viewpoints"])
 
 
 def _named(row: Row) -> str:

@@ -21,7 +21,7 @@ from visuohaptic.errors import ReportError
 from visuohaptic.gaze.summary import PredictorRow
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.cost import time_parts, timed
+from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.estimates import estimate, figure_of
@@ -35,7 +35,6 @@ from visuohaptic.report.wording import (
     strategy_place,
     titled,
 )
-from visuohaptic.studies.cost.front import reference_row
 from visuohaptic.studies.looking.settings import CHECKED, LOOK
 from visuohaptic.tables.studies import STATED_COVERAGES
 

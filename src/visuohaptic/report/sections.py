@@ -54,7 +54,6 @@ from visuohaptic.report.studies import curve_figures, names_of_own_studies, read
 from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
-from visuohaptic.studies.cost.front import first_step
 from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
@@ -142,10 +141,11 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         lead = recount_shares(run, compared, f'f"{{100 * ({lead}):+.1f}} points"')
         yield fixation_answer(run.pipelines, context.readings), lead
         yield reproduction_answer(first), accuracy
-    rows = context.frontier["rows"] if context.frontier else []
-    quickest = first_step(rows)
-    if quickest is not None:
-        yield cost_verdict(rows), recount_cost(run, quickest)
+    if context.frontier and context.frontier["steps"]:
+        yield (
+            cost_verdict(context.frontier["rows"]),
+            recount_cost(run, context.frontier["steps"][0]),
+        )
 
 
 def method_values(context: ReportContext) -> Values:

@@ -187,14 +187,21 @@ def paired(name: str, p_value: str, found: PairedComparison | None) -> Row:
 
 
 def compare(
-    cell: Cell | None, other: Cell | None, intervals: IntervalParameters, seed: int
+    cell: Cell | None,
+    other: Cell | None,
+    intervals: IntervalParameters,
+    seed: int,
+    draws: Sequence[str] = ("studies", "comparison"),
 ) -> PairedComparison | None:
-    """Compare two cells in pairs; None where one is missing, they are the same, or of other objects."""
+    """Compare two cells in pairs; None where one is missing, they are the same, or of other objects.
+
+    All comparisons with the same `draws` of objects leave equal ones equal.
+    """
     if cell is None or other is None or other is cell:
         return None
     if not cell.objects or other.objects != cell.objects:
         return None
-    generator = spawn_generator(seed, "studies", "comparison")
+    generator = spawn_generator(seed, *draws)
     return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, generator)
 
 

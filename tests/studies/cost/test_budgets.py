@@ -1,7 +1,6 @@
 """The presets are what the rule makes of the measured line, whoever wrote the file."""
 
 import json
-from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -11,51 +10,36 @@ from visuohaptic.studies.cost.budgets import budgets, choose_budgets, write_budg
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
 
-HELD = json.loads(files("visuohaptic.studies.cost").joinpath("budgets.json").read_text("utf-8"))
 
-
-def test_the_file_holds_what_the_rule_makes_of_its_own_line():
-    derived = choose_budgets(HELD["line"])
-    assert derived == budgets()
+def test_a_larger_budget_takes_longer_and_errs_less():
+    assert list(budgets()) == ["fast", "balanced", "accurate"]
     for name, sign in (("seconds", 1), ("error", -1)):
-        assert (np.diff([sign * budget[name] for budget in derived.values()]) >= 0).all()
+        assert (np.diff([sign * budget[name] for budget in budgets().values()]) > 0).all()
 
 
 @pytest.mark.parametrize(
-    ("points", "viewpoints"),
+    ("errors", "viewpoints"),
     [
-        pytest.param(
-            [(1, 0.1, 0.16), (2, 0.2, 0.09), (4, 0.4, 0.08), (8, 0.8, 0.05), (16, 1.6, 0.04)],
-            [1, 4, 16],
-            id="balanced is the quickest at the geometric mean",
-        ),
-        pytest.param(
-            [(8, 0.8, 0.06), (4, 0.4, 0.05), (2, 0.2, 0.05), (1, 0.1, 0.2)],
-            [1, 2, 2],
-            id="what is slower and no better is never chosen",
-        ),
-        pytest.param(
-            # The geometric mean of 16 % and of 2 % (half of 4 %) is 5.7 %.
-            [(1, 0.1, 0.16), (2, 0.2, 0.06), (4, 0.4, 0.04), (8, 0.8, 0.0)],
-            [1, 4, 8],
-            id="no error counts as half the least one",
-        ),
-        pytest.param([(1, 0.1, 0.0), (2, 0.2, 0.0)], [1, 1, 1], id="no error at all"),
-        pytest.param([(4, 0.1, 0.3)], [4, 4, 4], id="a single setting is every budget"),
+        # Balanced is the quickest at the geometric mean, 8 %.
+        ({1: 0.16, 2: 0.09, 4: 0.08, 8: 0.05, 16: 0.04}, [1, 4, 16]),
+        # What is slower and no better is never chosen.
+        ({8: 0.06, 4: 0.05, 2: 0.05, 1: 0.2}, [1, 2, 2]),
+        # No error counts as half the least one: of 16 % and 2 % the geometric mean is 5.7 %.
+        ({1: 0.16, 2: 0.06, 4: 0.04, 8: 0.0}, [1, 4, 8]),
+        ({1: 0.0, 2: 0.0}, [1, 1, 1]),
     ],
 )
-def test_budgets_follow_the_rule(points, viewpoints):
-    line = [dict(zip(("viewpoints", "seconds", "error"), one, strict=True)) for one in points]
+def test_budgets_follow_the_rule(errors, viewpoints):
+    line = [{"viewpoints": n, "seconds": n / 10, "error": error} for n, error in errors.items()]
     assert [one["viewpoints"] for one in choose_budgets(line).values()] == viewpoints
 
 
 def test_a_table_of_the_workflow_becomes_the_file(tmp_path):
-    table = cost_table([("1 viewpoint", 0.1, 0.2), ("2 viewpoints", 0.2, 0.1)], failed=["8 × 8"])
-    place = table.schema.get_field_index("family")
-    table = table.set_column(place, table.schema.field("family"), [["viewpoints"] * 3])
-    write_table(COST, table, tmp_path / "cost.parquet")
+    family = {"family": "viewpoints"}
+    points = [("1 viewpoint", 0.1, 0.2, family), ("other", 0.1, 0.2), ("2", 0.2, 0.1, family)]
+    write_table(COST, cost_table(points, failed=["8 × 8"]), tmp_path / "cost.parquet")
     write_budgets(tmp_path / "cost.parquet", tmp_path / "budgets.json", "two objects")
     held = json.loads((tmp_path / "budgets.json").read_text())
     assert held["measured_on"] == "two objects"
-    assert len(held["line"]) == 2
-    assert held["budgets"]["accurate"]["seconds"] == pytest.approx(0.2)
+    assert [row["setting"] for row in held["line"]] == ["1 viewpoint", "2"]
+    assert held["line"][1]["seconds"] == pytest.approx(0.2)

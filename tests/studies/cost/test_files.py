@@ -16,7 +16,7 @@ from visuohaptic.studies.study import Given
 def test_every_setting_has_a_row_in_the_order_of_its_line(tmp_path, monkeypatch):
     families = settings.cost_families(RUN)
     kept = {name: families[name] for name in ("viewpoints", "imprint", "render")}
-    monkeypatch.setitem(settings.FAMILIES, "cost", lambda _: kept)
+    monkeypatch.setattr(settings, "cost_families", lambda _: kept)
     sources, features = write_sources(tmp_path, small_surfaces())
     plan = plan_study(settings.COST_STUDY, RUN)
     files = {key: tmp_path / f"{key}.parquet" for key in plan.recomputations}
@@ -32,10 +32,20 @@ def test_every_setting_has_a_row_in_the_order_of_its_line(tmp_path, monkeypatch)
     assert fitting.call_count == 3
     make_cost(Given("cost", {"blocks": made[:1], "tables": made[1:2]}, made[2:], RUN))
     rows = read_costs(made[2])
-    assert [(row["family"], row["setting"]) for row in rows] == [
-        ("viewpoints", "1 viewpoint"), ("viewpoints", "2 viewpoints"), ("viewpoints", "4 viewpoints"),
-        ("imprint", "8 × 8"), ("imprint", "16 × 16"), ("render", "24 × 24"), ("render", "48 × 48"),
+    assert [(row["family"], row["setting"], row["looks"]) for row in rows] == [
+        ("viewpoints", "1 viewpoint", 1), ("viewpoints", "2 viewpoints", 2), ("viewpoints", "4 viewpoints", 4),
+        ("imprint", "8 × 8", 1), ("imprint", "16 × 16", 1), ("render", "24 × 24", 1), ("render", "48 × 48", 1),
     ]  # fmt: skip
     for row in rows:
         assert (row["seconds"] is None) == (row["error"] is None) == (row["failed"] is not None)
         assert row["failed"] is not None or row["on_front"] != row["dominated"]
+
+
+def test_a_frontier_without_settings_reads_no_mesh(tmp_path):
+    run = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"frontier_touches": ()})})
+    files = {"meshes": ["none.ply"], "features": []}
+    made = [tmp_path / "seconds", tmp_path / "cost"]
+    seconds.make_cost_seconds(Given("frontier", files, made[:1], run))
+    make_cost(Given("frontier", {"blocks": [], "tables": made[:1]}, made[1:], run))
+    assert read_costs(made[1]) == []
+    assert settings.make_settings(run, "cost")

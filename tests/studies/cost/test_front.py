@@ -4,33 +4,28 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
-from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.intervals import exact_limit
 from visuohaptic.studies.cost.front import (
     error_rate,
-    find_savings,
-    first_step,
-    front_rows,
     mark_front,
     more_accurate,
-    on_robot,
-    reference_row,
     setting_rows,
     setting_times,
     slower_settings,
     time_quantiles,
 )
-from visuohaptic.studies.cost.seconds import PARTS, PHASES
-from visuohaptic.studies.cost.settings import Setting, make_settings
+from visuohaptic.studies.cost.settings import Setting
 from visuohaptic.studies.figures import Cell
 from visuohaptic.tables.schema import build_rows, names_of
-from visuohaptic.tables.studies import COST, COST_SECONDS
+from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
 
 SAME = {
     **dict.fromkeys(names_of(COST.columns)),
+    **dict.fromkeys(("quicker", "as_quick", "step"), False),
     "family": "touches", "touches": 5, "viewpoints": 1, "looks": 1, "strategy": "fixation",
     "pipeline": "best", "classifier": "naive_bayes", "changes": "{}",
 }  # fmt: skip
+RENDER = '{"rendering.resolution": 64}'
 
 
 def cost_rows(points, failed=()):
@@ -44,13 +39,8 @@ def cost_rows(points, failed=()):
         row |= dict.fromkeys(("as_quick", "step"), time == first)
         rows.append({**SAME, **row, **time_quantiles(times), **dict(*others)})
     for place, name in enumerate(failed):
-        row = {
-            "family": "imprint",
-            "setting": name,
-            "place": place,
-            "failed": "images are too small.",
-        }
-        rows.append({**SAME, **row, **dict.fromkeys(("quicker", "as_quick", "step"), False)})
+        row = {"family": "imprint", "setting": name, "place": place}
+        rows.append({**SAME, **row, "failed": "images are too small."})
     return mark_front(rows)
 
 
@@ -60,9 +50,8 @@ def cost_table(points, failed=()):
 
 
 def test_the_front_is_that_of_the_definition():
-    generator = np.random.default_rng(0)
-    points = list(zip(*generator.integers(1, 6, size=(2, 60)).tolist(), strict=True))
-    rows = mark_front([dict(zip(("seconds", "error"), point, strict=True)) for point in points])
+    points = np.random.default_rng(0).integers(1, 6, size=(60, 2)).tolist()
+    rows = mark_front([{"seconds": seconds, "error": error} for seconds, error in points])
     for (seconds, error), row in zip(points, rows, strict=True):
         beaten = any(
             other <= seconds and wrong <= error and (other < seconds or wrong < error)
@@ -72,11 +61,10 @@ def test_the_front_is_that_of_the_definition():
     assert 0 < sum(row["on_front"] for row in rows) < 60
 
 
-def test_each_setting_is_on_the_front_or_dominated_and_one_without_figures_is_neither():
-    points = [("a", 0.1, 0.2), ("b", 0.2, 0.2), ("c", 0.3, 0.01), ("d", 0.05, 0.5)]
-    rows = cost_table(points, failed=["8 × 8"]).to_pylist()
-    assert [row["setting"] for row in front_rows(rows)] == ["d", "a", "c"]
-    assert [row["dominated"] for row in rows] == [False, True, False, False, False]
+def test_a_setting_without_figures_is_neither_on_the_front_nor_dominated():
+    *_, failed = cost_rows([("a", 0.1, 0.2)], failed=["8 × 8"])
+    assert not failed["on_front"]
+    assert not failed["dominated"]
 
 
 def cell(accuracy):
@@ -91,24 +79,19 @@ def test_an_error_rate_is_what_the_accuracy_leaves():
     assert rate["objects"] == 6
 
 
-BOTH = ExperimentParameters.from_mapping(
-    {**RUN.model_dump(), "probing": {"strategies": ["fixation", "random"]}}
-)
-SETTINGS = make_settings(BOTH, "frontier")
-LIMIT = exact_limit(12, 0.95)
-OWN = [one.name for one in SETTINGS].index("2 touches, 1 viewpoint")
-
-
-NOISE = np.random.default_rng(1).uniform(-0.04, 0.04, (9, 12))
-FACTORS = np.array([0.2, 0.9, 1.0, 3.0])
+NOISE = np.random.default_rng(1).uniform(-0.04, 0.04, (4, 12))
 AROUND = [0.095, 0.11, 0.1, 0.101]
 
 
-def rows_of(settings, accuracies, times):
+def rows_of(touches, accuracies, times):
     """Give rows of settings by the accuracies of objects, and by seconds of four objects that differ a lot."""
+    settings = [Setting("touches", str(place), place, one) for place, one in enumerate(touches)]
+    taken = np.stack([np.multiply(time, [0.2, 0.9, 1.0, 3.0]) for time in times])
     cells = [cell(one) for one in accuracies]
-    taken = np.stack([np.multiply(time, FACTORS) for time in times])
-    return setting_rows(settings, cells, np.tile(taken[..., None, None], 8), BOTH)
+    return setting_rows(settings, cells, np.tile(taken[..., None, None], 8), RUN)
+
+
+LIMIT = exact_limit(12, 0.95)
 
 
 @pytest.mark.parametrize(
@@ -120,58 +103,44 @@ def rows_of(settings, accuracies, times):
     ],
 )
 def test_a_setting_loses_what_the_reference_has_more(own, other, mean, low, high):
-    accuracies = [[1.0] * 12 for _ in SETTINGS]
-    accuracies[OWN - 1 : OWN + 1] = other, own
-    rows = rows_of(SETTINGS, accuracies, [0.1] * len(SETTINGS))
-    quick, reference = rows[OWN - 1 : OWN + 1]
-    assert reference["lost_low"] == reference["lost_high"] == 0
-    assert reference_row(rows[::-1]) is reference
-    assert quick["lost"] == pytest.approx(mean)
-    assert low[0] <= quick["lost_low"] <= low[1]
-    assert high[0] <= quick["lost_high"] <= high[1]
+    less, reference, again = rows_of([1, 2, 2], [other, own, own], [0.1] * 3)
+    assert reference["lost_low"] == reference["lost"] == reference["lost_high"] == 0
+    assert again["lost_low"] == -LIMIT
+    assert less["lost"] == pytest.approx(mean)
+    assert low[0] <= less["lost_low"] <= low[1]
+    assert high[0] <= less["lost_high"] <= high[1]
 
 
 @pytest.mark.parametrize(
     ("levels", "times", "quick", "steps"),
     [
-        pytest.param(
-            *([0.5, 0.51, 0.9], [0.1, [0.2, 0.21, 0.2, 0.2], [0.3, 0.31, 0.3, 0.29]]),
-            *([0], [0, 2]),
-            id="slower and more accurate than the step before",
-        ),
-        pytest.param(
-            *([0.5, 0.9], [0.1, [0.12, 0.121, 0.119, 0.12]], [0], [0, 1]),
-            id="slower on each object, by less than objects differ",
-        ),
-        pytest.param(
-            *([0.50, 0.60, 0.90, 0.91], [0.1, AROUND, 0.3, [0.31, 0.29, 0.3, 0.301]]),
-            *([0, 1], [1, 3]),
-            id="the most accurate of those as quick",
-        ),
+        # Slower and more accurate than the step before.
+        ([0.5, 0.51, 0.9], [0.1, [0.2, 0.21, 0.2, 0.2], [0.3, 0.31, 0.3, 0.29]], [0], [0, 2]),
+        # Slower on each object, by less than objects differ.
+        ([0.5, 0.9], [0.1, [0.12, 0.121, 0.119, 0.12]], [0], [0, 1]),
+        # The most accurate of those as quick.
+        ([0.5, 0.6, 0.9, 0.91], [0.1, AROUND, 0.3, [0.31, 0.29, 0.3, 0.301]], [0, 1], [1, 3]),
     ],
 )
 def test_steps_are_worth_their_time(levels, times, quick, steps):
-    settings = [Setting("touches", str(place), place, 2) for place in range(len(levels))]
-    rows = rows_of(settings, np.array(levels)[:, None] + NOISE[: len(levels)], times)
+    accuracies = np.array(levels)[:, None] + NOISE[: len(levels)]
+    rows = rows_of([2] * len(levels), accuracies, times)
     assert [row["place"] for row in rows if row["as_quick"]] == quick
     assert [row["place"] for row in rows if row["step"]] == steps
-    assert first_step(rows) is rows[steps[0]]
 
 
 @pytest.mark.parametrize(("touches", "quicker"), [(2, [1]), (1, [])])
 def test_a_setting_is_quicker_than_the_runs_own_where_it_is_on_each_object(touches, quicker):
-    settings = [Setting("touches", "own", 0, touches)]
-    settings += [Setting("touches", name, 1, 1) for name in ("quick", "as quick")]
-    rows = rows_of(settings, [[0.5] * 12] * 3, [0.1, 0.08, AROUND])
-    assert [place for place, row in enumerate(rows) if row["quicker"]] == quicker
+    rows = rows_of([touches, 1, 1], [[0.5] * 12] * 3, [0.1, 0.08, AROUND])
+    assert [row["place"] for row in rows if row["quicker"]] == quicker
 
 
 def test_a_gain_that_is_significant_alone_is_not_among_many():
     # Six objects that all gain have p = 2 / 2 ** 6 = 0.031; Holm multiplies it by the settings.
     last, better, worse = (cell([accuracy] * 6) for accuracy in (0.5, 0.6, 0.4))
-    assert more_accurate([better], last, BOTH) == [0]
-    assert more_accurate([better] * 2, last, BOTH) == []
-    assert more_accurate([cell([0.6] * 5)], last, BOTH) == more_accurate([worse], last, BOTH) == []
+    cells = [last, better, better, worse, cell([0.6] * 5)]
+    found = [more_accurate(places, 0, cells, RUN) for places in ([1], [1, 2], [3], [4])]
+    assert found == [[1], [], [], []]
 
 
 def test_a_time_of_one_object_alone_says_nothing_of_which_is_slower():
@@ -180,18 +149,17 @@ def test_a_time_of_one_object_alone_says_nothing_of_which_is_slower():
 
 def test_objects_are_compared_in_the_turns_in_which_both_settings_were_timed():
     # The second setting is slower by a quarter; it could not be timed in the second turn, a slow one.
-    first = np.tile([0.0, 5.0], (3, 1))
-    second = np.tile([0.25, np.nan], (3, 1))
+    first, second = np.tile([0.0, 5.0], (3, 1)), np.tile([0.25, np.nan], (3, 1))
     slower = slower_settings(np.stack([first, second]), 0.95)
     assert slower.tolist() == [[False, True], [False, False]]
 
 
 def test_times_stand_by_setting_object_and_turn_and_what_was_not_timed_is_missing():
     settings = [Setting("touches", name, 0, 2) for name in ("quick", "never", "slow")]
-    parts = {f"seconds_{name}": 0.5 for name in (*PHASES, *PARTS)}
     timed = [("slow", "a/b", 0, 3.0), ("quick", "a/a", 1, 1.0), ("quick", "a/a", 0, 2.0)]
     keys = ("setting", "object", "turn", "seconds")
-    rows = [{"family": "touches", **dict(zip(keys, one, strict=True)), **parts} for one in timed]
+    same = {"family": "touches", **{name: 0.5 for name, _ in COST_PARTS}}
+    rows = [{**same, **dict(zip(keys, one, strict=True))} for one in timed]
     found = setting_times(settings, build_rows(COST_SECONDS, rows))
     nan = np.nan
     expected = [[[2, 1], [nan, nan]], [[nan, nan], [nan, nan]], [[nan, nan], [3, nan]]]
@@ -200,36 +168,3 @@ def test_times_stand_by_setting_object_and_turn_and_what_was_not_timed_is_missin
     assert (quick["seconds_low"], quick["seconds"], quick["seconds_high"]) == (1.25, 1.5, 1.75)
     assert (quick["seconds_cast"], quick["recognitions"]) == (0.5, 2)
     assert time_quantiles(found[1]) == {}
-
-
-RENDER = '{"rendering.resolution": 64}'
-
-
-def test_a_saving_is_of_the_run_with_one_thing_made_smaller():
-    own = ("own", 0.1, 0.01, {"lost": 0.0, "lost_low": 0.0, "lost_high": 0.0})
-    lost = {"lost": 0.001, "lost_low": -0.002, "lost_high": 0.009, "changes": RENDER}
-    lean = ("lean", 0.06, 0.02, lost)
-    named = ("other cues", 0.05, 0.02, {**lost, "changes": '{"recognition.best.cues": []}'})
-    fewer = ("fewer touches", 0.04, 0.02, {**lost, "touches": 2})
-    alike = ("as quick as chance allows", 0.1, 0.02, lost)
-    (found,) = find_savings(cost_rows([own, lean, named, fewer, alike]))
-    assert found["setting"] == "lean"
-    assert found["saved"] == pytest.approx(0.4)
-
-
-BLIND = {"strategy": "random", "looks": 0}
-
-
-def test_a_robot_pays_for_touches_and_looks_and_its_front_is_its_own():
-    rows = cost_rows(
-        [
-            ("blind", 0.01, 0.05, {**BLIND, "touches": 3, "viewpoints": 4}),
-            ("looking", 0.1, 0.04, {"touches": 2, "viewpoints": 2, "looks": 2}),
-        ],
-        failed=["8 × 8"],
-    )
-    assert [row["on_front"] for row in rows] == [True, True, False]
-    robot = on_robot(rows, CostParameters(touch_seconds=5, look_seconds=0.5))
-    assert [row["seconds"] for row in robot] == [pytest.approx(60.01), pytest.approx(21.1), None]
-    assert [row["on_front"] for row in robot] == [False, True, False]
-    assert rows[0]["seconds"] == pytest.approx(0.01)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import time
-from collections import defaultdict
-from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from copy import copy
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
@@ -24,22 +21,20 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, passed_on
 from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.pooling import spread_choices
-from visuohaptic.studies.conditions import Planned, plan_study
+from visuohaptic.studies.conditions import Planned, plan_study, trained_alike
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER, Setting, make_settings
 from visuohaptic.studies.measuring import REFUSALS, condition_features, features_by_key
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import Given, Study
 from visuohaptic.tables.schema import build_rows, write_table
-from visuohaptic.tables.studies import COST_SECONDS
-
-Row = dict[str, object]
-"""Of `tables.COST_SECONDS`."""
-
-PHASES = (*(str(phase.verb) for phase in OF_OBJECT), "classify")
-PARTS = ("render", "attend", "cast")
-"""Parts of looking, the first two, and of touching."""
+from visuohaptic.tables.studies import COST_PARTS, COST_SECONDS
 
 FRONTIER_ROUNDS = 2
 """Instead of `cost.rounds`, as the frontier is a part of every run."""
+
+PHASES = ("look", "touch", "describe", "classify")
+Row = dict[str, Any]
+Seconds = dict[str, float]
+"""Of the processor, by the names of `COST_PARTS`."""
 
 
 @dataclass(frozen=True)
@@ -50,48 +45,28 @@ class FittedSetting:
     parameters: ExperimentParameters
     model: RecognitionModel
 
-    @cached_property
-    def written(self) -> tuple[str, ...]:
-        """What each phase of an object is asked for, as JSON."""
-        values = (phase.written_values(self.parameters) for phase in OF_OBJECT)
-        return tuple(json.dumps(one, sort_keys=True) for one in values)
-
-
-class TimedCaster(RayCaster):
-    """A surface prepared for rays that adds up the processor seconds of casting them."""
-
-    seconds = 0.0
-
-    def first_hits(self, *rays: Any) -> Any:
-        """Cast rays as `RayCaster` does."""
-        start = time.process_time()
-        found = super().first_hits(*rays)
-        self.seconds += time.process_time() - start
-        return found
-
 
 def make_cost_seconds(given: Given) -> None:
     """Time every setting of a study side by side: `tables.COST_SECONDS`."""
-    fitted = _fitted(given)
+    study = FRONTIER if given.study == FRONTIER.name else COST_STUDY
+    rounds = FRONTIER_ROUNDS if study is FRONTIER else given.run.cost.rounds
+    fitted = fit_settings(study, given)
     meshes = usable_meshes(given.inputs["meshes"]) if fitted else ()
     surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
-    rounds = FRONTIER_ROUNDS if given.study == FRONTIER.name else given.run.cost.rounds
     write_table(COST_SECONDS, measure_seconds(surfaces, fitted, rounds), given.outputs[0])
 
 
-def _fitted(given: Given) -> list[FittedSetting]:
+def fit_settings(study: Study, given: Given) -> list[FittedSetting]:
     """Train each setting that can be; one model where settings differ in the viewpoints alone."""
-    run, study = given.run, FRONTIER if given.study == FRONTIER.name else COST_STUDY
-    features = features_by_key(given.inputs["features"], given.made, given.objects)
-    found: list[FittedSetting] = []
-    trained: dict[Hashable, RecognitionModel | None] = {}
+    run, features = given.run, features_by_key(given.inputs["features"], given.made, given.objects)
     planned = plan_study(study, run).conditions
+    models: dict[tuple[str, str], RecognitionModel | None] = {}
+    found: list[FittedSetting] = []
     for setting, one in zip(make_settings(run, study.name), planned, strict=True):
-        named = (setting.strategy, setting.pipeline, setting.classifier)
-        asked = (one.key, one.parameters.model_dump_json(), *named)
-        if asked not in trained:
-            trained[asked] = fit_setting(setting, one, features(one.key), run.seed)
-        if model := trained[asked]:
+        asked = trained_alike(one)
+        if asked not in models:
+            models[asked] = fit_setting(setting, one, features(one.key), run.seed)
+        if model := models[asked]:
             found.append(FittedSetting(setting, one.parameters, model))
     return found
 
@@ -113,79 +88,6 @@ def fit_setting(
         return None
 
 
-@dataclass(frozen=True)
-class Done:
-    """An object after a phase: its surface, the tables, and the seconds of all phases so far."""
-
-    caster: TimedCaster
-    tables: Tables
-    seconds: Mapping[str, float]
-
-
-class ObjectRound:
-    """One object in one round, where what several settings have in common is done and timed once.
-
-    That is preparing the surface, and each phase from the same viewpoints by the same parameters, of
-    this phase and of those before it.
-    """
-
-    def __init__(self, key: str, surface: Surface) -> None:
-        self.key = key
-        self._known: dict[Hashable, Done] = {}
-        seconds: dict[str, float] = defaultdict(float)
-        with _timed(seconds, "look"):
-            caster = TimedCaster(surface)
-            # The first ray finds the faces that lie on each other.
-            caster.first_hits(np.zeros((1, 3)), np.ones((1, 3)))
-        self._prepared = Done(caster, {}, seconds)
-
-    def recognise(self, viewpoints: Sequence[int], fitted: FittedSetting) -> dict[str, float]:
-        """Recognise the object once: the processor seconds of each of `PHASES` and `PARTS`.
-
-        Preparing the surface for rays is a part of ``look``. The object's key is for the random
-        generators, not for the prediction.
-        """
-        done, asked, parts = self._prepared, tuple[Hashable, ...](), list[pa.Table]()
-        subject = Subject(self.key, lambda: self._prepared.caster, viewpoints)
-        for block in subject.blocks(VIEWPOINTS_AT_ONCE):
-            for phase, written in zip(OF_OBJECT, fitted.written, strict=True):
-                asked = (*asked, tuple(block.viewpoints), written)
-                if asked not in self._known:
-                    self._known[asked] = _do(phase, block, done, fitted.parameters)
-                done = self._known[asked]
-            parts.append(done.tables["features"])
-        seconds = defaultdict(float, done.seconds)
-        with _timed(seconds, "classify"):
-            fitted.model.recognise(pa.concat_tables(parts))
-        return {name: seconds[name] for name in (*PHASES, *PARTS)}
-
-
-def _do(phase: Phase, block: Subject, before: Done, parameters: ExperimentParameters) -> Done:
-    """Go through one phase."""
-    # What is found out about the surface at first use, such as the faces at each corner, stays in the
-    # copy, so that no other setting has it for nothing.
-    caster, seconds = copy(before.caster), defaultdict(float, before.seconds)
-    subject = Subject(block.key, lambda: caster, block.viewpoints)
-    verb = str(phase.verb)
-    with _timed(seconds, verb):
-        found = phase.run(subject, before.tables, parameters)
-        if verb == "look" and found.needs_looks:
-            for part, name in (("render", "seen"), ("attend", "looks")):
-                with _timed(seconds, part):
-                    getattr(found, name)
-        tables = before.tables | passed_on(phase, found)
-    if verb == "touch":
-        seconds["cast"] += caster.seconds - before.caster.seconds
-    return Done(caster, tables, seconds)
-
-
-@contextmanager
-def _timed(seconds: dict[str, float], name: str) -> Iterator[None]:
-    start = time.process_time()
-    yield
-    seconds[name] += time.process_time() - start
-
-
 def measure_seconds(
     surfaces: Mapping[str, Surface], settings: Sequence[FittedSetting], rounds: int
 ) -> pa.Table:
@@ -204,31 +106,108 @@ def measure_seconds(
         cv2.setNumThreads(1)
         # What is made once for all, and once for a surface, is made here.
         for key, surface in surfaces.items():
-            _time_all(distinct, ObjectRound(key, surface), 0)
+            time_object(key, surface, list(distinct), 0)
         for turn, (key, surface) in product(range(rounds), surfaces.items()):
-            rows += _time_all(settings, ObjectRound(key, surface), turn)
+            rows += time_object(key, surface, settings, turn)
     return build_rows(COST_SECONDS, rows)
 
 
-def _time_all(settings: Collection[FittedSetting], once: ObjectRound, turn: int) -> list[Row]:
-    """Time one recognition by each setting in turn."""
-    # All phases are gone through before any answer counts. An answer right after a phase takes a quarter
-    # longer, with none of its code in the processor's cache, and not every setting has a phase to itself.
-    for _ in range(2):
-        rows = [row for fitted in settings for row in _time(fitted, once, turn)]
-    return rows
+def time_object(
+    key: str, surface: Surface, settings: Sequence[FittedSetting], turn: int
+) -> list[Row]:
+    """Time one recognition by each setting; what several have in common is done and timed once."""
+    prepared = prepare(surface)
+    rows: dict[tuple[str, str], Row] = {}
+    # Only a second answer counts, when all phases have been gone through. An answer right after a phase takes a
+    # quarter longer, with none of its code in the processor's cache, and not every setting has a phase to itself.
+    for fitted in (*settings, *settings):
+        named = fitted.setting.family, fitted.setting.name
+        choices = spread_choices(fitted.parameters.viewpoints.total, fitted.setting.viewpoints)
+        # Another side of the object in each turn.
+        subject = Subject(key, lambda: prepared.caster, choices[3 * turn % len(choices)].tolist())
+        try:
+            seconds = recognise(subject, prepared, fitted)
+        except REFUSALS:
+            continue
+        whole = sum(seconds[f"seconds_{phase}"] for phase in PHASES)
+        rows[named] = dict(zip(COST_SECONDS.keys, (*named, key, turn), strict=True))
+        rows[named] |= {"seconds": whole, **seconds}
+    return list(rows.values())
 
 
-def _time(fitted: FittedSetting, once: ObjectRound, turn: int) -> list[Row]:
-    """Time one recognition; nothing where there are too few places to touch."""
-    setting = fitted.setting
-    choices = spread_choices(fitted.parameters.viewpoints.total, setting.viewpoints)
-    # Another side of the object in each round.
-    viewpoints = choices[3 * turn % len(choices)].tolist()
-    try:
-        taken = once.recognise(viewpoints, fitted)
-    except REFUSALS:
-        return []
-    parts = {f"seconds_{name}": value for name, value in taken.items()}
-    own = {"family": setting.family, "setting": setting.name, "object": once.key, "turn": turn}
-    return [{**own, "seconds": sum(taken[phase] for phase in PHASES), **parts}]
+def recognise(subject: Subject, prepared: Stage, fitted: FittedSetting) -> Seconds:
+    """Recognise an object once. Its key is for the random generators, not for the prediction."""
+    stage, features = prepared, list[pa.Table]()
+    for block in subject.blocks(VIEWPOINTS_AT_ONCE):
+        for phase in OF_OBJECT:
+            stage = stage.after(phase, block, fitted.parameters)
+        features.append(stage.tables["features"])
+    seconds = dict(stage.seconds)
+    with _timed(seconds, "classify"):
+        fitted.model.recognise(pa.concat_tables(features))
+    return seconds
+
+
+class TimedCaster(RayCaster):
+    """A surface prepared for rays that adds up the processor seconds of casting them."""
+
+    seconds = 0.0
+
+    def first_hits(self, *rays: Any) -> Any:
+        """Cast rays as `RayCaster` does."""
+        start = time.process_time()
+        found = super().first_hits(*rays)
+        self.seconds += time.process_time() - start
+        return found
+
+
+@dataclass(frozen=True)
+class Stage:
+    """An object after a phase: its surface, the tables, and the seconds of all phases so far.
+
+    `further` has what was asked for next, by some setting, and the stage to which that led.
+    """
+
+    caster: TimedCaster
+    tables: Tables
+    seconds: Seconds
+    further: list[tuple[Any, Stage]] = field(default_factory=list)
+
+    def after(self, phase: Phase, block: Subject, parameters: ExperimentParameters) -> Stage:
+        """Go through a phase, once for all that ask for the same from the same viewpoints."""
+        asked = block.viewpoints, phase.values(parameters)
+        for known, stage in self.further:
+            if known == asked:
+                return stage
+        # What is found out about the surface at first use, such as the faces at each corner, stays in the
+        # copy, so that no other setting has it for nothing.
+        caster, seconds = copy(self.caster), dict(self.seconds)
+        with _timed(seconds, phase.verb):
+            done = phase.run(replace(block, find_caster=lambda: caster), self.tables, parameters)
+            if phase.verb == "look" and done.needs_looks:
+                for part, name in (("render", "seen"), ("attend", "looks")):
+                    with _timed(seconds, part):
+                        getattr(done, name)
+            tables = self.tables | passed_on(phase, done)
+        if phase.verb == "touch":
+            seconds["seconds_cast"] += caster.seconds - self.caster.seconds
+        found = Stage(caster, tables, seconds)
+        self.further.append((asked, found))
+        return found
+
+
+def prepare(surface: Surface) -> Stage:
+    """Prepare a surface for rays, which is a part of looking."""
+    seconds = {name: 0.0 for name, _ in COST_PARTS}
+    with _timed(seconds, "look"):
+        caster = TimedCaster(surface)
+        # The first ray finds the faces that lie on each other.
+        caster.first_hits(np.zeros((1, 3)), np.ones((1, 3)))
+    return Stage(caster, {}, seconds)
+
+
+@contextmanager
+def _timed(seconds: Seconds, name: str | None) -> Iterator[None]:
+    start = time.process_time()
+    yield
+    seconds[f"seconds_{name}"] += time.process_time() - start

@@ -8,30 +8,29 @@ of which one thing varies over its whole range, views among them.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import reduce
 from itertools import product
+from operator import getitem
 from typing import Any
 
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.scene.parameters import PRESETS
-from visuohaptic.studies.conditions import touches_of_run, with_changes
+from visuohaptic.studies.conditions import touches_of_run
 from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Changes, Condition, Step, Study
-
-STRATEGY = "fixation"
-PIPELINE = "best"
-CLASSIFIER: ClassifierName = "support_vector_machine"
-"""What names the objects where the family is about something else."""
 
 CLASSIC_CHANNELS = ("colour", "intensity", "orientation")
 """The channels of Itti, Koch and Niebur (1998)."""
 
-CUES = {
-    "skin alone": ("contourlet", "imprint", "sensor"),
-    "pose alone": ("pose", "relations", "embedding"),
-}
+ORDER = (
+    *(*STRATEGIES.names, "small_imprint", "cues", "paper"),
+    *("touches", "viewpoints", "lean_viewpoints", "imprint", "render", "channels", "features"),
+    *("pipelines", "effects"),
+)
+"""The families of both studies, as they are shown."""
 
 
 @dataclass(frozen=True)
@@ -47,15 +46,10 @@ class Setting:
     place: int
     touches: int
     viewpoints: int = 1
-    strategy: str = STRATEGY
-    pipeline: str = PIPELINE
-    classifier: ClassifierName = CLASSIFIER
+    strategy: str = "fixation"
+    pipeline: str = "best"
+    classifier: ClassifierName = "support_vector_machine"
     changes: Changes = field(default_factory=dict)
-
-    @property
-    def looks(self) -> int:
-        """Views that must be looked at; a strategy that needs no view looks at none."""
-        return self.viewpoints if STRATEGIES[self.strategy].looks else 0
 
     @property
     def written_changes(self) -> str:
@@ -81,46 +75,58 @@ class Setting:
         return Condition(name, {**self.changes, **own}, votes=self.viewpoints)
 
 
+Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
+"""By family and name, in what a setting differs: fields of `Setting`, or parameters by their dotted names."""
+
+CUES: Mapping[str, Mapping[str, Any]] = {
+    "skin alone": {"recognition.best.cues": ("contourlet", "imprint", "sensor")},
+    "pose alone": {"recognition.best.cues": ("pose", "relations", "embedding")},
+}
+
+
 def make_settings(run: ExperimentParameters, study: str) -> list[Setting]:
     """Give every setting of study `frontier` or `cost`, family by family; `run` has all that a family does not vary."""
-    return [
-        Setting(family, name, place, **{"touches": touches_of_run(run), **values})
-        for family, settings in FAMILIES[study](run).items()
-        for place, (name, values) in enumerate(settings.items())
-    ]
-
-
-Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
-"""By family and name, the fields in which a setting differs from the run's own."""
+    families = frontier_families(run) if study == "frontier" else cost_families(run)
+    own, settings = run.model_dump(), list[Setting]()
+    for family, names in families.items():
+        for place, (name, values) in enumerate(names.items()):
+            fields: Any = {key: value for key, value in values.items() if "." not in key}
+            # What the run itself has is no change.
+            changes = {
+                path: values[path]
+                for path in values
+                if "." in path and values[path] != reduce(getitem, path.split("."), own)
+            }
+            fields = {"touches": touches_of_run(run), "changes": changes, **fields}
+            settings.append(Setting(family, name, place, **fields))
+    return settings
 
 
 def frontier_families(run: ExperimentParameters) -> Families:
     """Vary touches and viewpoints of each strategy of the run, and what needs no other looking."""
-    if not run.cost.frontier_touches:
-        return {}
-    touches = _within(run.cost.frontier_touches, touches_of_run(run))
-    viewpoints = _within(run.cost.frontier_viewpoints, run.viewpoints.total)
+    cost, most = run.cost, touches_of_run(run)
+    touches = sorted({min(count, most) for count in cost.frontier_touches})
+    viewpoints = sorted({min(count, run.viewpoints.total) for count in cost.frontier_viewpoints})
     probed = {
         strategy: {
-            f"{_count(count, 'touch', 'es')}, {_count(views, 'viewpoint')}": {
-                "touches": count,
+            f"{_count(one, 'touch', 'es')}, {_count(views, 'viewpoint')}": {
+                "touches": one,
                 "viewpoints": views,
                 "strategy": strategy,
             }
-            for views, count in product(viewpoints, touches)
+            for views, one in product(viewpoints, touches)
         }
         for strategy in STRATEGIES.names
         if strategy in run.probing.strategies
     }
-    if STRATEGY not in probed:
+    if not touches or "fixation" not in probed:
         return probed
-    small = _unless_own(run, "sensor.resolution", run.cost.lean_imprint_resolution)
-    own = _count(touches_of_run(run), "touch", "es")
-    mapless = _unless_own(run, "recognition.self_organising_map.output", "none")
+    small = {_count(most, "touch", "es"): {"sensor.resolution": cost.lean_imprint_resolution}}
+    mapless = {"recognition.self_organising_map.output": "none"}
     return {
         **probed,
-        "small_imprint": {own: small} if small["changes"] else {},
-        "cues": _cues(run),
+        "small_imprint": {} if run.sensor.resolution == cost.lean_imprint_resolution else small,
+        "cues": CUES,
         "paper": {
             "with its map": {"pipeline": "paper"},
             "without the map": {"pipeline": "paper", **mapless},
@@ -131,65 +137,32 @@ def frontier_families(run: ExperimentParameters) -> Families:
 def cost_families(run: ExperimentParameters) -> Families:
     """Vary one thing in each family, over its whole range."""
     cost, weights = run.cost, run.attention.weights.model_dump()
-    named = {"paper": run.recognition.classifiers, "best": run.recognition.best.classifiers}
+    used = [name for name, weight in weights.items() if weight]
     classic, own = (
         {name: (weight or 1.0) if name in kept else 0.0 for name, weight in weights.items()}
-        for kept in (CLASSIC_CHANNELS, [name for name, weight in weights.items() if weight])
+        for kept in (CLASSIC_CHANNELS, used)
     )
     lean = {"rendering.resolution": cost.lean_view_resolution, "attention.weights": classic}
     views = {_count(count, "viewpoint"): {"viewpoints": count} for count in cost.viewpoints}
+    classifiers = {"paper": run.recognition.classifiers, "best": run.recognition.best.classifiers}
     return {
         "touches": {_count(count, "touch", "es"): {"touches": count} for count in cost.touches},
         "viewpoints": views,
-        "lean_viewpoints": {name: {**values, "changes": lean} for name, values in views.items()},
-        "imprint": _sizes(run, "sensor.resolution", cost.imprint_resolutions),
-        "render": _sizes(run, "rendering.resolution", cost.view_resolutions),
+        "lean_viewpoints": {name: values | lean for name, values in views.items()},
+        "imprint": {f"{n} × {n}": {"sensor.resolution": n} for n in cost.imprint_resolutions},
+        "render": {f"{n} × {n}": {"rendering.resolution": n} for n in cost.view_resolutions},
         "channels": {
-            f"{sum(map(bool, kept.values()))} channels": _unless_own(run, "attention.weights", kept)
-            for kept in (classic, own)
+            f"{len(CLASSIC_CHANNELS)} channels": {"attention.weights": classic},
+            f"{len(used)} channels": {"attention.weights": own},
         },
-        "features": {**_cues(run), "skin and pose": {}},
+        "features": {**CUES, "skin and pose": {}},
         "pipelines": {
             f"{pipeline}, {name.replace('_', ' ')}": {"pipeline": pipeline, "classifier": name}
-            for pipeline, names in named.items()
+            for pipeline, names in classifiers.items()
             for name in names
         },
-        "effects": {
-            preset: {"changes": {} if preset == run.scene.preset else {"scene.preset": preset}}
-            for preset in PRESETS
-        },
+        "effects": {preset: {"scene.preset": preset} for preset in PRESETS},
     }
-
-
-FAMILIES: dict[str, Callable[[ExperimentParameters], Families]] = {
-    "frontier": frontier_families,
-    "cost": cost_families,
-}
-"""By study, what varies."""
-
-ORDER = (
-    *(*STRATEGIES.names, "small_imprint", "cues", "paper"),
-    *("touches", "viewpoints", "lean_viewpoints", "imprint", "render", "channels", "features"),
-    *("pipelines", "effects"),
-)
-"""The families of both studies, as they are shown."""
-
-
-def _cues(run: ExperimentParameters) -> dict[str, dict[str, Any]]:
-    return {name: _unless_own(run, "recognition.best.cues", cues) for name, cues in CUES.items()}
-
-
-def _sizes(run: ExperimentParameters, path: str, sizes: Iterable[int]) -> dict[str, dict[str, Any]]:
-    return {f"{size} × {size}": _unless_own(run, path, size) for size in sizes}
-
-
-def _unless_own(run: ExperimentParameters, path: str, value: object) -> dict[str, Any]:
-    changes = {path: value}
-    return {"changes": {} if with_changes(run, changes) == run else changes}
-
-
-def _within(values: Iterable[int], most: int) -> list[int]:
-    return sorted({min(value, most) for value in values})
 
 
 def _count(number: int, name: str, plural: str = "s") -> str:
