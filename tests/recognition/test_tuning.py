@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from recognition.synthetic import clusters
 from scipy.spatial.distance import pdist
-from sklearn.linear_model import LogisticRegression
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
@@ -18,7 +17,7 @@ from visuohaptic.recognition.classifiers import (
 )
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
+from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature
 from visuohaptic.recognition.tuning import (
     FoldFits,
     class_scores,
@@ -110,10 +109,6 @@ def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
     machine = SVC().fit(descriptors, labels)
     scores = class_scores(machine, descriptors, 2)
     np.testing.assert_array_equal(scores.argmax(axis=1), machine.predict(descriptors))
-    regression = LogisticRegression().fit(descriptors, labels)
-    np.testing.assert_allclose(
-        softmax(class_scores(regression, descriptors, 2)), regression.predict_proba(descriptors)
-    )
     assert scores.min() > LEAST_SCORE
 
 

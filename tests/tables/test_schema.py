@@ -7,7 +7,7 @@ import pytest
 
 from visuohaptic.errors import TableError
 from visuohaptic.tables.phases import FIXATIONS
-from visuohaptic.tables.schema import build_table, images, matrix, read_table, write_table
+from visuohaptic.tables.schema import build_table, images, read_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS
 
 
@@ -99,11 +99,6 @@ def test_images_come_back_square_and_mixed_sizes_are_refused():
     mixed = pa.table({"image": pa.array([[0.0] * 4, [0.0] * 9], pa.list_(pa.float32()))})
     with pytest.raises(TableError, match=r"images have \[4, 9\] points"):
         images(mixed)
-
-
-def test_matrix_puts_columns_side_by_side():
-    table = pa.table({"a": [1, 2], "b": [3.5, 4.5]})
-    np.testing.assert_array_equal(matrix(table, ["b", "a"]), [[3.5, 1], [4.5, 2]])
 
 
 def test_every_schema_describes_each_column():
