@@ -1,5 +1,6 @@
 """Models that are saved, read, and refused."""
 
+import functools
 import pickle
 import zipfile
 
@@ -146,13 +147,11 @@ def test_a_model_whose_parts_do_not_belong_together_is_refused_in_a_sentence(
     tmp_path, part, change, reason
 ):
     path = tmp_path / "m.skops"
-    model = fit(TABLE, "support_vector_machine")
-    recognition.save_model(model, path)
+    recognition.save_model(fit(TABLE, "support_vector_machine"), path)
     state = skops.io.loads(path.read_bytes())
-    inside = state["model"]
-    for name in part[:-1]:
-        inside = inside[name]
-    inside[part[-1]] = change(inside[part[-1]])
+    *above, last = ("model", *part)
+    inside = functools.reduce(dict.get, above, state)
+    inside[last] = change(inside[last])
     path.write_bytes(skops.io.dumps(state))
     with pytest.raises(RecognitionError, match=f"is no whole .*{reason}"):
         recognition.load_model(path)
