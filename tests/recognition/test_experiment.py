@@ -202,12 +202,9 @@ def test_unknown_pipeline_is_refused_by_name():
 
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_both_pipelines_take_the_order_that_is_asked_for(pipeline):
-    table = features_table(touches=5)
     kept, shuffled = (
-        gather_pipeline(table, RecognitionParameters(order=order), pipeline, seed=4)
+        gather_pipeline(features_table(), RecognitionParameters(order=order), pipeline, seed=4)
         for order in ("kept", "shuffled")
     )
     np.testing.assert_array_equal(shuffled.features, shuffle_touches(kept, 4).features)
-    np.testing.assert_array_equal(
-        kept.features, gather_pipeline(table, RecognitionParameters(), pipeline, seed=5).features
-    )
+    assert not np.array_equal(shuffled.features, kept.features)

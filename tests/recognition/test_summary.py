@@ -11,7 +11,7 @@ from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
 from visuohaptic.tables.phases import PREDICTIONS, SCORES
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.schema import build_rows
 
 PARAMETERS = RecognitionParameters(
     protocol=ProtocolParameters(protocol="leave_one_object_a_class_out", maximum_splits=6),
@@ -25,28 +25,17 @@ def both(*runs):
 
 def answers(named, strategy="fixation"):
     """Tables of one classifier from {(class, object): the classes predicted}."""
-    rows = [
-        (category, name, viewpoint, predicted)
-        for (category, name), predictions in named.items()
-        for viewpoint, predicted in enumerate(predictions)
-    ]
     keys = {"pipeline": "paper", "strategy": strategy, "classifier": "naive_bayes"}
     keys |= {"split": 0, "seed": 0}
-    categories, names, viewpoints, predicted = zip(*rows, strict=True)
-    predictions = build_table(
-        PREDICTIONS,
-        {name: [value] * len(rows) for name, value in keys.items()}
-        | {"class": categories, "object": names, "viewpoint": viewpoints, "predicted": predicted}
-        | {"probability": [None] * len(rows), "voted": [None] * len(rows)},
-    )
-    right = [category == answer for category, _, _, answer in rows]
-    scores = build_table(
-        SCORES,
-        {name: [value] for name, value in keys.items()}
-        | {"accuracy": [np.mean(right)], "object_accuracy": [0.0], "sequences": [len(rows)]}
-        | {"note": [None]},
-    )
-    return scores, predictions
+    nothing = {"probability": None, "voted": None}
+    rows = [
+        keys | nothing | {"class": category, "object": name, "viewpoint": place, "predicted": one}
+        for (category, name), predicted in named.items()
+        for place, one in enumerate(predicted)
+    ]
+    right = float(np.mean([row["class"] == row["predicted"] for row in rows]))
+    figures = {"accuracy": right, "object_accuracy": 0.0, "sequences": len(rows), "note": None}
+    return build_rows(SCORES, [keys | figures]), build_rows(PREDICTIONS, rows)
 
 
 @pytest.mark.parametrize(
