@@ -18,13 +18,6 @@ from visuohaptic.recognition.classifiers import (
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature
-from visuohaptic.recognition.tuning import (
-    FoldFits,
-    class_scores,
-    fit_projection,
-    fit_tuned_classifier,
-    make_inner_folds,
-)
 from visuohaptic.registry import Registry
 
 EVERY_CLASSIFIER = RecognitionParameters(best=BestParameters(classifiers=CLASSIFIERS.names))
@@ -32,21 +25,21 @@ EVERY_CLASSIFIER = RecognitionParameters(best=BestParameters(classifiers=CLASSIF
 
 def folds_of(descriptors, labels, owners, memory=None, **settings):
     generator = np.random.default_rng(0)
-    return make_inner_folds(
+    return tuning.make_inner_folds(
         descriptors, labels, owners, BestParameters(**settings), generator, memory
     )
 
 
 def tuned(name, descriptors, labels, folds, seed=0):
     """Tune a classifier that answers without one of bags."""
-    fits, generator = FoldFits(None, descriptors, labels), np.random.default_rng(seed)
-    return fit_tuned_classifier(name, RecognitionParameters(), fits, folds, 3, generator)[0]
+    fits, generator = tuning.FoldFits(None, descriptors, labels), np.random.default_rng(seed)
+    return tuning.fit_tuned_classifier(name, RecognitionParameters(), fits, folds, 3, generator)[0]
 
 
 def test_projection_keeps_distances_orders_components_by_variance_and_drops_empty_ones():
     descriptors, _, _ = clusters(columns=6)
     doubled = np.concatenate([descriptors, descriptors, np.ones((len(descriptors), 2))], axis=1)
-    projected = fit_projection(doubled, 64).apply(doubled)
+    projected = tuning.fit_projection(doubled, 64).apply(doubled)
     assert projected.shape[1] == 6
     assert np.all(np.diff(projected.var(axis=0)) <= 0)
     standard = (descriptors - descriptors.mean(axis=0)) / descriptors.std(axis=0)
@@ -95,7 +88,7 @@ def test_the_setting_with_the_least_log_loss_wins_at_its_own_temperature():
     for count in CLASSIFIERS["k_nearest_neighbours"].grid["neighbours"]:
         votes = KNeighborsClassifier(count)
         found = [
-            class_scores(votes.fit(fold.fits.train, fold.fits.labels), fold.held_out, 3)
+            tuning.class_scores(votes.fit(fold.fits.train, fold.fits.labels), fold.held_out, 3)
             for fold in folds
         ]
         losses[f"neighbours {count}"] = best_temperature(np.concatenate(found), held_out)
@@ -107,7 +100,7 @@ def test_the_setting_with_the_least_log_loss_wins_at_its_own_temperature():
 def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
     descriptors, labels, _ = clusters(objects=(2, 2))
     machine = SVC().fit(descriptors, labels)
-    scores = class_scores(machine, descriptors, 2)
+    scores = tuning.class_scores(machine, descriptors, 2)
     np.testing.assert_array_equal(scores.argmax(axis=1), machine.predict(descriptors))
     assert scores.min() > LEAST_SCORE
 
@@ -164,7 +157,7 @@ def test_a_classifier_that_counts_as_deterministic_is_the_same_with_every_seed(e
     scores = []
     for seed in range(5):
         fitted, _ = entry.fit(ClassifierParameters(), doubled, labels, seed)
-        scores.append(class_scores(fitted, shown, 3))
+        scores.append(tuning.class_scores(fitted, shown, 3))
     assert all(np.array_equal(found, scores[0]) for found in scores) == entry.deterministic
 
 
