@@ -27,7 +27,7 @@ def test_fibonacci_sphere_is_even(count):
     cameras = place_cameras(ViewpointParameters(arrangement="fibonacci", count=count))
     eyes = np.array([camera.eye for camera in cameras]) / 3.0
     assert len(eyes) == count
-    assert np.linalg.norm(eyes.mean(axis=0)) < 1.2 / np.sqrt(count) ** 1.0
+    assert np.linalg.norm(eyes.mean(axis=0)) < 1.2 / np.sqrt(count)
     if count > 1:
         gaps = np.linalg.norm(eyes[:, None] - eyes[None], axis=2) + 9 * np.eye(count)
         # The densest packing of n caps has gaps of about sqrt(8 pi / (sqrt(3) n)).

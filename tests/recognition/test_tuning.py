@@ -113,10 +113,9 @@ def test_what_other_splits_have_fitted_changes_no_number():
     def probabilities(memory):
         found = []
         for turn, test in enumerate([*tested, *tested]):
-            projection, fits = tuning.fit_best_classifiers(
-                descriptors[~test], labels[~test], owners[~test], 3,
-                EVERY_CLASSIFIER, np.random.default_rng(turn % 3), memory,
-            )  # fmt: skip
+            training = (descriptors[~test], labels[~test], owners[~test], 3, EVERY_CLASSIFIER)
+            generator = np.random.default_rng(turn % 3)
+            projection, fits = tuning.fit_best_classifiers(*training, generator, memory)
             projected = projection.apply(descriptors[test])
             found += [classifier.ballots(projected).alone() for _, classifier, _ in fits]
         return np.array(found)
