@@ -25,7 +25,8 @@ BALL = caster_of(trimesh.creation.icosphere(3, 0.8))
 TORUS = caster_of(trimesh.creation.torus(0.6, 0.25))
 # Parts that stand in each other, as in models that were made by hand.
 CROSS = caster_of(trimesh.creation.box((1.2, 0.3, 0.3)), trimesh.creation.box((0.3, 1.2, 0.3)))
-SHEET = RayCaster(build_plain_surface([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]]))
+SQUARE = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
+SHEET = RayCaster(build_plain_surface(SQUARE, [[0, 1, 2], [0, 2, 3]]))
 
 
 @pytest.mark.parametrize("caster", [BALL, TORUS, CROSS, SHEET])
