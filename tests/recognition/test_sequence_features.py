@@ -7,8 +7,23 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import (
     sequence_features,
+    summarise_signals,
     wavelet_levels,
 )
+
+
+@pytest.mark.parametrize("constant", [0.0, 0.1, 1e-300, 1e300])
+@pytest.mark.parametrize("length", [1, 5, 7])
+def test_constant_sequence_has_no_deviation_and_no_skewness(constant, length):
+    found = summarise_signals(np.full(length, constant), 1)
+    np.testing.assert_allclose(found, [0, constant, 0], rtol=1e-15)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1.0, -1e150])
+def test_skewness_does_not_depend_on_scale(scale):
+    found = summarise_signals(scale * np.array([0.0, 0.0, 0.0, 0.0, 1.0]), 1)
+    # One in five: m2 = p(1-p), m3 = p(1-p)(1-2p), p = 1/5, skewness (1-2p)/sqrt(p(1-p)) = 3/2.
+    assert found[2] == pytest.approx(1.5 * np.sign(scale), rel=1e-12)
 
 
 @pytest.mark.parametrize("degrees", ["sample", "population"])
