@@ -18,24 +18,23 @@ def sphere():
     return of_trimesh(trimesh.creation.icosphere(subdivisions=4, radius=0.9))
 
 
+def angles(points, direction):
+    lengths = np.linalg.norm(points, axis=1) * np.linalg.norm(direction)
+    return np.arccos(np.clip(points @ np.asarray(direction) / lengths, -1, 1))
+
+
 def sphere_with_bump(direction, height=0.08, width=0.1):
     """A sphere with a bump in a direction."""
     plain = sphere()
-    direction = np.asarray(direction) / np.linalg.norm(direction)
-    cosine = plain.vertices @ direction / 0.9
-    angle = np.arccos(np.clip(cosine, -1, 1))
-    growth = 1 + height * np.exp(-0.5 * (angle / width) ** 2)
+    growth = 1 + height * np.exp(-0.5 * (angles(plain.vertices, direction) / width) ** 2)
     return replace(plain, vertices=plain.vertices * growth[:, None])
 
 
 def sphere_with_patch(direction, colour=(40, 40, 40), radius=0.15):
     """A sphere with a spot of another colour."""
     plain = sphere()
-    direction = np.asarray(direction) / np.linalg.norm(direction)
-    centres = plain.triangles.mean(axis=1)
-    angle = np.arccos(np.clip(centres @ direction / np.linalg.norm(centres, axis=1), -1, 1))
     colours = plain.face_colours.copy()
-    colours[angle < radius] = colour
+    colours[angles(plain.triangles.mean(axis=1), direction) < radius] = colour
     return replace(plain, face_colours=colours)
 
 

@@ -1,29 +1,24 @@
 import numpy as np
 import pytest
-import trimesh
 from attention import displays, scenes
 from numerics.surfaces import lopsided
-from scipy.spatial.transform import Rotation
 
 from visuohaptic.attention import (
     CHANNELS,
-    MEASURES,
     AttentionError,
     AttentionParameters,
     ChannelWeights,
-    GazedSurface,
     attend,
     conspicuity_maps,
     prepare_view,
     saliency_map,
 )
-from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.parameters import ViewpointParameters
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.scene.parameters import EffectModes
 
 PLACES = range(displays.GRID**2)
 CAMERAS = place_cameras(ViewpointParameters())
-FOOTPRINT = CAMERAS[0].view_height / RenderingParameters().resolution
 FRONT = Camera(0.0, 0.0, 3.0, 40.0)
 
 RED, GREEN = (displays.Item(colour=colour) for colour in (displays.RED, displays.GREEN))
@@ -41,15 +36,14 @@ ODD_ONES = {
 }
 
 
-def display_with(place, target, other, **size):
-    items = [target if index == place else other for index in PLACES]
-    return displays.draw(items, **size)
-
-
-def first_hit(image, place, parameters):
-    result = attend(**displays.as_views(image), parameters=parameters)[0]
-    row, column = result.scanpath.rows[0], result.scanpath.columns[0]
-    return result, bool(displays.cell_mask(place, *image.shape[:2])[row, column])
+def first_look(items, **size):
+    """Attend to a display; give the map, and the cell of the first fixation."""
+    image = displays.draw(items, **size)
+    parameters = AttentionParameters(fixations=1)
+    (result,) = attend(**displays.as_views(image), parameters=parameters)
+    place = result.scanpath.rows[0], result.scanpath.columns[0]
+    (cell,) = (one for one in PLACES if displays.cell_mask(one, *image.shape[:2])[place])
+    return result.saliency, cell
 
 
 @pytest.mark.slow
@@ -65,30 +59,10 @@ def first_hit(image, place, parameters):
     ],
 )
 def test_odd_one_pops_out_at_every_place(name, size, places):
-    parameters = AttentionParameters(fixations=1)
-    missed = [
-        place
-        for place in places
-        if not first_hit(display_with(place, *ODD_ONES[name], **size), place, parameters)[1]
-    ]
-    assert missed == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ODD_ONES)
-def test_odd_one_scores_high(name):
     target, other = ODD_ONES[name]
-    areas, scores = [], []
-    for place in PLACES:
-        image = display_with(place, target, other, size=128)
-        result, _ = first_hit(image, place, AttentionParameters(fixations=1))
-        item = displays.item_cover(place, target, 128, 128) > 0.5
-        everywhere = np.ones(item.size)
-        gazed = GazedSurface(item.ravel().astype(float), everywhere, everywhere > 0)
-        areas.append(MEASURES["auc_gaze"](result.saliency.ravel(), gazed))
-        scores.append(MEASURES["normalised_saliency"](result.saliency.ravel(), gazed))
-    assert min(areas) > 0.85
-    assert min(scores) > 5.0
+    for place in places:
+        items = [target if index == place else other for index in PLACES]
+        assert first_look(items, **size)[1] == place
 
 
 @pytest.mark.slow
@@ -99,11 +73,10 @@ def test_conjunction_does_not_pop_out():
     for place in PLACES:
         items = [others[index] for index in rng.permutation(24)]
         items.insert(place, displays.Item(90.0, displays.RED))
-        image = displays.draw(items, size=128)
-        result, hit = first_hit(image, place, AttentionParameters(fixations=1))
-        peaks = [result.saliency[displays.cell_mask(cell, 128, 128)].max() for cell in PLACES]
+        saliency, cell = first_look(items, size=128)
+        peaks = [saliency[displays.cell_mask(one, 128, 128)].max() for one in PLACES]
         ranks.append(sum(peak > peaks[place] for peak in peaks))
-        hits += hit
+        hits += cell == place
     assert hits <= 3
     assert np.mean(ranks) > 5
 
@@ -117,29 +90,6 @@ def test_oddity_of_a_sphere_is_fixated_first(shape, azimuth, elevation):
     _, (result,) = scenes.look(shape(direction), [FRONT])
     first = result.scanpath.points[0]
     assert np.degrees(np.arccos(first @ direction / np.linalg.norm(first))) < 15.0
-
-
-@pytest.mark.slow
-def test_turning_the_object_equals_the_next_viewpoint():
-    thing = lopsided()
-    _, still = scenes.look(thing, CAMERAS[1::2])
-    _, moved = scenes.look(scenes.turned(thing, -22.5), CAMERAS[0::2])
-    back = Rotation.from_euler("y", 22.5, degrees=True)
-    for one, other in zip(still, moved, strict=True):
-        assert one.scanpath.distinct == other.scanpath.distinct == 5
-        gaps = np.linalg.norm(one.scanpath.points - back.apply(other.scanpath.points), axis=1)
-        assert gaps.max() < FOOTPRINT
-
-
-@pytest.mark.slow
-def test_mirrored_object_has_mirrored_fixations():
-    thing = lopsided()
-    across = [Camera(-c.azimuth_degrees, 20.0, 3.0, 40.0) for c in CAMERAS[::3]]
-    _, plain = scenes.look(thing, CAMERAS[::3])
-    _, reflected = scenes.look(scenes.mirrored(thing), across)
-    for one, other in zip(plain, reflected, strict=True):
-        gaps = one.scanpath.points - other.scanpath.points * [-1.0, 1.0, 1.0]
-        assert np.linalg.norm(gaps, axis=1).max() < FOOTPRINT
 
 
 @pytest.mark.parametrize("background", [0.0, 0.3, 1.0])
@@ -217,10 +167,9 @@ def test_channel_of_weight_zero_does_not_run(name):
 
 
 def test_empty_view_has_no_fixation_and_says_why():
-    far = scenes.of_trimesh(
-        trimesh.creation.box(extents=(0.1, 0.1, 0.1)).apply_translation((0, 50, 0))
-    )
-    _, (result,) = scenes.look(far, [FRONT], AttentionParameters(weights="equal"))
+    arrays = displays.as_views(np.full((64, 64, 3), 0.5, np.float32))
+    arrays["mask"][:] = False
+    (result,) = attend(**arrays, parameters=AttentionParameters(weights="equal"))
     assert result.scanpath.distinct == 0
     assert result.scanpath.exhausted
     assert set(result.skipped.values()) == {"the view shows nothing of the object"}

@@ -68,15 +68,14 @@ def test_place_is_that_of_the_seen_points():
 
 @pytest.mark.parametrize("scale", ["fine", "middle", "coarse"])
 def test_a_bump_stands_out_and_a_dent_lies_in(scale):
-    back = CAMERA.axes[2]
-    for height, sign in ((0.12, 1), (-0.12, -1)):
-        surface = scenes.sphere_with_bump(back, height=height, width=0.08)
-        _, planes = planes_of(surface, f"protrusion_{scale}", f"relief_{scale}")
-        _, plain = planes_of(scenes.sphere(), f"protrusion_{scale}")
-        middle = slice(31, 33)
-        change = (planes[f"protrusion_{scale}"] - plain[f"protrusion_{scale}"])[middle, middle]
-        assert (sign * change > 0.05).all()
-        np.testing.assert_array_equal(planes[f"relief_{scale}"], abs(planes[f"protrusion_{scale}"]))
+    protrusion, relief = f"protrusion_{scale}", f"relief_{scale}"
+    _, plain = planes_of(scenes.sphere(), protrusion)
+    for sign in (1, -1):
+        surface = scenes.sphere_with_bump(CAMERA.axes[2], height=0.12 * sign, width=0.08)
+        _, planes = planes_of(surface, protrusion, relief)
+        change = planes[protrusion] - plain[protrusion]
+        assert (sign * change[31:33, 31:33] > 0.05).all()
+        np.testing.assert_array_equal(planes[relief], abs(planes[protrusion]))
 
 
 def test_nearness_to_the_middle_falls_as_a_gaussian_of_the_distance():
@@ -117,9 +116,10 @@ def test_terms_without_an_eye_are_refused():
 
 
 def test_features_are_all_channels_and_terms():
-    seen, _ = scenes.look(scenes.sphere(), [CAMERA])
-    seen = (seen.colour, seen.mask, seen.point, seen.normal, seen.curvature, CAMERA.eye[None])
-    planes, certainty = feature_planes(*(part[0] for part in seen), AttentionParameters())
+    views, _ = scenes.look(scenes.sphere(), [CAMERA])
+    parts = [views.colour, views.mask, views.point, views.normal, views.curvature]
+    arrays = [part[0] for part in parts]
+    planes, certainty = feature_planes(*arrays, CAMERA.eye, AttentionParameters())
     assert tuple(planes) == (*CHANNELS, *TERMS)
     assert {plane.shape for plane in planes.values()} == {certainty.shape}
 

@@ -45,18 +45,20 @@ def looks(caster):
     return sight_of(caster).looks
 
 
+def places_of(table):
+    """Give points and normals."""
+    return (matrix(table, [f"{prefix}{axis}" for axis in "xyz"]) for prefix in ("", "normal_"))
+
+
 @pytest.mark.parametrize("strategy", STRATEGIES.names)
 def test_locations_lie_on_their_faces_and_face_outwards(caster, looks, strategy):
-    table = pa.concat_tables(
-        [locate(one, strategy, ATTENTION, 3) for one in looks]
-    ).combine_chunks()
+    parts = [locate(one, strategy, ATTENTION, 3) for one in looks]
+    table = pa.concat_tables(parts).combine_chunks()
     check_table(FIXATIONS, table)
     asked = table.filter(pc.less(table.column("touch"), ATTENTION.fixations))
     assert asked.num_rows == 18
     assert 18 < table.num_rows <= 18 + 3 * SPARE
-    points, normals = (
-        matrix(table, [f"{prefix}{axis}" for axis in "xyz"]) for prefix in ("", "normal_")
-    )
+    points, normals = places_of(table)
     flat = caster.surface.face_normals[table.column("face").to_numpy()]
     corners = caster.surface.triangles[table.column("face").to_numpy()]
     offsets = np.einsum("nk,nk->n", points - corners[:, 0], flat)
@@ -112,19 +114,19 @@ def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caste
     expected = face_outwards(caster, draw_by_area(caster.surface, 6, generator))
     reached, anywhere = (locate(one, name, ATTENTION, 3) for name in ("random", "random_anywhere"))
     table = anywhere.slice(0, 6)
-    np.testing.assert_array_equal(matrix(table, ["x", "y", "z"]), expected.points)
-    normals = matrix(table, ["normal_x", "normal_y", "normal_z"])
+    points, normals = places_of(table)
+    np.testing.assert_array_equal(points, expected.points)
     np.testing.assert_array_equal(normals, expected.normals)
     assert set(table.column("chance").to_pylist()) == {"random"}
     names = ["strategy", "unreachable"]
     assert reached.drop_columns(names).equals(anywhere.drop_columns(names))
-    assert set(reached.column("unreachable").to_pylist()) == {"replace"}
-    assert set(anywhere.column("unreachable").to_pylist()) == {"keep"}
+    for found, unreachable in ((reached, "replace"), (anywhere, "keep")):
+        assert set(found.column("unreachable").to_pylist()) == {unreachable}
 
 
 def test_the_most_curved_places_of_a_box_are_its_edges(looks):
     for one in looks:
-        points = matrix(locate(one, "curvature", ATTENTION, 3), ["x", "y", "z"])[:6]
+        points = next(places_of(locate(one, "curvature", ATTENTION, 3)))[:6]
         at_border = np.sum(np.abs(np.abs(points) - [0.6, 0.4, 0.3]) < 0.05, axis=1)
         assert (at_border >= 2).all()
         apart = np.linalg.norm(points[:, None] - points, axis=2) + 9 * np.eye(len(points))
@@ -141,9 +143,7 @@ def test_candidates_are_what_the_viewpoint_sees(caster, looks):
     crowd = spread_far(caster.surface, 60, np.random.default_rng(0))
     for one in looks:
         table = candidate_table(one, crowd)
-        points, normals = (
-            matrix(table, [f"{prefix}{axis}" for axis in "xyz"]) for prefix in ("", "normal_")
-        )
+        points, normals = places_of(table)
         assert 0 < len(points) < 60
         assert (np.sum(normals * (one.camera.eye - points), axis=1) > 0).all()
         assert table.column("touch").to_pylist() == list(range(len(points)))

@@ -43,38 +43,26 @@ def see(surface, camera=AHEAD, resolution=128, ambient=1.0, **modes):
     return render_views(RayCaster(surface), [camera], parameters, EffectModes(**modes))
 
 
-def place_in_image(views):
-    """Give where in the image each pixel's point lies, across and up."""
-    return (views.point[0][views.mask[0]][:, :2] / HALF + 1) / 2
-
-
 def stored(colours):
     return np.rint(255 * colours).astype(int)
 
 
 @pytest.mark.parametrize("projection", ["perspective", "orthographic"])
 @pytest.mark.parametrize("camera", [AHEAD, ASIDE])
-@pytest.mark.parametrize("behind", [False, True])
-def test_a_board_of_eight_texels_shows_squares_of_its_colours(projection, camera, behind):
-    camera = replace(camera, projection=projection)
-    if behind:
-        camera = replace(camera, azimuth_degrees=camera.azimuth_degrees + 180.0)
-    views = see(square(), camera)
-    texel = 8 * place_in_image(views)
+@pytest.mark.parametrize("turn", [0.0, 180.0])
+def test_a_board_of_eight_texels_shows_squares_of_its_colours(projection, camera, turn):
+    azimuth = camera.azimuth_degrees + turn
+    views = see(square(), replace(camera, projection=projection, azimuth_degrees=azimuth))
+    texel = 4 * (views.point[views.mask][:, :2] / HALF + 1)
     column, row = np.floor(texel).astype(int).T
     expected = BOARD[7 - np.clip(row, 0, 7), np.clip(column, 0, 7)]
     found = stored(views.colour[views.mask])
     # A pixel is at most a third of a texel wide; from aside it is longer.
-    inside = (
-        np.abs(texel - np.rint(texel)) > (0.2 if camera.azimuth_degrees % 180 == 0 else 0.4)
-    ).all(axis=1)
+    margin = 0.2 if camera is AHEAD else 0.4
+    inside = (np.abs(texel - np.rint(texel)) > margin).all(axis=1)
     assert inside.sum() > 0.03 * len(inside)
     np.testing.assert_array_equal(found[inside], expected[inside])
     assert set(map(tuple, found[inside])) == {(250, 240, 20), (10, 30, 120)}
-    nearer_bright = found[:, 0] > 188
-    clear = (np.abs(texel - np.rint(texel)) > 0.1).all(axis=1)
-    if camera.azimuth_degrees % 180 == 0:
-        np.testing.assert_array_equal(nearer_bright[clear], expected[clear, 0] == 250)
 
 
 def test_a_pixel_has_the_mean_light_of_the_part_of_the_image_that_it_covers():
@@ -130,20 +118,20 @@ def test_faces_without_image_are_seen_as_they_were():
     for ambient in (0.4, 1.0):
         views = see(surface, ASIDE, ambient=ambient)
         plain = see(replace(surface, texture=None), ASIDE, ambient=ambient)
-        beside = views.face >= 2
-        assert beside.any()
-        np.testing.assert_array_equal(views.colour[beside], plain.colour[beside])
-        assert not np.array_equal(views.colour, plain.colour)
+        without = (views.colour == plain.colour).all(axis=-1)
+        assert set(views.face[without & views.mask]) == {2, 3}
+        assert without[views.face >= 2].all()
 
 
 def every(mode):
     return dict.fromkeys(VISUAL_EFFECTS, mode)
 
 
+GREY = np.repeat(BOARD[..., :1], 3, axis=-1)
 PLAIN = np.full((4, 4, 3), (10, 137, 30), np.uint8)
 
 
-@pytest.mark.parametrize("image", [BOARD, PLAIN, np.repeat(BOARD[..., :1], 3, axis=-1)])
+@pytest.mark.parametrize("image", [BOARD, PLAIN, GREY])
 def test_auto_sees_bit_for_bit_what_always_sees(image):
     for ambient in (0.4, 1.0):
         one = see(square(image), ASIDE, ambient=ambient, **every("auto"))
@@ -152,23 +140,17 @@ def test_auto_sees_bit_for_bit_what_always_sees(image):
 
 
 def test_images_call_for_texture_and_for_colour():
-    def needed_by(image):
-        return {one.effect: one.needed for one in see(square(image)).effects}
-
-    assert needed_by(BOARD)["texture"] == needed_by(BOARD)["colour"] == 1
-    grey = np.repeat(BOARD[..., :1], 3, axis=-1)
-    assert (needed_by(grey)["texture"], needed_by(grey)["colour"]) == (1, 0)
-    assert (needed_by(PLAIN)["texture"], needed_by(PLAIN)["colour"]) == (0, 1)
+    for image, expected in ((BOARD, (1, 1)), (GREY, (1, 0)), (PLAIN, (0, 1))):
+        needed = {one.effect: one.needed for one in see(square(image)).effects}
+        assert (needed["texture"], needed["colour"]) == expected
 
 
 def test_without_texture_or_colour_an_image_is_its_mean_or_the_greys_of_its_luma():
     views = see(square(), texture="never")
-    colour = np.unique(stored(views.colour[views.mask]), axis=0)
-    mean = 255 * encode_srgb(decode_srgb(BOARD / 255.0).mean(axis=(0, 1)))
-    assert len(colour) == 1
-    np.testing.assert_allclose(colour[0], mean, atol=2)
+    (colour,) = np.unique(stored(views.colour[views.mask]), axis=0)
+    mean = encode_srgb(decode_srgb(BOARD / 255.0).mean(axis=(0, 1)))
+    np.testing.assert_allclose(colour, 255 * mean, atol=2)
     views = see(square(), colour="never")
     assert np.ptp(views.colour[views.mask], axis=-1).max() == 0
-    found = set(stored(views.colour[views.mask])[:, 0])
-    assert {218, 34} <= found
-    assert (min(found), max(found)) == (34, 218)
+    found = stored(views.colour[views.mask])[:, 0]
+    assert (found.min(), found.max()) == (34, 218)

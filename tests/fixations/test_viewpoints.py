@@ -27,7 +27,7 @@ def test_fibonacci_sphere_is_even(count):
     cameras = place_cameras(ViewpointParameters(arrangement="fibonacci", count=count))
     eyes = np.array([camera.eye for camera in cameras]) / 3.0
     assert len(eyes) == count
-    assert np.linalg.norm(eyes.mean(axis=0)) < 1.2 / np.sqrt(count) ** 1.0
+    assert np.linalg.norm(eyes.mean(axis=0)) < 1.2 / np.sqrt(count)
     if count > 1:
         gaps = np.linalg.norm(eyes[:, None] - eyes[None], axis=2) + 9 * np.eye(count)
         # The densest packing of n caps has gaps of about sqrt(8 pi / (sqrt(3) n)).
@@ -61,26 +61,12 @@ def test_rays_fill_the_field_of_view(projection, resolution):
     np.testing.assert_allclose(directions @ camera.axes[2], -1.0)
 
 
-@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
-def test_the_rays_of_some_pixels_are_theirs_among_all(projection):
-    camera = Camera(30.0, 20.0, 3.0, 40.0, projection, 10.0)
-    pixels = np.array([0, 5, 77, 255])
-    for some, every in zip(camera.rays(16, pixels), camera.rays(16), strict=True):
-        np.testing.assert_array_equal(some, every[pixels])
-
-
 def test_the_window_is_the_rectangle_of_pixels_around_the_points():
     camera = Camera(0.0, 0.0, 3.0, 40.0)
     rows, columns = np.divmod(camera.window(np.array([[0.5, 0.25, 0.0], [0.6, 0.3, 0.1]]), 64), 64)
     assert (rows.min(), rows.max(), columns.min(), columns.max()) == (22, 25, 46, 50)
     assert len(rows) == 4 * 5
     assert not len(camera.window(np.zeros((0, 3)), 64))
-
-
-def test_the_window_is_the_whole_view_where_a_point_is_not_in_front_of_the_camera():
-    points = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 3.0]])
-    assert len(Camera(0.0, 0.0, 3.0, 40.0).window(points, 8)) == 64
-    assert len(Camera(0.0, 0.0, 3.0, 40.0, "orthographic").window(points, 8)) < 64
 
 
 def test_an_elevation_beyond_the_poles_is_refused():

@@ -38,6 +38,7 @@ def test_a_planted_feature_is_found_on_objects_held_out(planted):
     for one in made:
         assert max(weights[one.name], key=weights[one.name].get) == planted
     assert min(scores(made, weights, "correlation")) > 0.8
+    assert min(scores(made, weights, "auc_top")) > 0.8
 
 
 def test_a_planted_weight_is_found_again():
@@ -49,8 +50,7 @@ def test_a_feature_that_people_avoid_gets_a_weight_below_zero_and_a_channel_none
     found = fit_predictor(objects("height", strength=-2.0), FEATURES, (), PENALTY)
     assert found["height"] < -1
     found = fit_predictor(objects("edge", strength=-2.0), FEATURES, (), PENALTY)
-    assert found["edge"] == 0
-    assert min(found[name] for name in CHANNELS) == 0
+    assert found["edge"] == min(found[name] for name in CHANNELS) == 0
 
 
 def test_shuffled_gaze_gives_chance():
@@ -60,8 +60,6 @@ def test_shuffled_gaze_gives_chance():
     by_chance = scores(made, weights, "auc_top")
     error = np.std(by_chance) / np.sqrt(len(by_chance))
     assert abs(np.mean(by_chance) - 0.5) < 3 * error
-    planted = objects("curvature", 24)
-    assert min(scores(planted, weights_of(planted, HUMAN, GAZE), "auc_top")) > 0.8
 
 
 @pytest.mark.parametrize(("name", "folds"), [("human", 6), ("chosen", 3)])

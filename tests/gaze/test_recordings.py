@@ -6,6 +6,7 @@ from visuohaptic.gaze.recordings import find_recordings, read_recording
 
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]])
 NORMALS = np.array([[0.0, 0, 2], [0, 3, 0], [1, 0, 0]])
+UNIT = NORMALS / [[2], [3], [1]]
 SECONDS = np.array([0.0, 0.5, 0.25])
 LARGEST = 0.01
 
@@ -14,6 +15,11 @@ def write(path, *columns):
     path.parent.mkdir(parents=True, exist_ok=True)
     np.savetxt(path, np.column_stack(columns))
     return path
+
+
+def check(found, points, normals):
+    np.testing.assert_equal((found.points, found.normals), (points, normals))
+    np.testing.assert_array_equal(found.seconds, SECONDS)
 
 
 @pytest.mark.parametrize(
@@ -28,21 +34,12 @@ def write(path, *columns):
 def test_the_number_of_columns_says_what_a_text_holds(tmp_path, columns):
     found = read_recording(write(tmp_path / "cup.txt", *columns))
     assert found.name == "cup"
-    np.testing.assert_array_equal(found.seconds, SECONDS)
-    assert (found.normals is not None) == (len(columns) > 2)
-    assert (found.points is not None) == (len(columns) > 1)
-    if found.points is not None:
-        np.testing.assert_array_equal(found.points, POINTS)
-    if found.normals is not None:
-        np.testing.assert_allclose(found.normals, NORMALS / [[2], [3], [1]])
+    check(found, POINTS if len(columns) > 1 else None, UNIT if len(columns) > 2 else None)
 
 
-def test_an_archive_says_the_same_as_the_text(tmp_path):
+def test_an_archive_says_the_same_as_a_text(tmp_path):
     np.savez(tmp_path / "cup.npz", points=POINTS, normals=NORMALS, seconds=SECONDS)
-    packed = read_recording(tmp_path / "cup.npz")
-    text = read_recording(write(tmp_path / "cup.txt", POINTS, NORMALS, SECONDS))
-    for name in ("points", "normals", "seconds"):
-        np.testing.assert_array_equal(getattr(packed, name), getattr(text, name))
+    check(read_recording(tmp_path / "cup.npz"), POINTS, UNIT)
 
 
 @pytest.mark.parametrize(
@@ -50,11 +47,9 @@ def test_an_archive_says_the_same_as_the_text(tmp_path):
     [
         ("1 2\n3 4\n", "2 columns; 1, 4, 7, 8"),
         ("1 2 3 x\n", "'x'"),
-        ("1 2 3 4\n1 2\n", "columns"),
         ("", "no data"),
         ("0 0 0 nan\n", "seconds"),
         ("0 0 0 -1\n", "below 0"),
-        ("0 0 inf 1\n", "points"),
         ("0 0 0 0\n", "none above"),
         ("1\n" * 10_000, r"larger than 0\.01 MB"),
         ({"points": POINTS}, "no array `seconds`"),

@@ -21,17 +21,12 @@ PARAMETERS = one_classifier(RecognitionParameters(), "support_vector_machine")
 def fitted(descriptors, labels, owners, classes=3, parameters=PARAMETERS):
     training = (labels, owners, classes, parameters)
     projection, fits = fit_best_classifiers(descriptors, *training, np.random.default_rng(0))
-    sequences = touched(descriptors, labels, owners, classes)
+    names = [f"imprint_{place}" for place in range(descriptors.shape[1])]
+    sequences = sequences_of(descriptors[:, None], names, labels, owners, classes)
     calibration = fit_calibration(
         sequences, descriptors, parameters, projection, np.random.default_rng(0)
     )
     return projection, fits[0][1], calibration
-
-
-def touched(descriptors, labels, owners, classes):
-    """Take descriptors for sequences of one touch with these features."""
-    names = [f"imprint_{place}" for place in range(descriptors.shape[1])]
-    return sequences_of(descriptors[:, None], names, labels, owners, classes)
 
 
 def assessed(model, rows, coverage):
@@ -68,12 +63,6 @@ def test_a_class_is_left_out_of_a_set_from_the_least_number_of_objects_on(covera
         assert (worst[0] > 1 - coverage + 1e-12) == held
 
 
-def test_a_class_with_enough_objects_is_compared_with_them_and_another_with_all():
-    own = calibrated([0.1] * 9 + [0.9] * 3, [0] * 9 + [1] * 3)
-    p_values = own.p_values(0, np.array([0.5, 0.5, 0.5]), 0.9)
-    np.testing.assert_allclose(p_values, [0.1, 4 / 13, 4 / 13])
-
-
 @pytest.mark.slow
 def test_sets_hold_the_class_of_new_objects_as_often_as_stated():
     descriptors, labels, owners = clusters(objects=(60, 60, 60), separation=0.12, sequences=4)
@@ -102,12 +91,14 @@ def test_known_objects_are_seldom_called_unknown_and_far_ones_are():
     assert strange.strangeness == pytest.approx(1 - 1 / 46)
 
 
-def test_the_set_holds_the_classes_that_fit_better_than_the_coverage_leaves_out():
+def test_a_class_with_enough_objects_is_compared_with_them_and_another_with_all():
     own = calibrated([0.1] * 9 + [0.9] * 3, [0] * 9 + [1] * 3)
-    trained = np.array([0, 1])
+    p_values = own.p_values(0, np.array([0.5, 0.5, 0.5]), 0.9)
+    np.testing.assert_allclose(p_values, [0.1, 4 / 13, 4 / 13])
+    # A set holds what fits better, of the classes 0 and 1 that training had.
     for probability, held in ((0.9, [True, True, False]), (0.89, [False, True, False])):
-        found = own.prediction_set(np.array([probability, 0.2, 0.5]), trained, 1, 0.9)
-        assert found.tolist() == held
+        answer = np.array([probability, 0.2, 0.5])
+        assert own.prediction_set(answer, np.array([0, 1]), 1, 0.9).tolist() == held
 
 
 def test_an_object_whose_class_has_no_other_has_no_part_in_what_is_compared_with():

@@ -26,44 +26,39 @@ def check_memory(memory, settings, sequences=SEQUENCES):
     assert drawn.bit_generator.state == alone.bit_generator.state
 
 
+OTHER_WAYS = (
+    RecognitionParameters(touch_scaling="standardise"),
+    parameters(final_radius=0.4),
+    parameters(output="lattice", outputs=3),
+)
+
+
 @pytest.mark.parametrize("training", ["batch", "online"])
-def test_outputs_that_share_a_map_are_as_without_memory(training):
+def test_outputs_that_share_a_map_are_as_without_memory_and_no_other_way_is_confused(training):
     memory = FitMemory(1000)
     # MiniSom has two axes at most.
     outputs = [name for name in MAPS.names if (name, training) != ("lattice", "online")]
     for output in ("feature_groups", *outputs):
         check_memory(memory, parameters(output=output, training=training, online_epochs=1))
     assert len(memory._held) == len(outputs) - 1  # one is another, read in another way
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"touch_scaling": "standardise"},
-        {"self_organising_map": {"final_radius": 0.4}},
-        {"self_organising_map": {"output": "lattice", "outputs": 3}},
-    ],
-)
-def test_other_ways_to_a_map_are_not_confused(change):
-    memory = FitMemory(1000)
-    for settings in (parameters(), RecognitionParameters.model_validate(change)):
-        check_memory(memory, settings)
+    for other in OTHER_WAYS:
+        check_memory(memory, other)
     check_memory(memory, parameters(), SEQUENCES[:12])
 
 
-def almost_alike():
-    """Give a touch of each of six objects, and sequences of it that differ by rounding."""
+def almost_alike(**som):
+    """Give a touch of each of six objects, sequences of it that differ by rounding, and their encoder."""
     touch = np.random.default_rng(0).normal(size=(6, 22))
     alike = np.repeat(touch[:, None], 5, axis=1)
-    return touch, alike * (1 + 1e-15 * np.random.default_rng(1).uniform(-1, 1, alike.shape))
+    alike *= 1 + 1e-15 * np.random.default_rng(1).uniform(-1, 1, alike.shape)
+    return touch, alike, fit_sequence_encoder(alike, parameters(**som), np.random.default_rng(0))
 
 
 def test_touches_that_are_all_alike_are_so_after_reduction_even_where_a_groups_mean_is_small():
-    """The group's features cancel each other, so their rounding is large beside their mean."""
-    touch, alike = almost_alike()
-    fitted = fit_sequence_encoder(alike, RecognitionParameters(), np.random.default_rng(0))
+    touch, alike, fitted = almost_alike()
     scaled = fitted.touch_scaling.apply(touch)
-    # Between two features of one group there is a share at which they cancel all but a ten thousandth.
+    # Between two features of one group there is a share at which they cancel all but a ten thousandth,
+    # so that their rounding is large beside their mean.
     group = np.full((22, 1), 1 / 22)
     group[0] -= scaled[0] @ group[:, 0] * (1 - 1e-5) / scaled[0, 0]
     cancelling = replace(fitted, reduction=FeatureGroups(group))
@@ -72,27 +67,25 @@ def test_touches_that_are_all_alike_are_so_after_reduction_even_where_a_groups_m
 
 
 def test_touches_that_are_all_alike_have_one_distance_from_a_unit():
-    _, alike = almost_alike()
-    chosen = RecognitionParameters(self_organising_map={"output": "unit_distances"})
-    fitted = fit_sequence_encoder(alike, chosen, np.random.default_rng(0))
+    _, alike, fitted = almost_alike(output="unit_distances")
     assert np.ptp(fitted.reduction.distances(fitted.touch_scaling.apply(alike[0]))).max() > 0
     assert np.ptp(fitted.reduce(alike), axis=1).max() == 0
 
 
+def scaled(values, scaling):
+    settings = RecognitionParameters(touch_scaling=scaling)
+    return fit_sequence_encoder(values, settings, np.random.default_rng(0))
+
+
 def test_a_groups_mean_that_is_rounding_alone_is_0():
-    values = np.random.default_rng(0).normal(size=(6, 5, 22))
+    values = SEQUENCES.copy()
     values[..., 1] = -values[..., 0] * (1 + 1e-15)
-    parameters = RecognitionParameters(touch_scaling="none")
-    fitted = fit_sequence_encoder(values, parameters, np.random.default_rng(0))
-    pair = np.zeros((22, 1))
-    pair[:2] = 0.5
-    assert not replace(fitted, reduction=FeatureGroups(pair)).reduce(values).any()
+    pair = FeatureGroups(0.5 * np.eye(6)[:, :2].sum(axis=1, keepdims=True))
+    assert not replace(scaled(values, "none"), reduction=pair).reduce(values).any()
 
 
 def test_touches_that_differ_keep_every_digit():
-    values = np.random.default_rng(0).normal(size=(6, 5, 22))
-    standardised = RecognitionParameters(touch_scaling="standardise")
-    fitted = fit_sequence_encoder(values, standardised, np.random.default_rng(0))
+    fitted = scaled(SEQUENCES, "standardise")
     # As one product of all touches: a BLAS may round a product a sequence otherwise.
-    plain = fitted.touch_scaling.apply(values.reshape(-1, 22)) @ fitted.reduction.weights
-    assert np.array_equal(fitted.reduce(values).reshape(-1, 5), plain)
+    plain = fitted.touch_scaling.apply(SEQUENCES.reshape(-1, 6)) @ fitted.reduction.weights
+    assert np.array_equal(fitted.reduce(SEQUENCES).reshape(len(plain), -1), plain)

@@ -41,22 +41,14 @@ def test_answers_are_scikit_learns(rows, classes):
     tested, _ = draw(50, 6, classes, seed=1)
     floor = variance_floor(features)
     chosen = ClassifierParameters(bayes_smoothing=0.01, discriminant_regularisation="always")
+    shared = Regularised(0.1, "mean_variance", floor)
+    own = Regularised("ledoit_wolf", "own_variances", floor)
+    linear = LinearDiscriminantAnalysis(solver="lsqr", covariance_estimator=shared)
+    quadratic = QuadraticDiscriminantAnalysis(solver="eigen", covariance_estimator=own, tol=0)
     pairs = [
         (gaussian.fit_naive_bayes, GaussianNB(var_smoothing=0.01)),
-        (
-            gaussian.fit_linear_discriminant,
-            LinearDiscriminantAnalysis(
-                solver="lsqr", covariance_estimator=Regularised(0.1, "mean_variance", floor)
-            ),
-        ),
-        (
-            gaussian.fit_quadratic_discriminant,
-            QuadraticDiscriminantAnalysis(
-                solver="eigen",
-                covariance_estimator=Regularised("ledoit_wolf", "own_variances", floor),
-                tol=0,
-            ),
-        ),
+        (gaussian.fit_linear_discriminant, linear),
+        (gaussian.fit_quadratic_discriminant, quadratic),
     ]
     for fit, theirs in pairs:
         ours, _ = fit(chosen, features, labels, 0)

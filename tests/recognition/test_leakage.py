@@ -8,8 +8,7 @@ import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
 from sklearn import config_context
 
-from visuohaptic.recognition import classifiers, experiment, tuning
-from visuohaptic.recognition.encoding import fit_sequence_encoder
+from visuohaptic.recognition import experiment, tuning
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import gather_sequences
 from visuohaptic.recognition.splits import make_splits
@@ -17,6 +16,12 @@ from visuohaptic.recognition.splits import make_splits
 PARAMETERS = RecognitionParameters()
 SEQUENCES = gather_sequences(features_table(separation=2.0), PAPER_FEATURES, 5)
 SPLITS = make_splits(SEQUENCES, PARAMETERS.protocol, np.random.default_rng(0))[::27]
+
+
+FITTING = {
+    experiment: ("fit_classifier", "fit_sequence_encoder"),
+    tuning: ("fit_classifier", "fit_projection", "fit_tuned_classifier"),
+}
 
 
 def changed(split, change):
@@ -31,7 +36,7 @@ def relabelled(split):
     objects = list(SEQUENCES.objects)
     tested = np.unique(SEQUENCES.object_index[split.test])
     for place, other in zip(tested, np.roll(tested, -1), strict=True):
-        objects[place] = (SEQUENCES.objects[other][0], objects[place][1])
+        objects[place] = SEQUENCES.objects[other]
     return replace(SEQUENCES, objects=tuple(objects))
 
 
@@ -48,14 +53,11 @@ def everything_fitted(pipeline, sequences, split, monkeypatch):
         return wrapper
 
     with monkeypatch.context() as patch, config_context(assume_finite=True):
-        for module in (experiment, tuning):
-            patch.setattr(module, "fit_classifier", catching(classifiers.fit_classifier))
-        patch.setattr(tuning, "fit_projection", catching(tuning.fit_projection))
-        patch.setattr(tuning, "fit_tuned_classifier", catching(tuning.fit_tuned_classifier))
-        patch.setattr(experiment, "fit_sequence_encoder", catching(fit_sequence_encoder))
-        generator = np.random.default_rng(5)
+        for module, names in FITTING.items():
+            for name in names:
+                patch.setattr(module, name, catching(getattr(module, name)))
         answer = experiment.split_runner(sequences, PARAMETERS, 6, pipeline)
-        list(answer(split, generator))
+        list(answer(split, np.random.default_rng(5)))
     return caught
 
 
@@ -84,8 +86,6 @@ CHANGES = {
     "test data replaced": lambda split: changed(split, np.ones_like),
     "test data huge": lambda split: changed(split, lambda values: 1e6 * values),
 }
-
-
 CASES = [
     pytest.param(*case, marks=pytest.mark.slow if place else ())
     for place, case in enumerate(itertools.product(["paper", "best"], CHANGES, SPLITS))

@@ -1,6 +1,6 @@
 """Models that are saved, read, and refused."""
 
-import io
+import functools
 import pickle
 import zipfile
 
@@ -25,6 +25,10 @@ SAFE = {
 }  # fmt: skip
 
 
+def fit(table, classifier, pipeline="best"):
+    return recognition.fit_model(table, pipeline, classifier, PARAMETERS, 1)
+
+
 def rows_of(table, category, name):
     return recognition.select(table, **{"class": category, "object": name})
 
@@ -34,7 +38,7 @@ def rows_of(table, category, name):
 def test_a_model_is_saved_and_answers_the_same_bit_for_bit_or_is_refused(
     pipeline, classifier, tmp_path
 ):
-    model = recognition.fit_model(TABLE, pipeline, classifier, PARAMETERS, 1)
+    model = fit(TABLE, classifier, pipeline)
     path = tmp_path / "models" / "a.skops"
     # Of a plug-in's classifier nothing is known: it may be saved, too.
     refused = ""
@@ -51,22 +55,14 @@ def test_a_model_is_saved_and_answers_the_same_bit_for_bit_or_is_refused(
     loaded = recognition.load_model(path)
     unseen = rows_of(OTHER, "class1", "object3")
     assert loaded.answer(unseen) == model.answer(unseen)
-    assert loaded.objects == model.objects
-    assert loaded.feature_names == model.feature_names
+    for name in ("objects", "feature_names", "versions", "parameters"):
+        assert getattr(loaded, name) == getattr(model, name)
     assert set(loaded.versions) >= {"visuohaptic", "numpy", "scikit-learn", "python"}
-    assert loaded.parameters == PARAMETERS
 
 
 class Mischief:
     def __reduce__(self):
         return (print, ("this must not run",))
-
-
-def zipped():
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w") as archive:
-        archive.writestr("a", "b")
-    return content.getvalue()
 
 
 @pytest.mark.parametrize(
@@ -76,7 +72,6 @@ def zipped():
         (pickle.dumps(Mischief()), "is no whole"),
         (skops.io.dumps({"format": "something else"}), "is a 'something else'"),
         (skops.io.dumps({"format": FORMAT}), "KeyError.*model"),
-        (zipped(), "is no whole"),
         (None, "is no whole"),
     ],
 )
@@ -106,7 +101,7 @@ def test_a_small_file_that_unpacks_to_a_large_one_is_refused_before_it_is_unpack
 
 def test_single_class_can_not_be_learnt():
     with pytest.raises(RecognitionError, match="one class"):
-        recognition.fit_model(features_table(objects=(3,)), "best", "naive_bayes", PARAMETERS, 1)
+        fit(features_table(objects=(3,)), "naive_bayes")
 
 
 def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
@@ -114,7 +109,7 @@ def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
     states = generator.choice(["full", "shrunk", "blocked"], size=TABLE.num_rows)
     table = with_column(TABLE, "contact_state", states)
     table = with_column(table, "sensor_size", generator.uniform(0.02, 0.3, TABLE.num_rows))
-    model = recognition.fit_model(table, "best", "naive_bayes", PARAMETERS, 1)
+    model = fit(table, "naive_bayes")
     assert {"sensor_size", "contact_full", "contact_blocked"} <= set(model.feature_names)
     assert recognition.run_pipeline(table, PARAMETERS, 1, "paper")[0].num_rows == 9 * 5
     model.recognise(rows_of(table, "class0", "object0"))
@@ -123,7 +118,7 @@ def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
 @pytest.mark.parametrize("touches", [1, 2, 5, 7])
 def test_any_number_of_touches_of_an_object_that_was_not_learnt_gets_an_answer(touches):
     longer = features_table(objects=(4, 4), touches=touches, separation=3.0, seed=7)
-    model = recognition.fit_model(TABLE, "best", "linear_discriminant", PARAMETERS, 1)
+    model = fit(TABLE, "linear_discriminant")
     assert ("class1", "object3") not in model.objects
     unseen = rows_of(longer, "class1", "object3")
     for rows in (unseen, recognition.select(unseen, viewpoint=0)):
@@ -152,13 +147,11 @@ def test_a_model_whose_parts_do_not_belong_together_is_refused_in_a_sentence(
     tmp_path, part, change, reason
 ):
     path = tmp_path / "m.skops"
-    model = recognition.fit_model(TABLE, "best", "support_vector_machine", PARAMETERS, 1)
-    recognition.save_model(model, path)
+    recognition.save_model(fit(TABLE, "support_vector_machine"), path)
     state = skops.io.loads(path.read_bytes())
-    inside = state["model"]
-    for name in part[:-1]:
-        inside = inside[name]
-    inside[part[-1]] = change(inside[part[-1]])
+    *above, last = ("model", *part)
+    inside = functools.reduce(dict.get, above, state)
+    inside[last] = change(inside[last])
     path.write_bytes(skops.io.dumps(state))
     with pytest.raises(RecognitionError, match=f"is no whole .*{reason}"):
         recognition.load_model(path)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from recognition.synthetic import clusters
+from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import (
@@ -50,8 +51,6 @@ def test_choices_are_even_distinct_each_place_is_in_as_many_and_the_first_hold_a
 
 @pytest.mark.parametrize("objects", [(6, 10), (3, 3, 3)])
 def test_scores_of_a_bag_are_the_discriminants_own_on_its_mean(objects):
-    from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
-
     rows, labels, owners = clusters(objects=objects, columns=3, separation=0.1)
     bags = fit_bag_classifier(rows, labels, owners, (8,))
     means = rows.reshape(-1, 8, rows.shape[1]).mean(axis=1)
@@ -101,11 +100,9 @@ def test_without_bags_an_answer_is_the_mean_probability_and_votes_that_tie_have_
 
 def test_a_class_that_training_lacked_has_no_probability():
     rows, labels, owners = clusters(objects=(3, 3))
-    _, fits = fit_best_classifiers(
-        rows, labels * 2, owners, 3,
-        RecognitionParameters(best=BestParameters(classifiers=("support_vector_machine",))),
-        np.random.default_rng(0),
-    )  # fmt: skip
+    chosen = RecognitionParameters(best={"classifiers": ["support_vector_machine"]})
+    training = (rows, labels * 2, owners, 3)
+    _, fits = fit_best_classifiers(*training, chosen, np.random.default_rng(0))
     found = fits[0][1].ballots(rows).together(np.ones((1, len(rows)), dtype=bool))
     assert found[0, 1] < 1e-20
     assert found.sum() == pytest.approx(1)

@@ -13,6 +13,8 @@ from visuohaptic.recognition.self_organising_map import (
     line,
 )
 
+BATCH = SelfOrganisingMapParameters()
+
 
 def touches(count=120, columns=22, seed=0):
     generator = np.random.default_rng(seed)
@@ -42,7 +44,7 @@ def test_ordering_passes_equal_minisom_batch_training(places, shape):
 
 def test_batch_map_is_converged():
     data = touches()
-    settled = fit_batch_map(data, line(5), SelfOrganisingMapParameters())
+    settled = fit_batch_map(data, line(5), BATCH)
     longer = fit_batch_map(data, line(5), SelfOrganisingMapParameters(settling_epochs=1000))
     np.testing.assert_array_equal(settled.weights, longer.weights)
     neighbourhood = np.exp(-((line(5) - line(5).T) ** 2) / (2 * 0.5**2))
@@ -51,18 +53,9 @@ def test_batch_map_is_converged():
     np.testing.assert_allclose(settled.weights, fixed_point, rtol=1e-12, atol=1e-12)
 
 
-def test_units_of_a_line_keep_the_order_of_points_on_a_curve():
-    angle = np.random.default_rng(0).uniform(0, np.pi, size=300)
-    data = np.column_stack([np.cos(angle), np.sin(angle)])
-    fitted = fit_batch_map(data, line(5), SelfOrganisingMapParameters())
-    places = np.arctan2(fitted.weights[:, 1], fitted.weights[:, 0])
-    steps = np.diff(places)
-    assert np.all(steps > 0) or np.all(steps < 0)
-
-
 def test_distances_and_nearest_unit_agree():
     data = touches()
-    fitted = fit_batch_map(data, line(5), SelfOrganisingMapParameters())
+    fitted = fit_batch_map(data, line(5), BATCH)
     expected = np.linalg.norm(data[:, None, :] - fitted.weights, axis=2)
     np.testing.assert_allclose(fitted.distances(data), expected)
     np.testing.assert_array_equal(fitted.nearest(data), expected.argmin(axis=1))
@@ -79,13 +72,13 @@ def test_online_map_depends_on_the_seed_alone():
     assert not np.array_equal(first, other)
 
 
-@pytest.mark.parametrize("count", [1, 2, 4])
-def test_fewer_touches_than_units_still_give_a_finite_map(count):
-    fitted = fit_batch_map(touches(count=count), line(5), SelfOrganisingMapParameters())
-    assert np.isfinite(fitted.weights).all()
+TWO_PLACES = np.repeat([[0.0, 0.0], [1.0, 1.0]], 5, axis=0)
+TINY = SelfOrganisingMapParameters(initial_radius=0.02, final_radius=0.01)
 
 
-def test_tiny_final_radius_leaves_units_without_touches_finite():
-    data = np.repeat([[0.0, 0.0], [1.0, 1.0]], 5, axis=0)
-    parameters = SelfOrganisingMapParameters(initial_radius=0.02, final_radius=0.01)
+@pytest.mark.parametrize(
+    ("data", "parameters"),
+    [(touches(count=1), BATCH), (touches(count=4), BATCH), (TWO_PLACES, TINY)],
+)
+def test_units_without_touches_are_finite(data, parameters):
     assert np.isfinite(fit_batch_map(data, line(5), parameters).weights).all()

@@ -9,6 +9,7 @@ from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
 
 NAMES = ("contourlet_01", *POINT_NAMES, *NORMAL_NAMES, "imprint_mean", "imprint_empty")
 OWNERS = np.array([1, 0, 1, 0, 2])
+NEW = np.random.default_rng(1).normal(size=(7, len(NAMES)))
 
 
 def touches():
@@ -29,15 +30,11 @@ def chamfer(one, other):
 def test_the_nearest_object_is_found_by_the_mean_of_both_ways():
     sequences = touches()
     known = kept(sequences, {"pose"})
-    new = np.random.default_rng(1).normal(size=(7, len(NAMES)))
-    by_hand = [
-        chamfer(
-            new * known.weights,
-            (sequences[owner == OWNERS] * known.weights).reshape(-1, len(NAMES)),
-        )
-        for owner in range(3)
+    weighted = [
+        known.weights * sequences[owner == OWNERS].reshape(-1, len(NAMES)) for owner in range(3)
     ]
-    assert known.nearest(new) == pytest.approx(min(by_hand), rel=1e-5)
+    by_hand = min(chamfer(known.weights * NEW, one) for one in weighted)
+    assert known.nearest(NEW) == pytest.approx(by_hand, rel=1e-5)
 
 
 def test_a_known_object_is_at_no_distance_in_any_order_of_its_touches():
@@ -61,7 +58,6 @@ def test_positions_normals_and_what_is_felt_have_their_weights():
 @pytest.mark.parametrize("cues", [{"contourlet"}, {"azimuth_free"}])
 def test_pose_is_not_looked_at_without_a_cue_that_holds_it(cues):
     known = kept(touches(), cues)
-    new = np.random.default_rng(1).normal(size=(7, len(NAMES)))
-    moved = new.copy()
+    moved = NEW.copy()
     moved[:, 1:7] += 5
-    assert known.nearest(moved) == known.nearest(new)
+    assert known.nearest(moved) == known.nearest(NEW)

@@ -9,13 +9,9 @@ from recognition.synthetic import features_table
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.parameters import (
-    IntervalParameters,
-    ProtocolParameters,
-    RecognitionParameters,
-)
+from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
 from visuohaptic.tables.phases import PREDICTIONS, SCORES
-from visuohaptic.tables.schema import build_table
+from visuohaptic.tables.schema import build_rows
 
 PARAMETERS = RecognitionParameters(
     protocol=ProtocolParameters(protocol="leave_one_object_a_class_out", maximum_splits=6),
@@ -23,40 +19,23 @@ PARAMETERS = RecognitionParameters(
 )
 
 
-def run(strategies=("fixation", "random"), objects=(3, 3, 3), pipeline="paper"):
-    runs = [
-        recognition.run_pipeline(
-            features_table(name, objects, separation=1 + seed, seed=seed), PARAMETERS, 1, pipeline
-        )
-        for seed, name in enumerate(strategies)
-    ]
+def both(*runs):
     return tuple(pa.concat_tables(parts) for parts in zip(*runs, strict=True))
 
 
 def answers(named, strategy="fixation"):
     """Tables of one classifier from {(class, object): the classes predicted}."""
-    rows = [
-        (category, name, viewpoint, predicted)
-        for (category, name), predictions in named.items()
-        for viewpoint, predicted in enumerate(predictions)
-    ]
     keys = {"pipeline": "paper", "strategy": strategy, "classifier": "naive_bayes"}
     keys |= {"split": 0, "seed": 0}
-    categories, names, viewpoints, predicted = zip(*rows, strict=True)
-    predictions = build_table(
-        PREDICTIONS,
-        {name: [value] * len(rows) for name, value in keys.items()}
-        | {"class": categories, "object": names, "viewpoint": viewpoints, "predicted": predicted}
-        | {"probability": [None] * len(rows), "voted": [None] * len(rows)},
-    )
-    right = [category == answer for category, _, _, answer in rows]
-    scores = build_table(
-        SCORES,
-        {name: [value] for name, value in keys.items()}
-        | {"accuracy": [np.mean(right)], "object_accuracy": [0.0], "sequences": [len(rows)]}
-        | {"note": [None]},
-    )
-    return scores, predictions
+    nothing = {"probability": None, "voted": None}
+    rows = [
+        keys | nothing | {"class": category, "object": name, "viewpoint": place, "predicted": one}
+        for (category, name), predicted in named.items()
+        for place, one in enumerate(predicted)
+    ]
+    right = float(np.mean([row["class"] == row["predicted"] for row in rows]))
+    figures = {"accuracy": right, "object_accuracy": 0.0, "sequences": len(rows), "note": None}
+    return build_rows(SCORES, [keys | figures]), build_rows(PREDICTIONS, rows)
 
 
 @pytest.mark.parametrize(
@@ -66,7 +45,13 @@ def answers(named, strategy="fixation"):
 def test_means_are_the_means_over_splits_whatever_the_classes_and_the_vote(
     pipeline, objects, counts
 ):
-    scores, predictions = run(("fixation", "random"), objects, pipeline)
+    runs = [
+        recognition.run_pipeline(
+            features_table(strategy, objects, separation=2, seed=seed), PARAMETERS, 1, pipeline
+        )
+        for seed, strategy in enumerate(("fixation", "random"))
+    ]
+    scores, predictions = both(*runs)
     results = recognition.summarise(scores, predictions)["results"][pipeline]
     assert set(results) == {"fixation", "random"}
     for strategy, cells in results.items():
@@ -105,34 +90,26 @@ def test_comparison_is_fixation_minus_the_other_strategy():
         {("cup", "a"): ["cup", "cup", "car", "car"], ("car", "c"): ["car"] * 3 + ["cup"]},
         strategy="random",
     )
-    scores, predictions = (pa.concat_tables(parts) for parts in zip(good, bad, strict=True))
-    compared = recognition.summarise(scores, predictions)["comparisons"]["paper"]["naive_bayes"]
+    compared = recognition.summarise(*both(good, bad))["comparisons"]["paper"]["naive_bayes"]
     assert compared["random"]["difference"]["mean"] == pytest.approx(3 / 8)
     assert compared["random"]["p_value"] == 0.5
     assert compared["random"]["objects"] == 2
 
 
+FIRST = answers({("cup", "a"): ["cup", "car"], ("cup", "d"): ["cup"], ("car", "c"): ["car"]})
+SECOND = answers({("cup", "b"): ["cup"], ("car", "c"): ["car"]}, strategy="random")
+
+
 def test_order_of_rows_changes_nothing_and_all_of_it_is_json():
-    scores, predictions = run()
-    shuffled = predictions.take(np.random.default_rng(0).permutation(predictions.num_rows))
-    first = recognition.summarise(scores, predictions, IntervalParameters(), 3)
-    second = recognition.summarise(
-        scores.take(np.arange(scores.num_rows)[::-1]), shuffled, IntervalParameters(), 3
+    first, second = (
+        json.dumps(recognition.summarise(*tables), sort_keys=True, allow_nan=False)
+        for tables in (FIRST, (FIRST[0], FIRST[1][::-1]))
     )
-    assert json.dumps(first, sort_keys=True, allow_nan=False) == json.dumps(
-        second, sort_keys=True, allow_nan=False
-    )
+    assert first == second
 
 
-def test_scores_and_predictions_of_different_runs_are_refused():
-    scores, predictions = run()
+def test_tables_of_different_runs_and_of_strategies_tested_on_other_objects_are_refused():
     with pytest.raises(RecognitionError, match="must come from one run"):
-        recognition.summarise(recognition.select(scores, strategy="random"), predictions)
-
-
-def test_strategies_tested_on_other_objects_are_not_compared():
-    first = answers({("cup", "a"): ["cup"], ("car", "c"): ["car"]})
-    second = answers({("cup", "b"): ["cup"], ("car", "c"): ["car"]}, strategy="random")
-    scores, predictions = (pa.concat_tables(parts) for parts in zip(first, second, strict=True))
+        recognition.summarise(SECOND[0], FIRST[1])
     with pytest.raises(RecognitionError, match="same objects"):
-        recognition.summarise(scores, predictions)
+        recognition.summarise(*both(FIRST, SECOND))

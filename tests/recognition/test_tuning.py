@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from recognition.synthetic import clusters
-from sklearn.linear_model import LogisticRegression
+from scipy.spatial.distance import pdist
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
@@ -17,14 +17,7 @@ from visuohaptic.recognition.classifiers import (
 )
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
-from visuohaptic.recognition.tuning import (
-    FoldFits,
-    class_scores,
-    fit_projection,
-    fit_tuned_classifier,
-    make_inner_folds,
-)
+from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature
 from visuohaptic.registry import Registry
 
 EVERY_CLASSIFIER = RecognitionParameters(best=BestParameters(classifiers=CLASSIFIERS.names))
@@ -32,36 +25,25 @@ EVERY_CLASSIFIER = RecognitionParameters(best=BestParameters(classifiers=CLASSIF
 
 def folds_of(descriptors, labels, owners, memory=None, **settings):
     generator = np.random.default_rng(0)
-    return make_inner_folds(
+    return tuning.make_inner_folds(
         descriptors, labels, owners, BestParameters(**settings), generator, memory
     )
 
 
 def tuned(name, descriptors, labels, folds, seed=0):
     """Tune a classifier that answers without one of bags."""
-    fits, generator = FoldFits(None, descriptors, labels), np.random.default_rng(seed)
-    return fit_tuned_classifier(name, RecognitionParameters(), fits, folds, 3, generator)[0]
+    fits, generator = tuning.FoldFits(None, descriptors, labels), np.random.default_rng(seed)
+    return tuning.fit_tuned_classifier(name, RecognitionParameters(), fits, folds, 3, generator)[0]
 
 
-def test_projection_keeps_distances_when_it_keeps_every_component():
-    descriptors, _, _ = clusters()
-    projection = fit_projection(descriptors, 1000)
-    projected = projection.apply(descriptors)
-    standard = (descriptors - descriptors.mean(axis=0)) / descriptors.std(axis=0)
-    np.testing.assert_allclose(
-        np.linalg.norm(projected[:, None] - projected, axis=2),
-        np.linalg.norm(standard[:, None] - standard, axis=2),
-        atol=1e-9,
-    )
-
-
-def test_projection_orders_components_by_variance_and_drops_empty_ones():
+def test_projection_keeps_distances_orders_components_by_variance_and_drops_empty_ones():
     descriptors, _, _ = clusters(columns=6)
     doubled = np.concatenate([descriptors, descriptors, np.ones((len(descriptors), 2))], axis=1)
-    projected = fit_projection(doubled, 64).apply(doubled)
-    variances = projected.var(axis=0)
+    projected = tuning.fit_projection(doubled, 64).apply(doubled)
     assert projected.shape[1] == 6
-    assert np.all(np.diff(variances) <= 0)
+    assert np.all(np.diff(projected.var(axis=0)) <= 0)
+    standard = (descriptors - descriptors.mean(axis=0)) / descriptors.std(axis=0)
+    np.testing.assert_allclose(pdist(projected), np.sqrt(2) * pdist(standard), atol=1e-9)
 
 
 def test_inner_folds_hold_out_whole_objects_and_project_without_them():
@@ -101,13 +83,14 @@ def test_every_classifier_gives_probabilities_also_of_a_class_it_never_saw(name)
 def test_the_setting_with_the_least_log_loss_wins_at_its_own_temperature():
     descriptors, labels, owners = clusters(separation=0.1)
     folds = folds_of(descriptors, labels, owners)
+    held_out = np.concatenate([fold.held_out_labels for fold in folds])
     losses = {}
     for count in CLASSIFIERS["k_nearest_neighbours"].grid["neighbours"]:
-        found = []
-        for fold in folds:
-            votes = KNeighborsClassifier(count).fit(fold.fits.train, fold.fits.labels)
-            found.append(class_scores(votes, fold.held_out, 3))
-        held_out = np.concatenate([fold.held_out_labels for fold in folds])
+        votes = KNeighborsClassifier(count)
+        found = [
+            tuning.class_scores(votes.fit(fold.fits.train, fold.fits.labels), fold.held_out, 3)
+            for fold in folds
+        ]
         losses[f"neighbours {count}"] = best_temperature(np.concatenate(found), held_out)
     chosen = tuned("k_nearest_neighbours", descriptors, labels, folds)
     assert chosen.setting == min(losses, key=losses.get) != next(iter(losses))
@@ -117,12 +100,8 @@ def test_the_setting_with_the_least_log_loss_wins_at_its_own_temperature():
 def test_scores_of_two_classes_favour_the_one_that_the_machine_names():
     descriptors, labels, _ = clusters(objects=(2, 2))
     machine = SVC().fit(descriptors, labels)
-    scores = class_scores(machine, descriptors, 2)
+    scores = tuning.class_scores(machine, descriptors, 2)
     np.testing.assert_array_equal(scores.argmax(axis=1), machine.predict(descriptors))
-    regression = LogisticRegression().fit(descriptors, labels)
-    np.testing.assert_allclose(
-        softmax(class_scores(regression, descriptors, 2)), regression.predict_proba(descriptors)
-    )
     assert scores.min() > LEAST_SCORE
 
 
@@ -134,10 +113,9 @@ def test_what_other_splits_have_fitted_changes_no_number():
     def probabilities(memory):
         found = []
         for turn, test in enumerate([*tested, *tested]):
-            projection, fits = tuning.fit_best_classifiers(
-                descriptors[~test], labels[~test], owners[~test], 3,
-                EVERY_CLASSIFIER, np.random.default_rng(turn % 3), memory,
-            )  # fmt: skip
+            training = (descriptors[~test], labels[~test], owners[~test], 3, EVERY_CLASSIFIER)
+            generator = np.random.default_rng(turn % 3)
+            projection, fits = tuning.fit_best_classifiers(*training, generator, memory)
             projected = projection.apply(descriptors[test])
             found += [classifier.ballots(projected).alone() for _, classifier, _ in fits]
         return np.array(found)
@@ -178,7 +156,7 @@ def test_a_classifier_that_counts_as_deterministic_is_the_same_with_every_seed(e
     scores = []
     for seed in range(5):
         fitted, _ = entry.fit(ClassifierParameters(), doubled, labels, seed)
-        scores.append(class_scores(fitted, shown, 3))
+        scores.append(tuning.class_scores(fitted, shown, 3))
     assert all(np.array_equal(found, scores[0]) for found in scores) == entry.deterministic
 
 

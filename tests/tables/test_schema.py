@@ -6,28 +6,24 @@ import pyarrow as pa
 import pytest
 
 from visuohaptic.errors import TableError
-from visuohaptic.tables.phases import FIXATIONS, TOUCHES
-from visuohaptic.tables.schema import build_table, images, matrix, read_table, write_table
+from visuohaptic.tables.phases import FIXATIONS
+from visuohaptic.tables.schema import build_table, images, read_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS
 
 
 def fixation_columns(count=5, viewpoint=0):
-    generator = np.random.default_rng(0)
-    points = generator.uniform(-0.5, 0.5, (count, 3))
+    places = np.linspace(-0.5, 0.5, count)
     return {
         "class": "cup",
         "object": "mug",
         "viewpoint": viewpoint,
         "strategy": "fixation",
         "touch": np.arange(count),
-        "pixel_row": np.arange(count),
-        "pixel_column": np.arange(count),
-        "face": np.arange(count),
+        **dict.fromkeys(("pixel_row", "pixel_column", "face"), np.arange(count)),
         "saliency": np.linspace(1, 0.5, count),
         "unreachable": [None] * count,
         "chance": "fixation",
-        **{axis: points[:, i] for i, axis in enumerate("xyz")},
-        **{f"normal_{axis}": points[:, i] for i, axis in enumerate("xyz")},
+        **dict.fromkeys(("x", "y", "z", "normal_x", "normal_y", "normal_z"), places),
     }
 
 
@@ -48,7 +44,6 @@ def test_a_folder_of_parts_reads_as_one_table_sorted_by_its_keys(tmp_path):
     ("column", "value", "sentence"),
     [
         ("x", np.full(5, np.nan), "column x has NaN or infinite values"),
-        ("x", np.full(5, np.inf), "column x has NaN or infinite values"),
         ("x", np.full(5, 2.0), "column x spans 2.0 to 2.0; -1.0001 to 1.0001 is allowed"),
         ("saliency", np.full(5, -0.1), "column saliency spans -0.1"),
         ("touch", np.arange(-1, 4), "column touch spans -1 to 3; 0 to anything is allowed"),
@@ -80,16 +75,11 @@ def test_a_refused_table_leaves_the_old_file_as_it_was(tmp_path):
     path = tmp_path / "mug.parquet"
     good = build_table(FIXATIONS, fixation_columns())
     write_table(FIXATIONS, good, path)
+    before = path.read_bytes()
     with pytest.raises(TableError, match="repeat the key"):
         write_table(FIXATIONS, pa.concat_tables([good, good]), path)
-    assert read_table(FIXATIONS, path).equals(good)
+    assert path.read_bytes() == before
     assert [file.name for file in tmp_path.iterdir()] == ["mug.parquet"]
-
-
-def test_the_same_table_gives_the_same_bytes(tmp_path):
-    for name in ("a", "b"):
-        write_table(FIXATIONS, build_table(FIXATIONS, fixation_columns()), tmp_path / name)
-    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
 def test_half_a_file_and_no_file_are_named(tmp_path):
@@ -111,14 +101,5 @@ def test_images_come_back_square_and_mixed_sizes_are_refused():
         images(mixed)
 
 
-def test_matrix_puts_columns_side_by_side():
-    table = pa.table({"a": [1, 2], "b": [3.5, 4.5]})
-    np.testing.assert_array_equal(matrix(table, ["b", "a"]), [[3.5, 1], [4.5, 2]])
-
-
 def test_every_schema_describes_each_column():
     assert all(column.description for schema in SCHEMAS.values() for column in schema.columns)
-
-
-def test_touch_tables_share_the_five_keys():
-    assert TOUCHES.keys == FIXATIONS.keys == ("class", "object", "viewpoint", "strategy", "touch")
