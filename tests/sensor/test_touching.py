@@ -152,23 +152,6 @@ def test_the_face_under_the_probe_gives_the_normal_where_it_is_named():
         np.testing.assert_array_equal(felt.normals, expected)
 
 
-def test_noise_stays_the_same_whatever_else_is_switched_on():
-    surface = sheet(lambda x, z: -0.3 * x**2 + 0 * z, half=0.4, cells=40)
-    points, normals, fields = probes_on(surface, 4, 0)
-    parameters = SensorParameters(normalisation="absolute", depth_range=2.0)
-    others = {"gain_scatter": 0.02, "dead_fraction": 0.05, "drift_per_decade": 0.05}
-
-    def images(**scene):
-        caster = RayCaster(surface)
-        return touch(caster, points, normals, parameters, Scene(**scene), fields).images
-
-    quiet, plain = images(), images(noise=0.01)
-    bare, rich = images(**others), images(noise=0.01, **others)
-    both = np.all([(image > 0) & (image < 1) for image in (quiet, plain, bare, rich)], axis=0)
-    assert both.mean() > 0.05
-    np.testing.assert_allclose((rich - bare)[both], (plain - quiet)[both], atol=3e-7)
-
-
 def test_a_random_scene_without_random_fields_is_refused():
     with pytest.raises(ParameterError, match="pass RandomFields"):
         touch_one(PLATE, (0, 0, 0), (0, 1, 0), Scene(noise=0.1))
