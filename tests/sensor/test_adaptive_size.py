@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from sensor.scenes import probes_on
+from sensor.scenes import probes_on, surfaces
 from sensor.shapes import PLATE, box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.geometry.raycasting import RayCaster
@@ -73,24 +73,9 @@ def test_the_mode_says_whether_the_square_adapts():
     np.testing.assert_array_equal(always.heights, auto.heights)
 
 
-@st.composite
-def bumpy_sheets(draw):
-    """A sheet of random waves with a random step in it: smooth, rough and broken ground."""
-    generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    waves = generator.normal(size=(6, 4)) * [0.05, 15, 15, 3]
-    step = draw(st.sampled_from([0.0, 0.03, -0.2, 0.4]))
-    edge = generator.uniform(-0.2, 0.2)
-
-    def height(x, z):
-        ground = sum(a * np.sin(b * x + c * z + d) for a, b, c, d in waves)
-        return ground + step * (x > edge)
-
-    return sheet(height, half=0.5, cells=draw(st.sampled_from([12, 60])))
-
-
 @pytest.mark.slow
 @settings(max_examples=25, deadline=None)
-@given(bumpy_sheets(), st.integers(0, 1000))
+@given(surfaces(kinds=("sheet", "boxes")), st.integers(0, 1000))
 def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, seed):
     points, normals, _ = probes_on(surface, 12, seed)
     caster, poses = RayCaster(surface), stand_on(points, normals)
