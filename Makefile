@@ -14,6 +14,8 @@ PROJECTS := pyproject.toml packages/contourlets/pyproject.toml
 READY := $(VENV)/.ready
 DEVELOP := $(VENV)/.ready-to-develop
 RUN := snakemake
+# Nothing runs, so that no profile is needed, nor Snakemake's line about it.
+ASK := snakemake --list-rules --quiet --workflow-profile none
 # Without the extra `dev`: what `make` sets up, and pytest.
 INSTALLED := .venv-run
 OUTER_PATH := $(PATH)
@@ -25,9 +27,9 @@ report: $(READY)
 
 # What would run now and why, and whether what is here is what today's parameters, code and sources give.
 why: $(READY)
-	@VISUOHAPTIC_ASKED=why snakemake --list-rules --quiet
+	@VISUOHAPTIC_ASKED=why $(ASK)
 verify: $(READY)
-	@VISUOHAPTIC_ASKED=verify snakemake --list-rules --quiet
+	@VISUOHAPTIC_ASKED=verify $(ASK)
 
 # The quick loop: under a minute on two cores.
 check: lint

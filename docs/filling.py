@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DOCS = Path(__file__).parent
 FIGURES = DOCS / "figures"
@@ -16,6 +19,23 @@ SETS = {"paper": "12 objects", "benchmark": "142 objects"}
 COLOURS = ("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e")
 
 Figures = Mapping[str, Any]
+Sets = Mapping[str, Figures]
+
+
+def fill_from_figures(
+    study: str,
+    page: Path,
+    blocks: Callable[[Sets], Mapping[str, str]],
+    picture: Path,
+    draw: Callable[[Sets], Figure],
+    of_run: Callable[[], Figures] | None = None,
+) -> None:
+    """Fill a page and draw its picture from the kept figures of a study; first keep those of the run if told to."""
+    if of_run and len(sys.argv) > 2:
+        keep_figures(study, of_run())
+    sets = kept_figures(study)
+    fill_page(page, blocks(sets))
+    draw(sets).savefig(picture, dpi=100)
 
 
 def kept_figures(study: str) -> dict[str, Figures]:

@@ -16,8 +16,7 @@ from filling import (
     Figures,
     accuracy,
     difference,
-    fill_page,
-    kept_figures,
+    fill_from_figures,
     points,
     share,
     table,
@@ -133,9 +132,8 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
     return figure
 
 
-def blocks() -> dict[str, str]:
+def blocks(found: Mapping[str, Figures]) -> dict[str, str]:
     """Give the tables of the page, by the names of their blocks."""
-    found = kept_figures("claims")
     return {
         "strategies": strategy_table(found["paper"]),
         "benchmark": strategy_table(found["benchmark"]),
@@ -146,5 +144,4 @@ def blocks() -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    fill_page(PAGE, blocks())
-    draw(kept_figures("claims")).savefig(PICTURE, dpi=100)
+    fill_from_figures("claims", PAGE, blocks, PICTURE, draw)

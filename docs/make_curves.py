@@ -7,7 +7,6 @@ date. `python docs/make_curves.py paper COMMAND` keeps those of the run that is 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 
 from filling import (
@@ -16,9 +15,7 @@ from filling import (
     Figures,
     commands,
     difference,
-    fill_page,
-    keep_figures,
-    kept_figures,
+    fill_from_figures,
     read_json,
     share,
     table,
@@ -103,15 +100,11 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
     return figure
 
 
-def blocks() -> dict[str, str]:
+def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
     """Give the tables of the page, by the names of their blocks."""
-    sets = kept_figures("curves")
     tables = {f"curves_{name}": curve_table(one) for name, one in sets.items()}
     return {**tables, "commands": commands(sets)}
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
-        keep_figures("curves", figures_of_run())
-    fill_page(PAGE, blocks())
-    draw(kept_figures("curves")).savefig(PICTURE, dpi=100)
+    fill_from_figures("curves", PAGE, blocks, PICTURE, draw, figures_of_run)

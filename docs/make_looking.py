@@ -7,7 +7,6 @@ keeps those of the run that is there.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 
 from filling import (
@@ -18,9 +17,7 @@ from filling import (
     accuracy,
     commands,
     difference,
-    fill_page,
-    keep_figures,
-    kept_figures,
+    fill_from_figures,
     read_json,
     table,
 )
@@ -190,9 +187,13 @@ def _draw_sights(axes: Axes, figures: Figures) -> None:
     axes.set_xlabel(f"sight; {figures['touches']} touches where the eye fixates")
 
 
-def blocks() -> dict[str, str]:
+def figures_of_run() -> Figures:
+    """Give what the page takes of the run that is there."""
+    return read_json(DOCS.parent / "reports" / "looking.json")
+
+
+def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
     """Give the tables of the page, by the names of their blocks."""
-    sets = kept_figures("looking")
     return {
         "sights": sight_table(sets),
         "gains": gain_table(sets),
@@ -203,7 +204,4 @@ def blocks() -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
-        keep_figures("looking", read_json(DOCS.parent / "reports" / "looking.json"))
-    fill_page(PAGE, blocks())
-    draw(kept_figures("looking")).savefig(PICTURE, dpi=100)
+    fill_from_figures("looking", PAGE, blocks, PICTURE, draw, figures_of_run)

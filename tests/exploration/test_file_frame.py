@@ -121,6 +121,19 @@ def test_a_wrong_file_of_poses_is_refused_in_a_sentence(tmp_path, text, sentence
         read_poses(tmp_path / "poses.csv")
 
 
+def test_a_file_of_more_poses_than_allowed_is_refused_before_it_is_read_whole(
+    tmp_path, monkeypatch
+):
+    file = tmp_path / "poses.csv"
+    # Of the lines behind the first megabyte none is read, so that the wrong one is not seen.
+    file.write_text("x,y,z,qw,qx,qy,qz\n" + "0,0,1,1,0,0,0\n" * 150_000 + "wrong\n")
+    monkeypatch.setattr("visuohaptic.exploration.pose_files.MOST_POSES", 2)
+    with pytest.raises(ParameterError, match=r"poses\.csv holds more than 2 poses"):
+        read_poses(file)
+    write_poses(np.tile(np.eye(4), (2, 1, 1)), file)
+    assert len(read_poses(file)) == 2
+
+
 def test_turned_and_rectangular_sensors_feel_the_turned_surface():
     wall = trimesh.creation.box((40.0, 10.0, 4.0))
     pose = np.eye(4)

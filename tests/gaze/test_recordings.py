@@ -1,7 +1,10 @@
+from zipfile import ZipFile
+
 import numpy as np
 import pytest
 
 from visuohaptic.errors import GazeError
+from visuohaptic.gaze import recordings
 from visuohaptic.gaze.recordings import find_recordings, read_recording
 
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]])
@@ -74,6 +77,39 @@ def test_what_is_no_recording_is_refused_in_a_sentence(tmp_path, content, culpri
         read_recording(path, LARGEST)
     assert path.name in str(found.value)
     assert "\n" not in str(found.value)
+
+
+def test_an_archive_with_a_wrong_byte_anywhere_is_refused_or_read(tmp_path):
+    path = tmp_path / "cup.npz"
+    np.savez_compressed(path, points=POINTS, seconds=SECONDS)
+    whole, refused = path.read_bytes(), 0
+    for place, byte in enumerate(whole):
+        path.write_bytes(whole[:place] + bytes([byte ^ 0xFF]) + whole[place + 1 :])
+        try:
+            read_recording(path)
+        except GazeError:
+            refused += 1
+    assert refused > len(whole) / 2
+
+
+def test_members_that_hold_no_numbers_are_refused_in_a_sentence(tmp_path):
+    with ZipFile(tmp_path / "cup.npz", "w") as archive:
+        archive.writestr("seconds", "1")
+    with pytest.raises(GazeError, match=r"cup\.npz .* seconds is no array\.$"):
+        read_recording(tmp_path / "cup.npz")
+    np.savez(tmp_path / "cup.npz", seconds=np.array([1j]))
+    with pytest.raises(GazeError, match=r"cup\.npz .*complex"):
+        read_recording(tmp_path / "cup.npz")
+
+
+def test_a_folder_of_more_files_than_allowed_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(recordings, "MOST_FILES", 1)
+    write(tmp_path / "mug.txt", POINTS, SECONDS)
+    (tmp_path / "notes.pdf").touch()
+    assert len(find_recordings(tmp_path)) == 1
+    (tmp_path / "mug.obj").touch()
+    with pytest.raises(GazeError, match="more than 1 files"):
+        find_recordings(tmp_path)
 
 
 def test_recordings_are_found_with_their_meshes_and_parts(tmp_path):

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 README, SHARING, STUDIES = (
     ROOT / name for name in ("README.md", "docs/sharing.md", "studies/README.md")
 )
-ASK = "VISUOHAPTIC_ASKED={} snakemake --list-rules --quiet"
+ASK = "VISUOHAPTIC_ASKED={} snakemake --list-rules --quiet --workflow-profile none"
 # Three classes, so that one can be unknown, and two of them with a test object and two to train.
 OBJECTS = (
     "bs0_yogurtBottle", "bsby_beer_bottle", "sc_com_bath2_jabon_pijo",

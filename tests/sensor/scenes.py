@@ -58,10 +58,10 @@ def parameter_sets(draw):
 
 
 @st.composite
-def surfaces(draw):
+def surfaces(draw, kinds=("soup", "ball", "sheet", "boxes")):
     """Closed and open shells, smooth and jagged, one part or several."""
     generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
-    kind = draw(st.sampled_from(["soup", "ball", "sheet", "boxes"]))
+    kind = draw(st.sampled_from(kinds))
     if kind == "soup":
         return surface_of(generator.uniform(-0.6, 0.6, (60, 3)), np.arange(60))
     if kind == "ball":

@@ -1,7 +1,5 @@
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
 
@@ -18,12 +16,6 @@ def test_conductance_is_linear_half_of_linear_at_saturation_and_one_at_full_scal
     np.testing.assert_array_equal(response, np.where(PRESSURES >= 0.1, PRESSURES, 0.0))
 
 
-@given(st.floats(0, 2), st.floats(0, 1), st.floats(0, 10))
-def test_response_never_falls_with_pressure(pressure, more, saturation):
-    low, high = respond_to_force(np.array([pressure, pressure + more]), 0.05, saturation)
-    assert low <= high * (1 + 1e-15)
-
-
 def test_hysteresis_loop_area_is_a_third_of_excess_times_peak_squared():
     excess, peak = 0.1, 0.8
     outputs = np.linspace(0, peak, 20_001)
@@ -31,21 +23,15 @@ def test_hysteresis_loop_area_is_a_third_of_excess_times_peak_squared():
     press = remember_peak(outputs, outputs, excess)
     area = np.trapezoid(release - press, outputs)
     assert area == pytest.approx(excess * peak**2 / 3, rel=1e-6)
+    np.testing.assert_array_equal(press, outputs)
+    assert release.max() <= peak
     at_half = remember_peak(np.array([0.3]), np.array([0.6]), excess)
     assert at_half == pytest.approx(0.33)
 
 
-@given(st.floats(0, 1), st.floats(0, 1), st.floats(0, 0.5))
-def test_release_never_exceeds_the_peak_and_a_single_press_has_no_hysteresis(output, more, excess):
-    outputs, peaks = np.array([output]), np.array([output + more])
-    assert remember_peak(outputs, peaks, excess)[0] <= peaks[0] * (1 + 1e-15)
-    np.testing.assert_array_equal(remember_peak(outputs, outputs, excess), outputs)
-
-
-def test_drift_has_its_slope_in_decades():
-    times = np.array([1.0, 10.0, 100.0, 1000.0])
-    outputs = np.array([drift(np.array([0.4]), t, 1.0, 0.05)[0] for t in times])
-    np.testing.assert_allclose(np.diff(outputs), 0.05 * 0.4, rtol=1e-12)
+def test_drift_has_its_slope_in_decades_from_its_reference():
+    outputs = [drift(np.array([0.4]), held, 0.1, 0.05)[0] for held in (1.0, 10.0, 100.0)]
+    np.testing.assert_allclose(outputs, 0.4 * (1 + 0.05 * np.array([1, 2, 3])), rtol=1e-12)
     np.testing.assert_array_equal(drift(PRESSURES, 0.1, 1.0, 0.05), PRESSURES)
 
 

@@ -64,6 +64,19 @@ def test_noise_has_its_deviation_and_a_sensors_dead_cells_read_nothing():
     np.testing.assert_array_equal(dead, np.broadcast_to(dead[:1], dead.shape))
 
 
+def test_noise_stays_the_same_whatever_else_is_switched_on():
+    def read(**scene):
+        even = np.full((TOUCHES, 16, 16), 0.5)
+        return feel(Scene(**scene), contact=even, gaps=0 * even)[0]
+
+    others = {"gain_scatter": 0.02, "dead_fraction": 0.05, "drift_per_decade": 0.05}
+    bare, rich = read(**others), read(noise=0.01, **others)
+    inside = (bare > 0) & (rich > 0)
+    assert inside.mean() > 0.9
+    noise = read(noise=0.01) - read()
+    np.testing.assert_allclose((rich - bare)[inside], noise[inside], atol=1e-12)
+
+
 def test_every_mode_has_an_effect_and_every_effect_a_mode():
     _, records = feel(Scene())
     assert ["adaptive_size", *records] == list(TACTILE_EFFECTS)

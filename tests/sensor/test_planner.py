@@ -7,7 +7,7 @@ from sensor.shapes import PLATE
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.scene.records import merge_records
-from visuohaptic.sensor import EFFECTS, SensorParameters, Situation, simulate, touch
+from visuohaptic.sensor import SensorParameters, Situation, simulate, touch
 from visuohaptic.sensor.effects import peak_depth_m
 from visuohaptic.sensor.planner import Effect, Need, Signal, apply_effect
 
@@ -47,18 +47,6 @@ def test_a_separate_peak_goes_through_an_effect_too():
     signal, _ = apply_effect(effect, "auto", situation(), Signal(ones, 5 * ones))
     np.testing.assert_array_equal(signal.now[:, 0, 0], [2, 1, 1, 1])
     np.testing.assert_array_equal(signal.peak[:, 0, 0], [10, 5, 5, 5])
-
-
-def test_an_effect_that_nothing_calls_for_is_never_entered(monkeypatch):
-    def refuse(*_):
-        raise AssertionError
-
-    idle = tuple(replace(effect, run=refuse) for effect in EFFECTS)
-    monkeypatch.setattr("visuohaptic.sensor.effects.EFFECTS", idle)
-    contact = np.random.default_rng(0).random((4, 3, 3))
-    outputs, records = simulate(situation(), contact)
-    np.testing.assert_array_equal(outputs, contact)
-    assert sum(record.runs for record in records) == 0
 
 
 def test_an_elastic_cover_is_pressed_only_where_it_reaches_the_object():

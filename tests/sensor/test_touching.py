@@ -2,11 +2,10 @@ import tracemalloc
 
 import numpy as np
 import pytest
-import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor.scenes import always, parameter_sets, probes_on, scenes, surfaces, with_modes
-from sensor.shapes import PLATE, box, hard_probes, joined, sheet, surface_of
+from sensor.shapes import PLATE, box, hard_probes, joined, sheet
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.orientation import orient_outwards
@@ -152,23 +151,6 @@ def test_the_face_under_the_probe_gives_the_normal_where_it_is_named():
         np.testing.assert_array_equal(felt.normals, expected)
 
 
-def test_noise_stays_the_same_whatever_else_is_switched_on():
-    surface = sheet(lambda x, z: -0.3 * x**2 + 0 * z, half=0.4, cells=40)
-    points, normals, fields = probes_on(surface, 4, 0)
-    parameters = SensorParameters(normalisation="absolute", depth_range=2.0)
-    others = {"gain_scatter": 0.02, "dead_fraction": 0.05, "drift_per_decade": 0.05}
-
-    def images(**scene):
-        caster = RayCaster(surface)
-        return touch(caster, points, normals, parameters, Scene(**scene), fields).images
-
-    quiet, plain = images(), images(noise=0.01)
-    bare, rich = images(**others), images(noise=0.01, **others)
-    both = np.all([(image > 0) & (image < 1) for image in (quiet, plain, bare, rich)], axis=0)
-    assert both.mean() > 0.05
-    np.testing.assert_allclose((rich - bare)[both], (plain - quiet)[both], atol=3e-7)
-
-
 def test_a_random_scene_without_random_fields_is_refused():
     with pytest.raises(ParameterError, match="pass RandomFields"):
         touch_one(PLATE, (0, 0, 0), (0, 1, 0), Scene(noise=0.1))
@@ -197,10 +179,7 @@ def test_presets_call_for_the_effects_that_they_are_about(preset):
 
 @pytest.mark.slow
 def test_ten_thousand_touches_of_a_large_mesh_fit_into_memory():
-    mesh = trimesh.creation.icosphere(6)
-    bumps = 1 + 0.01 * np.sin(40 * mesh.vertices).sum(axis=1, keepdims=True)
-    surface = surface_of(0.95 * bumps * mesh.vertices, mesh.faces)
-    surface = joined(surface, sheet(lambda x, z: 0.2 * x * z, half=0.5, cells=100))
+    surface = sheet(lambda x, z: 0.02 * np.sin(20 * x) * np.sin(20 * z), half=0.7, cells=240)
     assert len(surface.faces) > 100_000
     caster = RayCaster(surface)
     points, normals, fields = probes_on(surface, 10_000, 0)

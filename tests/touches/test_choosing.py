@@ -57,14 +57,10 @@ def test_places_out_of_reach_are_passed_over():
     assert choose(table.slice(0, 0)) == {}
 
 
-def test_kept_places_are_the_first_ones(reach):
-    assert choose(located("ooooo", "xoxoo"), unreachable="keep") == {0: [0, 1, 2], 1: [0, 1, 2]}
-    assert not reach
-
-
 @pytest.mark.parametrize(
     ("strategy", "unreachable", "ranks"),
     [
+        ("fixation", "keep", [0, 1]),
         ("random", "keep", [1, 2]),
         ("random", "replace", [1, 2]),
         ("random_anywhere", "replace", [0, 1]),
@@ -72,7 +68,7 @@ def test_kept_places_are_the_first_ones(reach):
         ("random_visible", "keep", [0, 1]),
     ],
 )
-def test_random_probing_is_in_reach_and_random_probing_anywhere_is_not_asked(
+def test_kept_places_are_the_first_but_random_probing_is_in_reach_and_anywhere_is_not_asked(
     strategy, unreachable, ranks
 ):
     table = located("xoooo", strategy=strategy)

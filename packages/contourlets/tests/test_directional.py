@@ -1,12 +1,9 @@
 import numpy as np
 import pytest
-from contourlet_definition import frequency_directions, toolbox_directions
+from contourlet_definition import frequency_directions
 
-from contourlets.directional import adjoin_directions, analyse_directions, synthesise_directions
-from contourlets.lattice import EXTENSIONS, band_shapes, directional_tables
-
-FILTERS = ["pkva", "pkva8", "pkva6", "haar"]
-SHAPES = [(32, 32), (64, 32), (32, 64), (16, 48)]
+from contourlets.directional import analyse_directions
+from contourlets.lattice import EXTENSIONS, directional_tables
 
 
 def bands_of(image, depth, name, extension):
@@ -27,18 +24,9 @@ def check_bands(found, expected, atol=1e-12):
 
 
 @pytest.mark.parametrize("depth", range(6))
-@pytest.mark.parametrize("name", FILTERS)
-def test_periodic_bands_are_the_toolbox_recursions(name, depth, rng):
-    for shape in SHAPES:
-        image = rng.standard_normal(shape)
-        expected = toolbox_directions(image, depth, name)
-        check_bands(bands_of(image, depth, name, "periodic"), expected)
-
-
-@pytest.mark.parametrize("depth", range(6))
 @pytest.mark.parametrize("name", ["pkva", "pkva6"])
 def test_bands_on_the_torus_are_filtered_by_their_frequency_responses(depth, name, rng):
-    cases = [(shape, "circular") for shape in SHAPES[:3]]
+    cases = [(shape, "circular") for shape in ((32, 32), (64, 32), (32, 64))]
     # The toolbox's arrays have no seam yet.
     cases += [((32, 32), "periodic")] if depth in (1, 2) else []
     for shape, extension in cases:
@@ -69,22 +57,6 @@ def test_bands_have_their_frequency_responses_away_from_seams_and_borders(depth,
             np.testing.assert_allclose(band[inner], reference[inner], atol=1e-12)
 
 
-@pytest.mark.parametrize("extension", EXTENSIONS)
-@pytest.mark.parametrize("name", FILTERS)
-@pytest.mark.parametrize("depth", range(6))
-def test_synthesis_undoes_analysis_and_adjoint_is_the_transpose(depth, name, extension, rng):
-    for shape in SHAPES:
-        tables = directional_tables(shape, depth, name, extension)
-        images = rng.standard_normal((shape[0] * shape[1], 3))
-        bands = analyse_directions(images.copy(), tables)
-        assert tuple(band.shape[:2] for band in bands) == band_shapes(shape, depth)
-        np.testing.assert_allclose(synthesise_directions(bands, tables), images, atol=2e-13)
-        others = [rng.standard_normal(band.shape) for band in bands]
-        product = sum(float((a * b).sum()) for a, b in zip(bands, others, strict=True))
-        transposed = float((adjoin_directions(others, tables) * images).sum())
-        assert transposed == pytest.approx(product, rel=1e-11, abs=1e-11)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("extension", "least", "largest"), [("periodic", 0.331, 3.021), ("symmetric", 0.230, 4.693)]
@@ -101,14 +73,13 @@ def test_haar_bank_is_orthonormal(extension):
     np.testing.assert_allclose(matrix @ matrix.T, np.eye(256), atol=1e-13)
 
 
-@pytest.mark.parametrize("name", ["pkva", "haar"])
 @pytest.mark.parametrize("depth", range(2, 6))
-def test_circular_commutes_with_shifts_by_the_decimation_step(depth, name, rng):
+def test_circular_haar_bank_commutes_with_shifts_by_the_decimation_step(depth, rng):
     image = rng.standard_normal((64, 64))
-    bands = bands_of(image, depth, name, "circular")
+    bands = bands_of(image, depth, "haar", "circular")
     step = max(2, 2 ** (depth - 1))
     for shift in [(step, 0), (0, step), (3 * step, -step)]:
         turns = [[s * n // 64 for s, n in zip(shift, band.shape, strict=True)] for band in bands]
         expected = [np.roll(band, turn, (0, 1)) for band, turn in zip(bands, turns, strict=True)]
-        shifted = bands_of(np.roll(image, shift, (0, 1)), depth, name, "circular")
+        shifted = bands_of(np.roll(image, shift, (0, 1)), depth, "haar", "circular")
         check_bands(shifted, expected, atol=1e-13)

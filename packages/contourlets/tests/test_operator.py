@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from contourlets import EXTENSIONS, Contourlet, LevelsError, contourlet_operator
-from contourlets.operator import blockwise_product
 
 
 @pytest.mark.parametrize("extension", EXTENSIONS)
@@ -30,15 +29,6 @@ def test_operator_is_built_once():
     operator = contourlet_operator(transform, (16, 16))
     assert operator is contourlet_operator(Contourlet((3,)), (16, 16), "float64")
     assert not operator.matrix.flags.writeable
-
-
-def test_a_row_of_a_product_does_not_depend_on_the_others(rng):
-    rows, matrix = rng.standard_normal((1000, 256)), rng.standard_normal((256, 300))
-    whole = blockwise_product(rows, matrix)
-    np.testing.assert_allclose(whole, rows @ matrix, atol=1e-11)
-    for count in (1, 2, 3, 5, 7, 80):
-        for chosen in (slice(count), slice(-count, None)):
-            np.testing.assert_array_equal(blockwise_product(rows[chosen], matrix), whole[chosen])
 
 
 @pytest.mark.slow

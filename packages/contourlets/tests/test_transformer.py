@@ -1,9 +1,6 @@
 import numpy as np
 import pytest
-from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
-from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import StandardScaler
 
 from contourlets import (
     Contourlet,
@@ -31,16 +28,6 @@ def test_transformer_gives_energies(rng):
     expected = band_energies(images, Contourlet((2, 3), extension="symmetric"))
     np.testing.assert_array_equal(transformer.fit_transform(images), expected)
     assert transformer.get_feature_names_out()[4] == "level1_band01_energy"
-
-
-def test_transformer_stands_in_a_pipeline_and_names_the_columns_of_a_frame(rng):
-    images = rng.standard_normal((6, 16, 24))
-    pipeline = make_pipeline(clone(ContourletDeviations((3,))), StandardScaler())
-    found = pipeline.fit_transform(images)
-    np.testing.assert_allclose(found.mean(axis=0), 0, atol=1e-12)
-    assert pipeline.get_feature_names_out()[1] == "level1_band02_deviation"
-    frame = ContourletDeviations((3,)).set_output(transform="pandas").fit_transform(images)
-    assert frame.columns[7] == "level1_band08_deviation"
 
 
 def test_wavelet_transformer_gives_named_deviations(rng):

@@ -19,6 +19,7 @@ PLACE = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
 NORMAL = ("normal_x", "normal_y", "normal_z")
 ROLL = "roll"
+MOST_POSES = 1_000_000
 
 
 def write_poses(poses: Floats, path: str | Path) -> None:
@@ -50,7 +51,8 @@ def read_poses(path: str | Path) -> Floats:
     Raises
     ------
     ParameterError
-        If a column is missing, or a row holds no numbers or no direction.
+        If a column is missing, a row holds no numbers or no direction, or there are more than a
+        million poses.
     """
     from scipy.spatial.transform import Rotation
 
@@ -104,7 +106,7 @@ def matrices(stands: Poses) -> Floats:
 
 
 def _read_numbers(path: str | Path) -> pa.Table:
-    from pyarrow.csv import ConvertOptions, ReadOptions, read_csv
+    from pyarrow.csv import ConvertOptions, ReadOptions, open_csv
 
     with Path(path).open(newline="", encoding="utf-8") as stream:
         # Arrow passes over empty lines, too.
@@ -112,7 +114,15 @@ def _read_numbers(path: str | Path) -> pa.Table:
     numbers = ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
     try:
         # One thread alone knows the lines.
-        table = read_csv(path, ReadOptions(use_threads=False), convert_options=numbers)
+        with open_csv(path, ReadOptions(use_threads=False), convert_options=numbers) as reader:
+            parts: list[pa.RecordBatch] = []
+            for part in reader:
+                parts.append(part)
+                if sum(map(len, parts)) > MOST_POSES:
+                    raise ParameterError(
+                        f"{path} holds more than {MOST_POSES:,} poses, which is the most."
+                    )
+            table = pa.Table.from_batches(parts, reader.schema)
     except pa.ArrowInvalid as error:
         raise ParameterError(f"{path} holds no numbers by columns: {error}.") from error
     return table.rename_columns([name.strip() for name in names])

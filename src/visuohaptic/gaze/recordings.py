@@ -11,8 +11,9 @@ import hashlib
 import io
 import warnings
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZipFile
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from visuohaptic.geometry.arrays import Floats
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
 MOST_POINTS = 1_000_000
+MOST_FILES = 10_000
 # What the columns of a text file hold, by their number.
 _PLACE, _NORMAL = slice(3), slice(3, 6)
 _COLUMNS: dict[int, dict[str, int | slice]] = {
@@ -61,15 +63,18 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
     """List the recordings in a folder and below, by name.
 
     A recording is a test where a folder between has ``test`` in its name. Raises `GazeError` if there is no
-    such folder, no recording in it, or two of one name.
+    such folder, more than 10,000 files of gaze and meshes in it, no recording, or two of one name.
     """
     folder = Path(folder)
     if not folder.is_dir():
         raise GazeError(f"gaze.folder is {folder}, which is no folder.")
     endings = (*GAZE_SUFFIXES, *MODEL_SUFFIXES)
-    files = sorted(
-        path for path in folder.rglob("*") if path.suffix.lower() in endings and path.is_file()
-    )
+    paths = (path for path in folder.rglob("*") if path.suffix.lower() in endings)
+    files = sorted(islice(filter(Path.is_file, paths), MOST_FILES + 1))
+    if len(files) > MOST_FILES:
+        raise GazeError(
+            f"{folder} has more than {MOST_FILES:,} files of gaze and meshes, which is the most."
+        )
     meshes = {path.stem: path for path in files if path.suffix.lower() in MODEL_SUFFIXES}
     found: dict[str, RecordingFile] = {}
     for path in files:
@@ -100,7 +105,8 @@ def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recordi
             warnings.simplefilter("error")  # of an empty file NumPy only warns
             arrays = read(data, largest_megabytes)
         _check(arrays)
-    except (ValueError, TypeError, OSError, EOFError, BadZipFile, UserWarning) as error:
+    # A damaged archive may fail in any way.
+    except Exception as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__).rstrip(".")
         raise GazeError(f"{path} holds no recording of gaze: {reason}.") from error
     normals = arrays.get("normals")
@@ -142,7 +148,11 @@ def _read_archive(data: bytes, largest_megabytes: float) -> _Arrays:
             raise ValueError(f"it unpacks to more than {largest_megabytes:g} MB")
     with np.load(io.BytesIO(data), allow_pickle=False) as archive:
         known = [name for name in ("points", "normals", "seconds") if name in archive]
-        return {name: np.asarray(archive[name], dtype=np.float64) for name in known}
+        found = {name: archive[name] for name in known}
+    for name, values in found.items():
+        if not isinstance(values, np.ndarray):
+            raise TypeError(f"{name} is no array")
+    return {name: values.astype(np.float64) for name, values in found.items()}
 
 
 def _check(arrays: _Arrays) -> None:
