@@ -135,12 +135,9 @@ def compare(found, wanted, label):
         yield Finding("invariance/fixated points", apart[:same], here, pictures[view])
         if same < len(rows):
             # Peaks that tie may change places; then the place chosen is as salient as the best.
-            yield Finding(
-                "invariance/tied peaks: fixations are those of a map within its error",
-                _deficit(wanted, found, view, same),
-                f"{here}, fixation {same + 1}",
-                pictures[view],
-            )
+            name = "invariance/tied peaks: fixations are those of a map within its error"
+            deficit = _deficit(wanted, found, view, same)
+            yield Finding(name, deficit, f"{here}, fixation {same + 1}", pictures[view])
     yield compare_imprints(found.images[felt], wanted.images[felt], label)
     yield Finding(
         "invariance/features",
@@ -211,9 +208,7 @@ def mesh_places(generator):
     found, wanted = (
         normalise(each, "object", merge_tolerance=0).triangles for each in (away, lopsided())
     )
-    yield Finding(
-        "invariance/vertices, offset up to 1e6 sizes",
-        np.linalg.norm(found - wanted, axis=2).max(),
-        f"size 1e{size:.1f}, 1e{offset:.2f} sizes off",
-        drawings.triangles(wanted, "the object"),
-    )
+    error = np.linalg.norm(found - wanted, axis=2).max()
+    label = f"size 1e{size:.1f}, 1e{offset:.2f} sizes off"
+    picture = drawings.triangles(wanted, "the object")
+    yield Finding("invariance/vertices, offset up to 1e6 sizes", error, label, picture)

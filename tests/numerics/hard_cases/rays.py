@@ -123,12 +123,10 @@ def grazing(generator):
     directions = np.array([[1.0, -slope, 0.0]])
     hits = RayCaster(plate).first_hits(origins, directions, everything)
     expected = height / slope
-    yield Finding(
-        "rays/grazing",
-        np.where(hits.hit, np.abs(hits.distance - expected) * slope, np.inf),
-        f"slope {slope:.2g}, met at {expected:.6f}",
-        draw_ray(plate, origins, directions, "a plate and a grazing ray"),
-    )
+    errors = np.where(hits.hit, np.abs(hits.distance - expected) * slope, np.inf)
+    label = f"slope {slope:.2g}, met at {expected:.6f}"
+    draw = draw_ray(plate, origins, directions, "a plate and a grazing ray")
+    yield Finding("rays/grazing", errors, label, draw)
 
 
 def within_a_plane(generator):
@@ -204,9 +202,8 @@ def off_centre(generator):
     casters = [RayCaster(normalise(surface, "ball", merge_tolerance=0)) for surface in (home, away)]
     targets = random_vectors(generator, 200, 0.8)
     near, far = (caster.first_hits(2.5 * targets, -targets) for caster in casters)
-    yield Finding(
-        "rays/meshes far off centre",
-        np.where(near.hit & far.hit, np.abs(near.distance - far.distance) * 0.8, np.inf),
-        f"a ball of size 1e{size:.1f}, 1e{offset:.1f} sizes off",
-        drawings.triangles(home.triangles, "a ball"),
-    )
+    apart = np.abs(near.distance - far.distance) * 0.8
+    errors = np.where(near.hit & far.hit, apart, np.inf)
+    label = f"a ball of size 1e{size:.1f}, 1e{offset:.1f} sizes off"
+    picture = drawings.triangles(home.triangles, "a ball")
+    yield Finding("rays/meshes far off centre", errors, label, picture)
