@@ -21,28 +21,24 @@ from visuohaptic.meshes import textures as module
 from visuohaptic.meshes.in_memory import surface_of_trimesh
 from visuohaptic.meshes.model_files import read_model
 
-# An upright square of two triangles that shows an image once.
+# An upright square that shows an image once.
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
 PLACES = SQUARE[:, :2]
 
 
-def square_of(image=BOARD, places=PLACES, factor=None, vertices=SQUARE):
-    material = PBRMaterial(
-        baseColorTexture=image if isinstance(image, Image.Image) else Image.fromarray(image),
-        baseColorFactor=factor,
-    )
+def square_of(image=BOARD, places=PLACES, factor=None):
+    image = image if isinstance(image, Image.Image) else Image.fromarray(image)
+    material = PBRMaterial(baseColorTexture=image, baseColorFactor=factor)
     visual = TextureVisuals(uv=np.array(places, dtype=float), material=material)
-    return trimesh.Trimesh(vertices, FACES, visual=visual, process=False)
+    return trimesh.Trimesh(SQUARE, FACES, visual=visual, process=False)
 
 
 def colours_at(surface, points):
     """Give the colours of points of the square, seen from the front."""
     caster = RayCaster(surface)
     places = np.column_stack([points, np.zeros(len(points))])
-    faces = caster.first_hits(
-        np.add(places, [0, 0, 1]), np.tile([0.0, 0, -1], (len(places), 1))
-    ).face
+    faces = caster.first_hits(np.add(places, [0, 0, 1]), np.full_like(places, [0, 0, -1])).face
     steps = np.full((len(places), 2, 2), 1e-4)
     light = surface.texture.light(faces, caster.weights(places, faces), steps)
     return np.rint(255 * encode_srgb(light)).astype(np.uint8)
@@ -86,10 +82,8 @@ def write_gltf(folder, scene, change=lambda document: None):
 
 
 def test_faces_without_an_image_keep_their_colours(tmp_path):
-    plain = trimesh.Trimesh(SQUARE + 2, FACES, process=False)
-    plain.visual.face_colors = [9, 8, 7, 255]
-    scene = trimesh.Scene([plain, square_of(), square_of()])
-    scene.export(tmp_path / "a.glb")
+    plain = trimesh.Trimesh(SQUARE + 2, FACES, face_colors=[9, 8, 7, 255], process=False)
+    trimesh.Scene([plain, square_of(), square_of()]).export(tmp_path / "a.glb")
     surface = read_model(tmp_path / "a.glb")
     assert (surface.texture.image == NO_IMAGE).sum() == 2
     of_plain = surface.face_colours[~surface.texture.textured]
@@ -108,7 +102,7 @@ def test_instances_of_a_mesh_share_one_image_and_stand_where_the_scene_puts_them
     assert len(surface.texture.images) == 1
     np.testing.assert_array_equal(surface.vertices[:4], scene.dump()[0].vertices)
     np.testing.assert_array_equal(surface.faces[:2], scene.dump()[0].faces)
-    points = middles(BOARD) * ([-1, 1] if mirrored else [1, 1])
+    points = middles(BOARD) * [-1 if mirrored else 1, 1]
     np.testing.assert_array_equal(colours_at(surface, points), BOARD.reshape(-1, 3))
 
 
@@ -150,8 +144,7 @@ def test_images_of_every_kind_are_read(mode):
 def test_gltf_says_how_an_image_goes_on(tmp_path, code, wrap):
     def sample(document):
         document["samplers"] = [{} if code is None else {"wrapS": code}]
-        for texture in document["textures"]:
-            texture["sampler"] = 0
+        document["textures"][0]["sampler"] = 0
 
     scene = trimesh.Scene([trimesh.creation.box(), square_of(places=PLACES - 4)])
     path = write_gltf(tmp_path, scene, sample)
@@ -209,8 +202,7 @@ def test_images_of_too_many_texels_together_are_halved(monkeypatch):
     image = np.kron(BOARD[:4, :4], np.ones((2, 2, 1), np.uint8))
     scene = trimesh.Scene([square_of(image), square_of(image[:, ::-1])])
     images = surface_of_trimesh(scene, "scene").texture.images
-    np.testing.assert_array_equal(images[0], BOARD[:4, :4])
-    np.testing.assert_array_equal(images[1], BOARD[:4, 3::-1])
+    np.testing.assert_array_equal(images, [BOARD[:4, :4], BOARD[:4, 3::-1]])
 
 
 def test_an_image_of_one_colour_is_a_colour():
