@@ -138,23 +138,21 @@ def compare(found, wanted, label):
             name = "invariance/tied peaks: fixations are those of a map within its error"
             deficit = _deficit(wanted, found, view, same)
             yield Finding(name, deficit, f"{here}, fixation {same + 1}", pictures[view])
-    yield compare_imprints(found.images[felt], wanted.images[felt], label)
-    yield Finding(
-        "invariance/features",
-        np.abs(found.features - wanted.features).max(axis=1)[felt],
-        lambda row: f"{label}, touch {felt[row]}",
-        lambda row: drawings.image(wanted.images[felt[row]], "the imprint"),
-    )
+    images, features = np.abs(found.images - wanted.images), found.features - wanted.features
+    yield from compare_touches(images[felt], features[felt], wanted.images[felt], label)
 
 
-def compare_imprints(found, wanted, label):
-    """Want the same imprints, shape (n, r, r), but for a mean difference a pixel."""
-    return Finding(
-        "invariance/images",
-        np.abs(found - wanted).mean(axis=(1, 2)),
-        lambda row: f"{label}, touch {row}",
-        lambda row: drawings.image(wanted[row], "the imprint"),
-    )
+def compare_touches(images, features, wanted, label):
+    """Want the differences of imprints, shape (n, r, r), in their mean, and those of features to be small."""
+
+    def describe(row):
+        return f"{label}, touch {row}"
+
+    def draw(row):
+        return drawings.image(wanted[row], "the imprint")
+
+    yield Finding("invariance/images", images.mean(axis=(1, 2)), describe, draw)
+    yield Finding("invariance/features", np.abs(features).max(axis=1), describe, draw)
 
 
 def _deficit(wanted, found, view, step):

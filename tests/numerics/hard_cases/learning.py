@@ -106,15 +106,12 @@ def feature_units(generator):
     )
     for scaling, what, factor, power in ways:
         parameters = RecognitionParameters(touch_scaling=scaling)
-        answers = [
+        in_other_units = (training * factor, tested * factor)
+        by_powers = (np.ldexp(training, power), np.ldexp(tested, power))
+        (plain, predicted), (_, renamed), (scaled, _) = (
             predict_sequences(train, labels, test, classifier, parameters)
-            for train, test in (
-                (training, tested),
-                (training * factor, tested * factor),
-                (np.ldexp(training, power), np.ldexp(tested, power)),
-            )
-        ]
-        (plain, predicted), (_, renamed), (scaled, _) = answers
+            for train, test in ((training, tested), in_other_units, by_powers)
+        )
         yield _label_changes(f"{what} rescaled by 1e±8", predicted != renamed, classifier, tested)
         name = f"learning/{what} rescaled by powers of two"
         picture = drawings.image(np.atleast_2d(power), "the powers of two")
@@ -122,7 +119,7 @@ def feature_units(generator):
 
 
 def degenerate_sequences(generator):
-    """Give touch sequences, shape (n, touches, 22), most of whose features hardly vary, by name."""
+    """Give touch sequences, shape (n, touches, 22), most of whose features hardly vary, by name; and classes."""
     values, labels = draw_sequences(generator)
     # Normals of a box are axes, and its flat imprints have no deviation in any sub-band.
     boxes = values.copy()
@@ -131,22 +128,20 @@ def degenerate_sequences(generator):
     alike = np.repeat(values[:, :1], values.shape[1], axis=1)
     one_feature = np.full_like(values, 0.3)
     one_feature[..., 16] = values[..., 16]
-    return {
-        "touches on boxes": (boxes, labels),
-        "touches that are all alike": (alike, labels),
-        "one feature that varies": (one_feature, labels),
-    }
+    names = ("touches on boxes", "touches that are all alike", "one feature that varies")
+    return dict(zip(names, (boxes, alike, one_feature), strict=True)), labels
 
 
 def rounding(generator):
     """Change the last digit of features that hardly vary: no answer changes."""
     classifier = str(generator.choice(CLASSIFIERS.names))
-    for samples, (training, labels) in degenerate_sequences(generator).items():
+    sequences, labels = degenerate_sequences(generator)
+    for samples, training in sequences.items():
         changed = training * (1 + 1e-15 * generator.uniform(-1, 1, training.shape))
         _, predicted = predict_sequences(training[::2], labels[::2], training[1::2], classifier)
         _, renamed = predict_sequences(changed[::2], labels[::2], changed[1::2], classifier)
-        label, changes = f"{classifier}, {samples}", predicted != renamed
-        yield _label_changes("features changed by 1e-15", changes, label, training[1::2])
+        name, label = "features changed by 1e-15", f"{classifier}, {samples}"
+        yield _label_changes(name, predicted != renamed, label, training[1::2])
 
 
 def _label_changes(requirement, changed, label, sequences):

@@ -4,6 +4,7 @@ import numpy as np
 from numerics.surfaces import ball, build_plain_surface, float32_exact, pick
 from numerics.tolerances import U32
 
+from visuohaptic.geometry.curvature import unit_vectors
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.frames import column_axes, row_axes
@@ -55,8 +56,7 @@ def frames(generator):
     """Stand frames on normals, axes among them: they are square and right-handed."""
     normals = generator.normal(size=(200, 3))
     normals[:40] = np.rint(normals[:40])
-    normals = normals[np.linalg.norm(normals, axis=1) > 0]
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = unit_vectors(normals[np.linalg.norm(normals, axis=1) > 0])
     for orientation in ("upright", "transported"):
         columns = column_axes(normals, orientation)
         # Rows run downwards seen from outside, so columns × rows point into the object.
@@ -70,8 +70,7 @@ def frames(generator):
 def tessellated_spheres(generator):
     """Cast rays at a ball of triangles: it comes near a sphere by the square of its edge."""
     surface = ball(int(generator.integers(2, 5)))
-    directions = generator.normal(size=(2000, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    directions = unit_vectors(generator.normal(size=(2000, 3)))
     hits = RayCaster(surface).first_hits(2 * directions, -directions)
     corners = surface.triangles
     edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
