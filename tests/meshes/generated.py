@@ -88,8 +88,11 @@ def as_ply(points, faces, form="binary_little_endian"):
 
 
 def as_gltf(points, faces, change=lambda document: None, **values):
+    return gltf_of(trimesh.Scene(trimesh.Trimesh(points, faces, process=False)), change, **values)
+
+
+def gltf_of(scene, change=lambda document: None, **values):
     """Write a glTF of one buffer, within its text, after a change of its document and with other values in it."""
-    scene = trimesh.Scene(trimesh.Trimesh(points, faces, process=False))
     files = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True, embed_buffers=True)
     document = json.loads(files["model.gltf"])
     change(document)
