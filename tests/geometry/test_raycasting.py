@@ -1,36 +1,25 @@
 import numpy as np
 import pytest
-import trimesh
+from numerics.surfaces import random_vectors
 from sensor.shapes import box, joined, sheet, surface_of
 
 from visuohaptic.geometry import raycasting
+from visuohaptic.geometry.curvature import unit_vectors
 from visuohaptic.geometry.raycasting import MISS, RayCaster
 
-
-def sphere(subdivisions=4):
-    mesh = trimesh.creation.icosphere(subdivisions)
-    return surface_of(mesh.vertices, mesh.faces)
+UP, DOWN = np.array([[0, 1.0, 0], [0, -1, 0]])
 
 
-def test_a_miss_is_infinitely_far_and_has_no_face():
-    hits = RayCaster(sphere(1)).first_hits(np.array([[0, 2.0, 0]]), np.array([[0, 1.0, 0]]))
-    assert np.isinf(hits.distance[0])
-    assert hits.face[0] == MISS
-    assert not hits.hit[0]
+def all_of(distances):
+    return np.ones(len(distances), dtype=bool)
 
 
-def test_hits_do_not_depend_on_the_batch():
-    generator = np.random.default_rng(3)
-    caster = RayCaster(sphere(4))
-    origins = generator.normal(size=(1000, 3))
-    origins *= 2.5 / np.linalg.norm(origins, axis=1, keepdims=True)
-    directions = generator.uniform(-1, 1, (1000, 3)) - origins
-    together = caster.first_hits(origins, directions)
-    for start in range(0, 1000, 170):
-        part = slice(start, start + 170)
-        alone = caster.first_hits(origins[part], directions[part])
-        np.testing.assert_array_equal(alone.distance, together.distance[part])
-        np.testing.assert_array_equal(alone.face, together.face[part])
+def test_a_face_without_area_is_harmless_and_a_miss_is_infinitely_far_and_has_no_face():
+    surface = surface_of([[0, 0, 0], [1, 0, 0], [0.5, 0, 0], [0, 0, 1]], [[0, 1, 2], [0, 1, 3]])
+    hits = RayCaster(surface).first_hits(np.full((2, 3), [0.2, 1, 0.2]), np.array([DOWN, UP]))
+    np.testing.assert_array_equal(hits.distance, [1, np.inf])
+    np.testing.assert_array_equal(hits.face, [1, MISS])
+    np.testing.assert_array_equal(hits.hit, [True, False])
 
 
 def test_rays_beside_an_edge_that_float32_cannot_tell_apart_are_settled_in_float64():
@@ -38,32 +27,27 @@ def test_rays_beside_an_edge_that_float32_cannot_tell_apart_are_settled_in_float
     beside = 0.1 + np.array([-1e-7, -1e-8, -1e-9, 1e-9, 1e-8, 1e-7])
     expected = np.where(beside < 0.1, 2.0, 1.7)
     origins = np.column_stack([beside, np.full(6, 2.0), np.full(6, 0.0123)])
-    directions = np.tile([0, -1.0, 0], (6, 1))
+    directions = np.tile(DOWN, (6, 1))
     caster = RayCaster(step)
     in_float32, _ = caster._cast(origins, directions)
     assert not np.allclose(in_float32.distance, expected)
-    np.testing.assert_allclose(
-        caster.first_hits(origins, directions).distance, expected, rtol=0, atol=1e-14
-    )
+    found = caster.first_hits(origins, directions).distance
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
 
 
 def test_suspects_are_cast_again_and_keep_a_true_answer():
     caster = RayCaster(sheet(lambda x, z: 0.1 * x * z, cells=20))
-    generator = np.random.default_rng(4)
-    origins = np.column_stack(
-        [generator.uniform(-0.6, 0.6, 500), np.ones(500), generator.uniform(-0.6, 0.6, 500)]
-    )
-    directions = np.tile([0, -1.0, 0], (500, 1))
+    origins = np.random.default_rng(4).uniform(-0.6, 0.6, (500, 3)) + UP
+    directions = np.tile(DOWN, (500, 1))
     plain = caster.first_hits(origins, directions)
-    everything = caster.first_hits(origins, directions, lambda d: np.ones(len(d), dtype=bool))
+    everything = caster.first_hits(origins, directions, all_of)
     np.testing.assert_array_equal(plain.face, everything.face)
     np.testing.assert_array_equal(plain.distance, everything.distance)
 
 
 def test_a_ray_between_faces_smaller_than_the_search_keeps_its_hit():
     tiny = sheet(lambda x, z: 0 * x, half=2e-6, cells=40)
-    origins, directions = np.array([[1e-8, 1.0, 3e-8]]), np.array([[0, -1.0, 0]])
-    hits = RayCaster(tiny).first_hits(origins, directions, lambda d: np.ones(len(d), dtype=bool))
+    hits = RayCaster(tiny).first_hits(np.array([[1e-8, 1.0, 3e-8]]), DOWN[None], all_of)
     assert hits.hit.all()
     assert hits.distance == pytest.approx(1.0, rel=1e-14)
 
@@ -71,10 +55,8 @@ def test_a_ray_between_faces_smaller_than_the_search_keeps_its_hit():
 def wires_before_a_wall(generator, count=200):
     """Triangles 1e-9 to 1e-5 high, in all directions, in front of a plane z = -2."""
     middles = generator.uniform(-0.8, 0.8, (count, 3))
-    along = generator.normal(size=(count, 3))
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
-    across = np.cross(along, [0, 0, 1.0])
-    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    along = random_vectors(generator, count)
+    across = unit_vectors(np.cross(along, [0, 0, 1.0]))
     heights = 10 ** generator.uniform(-9, -5, (count, 1))
     corners = [middles - 0.05 * along, middles + 0.05 * along, middles + heights * across]
     wall = 4 * np.array([[-1, -1, -0.5], [1, -1, -0.5], [1, 1, -0.5], [-1, 1, -0.5]])
@@ -104,13 +86,6 @@ def test_a_ray_is_compared_with_the_narrow_faces_near_it_alone(monkeypatch):
     found = caster.first_hits(origins, directions)
     np.testing.assert_array_equal(found.distance, expected.distance)
     np.testing.assert_array_equal(found.face, expected.face)
-
-
-def test_a_face_without_area_is_harmless():
-    surface = surface_of([[0, 0, 0], [1, 0, 0], [0.5, 0, 0], [0, 0, 1]], [[0, 1, 2], [0, 1, 3]])
-    hits = RayCaster(surface).first_hits(np.array([[0.2, 1.0, 0.2]]), np.array([[0, -1.0, 0]]))
-    assert hits.distance[0] == 1.0
-    assert hits.face[0] == 1
 
 
 @pytest.mark.parametrize("winding", [1, -1])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numerics.surfaces import random_vectors
 from sensor.shapes import box, joined, sheet, surface_of
 from trimesh.creation import icosphere
 
@@ -9,7 +10,7 @@ from visuohaptic.errors import MissingPackageError
 from visuohaptic.geometry import raycasting, scenes
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.parameters import as_parameters
 from visuohaptic.pipeline import run
 
 BALL = icosphere(3)
@@ -28,8 +29,7 @@ SURFACES = {
 @pytest.fixture(scope="module")
 def rays():
     generator = np.random.default_rng(5)
-    origins = generator.normal(size=(3000, 3))
-    origins *= 2.5 / np.linalg.norm(origins, axis=1, keepdims=True)
+    origins = random_vectors(generator, 3000, 2.5)
     # A third each through vertices, through edges, and anywhere, of which some meet the narrow face.
     targets = generator.uniform(-1, 1, (3000, 3))
     corners = BALL.triangles[generator.integers(0, len(BALL.faces), 2000)]
@@ -70,9 +70,7 @@ def test_nothing_is_asked_of_no_rays_and_no_points():
 
 
 def test_an_object_is_touched_at_the_same_bits(monkeypatch):
-    parameters = ExperimentParameters.from_mapping(
-        {"viewpoints": {"count": 2}, "rendering": {"resolution": 64}}
-    )
+    parameters = as_parameters({"viewpoints.count": 2, "rendering.resolution": 64})
     found = []
     for package in scenes.SCENES:
         monkeypatch.setattr(raycasting, "installed_package", lambda package=package: package)

@@ -2,10 +2,8 @@
 
 import io
 import json
-import re
 import struct
 import zipfile
-from dataclasses import dataclass
 
 import numpy as np
 import trimesh
@@ -13,9 +11,8 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 # An image of eight texels a side, and an upright square that shows it once.
-BOARD = np.where(
-    (np.indices((8, 8)).sum(axis=0) % 2 == 0)[..., None], (250, 240, 20), (10, 30, 120)
-).astype(np.uint8)
+BOARD = np.array([(250, 240, 20), (10, 30, 120)], np.uint8)[np.indices((8, 8)).sum(axis=0) % 2]
+POINTS, FACES = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]
 SQUARE = """mtllib a.mtl
 v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
 usemtl paint\nf 1/1 2/2 3/3 4/4\n"""
@@ -31,16 +28,6 @@ def write_square(folder, image=None, material="Kd 1 1 1\n", text=SQUARE):
     return folder / "a.obj"
 
 
-@dataclass(frozen=True)
-class Prism:
-    """A prism over a polygon, its caps whole polygons, its sides quadrilaterals."""
-
-    points: np.ndarray
-    faces: list
-    area: float
-    volume: float
-
-
 def star(random, corners):
     """A polygon around a point: corners at sorted angles, so that it never crosses itself."""
     # Below half a turn between neighbours, so that the centre is inside.
@@ -50,27 +37,21 @@ def star(random, corners):
     return np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
 
 
-def prism(outline, height=1.0, turn=None, first=0):
-    """Stand a prism on an outline that runs counter-clockwise; caps begin at corner `first`."""
-    n = len(outline)
+def random_prism(seed):
+    """A prism over a star, its caps whole polygons, its sides quadrilaterals: points, faces, area, volume."""
+    random = np.random.default_rng(seed)
+    n, height = int(random.integers(3, 12)), random.uniform(0.1, 2)
+    outline = star(random, n)
     flat = np.column_stack([outline, np.zeros(n)])
     points = np.concatenate([flat, flat + np.array([0, 0, height])])
-    points = points if turn is None else points @ turn.T
-    ring = np.roll(np.arange(n), -first)
+    points = Rotation.random(random_state=seed).apply(points)
+    ring = np.roll(np.arange(n), random.integers(n))
     sides = [[k, (k + 1) % n, (k + 1) % n + n, k + n] for k in range(n)]
     faces = [ring[::-1].tolist(), (ring + n).tolist(), *sides]
     x, y = outline.T
     base = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
     around = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).sum()
-    return Prism(points, faces, 2 * base + height * around, base * height)
-
-
-def random_prism(seed):
-    random = np.random.default_rng(seed)
-    outline = star(random, int(random.integers(3, 12)))
-    turn = Rotation.random(random_state=int(random.integers(1 << 30))).as_matrix()
-    first = int(random.integers(len(outline)))
-    return prism(outline, random.uniform(0.1, 2), turn, first)
+    return points, faces, 2 * base + height * around, base * height
 
 
 def as_obj(points, faces):
@@ -80,18 +61,12 @@ def as_obj(points, faces):
 
 
 def as_obj_backwards(points, faces):
-    """Each face by indices that count backwards from it, all vertices but its own below it."""
-    rows = []
+    """Each face by indices that count backwards from it, all vertices but its own below it; with normals."""
+    rows = ["# a comment", "o name", "vn 0 0 1"]
     for face in faces:
         rows += ["v {!r} {!r} {!r}".format(*map(float, points[corner])) for corner in face]
-        rows.append("f " + " ".join(str(k - len(face)) for k in range(len(face))))
-    return "\n".join([*rows, ""]).encode()
-
-
-def as_obj_by_blender(points, faces):
-    """Each corner with a normal, and without a place in an image."""
-    text = re.sub(rb" (\d+)(?=\s)", rb" \1//1", as_obj(points, faces))
-    return b"# Blender\no L\nvn 0 0 1\n" + text + b"s off\n"
+        rows.append("f " + " ".join(f"{k - len(face)}//-1" for k in range(len(face))))
+    return "\n".join([*rows, "s off", ""]).encode()
 
 
 def as_off(points, faces):
@@ -112,18 +87,23 @@ def as_ply(points, faces, form="binary_little_endian"):
     return head + np.asarray(points, "<f8").tobytes() + b"".join(rows)
 
 
-def as_gltf(points, faces, change=lambda document: None):
-    """Write a glTF of one buffer, within its text, after a change of its document."""
-    scene = trimesh.Scene(trimesh.Trimesh(points, faces, process=False))
+def as_gltf(points, faces, change=lambda document: None, **values):
+    return gltf_of(trimesh.Scene(trimesh.Trimesh(points, faces, process=False)), change, **values)
+
+
+def gltf_of(scene, change=lambda document: None, **values):
+    """Write a glTF of one buffer, within its text, after a change of its document and with other values in it."""
     files = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True, embed_buffers=True)
     document = json.loads(files["model.gltf"])
     change(document)
+    document.update(values)
     return json.dumps(document).encode()
 
 
 def exported(points, faces, kind):
     """Write triangles as trimesh does."""
-    return trimesh.Trimesh(points, faces, process=False).export(file_type=kind)
+    data = trimesh.Trimesh(points, faces, process=False).export(file_type=kind)
+    return data.encode() if isinstance(data, str) else data
 
 
 def packed(files, method=zipfile.ZIP_DEFLATED):
@@ -136,6 +116,10 @@ def packed(files, method=zipfile.ZIP_DEFLATED):
 
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
+SHAPE = (
+    '<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>'
+    '</vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>'
+)
 BUILD = '<build><item objectid="1"/></build>'
 
 
@@ -171,13 +155,10 @@ def shape_of(tag, rest, count=1):
 TRIANGLES = shape_of("triangles", "<p>0 1 2</p>")
 
 
-def collada(
-    shape=TRIANGLES, scene=PLACED, nodes="", before="", points=((0, 0, 0), (1, 0, 0), (0, 1, 0))
-):
+def collada(shape=TRIANGLES, scene=PLACED, nodes="", before="", points=POINTS):
     written = " ".join(repr(float(number)) for number in np.ravel(points))
-    geometry = GEOMETRY.format(
-        numbers=3 * len(points), points=written, count=len(points), shape=shape
-    )
+    count = len(points)
+    geometry = GEOMETRY.format(numbers=3 * count, points=written, count=count, shape=shape)
     return (
         f'{before}<COLLADA xmlns="{COLLADA}" version="1.4.1"><asset><up_axis>Y_UP</up_axis></asset>'
         f"<library_geometries>{geometry}</library_geometries>"

@@ -10,6 +10,7 @@ from visuohaptic.meshes import polygons
 from visuohaptic.meshes.model_files import read_model, read_open_file
 
 PENTAGON = np.array([[0.0, 0], [4, 0], [4, 4], [2, 1], [0, 4]])
+FLAT = np.column_stack([PENTAGON, np.zeros(5)])
 
 
 def cut(points, first=0):
@@ -31,25 +32,22 @@ def test_a_convex_polygon_is_left_to_the_reader():
 
 
 def test_winding_is_kept_on_both_sides():
-    points = np.column_stack([PENTAGON, np.zeros(5)])
     for order, up in ((slice(None), 1), (slice(None, None, -1), -1)):
         for axes in ([0, 1, 2], [1, 2, 0], [2, 0, 1]):
-            turned = points[order][:, axes]
+            turned = FLAT[order][:, axes]
             (triangles,) = cut(turned).values()
             vectors = area_vectors(turned, triangles)
             assert (vectors.sum(axis=1) * up > 0).all()
             assert np.abs(vectors).sum() == pytest.approx(10)
 
 
-@pytest.mark.parametrize("scale", [1e-300, 1e-6, 1e6, 1e300])
+@pytest.mark.parametrize("scale", [1e-300, 1e300])
 def test_the_unit_changes_no_cut(scale):
-    points = np.column_stack([PENTAGON, np.zeros(5)])
-    np.testing.assert_array_equal(cut(points * scale)[0], cut(points)[0])
+    np.testing.assert_array_equal(cut(FLAT * scale)[0], cut(FLAT)[0])
 
 
 def test_a_polygon_that_is_not_flat_is_cut_as_seen_along_its_area_vector():
-    heights = np.array([0, 0.1, -0.1, 0.2, 0])
-    points = np.column_stack([PENTAGON, heights])
+    points = np.column_stack([PENTAGON, [0, 0.1, -0.1, 0.2, 0]])
     whole = area_vectors(points, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4]])).sum(axis=0)
     for first in range(5):
         for triangles in cut(points, first).values():

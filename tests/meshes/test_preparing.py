@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numerics.surfaces import build_plain_surface, of_trimesh
-from scipy.spatial.transform import Rotation
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.surface import Surface
@@ -23,8 +20,7 @@ def surface_of(mesh):
 @pytest.fixture(scope="module")
 def lopsided():
     box = trimesh.creation.box((3, 0.2, 0.5)).apply_translation((1, 0.5, 0))
-    mesh = trimesh.util.concatenate([trimesh.creation.icosphere(2), box])
-    return surface_of(mesh)
+    return surface_of(trimesh.util.concatenate([trimesh.creation.icosphere(2), box]))
 
 
 def test_the_centroid_is_at_the_origin_and_the_farthest_vertex_at_one(lopsided):
@@ -33,25 +29,6 @@ def test_the_centroid_is_at_the_origin_and_the_farthest_vertex_at_one(lopsided):
     centroid = np.average(result.triangles.mean(axis=1), axis=0, weights=result.face_areas)
     np.testing.assert_allclose(centroid, 0, atol=1e-7)
     np.testing.assert_array_equal(result.vertices, result.vertices.astype(np.float32))
-
-
-@settings(max_examples=20, deadline=None)
-@given(angle=st.floats(0, 2 * np.pi))
-def test_turning_the_model_turns_the_result(lopsided, angle):
-    turn = Rotation.from_rotvec([0, angle, 0]).as_matrix()
-    turned = normalise(lopsided, "turned", rotation=turn)
-    # Merging vertices on a grid may pick another representative after a turn.
-    expected = normalise(lopsided, "plain").vertices @ turn.T
-    distances = np.linalg.norm(turned.vertices[:, None] - expected[None], axis=2)
-    assert distances.min(axis=1).max() < 2e-6
-
-
-def test_subdivision_changes_neither_centre_nor_size():
-    box = trimesh.creation.box((1, 2, 3))
-    box.apply_translation((5, -3, 1))
-    coarse, fine = normalise(surface_of(box), "box"), normalise(surface_of(box.subdivide()), "box")
-    np.testing.assert_allclose(coarse.vertices.min(0), fine.vertices.min(0), atol=1e-7)
-    np.testing.assert_allclose(coarse.vertices.max(0), fine.vertices.max(0), atol=1e-7)
 
 
 def test_dimensions_stretch_each_axis_but_an_extent_of_zero():
@@ -71,9 +48,8 @@ def test_coincident_vertices_merge_and_useless_faces_go(lopsided):
         np.concatenate([faces, shifted[:, ::-1], [[0, 0, 1]], [[0, 1, len(lopsided.vertices)]]]),
         np.zeros((2 * len(faces) + 2, 3), dtype=np.uint8),
     )
-    result = clean(doubled, 1e-6)
-    assert len(result.faces) == len(clean(lopsided, 1e-6).faces)
-    assert len(result.vertices) == len(clean(lopsided, 1e-6).vertices)
+    result, alone = clean(doubled, 1e-6), clean(lopsided, 1e-6)
+    assert (len(result.faces), len(result.vertices)) == (len(alone.faces), len(alone.vertices))
     assert (result.face_areas > 0).all()
 
 
@@ -103,10 +79,9 @@ def test_colours_and_images_stay_with_their_faces():
     )
     made = normalise(spoiled, "box", UP_AXES["z"])
     np.testing.assert_array_equal(made.face_colours, box.face_colours)
-    texture = made.texture
-    np.testing.assert_array_equal(texture.corners, corners[1:])
-    np.testing.assert_array_equal(texture.image, numbers[1:])
-    assert texture.images is images
+    np.testing.assert_array_equal(made.texture.corners, corners[1:])
+    np.testing.assert_array_equal(made.texture.image, numbers[1:])
+    assert made.texture.images is images
 
 
 TRIANGLE = np.array([[0, 1, 2]])
@@ -116,7 +91,6 @@ TRIANGLE = np.array([[0, 1, 2]])
     ("vertices", "faces", "sentence"),
     [
         ([[0.0, 0, 0], [1, 0, 0], [0, np.nan, 0]], TRIANGLE, "has 1 NaN or infinite vertices, the first is number 2"),
-        ([[0.0, 0, 0], [1, 0, 0], [0, np.inf, 0]], TRIANGLE, "has 1 NaN or infinite vertices"),
         ([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]], TRIANGLE, "has no area"),
         ([[1.0, 1, 1]] * 3, TRIANGLE, "all its vertices are at one point"),
         ([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], np.zeros((0, 3), int), "has no faces"),

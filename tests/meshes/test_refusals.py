@@ -4,11 +4,13 @@ import gzip
 import time
 import tracemalloc
 import zipfile
+from functools import partial
 
 import numpy as np
 import pytest
 from meshes.generated import (
     PLACED,
+    SHAPE,
     as_dae,
     as_gltf,
     as_off,
@@ -30,41 +32,20 @@ from visuohaptic.meshes.preparing import prepare_object
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 FACES = [[0, 1, 2], [0, 2, 3]]
 OFF, PLY, TEXT_PLY = as_off(POINTS, FACES), as_ply(POINTS, FACES), as_ply(POINTS, FACES, "ascii")
-STL, GLB = exported(POINTS, FACES, "stl"), exported(POINTS, FACES, "glb")
-TEXT_STL = exported(POINTS, FACES, "stl_ascii").encode() + b"\n"
+STL = exported(POINTS, FACES, "stl")
+TEXT_STL = exported(POINTS, FACES, "stl_ascii") + b"\n"
 VERTICES = b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 RANDOM = np.random.default_rng(0)
 CROSSING = "".join(f"v {x} {y} 0\n" for x, y in RANDOM.random((5000, 2)))
 CROSSING = f"{CROSSING}f {' '.join(map(str, RANDOM.permutation(5000) + 1))}\n"
 
 
-def gltf(change):
-    return as_gltf(POINTS, FACES, change)
-
-
-def accessor(place, **values):
-    return gltf(lambda document: document["accessors"][place].update(values))
-
-
-def requires(name):
-    return gltf(lambda document: document.update(extensionsRequired=[name]))
-
-
-def many_nodes(document):
-    document["nodes"] *= 50_000
+gltf = partial(as_gltf, POINTS, FACES)
 
 
 def crowd(document):
     document["accessors"][0]["count"] = 300_000
     document["nodes"] *= 3000
-
-
-def empty_accessor(document):
-    document["accessors"].append({"componentType": 5126, "count": 5_000_000, "type": "VEC3"})
-
-
-def short_view(document):
-    document["bufferViews"][1]["byteLength"] = 9999
 
 
 def two_parts(document):
@@ -74,11 +55,7 @@ def two_parts(document):
     document["scenes"][0]["nodes"].append(1)
 
 
-SHAPE = (
-    '<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>'
-    '</vertices><triangles><triangle v1="0" v2="1" v3="{}"/></triangles></mesh>'
-)
-TRIANGLE = object_of(SHAPE.format(2))
+TRIANGLE = object_of(SHAPE)
 LARGE = "<mesh><vertices>" + '<vertex x="0" y="0" z="0"/>' * 30_000 + "</vertices></mesh>"
 ENTITIES = '<!DOCTYPE a [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">]>'
 OUTSIDE = '<components><component objectid="1" p:path="/../../etc/passwd"/></components>'
@@ -100,7 +77,6 @@ HOSTILE = {
     "negative.ply": (PLY.replace(b"face 2", b"face -1"), "'element face -1'"),
     "blank_lines.ply": (TEXT_PLY + b"\n" * 1_000_000, "1000006 lines"),
     "elements.ply": (b"ply\nformat ascii 1.0\n" + b"element e 1\n" * 10_000, "no header that ends"),
-    "short.ply": (PLY[:-10], "claims 6 rows|truncated: .* 2 rows of 'face', and 1 are"),
     "short_text.ply": (TEXT_PLY[:-5], "truncated: .* 2 rows of 'face', and 1 are"),
     "index.ply": (TEXT_PLY.replace(b"\n3 0 2 3", b"\n3 0 2 9"), "names vertex 9; 0 to 3"),
     "text.ply.gz": (gzip.compress(TEXT_PLY), "it is text, and binary is needed"),
@@ -113,45 +89,35 @@ HOSTILE = {
     "materials.obj": (VERTICES + b"".join(b"usemtl m%d\nf 1 2 3\n" % n for n in range(6000)), "6000 materials"),
     "crossing.obj": (CROSSING, "not convex has 5000 corners"),
     "wide.obj": (VERTICES + b"f 1 2 3\n" * 100_000 + b"f 1 2 " + b"9" * 3000, "can't be read as OBJ"),
-    "zero.obj": (VERTICES + b"f 0 1 2\n", "names vertex 0; 1 to 3"),
     "index.obj": (VERTICES + b"f 1 2 4\n", "names vertex 4; 1 to 3"),
     "backwards.obj": (VERTICES + b"f 1 2 -4\n", "names vertex 0; 1 to 3"),
-    "number.obj": (b"v 0 0 0\nv 1 0 0\nv x y z\nf 1 2 3\n", "can't be read as OBJ"),
     "flat.obj": (b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", r"shape \(3, 2\)"),
     "solids.stl": (TEXT_STL * 6000, "6000 solids"),
-    "short.stl": (STL[:-10], "truncated: .* 2 faces"),
     "rest.stl": (STL + bytes(50), "holds too much: .* 2 faces"),
-    "header.stl": (STL[:60], "truncated"),
     "short_text.stl": (TEXT_STL + TEXT_STL[:150], "truncated: 2 solids"),
-    "short.glb": (GLB[:-10], "truncated"),
-    "nodes.gltf": (gltf(many_nodes), "50000 nodes"),
+    "nodes.gltf": (gltf(nodes=[{"mesh": 0}] * 50_000), "50000 nodes"),
     "crowd.gltf": (gltf(crowd), "vertices and corners"),
-    "nothing.gltf": (gltf(empty_accessor), "5000000 rows without data"),
-    "sparse.gltf": (accessor(1, sparse={"count": 1}), "accessor 1 is sparse"),
-    "accessor.gltf": (accessor(1, count=5), "can't be read as GLTF"),
-    "view.gltf": (gltf(short_view), "can't be read as GLTF"),
+    "nothing.gltf": (gltf(lambda document: document["accessors"].append({"count": 5_000_000})), "5000000 rows without data"),
+    "sparse.gltf": (gltf(lambda document: document["accessors"][1].update(sparse={})), "accessor 1 is sparse"),
+    "view.gltf": (gltf(lambda document: document["bufferViews"][1].update(byteLength=9999)), "can't be read as GLTF"),
     "two_parts.gltf": (gltf(two_parts), "names vertex 3; 0 to 2|one surface"),
     "fan.gltf": (gltf(lambda document: document["meshes"][0]["primitives"][0].update(mode=6)), "mode 6"),
-    "draco.gltf": (requires("KHR_draco_mesh_compression"), "KHR_draco_mesh_compression"),
-    "quantised.gltf": (requires("KHR_mesh_quantization"), "KHR_mesh_quantization"),
+    "draco.gltf": (gltf(extensionsRequired=["KHR_draco"]), "KHR_draco, which"),
     "deep.gltf": (b"[" * 1_000_000, "can't be read as GLTF"),
     "other.3mf": (packed({"a.txt": "a"}), "holds no 3D/3dmodel.model"),
     "bomb.3mf": (three_mf(bytes(200_000_000)), "200 MB of XML"),
     "files.3mf": (packed({f"{n}": "" for n in range(6000)}), "6000 files"),
     "lzma.3mf": (packed({"3D/3dmodel.model": model(TRIANGLE)}, zipfile.ZIP_LZMA), "packed in a way"),
     "entities.3mf": (three_mf(model(TRIANGLE, before=ENTITIES)), "has a DOCTYPE"),
-    "itself.3mf": (three_mf(model(holds(1, [1]))), "5001 parts"),
     "doubling.3mf": (three_mf(model("".join(holds(n, [n + 1] * 2) for n in range(1, 60)) + holds(60, []))), "5001 parts"),
     "crowd.3mf": (three_mf(model(holds(1, [2] * 4000) + object_of(LARGE, 2))), "vertices and corners"),
     "outside.3mf": (three_mf(model(object_of(OUTSIDE))), "'../../etc/passwd', which is not there"),
-    "index.3mf": (three_mf(model(object_of(SHAPE.format(9)))), "names vertex 9; 0 to 2"),
+    "index.3mf": (three_mf(model(object_of(SHAPE.replace('v3="2"', 'v3="9"')))), "names vertex 9; 0 to 2"),
     "entities.dae": (collada(before=ENTITIES), "has a DOCTYPE"),
-    "zip.dae": (packed({"a.dae": collada()}), "is a zip archive"),
     "comment.dae": (collada().encode() + b"<!--" + packed({"a.dae": collada()}) + b"-->", "is a zip archive"),
     "polygons.dae": (collada(shape_of("polylist", "<vcount>2000000000</vcount><p>0 1 2</p>")), "claim 2000000000"),
     "index.dae": (as_dae(POINTS, FACES).replace(b"<p>0", b"<p>9"), "names vertex 9; 0 to 3"),
     "strips.dae": (as_dae(POINTS, FACES).replace(b"polylist", b"tristrips"), "has tristrips"),
-    "itself.dae": (collada(nodes='<node id="n"><instance_node url="#n"/></node>', scene=""), "can't be read as DAE"),
     "doubling.dae": (collada(nodes=nodes(60), scene='<node><instance_node url="#n0"/></node>'), "500. parts"),
     "crowd.dae": (collada(shape_of("triangles", f"<p>{'0 1 2 ' * 10_000}</p>"), PLACED * 2000), "vertices and corners"),
     "array.dae": (collada(shape_of("triangles", f"<p>{'0 1 2 ' * 2_000_000}</p>")), "can't be read as DAE"),

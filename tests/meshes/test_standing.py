@@ -32,9 +32,8 @@ def test_an_object_tips_over_its_nearest_edge_and_what_stands_on_a_line_does_not
 
 
 def test_a_table_is_found_upright_in_either_axis_and_placed_as_that_axis_does():
-    upright = table()
-    assert steadiest_axis(of_trimesh(upright), UP_AXES) == "y"
-    turned = of_trimesh(upright.apply_transform(Y_TO_Z))
+    assert steadiest_axis(of_trimesh(table()), UP_AXES) == "y"
+    turned = of_trimesh(table().apply_transform(Y_TO_Z))
     assert steadiest_axis(turned, UP_AXES) == "z"
     found, way = place_surface(turned, "table", MeshParameters(own_up_axis="auto"))
     named, named_way = place_surface(turned, "table", MeshParameters(own_up_axis="z"))

@@ -1,13 +1,12 @@
 """Images of model files lie upon the faces where the file puts them, in the colours it says."""
 
 import csv
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
-from meshes.generated import BOARD, write_square
+from meshes.generated import BOARD, gltf_of, write_square
 from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
@@ -21,28 +20,24 @@ from visuohaptic.meshes import textures as module
 from visuohaptic.meshes.in_memory import surface_of_trimesh
 from visuohaptic.meshes.model_files import read_model
 
-# An upright square of two triangles that shows an image once.
+# An upright square that shows an image once.
 SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
 PLACES = SQUARE[:, :2]
 
 
-def square_of(image=BOARD, places=PLACES, factor=None, vertices=SQUARE):
-    material = PBRMaterial(
-        baseColorTexture=image if isinstance(image, Image.Image) else Image.fromarray(image),
-        baseColorFactor=factor,
-    )
+def square_of(image=BOARD, places=PLACES, factor=None):
+    image = image if isinstance(image, Image.Image) else Image.fromarray(image)
+    material = PBRMaterial(baseColorTexture=image, baseColorFactor=factor)
     visual = TextureVisuals(uv=np.array(places, dtype=float), material=material)
-    return trimesh.Trimesh(vertices, FACES, visual=visual, process=False)
+    return trimesh.Trimesh(SQUARE, FACES, visual=visual, process=False)
 
 
 def colours_at(surface, points):
     """Give the colours of points of the square, seen from the front."""
     caster = RayCaster(surface)
     places = np.column_stack([points, np.zeros(len(points))])
-    faces = caster.first_hits(
-        np.add(places, [0, 0, 1]), np.tile([0.0, 0, -1], (len(places), 1))
-    ).face
+    faces = caster.first_hits(np.add(places, [0, 0, 1]), np.full_like(places, [0, 0, -1])).face
     steps = np.full((len(places), 2, 2), 1e-4)
     light = surface.texture.light(faces, caster.weights(places, faces), steps)
     return np.rint(255 * encode_srgb(light)).astype(np.uint8)
@@ -63,37 +58,20 @@ property list uchar int vertex_indices\nend_header
 @pytest.mark.parametrize("suffix", [".obj", ".glb", ".gltf", ".ply"])
 def test_every_texel_lies_where_the_file_puts_it(tmp_path, suffix):
     image = np.random.default_rng(0).integers(0, 256, (5, 9, 3), dtype=np.uint8)
-    path = tmp_path / f"a{suffix}"
     write_square(tmp_path, image)
-    if suffix == ".ply":
-        path.write_text(PLY)
-    elif suffix == ".glb":
-        square_of(image).export(path)
-    elif suffix == ".gltf":
-        path = write_gltf(tmp_path, trimesh.Scene(square_of(image)))
-    surface = read_model(path)
+    (tmp_path / "a.ply").write_text(PLY)
+    square_of(image).export(tmp_path / "a.glb")
+    (tmp_path / "a.gltf").write_bytes(gltf_of(trimesh.Scene(square_of(image))))
+    surface = read_model(tmp_path / f"a{suffix}")
     np.testing.assert_array_equal(colours_at(surface, middles(image)), image.reshape(-1, 3))
 
 
-def write_gltf(folder, scene, change=lambda document: None):
-    files = trimesh.exchange.gltf.export_gltf(scene)
-    document = json.loads(files.pop("model.gltf"))
-    change(document)
-    (folder / "model.gltf").write_text(json.dumps(document))
-    for name, data in files.items():
-        (folder / name).write_bytes(data)
-    return folder / "model.gltf"
-
-
 def test_faces_without_an_image_keep_their_colours(tmp_path):
-    plain = trimesh.Trimesh(SQUARE + 2, FACES, process=False)
-    plain.visual.face_colors = [9, 8, 7, 255]
-    scene = trimesh.Scene([plain, square_of(), square_of()])
-    scene.export(tmp_path / "a.glb")
+    plain = trimesh.Trimesh(SQUARE + 2, FACES, face_colors=[9, 8, 7, 255], process=False)
+    trimesh.Scene([plain, square_of(), square_of()]).export(tmp_path / "a.glb")
     surface = read_model(tmp_path / "a.glb")
-    assert (surface.texture.image == NO_IMAGE).sum() == 2
-    of_plain = surface.face_colours[~surface.texture.textured]
-    np.testing.assert_array_equal(of_plain, np.tile([9, 8, 7], (2, 1)))
+    of_plain = surface.face_colours[surface.texture.image == NO_IMAGE]
+    np.testing.assert_array_equal(of_plain, [[9, 8, 7]] * 2)
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
@@ -108,19 +86,15 @@ def test_instances_of_a_mesh_share_one_image_and_stand_where_the_scene_puts_them
     assert len(surface.texture.images) == 1
     np.testing.assert_array_equal(surface.vertices[:4], scene.dump()[0].vertices)
     np.testing.assert_array_equal(surface.faces[:2], scene.dump()[0].faces)
-    points = middles(BOARD) * ([-1, 1] if mirrored else [1, 1])
+    points = middles(BOARD) * [-1 if mirrored else 1, 1]
     np.testing.assert_array_equal(colours_at(surface, points), BOARD.reshape(-1, 3))
 
 
-@pytest.mark.parametrize(
-    ("material", "factor"),
-    [("Kd 0.5 1 0\n", [0.5, 1, 0]), ("", 1), ("Kd 0 0 0\n", 1), ("Kd\n", 1)],
-)
-def test_an_mtl_multiplies_its_image_as_stored_by_its_diffuse_colour_if_any(
-    tmp_path, material, factor
-):
+@pytest.mark.parametrize("material", ["Kd 0.5 1 0\n", "", "Kd 0 0 0\n", "Kd\n"])
+def test_an_mtl_multiplies_its_image_as_stored_by_its_diffuse_colour_if_any(tmp_path, material):
+    expected = np.rint(BOARD * [0.5, 1, 0]) if "0.5" in material else BOARD
     surface = read_model(write_square(tmp_path, BOARD, material))
-    np.testing.assert_array_equal(surface.texture.images[0], np.rint(np.multiply(BOARD, factor)))
+    np.testing.assert_array_equal(surface.texture.images[0], expected)
 
 
 def test_gltf_multiplies_the_light_of_its_image_by_the_base_colour(tmp_path):
@@ -132,30 +106,26 @@ def test_gltf_multiplies_the_light_of_its_image_by_the_base_colour(tmp_path):
 
 @pytest.mark.parametrize("mode", ["P", "L", "1", "RGBA", "LA", "CMYK", "I;16"])
 def test_images_of_every_kind_are_read(mode):
-    board = Image.fromarray(BOARD)
-    if mode == "I;16":
-        grey = np.asarray(board.convert("L"))
-        image, expected = Image.fromarray(grey.astype(np.uint16) * 257), grey[..., None]
-    else:
-        image = board.convert(mode)
-        expected = np.asarray(image.convert("RGB"))
+    grey = Image.fromarray(BOARD).convert("L")
+    deep = Image.fromarray(np.asarray(grey).astype(np.uint16) * 257)
+    image = deep if mode == "I;16" else Image.fromarray(BOARD).convert(mode)
+    expected = np.asarray((grey if mode == "I;16" else image).convert("RGB"))
     surface = surface_of_trimesh(square_of(image), "square")
-    np.testing.assert_array_equal(surface.texture.images[0], np.broadcast_to(expected, BOARD.shape))
+    np.testing.assert_array_equal(surface.texture.images[0], expected)
 
 
-@pytest.mark.parametrize(
-    ("code", "wrap"),
-    [(None, REPEAT), (10497, REPEAT), (33071, CLAMP), (33648, MIRROR), (7, REPEAT)],
-)
+WRAPS = [(None, REPEAT), (10497, REPEAT), (33071, CLAMP), (33648, MIRROR), (7, REPEAT)]
+
+
+@pytest.mark.parametrize(("code", "wrap"), WRAPS)
 def test_gltf_says_how_an_image_goes_on(tmp_path, code, wrap):
     def sample(document):
         document["samplers"] = [{} if code is None else {"wrapS": code}]
-        for texture in document["textures"]:
-            texture["sampler"] = 0
+        document["textures"][0]["sampler"] = 0
 
     scene = trimesh.Scene([trimesh.creation.box(), square_of(places=PLACES - 4)])
-    path = write_gltf(tmp_path, scene, sample)
-    texture = read_model(path).texture
+    (tmp_path / "a.gltf").write_bytes(gltf_of(scene, sample))
+    texture = read_model(tmp_path / "a.gltf").texture
     np.testing.assert_array_equal(texture.wraps, [[wrap, REPEAT]])
     # An image that is clamped is not the same some images further on.
     across = texture.corners[texture.textured][..., 0]
@@ -209,17 +179,15 @@ def test_images_of_too_many_texels_together_are_halved(monkeypatch):
     image = np.kron(BOARD[:4, :4], np.ones((2, 2, 1), np.uint8))
     scene = trimesh.Scene([square_of(image), square_of(image[:, ::-1])])
     images = surface_of_trimesh(scene, "scene").texture.images
-    np.testing.assert_array_equal(images[0], BOARD[:4, :4])
-    np.testing.assert_array_equal(images[1], BOARD[:4, 3::-1])
+    np.testing.assert_array_equal(images, [BOARD[:4, :4], BOARD[:4, 3::-1]])
 
 
 def test_an_image_of_one_colour_is_a_colour():
     plain = np.full((8, 8, 3), (10, 200, 30), np.uint8)
-    surface = surface_of_trimesh(square_of(plain), "square")
-    np.testing.assert_array_equal(surface.face_colours, [[10, 200, 30]] * 2)
-    assert surface.texture is None
+    assert surface_of_trimesh(square_of(plain), "square").texture is None
     scene = trimesh.Scene([square_of(plain), square_of(), trimesh.creation.box()])
     surface = surface_of_trimesh(scene, "scene")
+    np.testing.assert_array_equal(surface.face_colours[:2], [[10, 200, 30]] * 2)
     np.testing.assert_array_equal(surface.texture.image, [NO_IMAGE] * 2 + [0] * 2 + [NO_IMAGE] * 12)
     np.testing.assert_array_equal(surface.texture.images[0], BOARD)
 

@@ -1,15 +1,15 @@
 """A model is what its file says, over models made by a seed, written by another program or here."""
 
 import io
+from functools import partial
 
 import numpy as np
 import pytest
 from meshes import generated
+from meshes.generated import FACES, POINTS
 
 from visuohaptic.errors import MeshError
 from visuohaptic.meshes.model_files import read_open_file
-
-POINTS, FACES = [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]
 
 
 def read(data, kind):
@@ -18,21 +18,19 @@ def read(data, kind):
 
 @pytest.mark.parametrize("name", ["obj", "off", "text ply", "stl_ascii", "dae", "gltf"])
 def test_a_byte_order_mark_is_no_part_of_the_model(name):
-    data = as_bytes(OF_TRIANGLES[name](POINTS, FACES))
+    data = OF_TRIANGLES[name](POINTS, FACES)
     surface = read(b"\xef\xbb\xbf" + data, kind_of(name))
     np.testing.assert_array_equal(surface.triangles, [POINTS])
 
 
 @pytest.mark.parametrize("name", ["KHR_materials_unlit", "KHR_lights_punctual"])
 def test_a_required_extension_that_leaves_the_surface_alone_is_read(name):
-    data = generated.as_gltf(
-        POINTS, FACES, lambda document: document.update(extensionsRequired=[name])
-    )
+    data = generated.as_gltf(POINTS, FACES, extensionsRequired=[name])
     assert len(read(data, "gltf").faces) == 1
 
 
 def test_names_of_solids_are_no_part_of_the_model():
-    text = as_bytes(generated.exported(POINTS, FACES, "stl_ascii"))
+    text = generated.exported(POINTS, FACES, "stl_ascii")
     named = text.replace(b"solid", b"solid vertex of a solid")
     assert len(read(named + b"\n" + text, "stl").faces) == 2
 
@@ -44,19 +42,17 @@ def test_names_of_solids_are_no_part_of_the_model():
         b"v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n",
         b"v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r",
         b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 \\\n2 3 # a face\nf 1 2\nf\n",
-        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\nv 9 9 9\n",
     ],
-    ids=["tabs", "windows", "old mac", "continued", "counting backwards"],
+    ids=["tabs", "windows", "old mac", "continued"],
 )
 def test_an_obj_is_the_same_however_its_lines_are_written(text):
-    np.testing.assert_array_equal(read(text, "obj").triangles, [[[0, 0, 0], [1, 0, 0], [0, 1, 0]]])
+    np.testing.assert_array_equal(read(text, "obj").triangles, [POINTS])
 
 
 SEEDS = range(12)
 WITH_POLYGONS = {
     "obj": generated.as_obj,
     "backwards obj": generated.as_obj_backwards,
-    "blender obj": generated.as_obj_by_blender,
     "off": generated.as_off,
     "ply": generated.as_ply,
     "text ply": lambda points, faces: generated.as_ply(points, faces, "ascii"),
@@ -65,32 +61,21 @@ WITH_POLYGONS = {
 }
 
 
-def volume(surface):
-    return np.linalg.det(surface.triangles).sum() / 6
-
-
 @pytest.mark.parametrize("name", WITH_POLYGONS)
 def test_a_prism_of_any_outline_has_its_area_and_volume(name):
     kind = name.rpartition(" ")[2]
     for seed in SEEDS:
-        shape = generated.random_prism(seed)
-        surface = read(WITH_POLYGONS[name](shape.points, shape.faces), kind)
-        assert surface.face_areas.sum() == pytest.approx(shape.area, rel=1e-5), seed
-        assert volume(surface) == pytest.approx(shape.volume, rel=1e-5), seed
+        points, faces, area, volume = generated.random_prism(seed)
+        surface = read(WITH_POLYGONS[name](points, faces), kind)
+        assert surface.face_areas.sum() == pytest.approx(area, rel=1e-5), seed
+        assert np.linalg.det(surface.triangles).sum() / 6 == pytest.approx(volume, rel=1e-5), seed
 
 
 OF_TRIANGLES = {
     **{name: made for name, made in WITH_POLYGONS.items() if not name.endswith(" obj")},
     "gltf": generated.as_gltf,
-    **{
-        kind: lambda points, faces, kind=kind: generated.exported(points, faces, kind)
-        for kind in ("stl", "stl_ascii", "glb", "3mf")
-    },
+    **{kind: partial(generated.exported, kind=kind) for kind in ("stl", "stl_ascii", "glb", "3mf")},
 }
-
-
-def as_bytes(data):
-    return data.encode() if isinstance(data, str) else data
 
 
 def kind_of(name):
@@ -101,10 +86,9 @@ def random_triangles(seed):
     """Triangles of any kind: closed or not, some used twice, vertices that no face names."""
     random = np.random.default_rng(seed)
     points = np.float32(random.normal(size=(int(random.integers(4, 40)), 3))).astype(float)
-    triangles = [
-        random.choice(len(points), 3, replace=False) for _ in range(random.integers(1, 60))
-    ]
-    return points, np.array(triangles).tolist()
+    count = random.integers(1, 60)
+    triangles = [random.choice(len(points), 3, replace=False).tolist() for _ in range(count)]
+    return points, triangles
 
 
 def in_any_order(triangles):
@@ -120,8 +104,7 @@ def in_any_order(triangles):
 def test_triangles_are_those_that_were_written(name):
     for seed in SEEDS:
         points, faces = random_triangles(seed)
-        data = as_bytes(OF_TRIANGLES[name](points, faces))
-        found = read(data, kind_of(name)).triangles
+        found = read(OF_TRIANGLES[name](points, faces), kind_of(name)).triangles
         np.testing.assert_allclose(
             in_any_order(found), in_any_order(points[faces]), atol=2e-5, err_msg=f"seed {seed}"
         )
@@ -132,7 +115,7 @@ def test_a_file_cut_anywhere_is_refused_or_whole(name):
     """OBJ has no counts, and zip archives are checked by their own sums."""
     for seed in SEEDS:
         points, faces = random_triangles(seed)
-        data = as_bytes(OF_TRIANGLES[name](points, faces))
+        data = OF_TRIANGLES[name](points, faces)
         where = int(np.random.default_rng(seed).integers(1, len(data)))
         try:
             found = read(data[:where], kind_of(name)).triangles

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from meshes.generated import PLACED, TRIANGLES, collada, exported, model, object_of, packed
+from meshes.generated import PLACED, SHAPE, TRIANGLES, collada, exported, model, object_of, packed
 from PIL import Image
 
 from visuohaptic import optional_packages
@@ -11,10 +11,6 @@ from visuohaptic.errors import MeshError
 from visuohaptic.meshes.catalogue import find_own_models
 from visuohaptic.meshes.model_files import read_model
 
-TRIANGLE = (
-    '<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="1" z="0"/>'
-    '</vertices><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh>'
-)
 MOVED = 'transform="1 0 0 0 1 0 0 0 1 5 0 0"'
 
 
@@ -40,7 +36,7 @@ def test_the_parts_of_a_scene_stand_where_the_scene_puts_them(tmp_path, suffix):
 
 def test_components_of_a_3mf_are_turned_and_moved_by_all_they_stand_in_in_each_file(tmp_path):
     turned = 'transform="0 1 0 -1 0 0 0 0 1 0 0 0"'
-    parts = model(object_of(TRIANGLE, 1) + object_of(TRIANGLE, 2), "")
+    parts = model(object_of(SHAPE, 1) + object_of(SHAPE, 2), "")
     path = 'p:path="/3D/Objects/parts.model"'
     components = f'<component {path} objectid="1"/><component {path} objectid="2" {MOVED}/>'
     whole = model(

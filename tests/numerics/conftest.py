@@ -34,13 +34,8 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.fixture
 def recorder():
+    """Compares errors with their tolerance and keeps the worst."""
     return RECORDER
-
-
-@pytest.fixture
-def hold():
-    """Give the function that compares errors with their tolerance and keeps the worst."""
-    return RECORDER.hold
 
 
 @pytest.fixture

@@ -21,8 +21,13 @@ def near(triangles, origin, direction):
     return triangles[(sides >= -slack).all(axis=1) | (sides <= slack).all(axis=1)]
 
 
+def exact_first_hits(triangles, origins, directions):
+    """Give the distance of each ray's first hit, rims included, decided in rationals; infinite for a miss."""
+    rays = zip(origins, directions, strict=True)
+    return np.array([float(exact_first_hit(triangles, *ray)) for ray in rays])
+
+
 def exact_first_hit(triangles, origin, direction):
-    """Give the exact distance to the first triangle, rims included, as a Fraction; infinite for a miss."""
     d, best = exact(direction), np.inf
     for corner, first, second in exact(near(triangles, origin, direction)):
         a, b, s = first - corner, second - corner, exact(origin) - corner
@@ -40,11 +45,7 @@ def exact_moments(values):
     """Give mean, variance (population) and third moment about the mean, as Fractions."""
     values = exact(values)
     mean = values.sum() / len(values)
-    return (
-        mean,
-        ((values - mean) ** 2).sum() / len(values),
-        ((values - mean) ** 3).sum() / len(values),
-    )
+    return mean, *(((values - mean) ** power).sum() / len(values) for power in (2, 3))
 
 
 def root(fraction):

@@ -1,8 +1,10 @@
 """Surfaces that checks touch, look at and cast rays at."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import trimesh
 
 from visuohaptic.geometry.surface import Surface
 
@@ -12,6 +14,12 @@ def pick(generator, low, high):
     if generator.random() < 0.125:
         return float(generator.choice([low, high]))
     return float(generator.uniform(low, high))
+
+
+def random_vectors(generator, count, length=1.0):
+    """Give vectors of one length in all directions."""
+    vectors = generator.normal(size=(count, 3))
+    return vectors * (length / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
 def build_plain_surface(vertices, faces, colours=(160, 160, 160)):
@@ -28,21 +36,24 @@ def of_trimesh(mesh, colours=(160, 160, 160)):
 
 def float32_exact(surface):
     """Round the vertices to float32, so that caster and oracle see the same surface."""
-    return Surface(
-        surface.vertices.astype(np.float32).astype(np.float64), surface.faces, surface.face_colours
-    )
+    return replace(surface, vertices=surface.vertices.astype(np.float32).astype(np.float64))
 
 
 def moved(surface, scale, shift=0.0):
     """Scale a surface after a shift."""
-    return Surface(scale * (surface.vertices + shift), surface.faces, surface.face_colours)
+    return replace(surface, vertices=scale * (surface.vertices + shift))
+
+
+def far_off(generator, surface):
+    """Move a surface by 1 to 1e6 and scale it; give it, and the powers of ten of its size and offset."""
+    size, offset = pick(generator, -6, 6), pick(generator, 0, 6)
+    (towards,) = random_vectors(generator, 1, 10.0**offset)
+    return moved(surface, 10.0**size, towards), size, offset
 
 
 @cache
 def closed_shapes():
     """Give closed surfaces within the unit sphere, by name."""
-    import trimesh
-
     made = {
         "ball": trimesh.creation.icosphere(3),
         "torus": trimesh.creation.torus(0.6, 0.25, 24, 16),
@@ -56,8 +67,6 @@ def closed_shapes():
 @cache
 def ball(level, radius=1.0):
     """Give a ball of 20 · 4^level triangles, its vertices rounded to float32."""
-    import trimesh
-
     return float32_exact(of_trimesh(trimesh.creation.icosphere(level, radius=radius)))
 
 
@@ -79,8 +88,6 @@ def draw_triangles(generator, count, size=0.4):
 @cache
 def lopsided():
     """Give a coloured object without any symmetry, of several parts."""
-    import trimesh
-
     body = trimesh.creation.icosphere(subdivisions=4, radius=0.55)
     box = trimesh.creation.box(extents=(0.5, 0.9, 0.3))
     box.apply_transform(trimesh.transformations.rotation_matrix(0.5, (0.3, 1.0, 0.2)))

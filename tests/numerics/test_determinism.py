@@ -16,7 +16,7 @@ from visuohaptic.tables.schemas import SCHEMAS
 
 
 @pytest.mark.parametrize("rounds", [1, pytest.param(6, marks=pytest.mark.hard)])
-def test_blocks_of_viewpoints_in_any_order_give_the_same_tables(hold, tmp_path, rounds):
+def test_blocks_of_viewpoints_in_any_order_give_the_same_tables(recorder, tmp_path, rounds):
     source = tmp_path / "torus.stl"
     trimesh.creation.torus(0.6, 0.25, 24, 12).export(source)
     whole = run_chain(source, tmp_path)
@@ -29,11 +29,9 @@ def test_blocks_of_viewpoints_in_any_order_give_the_same_tables(hold, tmp_path, 
         for name, table in whole.items():
             keys = [(key, "ascending") for key in SCHEMAS[name].keys]
             joined = pa.concat_tables([part[name] for part in parts]).sort_by(keys)
-            hold(
-                "determinism/job order, processes and blocks of viewpoints",
-                not joined.equals(table.sort_by(keys)),
-                f"{name}, blocks {blocks}",
-            )
+            other = not joined.equals(table.sort_by(keys))
+            requirement = "determinism/job order, processes and blocks of viewpoints"
+            recorder.hold(requirement, other, f"{name}, blocks {blocks}")
 
 
 def version(seed):
@@ -55,7 +53,7 @@ def kill_while_writing(versions, path, seconds):
 
 
 @pytest.mark.parametrize("kills", [20, pytest.param(300, marks=pytest.mark.hard)])
-def test_a_writer_that_is_killed_leaves_the_old_table_or_the_new_one(hold, tmp_path, kills):
+def test_a_writer_that_is_killed_leaves_the_old_table_or_the_new_one(recorder, tmp_path, kills):
     path = tmp_path / "table.parquet"
     versions = [version(seed) for seed in (1, 2)]
     write_table(GUARDS, versions[0], path)
@@ -66,4 +64,4 @@ def test_a_writer_that_is_killed_leaves_the_old_table_or_the_new_one(hold, tmp_p
             torn.unlink()
         found = read_table(GUARDS, tmp_path)
         whole = any(found.equals(version) for version in versions)
-        hold("determinism/kill -9 and restart", not whole, f"after kill {kill}")
+        recorder.hold("determinism/kill -9 and restart", not whole, f"after kill {kill}")

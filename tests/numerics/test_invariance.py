@@ -10,12 +10,14 @@ from numerics.hard_cases.attention import look
 from numerics.hard_cases.invariance import (
     KINDS,
     bases,
-    compare_imprints,
+    compare_touches,
+    describe,
     drive_of,
     mesh_descriptions,
     sense,
     sense_base,
 )
+from numerics.hard_cases.learning import DEFAULT, fit_quietly
 from numerics.surfaces import float32_exact, moved
 
 from visuohaptic.features.describing import describe_imprints
@@ -26,9 +28,7 @@ from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.preparing import normalise
-from visuohaptic.recognition.classifiers import fit_classifier
 from visuohaptic.recognition.encoding import fit_sequence_encoder
-from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
@@ -41,11 +41,12 @@ PAPER = Path(__file__).parents[2] / "meshes" / "paper"
 REAL = sorted(str(path.relative_to(PAPER)) for path in PAPER.rglob("*.ply.gz"))
 
 
-@pytest.mark.parametrize(
-    "base",
-    ["box", *(pytest.param(k, marks=pytest.mark.hard) for k in ("lopsided", "cone", "torus"))],
-)
-def test_a_finer_tessellation_of_the_same_surface_feels_alike(hold, recorder, base):
+def hard(*values):
+    return [pytest.param(value, marks=pytest.mark.hard) for value in values]
+
+
+@pytest.mark.parametrize("base", ["box", *hard("lopsided", "cone", "torus")])
+def test_a_finer_tessellation_of_the_same_surface_feels_alike(recorder, base):
     surface = normalise(bases()[base], base, merge_tolerance=0)
     vertices, faces = trimesh.remesh.subdivide(surface.vertices, surface.faces)
     # Each triangle is cut into four, one after the other.
@@ -53,45 +54,30 @@ def test_a_finer_tessellation_of_the_same_surface_feels_alike(hold, recorder, ba
     finer = Surface(vertices, faces.astype(np.int64), surface.face_colours[parents])
     finer = normalise(finer, base, merge_tolerance=0)
     drawn = draw_by_area(finer, 60, np.random.default_rng(1))
-    coarse, fine = (
-        touch(
-            RayCaster(each), drawn.points, drawn.normals, SensorParameters(), Scene(), faces=owners
-        ).images
-        for each, owners in ((surface, parents[drawn.faces]), (finer, drawn.faces))
-    )
+    pressed = (drawn.points, drawn.normals, SensorParameters(), Scene())
+    coarse = touch(RayCaster(surface), *pressed, faces=parents[drawn.faces]).images
+    fine = touch(RayCaster(finer), *pressed, faces=drawn.faces).images
+    features = [describe_imprints(images, FeatureParameters()) for images in (coarse, fine)]
     label = f"{base}, each triangle cut into four"
-    recorder.take([compare_imprints(fine, coarse, label)])
-    deviations = [describe_imprints(images, FeatureParameters()) for images in (coarse, fine)]
-    hold(
-        "invariance/features",
-        np.abs(deviations[0] - deviations[1]).max(axis=1),
-        lambda row: f"{label}, touch {row}",
-        lambda row: drawings.image(coarse[row], "the imprint"),
-    )
+    images = np.abs(fine - coarse)
+    recorder.take(compare_touches(images, features[0] - features[1], coarse, label))
 
 
-def test_labels_do_not_depend_on_unit_order_or_winding(hold):
+def test_labels_do_not_depend_on_unit_order_or_winding(recorder):
     generator = np.random.default_rng(3)
     training = np.concatenate([sequences(sense_base(name)) for name in bases()])
     labels = np.repeat(np.arange(len(bases())), 4)
-    parameters = RecognitionParameters()
-    encoder = fit_sequence_encoder(training, parameters, np.random.default_rng(0))
+    encoder = fit_sequence_encoder(training, DEFAULT, np.random.default_rng(0))
     plain = encoder.encode(training)
-    fits = {
-        name: fit_classifier(name, parameters.classifier, plain, labels, np.random.default_rng(0))[
-            0
-        ]
-        for name in parameters.classifiers
-    }
-    for kind, describe in KINDS.items():
+    fits = {name: fit_quietly(name, plain, labels) for name in DEFAULT.classifiers}
+    for kind in KINDS:
         for place, (name, base) in enumerate(bases().items()):
-            surface = Surface(*describe(base, generator))
-            surface = moved(surface, 10.0 ** generator.uniform(-6, 6))
+            surface = moved(describe(kind, base, generator), 10.0 ** generator.uniform(-6, 6))
             features = encoder.encode(sequences(sense(surface)))
             for classifier, fitted in fits.items():
                 wanted = fitted.predict(plain)[labels == place]
                 changed = fitted.predict(features) != wanted
-                hold("invariance/labels", changed, f"{classifier} on {name}: {kind}")
+                recorder.hold("invariance/labels", changed, f"{classifier} on {name}: {kind}")
 
 
 def sequences(sensed):
@@ -125,17 +111,11 @@ def compare_views(kind, label, base, others, *, flip):
                 drive = drive_of(point, one, mask, step)
                 deficit = drive[path.rows[step], path.columns[step]] - drive[went]
                 break
-        yield Finding(
-            f"invariance/{kind} object: fixations are those of a map within its error",
-            max(deficit, 0.0),
-            here,
-            picture,
-        )
+        name = f"invariance/{kind} object: fixations are those of a map within its error"
+        yield Finding(name, max(deficit, 0.0), here, picture)
 
 
-@pytest.mark.parametrize(
-    "path", [REAL[0], *(pytest.param(path, marks=pytest.mark.hard) for path in REAL[1:])]
-)
+@pytest.mark.parametrize("path", [REAL[0], *hard(*REAL[1:])])
 def test_turning_the_object_permutes_its_viewpoints_and_mirroring_mirrors(recorder, full, path):
     surface = normalise(read_surface(PAPER / path), path)
     cameras, resolution = (CAMERAS, 256) if full else (CAMERAS[:4], 128)

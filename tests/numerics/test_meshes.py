@@ -19,15 +19,15 @@ NAME = "meshes/hard cases end in tables or in a refusal"
 
 
 @pytest.mark.parametrize("name", HARD)
-def test_a_hard_mesh_ends_in_tables_or_in_a_refusal(hold, tmp_path, name):
+def test_a_hard_mesh_ends_in_tables_or_in_a_refusal(recorder, tmp_path, name):
     end = end_of(write_obj(tmp_path / "mesh.obj", *HARD[name]), tmp_path)
     allowed = {"refused": name in REFUSED | EITHER, "tables": name not in REFUSED}
-    hold(NAME, not allowed.get(end, False), f"{name}: {end}")
+    recorder.hold(NAME, not allowed.get(end, False), f"{name}: {end}")
 
 
-def test_an_empty_file_is_refused(hold, tmp_path):
+def test_an_empty_file_is_refused(recorder, tmp_path):
     for suffix in SUFFIXES:
         path = tmp_path / f"empty.{suffix}"
         path.write_bytes(b"")
         end = end_of(path, tmp_path)
-        hold(NAME, end != "refused", f"empty {suffix}: {end}")
+        recorder.hold(NAME, end != "refused", f"empty {suffix}: {end}")

@@ -128,7 +128,6 @@ TOLERANCES = {
     "meshes/hard cases end in tables or in a refusal": Tolerance(0, "meshes", NEVER),
     "meshes/random wild surfaces": Tolerance(0, "meshes", NEVER),
     "meshes/fuzzed files: crash, hang, NaN or an unclear refusal": Tolerance(0, "files", NEVER),
-    "meshes/five million faces": Tolerance(0, "meshes", NEVER),
     # ------------------------------------------------------------------ images
     "images/contourlet bands against exact rationals": Tolerance(
         2000 * U64,

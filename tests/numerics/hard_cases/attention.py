@@ -1,7 +1,9 @@
 """Views in which nothing stands out or hardly anything is seen, and the model's parts by other means."""
 
 import numpy as np
+import trimesh
 from numerics.surfaces import ball, lopsided, of_trimesh, pick
+from scipy import ndimage
 
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
@@ -16,7 +18,6 @@ from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
 SIZE = 64
-SEEN = ("colour", "mask", "point", "normal", "face", "curvature")
 
 
 def flat_view(colour, mask, curvature=None):
@@ -39,8 +40,7 @@ def flat_view(colour, mask, curvature=None):
 def look(surface, cameras, resolution):
     """Render views of a surface, and attend to them."""
     views = render_views(RayCaster(surface), cameras, RenderingParameters(resolution=resolution))
-    arrays = {name: getattr(views, name) for name in SEEN}
-    return views, list(attend(**arrays, parameters=AttentionParameters()))
+    return views, list(attend(**views.arrays(), parameters=AttentionParameters()))
 
 
 def judge(found, mask, label, parameters):
@@ -49,20 +49,15 @@ def judge(found, mask, label, parameters):
     maps = np.stack([found.saliency, *found.conspicuity.values()])
     wrong = not np.isfinite(maps).all() or maps.min() < 0 or bool((maps[:, ~mask] != 0).any())
     wrong |= found.saliency.max() > 1 or (0 < found.saliency.max() < 1)
-    yield Finding(
-        "attention/maps are finite, within 0 and 1, zero beside the object", wrong, label, picture
-    )
+    name = "attention/maps are finite, within 0 and 1, zero beside the object"
+    yield Finding(name, wrong, label, picture)
     path = found.scanpath
     apart = np.linalg.norm(path.points[:, None] - path.points[None], axis=2)
     apart[np.diag_indices(len(apart))] = np.inf
     wrong = (apart < parameters.focus_radius * (1 - 1e-6)).any(axis=1)
     wrong |= ~mask[path.rows, path.columns]
-    yield Finding(
-        "attention/fixations: distinct, on the object, a focus apart",
-        wrong if path.distinct else mask.any(),
-        label,
-        picture,
-    )
+    name = "attention/fixations: distinct, on the object, a focus apart"
+    yield Finding(name, wrong if path.distinct else mask.any(), label, picture)
 
 
 def hard_masks(generator):
@@ -95,9 +90,9 @@ def hard_colours(generator):
 def hard_views(generator):
     """Attend to a view of a hard silhouette in hard colours."""
     masks, colours = hard_masks(generator), hard_colours(generator)
-    seen, painted = str(generator.choice(list(masks))), str(generator.choice(list(colours)))
-    normalisation = str(generator.choice(["local_maxima", "local_maxima", "iterative"]))
-    parameters = AttentionParameters.model_validate({"normalisation": normalisation})
+    seen, painted = generator.choice(list(masks)), generator.choice(list(colours))
+    normalisation = generator.choice(["local_maxima", "local_maxima", "iterative"])
+    parameters = AttentionParameters(normalisation=str(normalisation))
     bend = generator.choice([0.0, 1.0, 1e30], (SIZE, SIZE))
     view = flat_view(colours[painted], masks[seen], bend)
     (found,) = attend(**view, parameters=parameters)
@@ -106,11 +101,9 @@ def hard_views(generator):
 
 def noisy_views(generator):
     """Attend to noise of any brightness within a random outline."""
-    from scipy.ndimage import gaussian_filter
-
     exponent = pick(generator, -30, 30)
     colour = generator.random((SIZE, SIZE, 3)) * 10.0**exponent
-    smooth = gaussian_filter(generator.normal(size=(SIZE, SIZE)), 4)
+    smooth = ndimage.gaussian_filter(generator.normal(size=(SIZE, SIZE)), 4)
     mask = smooth >= np.quantile(smooth, pick(generator, 0, 1))
     parameters = AttentionParameters(inhibition_falloff=float(generator.integers(2)))
     view = flat_view(colour, mask, 10.0 ** generator.uniform(-3, 3, mask.shape))
@@ -134,16 +127,13 @@ def brightness(generator):
     power = int(generator.integers(-60, 61))
     mask = np.ones((SIZE, SIZE), dtype=bool)
     colour = generator.random((SIZE, SIZE, 3)).astype(np.float32)
-    plain, scaled = (
-        attend(**flat_view(values, mask), parameters=AttentionParameters())[0]
-        for values in (colour, np.ldexp(colour, power))
-    )
+    views = flat_view(colour, mask), flat_view(np.ldexp(colour, power), mask)
+    (plain,), (scaled,) = (attend(**view, parameters=AttentionParameters()) for view in views)
+    wrong = (plain.saliency != scaled.saliency).any()
+    wrong |= (plain.scanpath.rows != scaled.scanpath.rows).any()
+    picture = drawings.image(plain.saliency, "the saliency map")
     yield Finding(
-        "attention/brightness by a power of two",
-        (plain.saliency != scaled.saliency).any()
-        or (plain.scanpath.rows != scaled.scanpath.rows).any(),
-        f"noise times 2^{power}",
-        drawings.image(plain.saliency, "the saliency map"),
+        "attention/brightness by a power of two", wrong, f"noise times 2^{power}", picture
     )
 
 
@@ -167,9 +157,7 @@ def way_of_the_eye(saliency, mask, places, parameters):
 
 def drive_at_first(saliency, mask):
     """Give how far pixels lie inside the outline, and what drives the eye before any fixation."""
-    from scipy.ndimage import distance_transform_edt
-
-    depth = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    depth = ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
     return depth, saliency.astype(float) + INWARD * depth / depth.max()
 
 
@@ -181,24 +169,21 @@ def recovery(distance, parameters):
 
 def inhibition(generator):
     """Compare the fixations of a random map with the definition of inhibition of return."""
-    from scipy.ndimage import binary_erosion
-
     kind = str(generator.choice(["surface", "image"]))
     mask = np.hypot(*(np.indices((SIZE, SIZE)) - 31.5)) < 31
     # Levels three ties apart, on pixels well inside.
-    pixels = np.flatnonzero(binary_erosion(mask, iterations=5).ravel())
+    pixels = np.flatnonzero(ndimage.binary_erosion(mask, iterations=5).ravel())
     levels = np.zeros(SIZE * SIZE)
     levels[generator.choice(pixels, 1200, replace=False)] = 0.4 + np.arange(1200) * 5 * TIE
     saliency = levels.reshape(SIZE, SIZE)
     view = flat_view(np.zeros((SIZE, SIZE, 3)), mask)
-    parameters = AttentionParameters.model_validate({"inhibition": kind})
+    parameters = AttentionParameters(inhibition=kind)
     point = view["point"][0].astype(np.float64)
     on_pixels = np.moveaxis(np.indices(mask.shape), 0, -1) / (parameters.focus_fraction * SIZE)
     places = point / parameters.focus_radius if kind == "surface" else on_pixels
     wanted = way_of_the_eye(saliency, mask, places, parameters)
-    path = scan(
-        saliency.astype(np.float32), mask, point, view["normal"][0], view["face"][0], parameters
-    )
+    normal, face = view["normal"][0], view["face"][0]
+    path = scan(saliency.astype(np.float32), mask, point, normal, face, parameters)
     found = list(zip(path.rows.tolist(), path.columns.tolist(), strict=True))[: len(wanted)]
     yield Finding(
         "attention/way of the eye against its definition in float64",
@@ -210,22 +195,19 @@ def inhibition(generator):
 
 def pyramids(generator):
     """Blur, reduce and enlarge noise, and compare with SciPy."""
-    from scipy.ndimage import correlate1d, map_coordinates
-
     side = 2 ** int(generator.integers(2, 8))
     plane = generator.random((side, side)).astype(np.float32)
     exact = plane.astype(np.float64)
     steps = np.clip((np.arange(2 * side) + 0.5) / 2 - 0.5, 0, side - 1)
-    larger = map_coordinates(
-        exact, np.meshgrid(steps, steps, indexing="ij"), order=1, mode="nearest"
-    )
+    grid = np.meshgrid(steps, steps, indexing="ij")
+    larger = ndimage.map_coordinates(exact, grid, order=1, mode="nearest")
     name, label = "attention/pyramid against scipy.ndimage", f"noise of {side}² pixels"
     picture = drawings.image(plane, "noise")
     yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger).max(), label, picture)
     for border, mode in ((GOES_ON, "nearest"), (NOTHING_BEYOND, "constant")):
         blurred = exact
         for axis in (0, 1):
-            blurred = correlate1d(blurred, [0.25, 0.5, 0.25], axis=axis, mode=mode)
+            blurred = ndimage.correlate1d(blurred, [0.25, 0.5, 0.25], axis=axis, mode=mode)
         half = blurred.reshape(side // 2, 2, side // 2, 2).mean(axis=(1, 3))
         yield Finding(name, np.abs(blur(plane, border) - blurred).max(), label, picture)
         yield Finding(name, np.abs(reduce(plane, border) - half).max(), label, picture)
@@ -233,15 +215,11 @@ def pyramids(generator):
 
 def sphere_curvature(generator):
     """Measure the curvature of a sphere, which is the same everywhere."""
-    import trimesh
-
     radius = float(generator.choice([1e-3, 0.5, 1.0, 10.0 ** generator.uniform(-3, 0)]))
     surface = of_trimesh(trimesh.creation.icosphere(4, radius=radius))
     # The reach of an edge's curvature and the largest curvedness scale with the surface.
     shape = measure_shape(surface, 40.0, 0.03 * radius)
-    yield Finding(
-        "attention/a uniform sphere's curvature",
-        np.abs(shape.corner_curvature * radius - 1).max(),
-        f"a sphere of radius {radius:g}",
-        drawings.triangles(surface.triangles / radius, "a sphere"),
-    )
+    error = np.abs(shape.corner_curvature * radius - 1).max()
+    label = f"a sphere of radius {radius:g}"
+    picture = drawings.triangles(surface.triangles / radius, "a sphere")
+    yield Finding("attention/a uniform sphere's curvature", error, label, picture)

@@ -6,6 +6,7 @@ from contourlets import Contourlet, directional_deviations
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.features.imprint_shape import describe_imprint_shape
+from visuohaptic.geometry.curvature import unit_vectors
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.recognition.sequence_features import summarise_signals
 from visuohaptic.scene.parameters import Scene
@@ -47,8 +48,7 @@ def touch_batches(generator):
     probe = probes[generator.integers(len(probes))]
     caster = RayCaster(probe.surface)
     points = np.array(probe.point) + 0.01 * generator.normal(size=(12, 3))
-    normals = np.array(probe.normal) + 0.1 * generator.normal(size=(12, 3))
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = unit_vectors(np.array(probe.normal) + 0.1 * generator.normal(size=(12, 3)))
 
     def feel(poses):
         felt = touch(caster, poses[:, 0], poses[:, 1], SensorParameters(), Scene())

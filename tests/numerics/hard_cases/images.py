@@ -4,6 +4,7 @@ from fractions import Fraction
 from functools import cache
 
 import numpy as np
+import pywt
 from contourlet_definition import toolbox_bands
 from numerics import oracles
 from numerics.surfaces import pick
@@ -81,13 +82,12 @@ def bands(_):
         exact = exact_bands(image)
         largest, picture = np.abs(image).max(), drawings.image(image, name)
         found = Contourlet(levels=(4,)).forward(image).ravel()
-        errors = off(found, np.concatenate(exact))
-        wanted = "images/contourlet bands against exact rationals"
-        yield Finding(wanted, errors / largest, name, picture)
+        errors = off(found, np.concatenate(exact)) / largest
+        yield Finding("images/contourlet bands against exact rationals", errors, name, picture)
         deviations = [exact_deviation(band) for band in exact[1:]]
-        errors = np.abs(directional_deviations(image[None])[0] - deviations)
-        wanted = "images/deviations against exact rationals"
-        yield Finding(wanted, errors / largest, f"{name}, deviations of the bands", picture)
+        errors = np.abs(directional_deviations(image[None])[0] - deviations) / largest
+        label = f"{name}, deviations of the bands"
+        yield Finding("images/deviations against exact rationals", errors, label, picture)
 
 
 def off(found, wanted):
@@ -112,33 +112,23 @@ def flat_images(generator):
     side = int(generator.choice([16, 32, 64]))
     value = float(generator.choice([0.0, 1.0, 1e150, 10.0 ** generator.uniform(-300, 150)]))
     image = np.full((1, side, side), value)
-    yield Finding(
-        "images/deviations of flat images",
-        directional_deviations(image).max() / (value or 1.0),
-        f"{side} × {side} pixels of {value:g}",
-        drawings.image(image[0], "a flat image"),
-    )
+    error = directional_deviations(image).max() / (value or 1.0)
+    label = f"{side} × {side} pixels of {value:g}"
+    picture = drawings.image(image[0], "a flat image")
+    yield Finding("images/deviations of flat images", error, label, picture)
 
 
 def images_in_other_units(generator):
     """Scale an image by powers of two, to the bit, and of ten."""
     image = generator.random((1, SIDE, SIDE))
-    plain = directional_deviations(image)
+    plain, picture = directional_deviations(image), drawings.image(image[0], "noise")
     power = int(generator.integers(-900, 901))
-    yield Finding(
-        "images/scale by a power of two",
-        not np.array_equal(np.ldexp(plain, power), directional_deviations(np.ldexp(image, power))),
-        f"noise times 2^{power}",
-        drawings.image(image[0], "noise"),
-    )
+    wrong = np.ldexp(plain, power) != directional_deviations(np.ldexp(image, power))
+    yield Finding("images/scale by a power of two", wrong.any(), f"noise times 2^{power}", picture)
     exponent = int(generator.choice([-150, -40, -8, 8, 40, 150]))
     factor = 10.0**exponent
-    yield Finding(
-        "images/scale by 1e±150",
-        np.abs(directional_deviations(image * factor) / factor / plain - 1).max(),
-        f"noise times 1e{exponent}",
-        drawings.image(image[0], "noise"),
-    )
+    error = np.abs(directional_deviations(image * factor) / factor / plain - 1).max()
+    yield Finding("images/scale by 1e±150", error, f"noise times 1e{exponent}", picture)
 
 
 def draw_sequence(generator):
@@ -167,12 +157,8 @@ def sequence_moments(generator):
     # What counts as constant may lose its deviation, which is 1e-12 of the rms or less.
     constant = deviation <= 1.01e-12 * rms * np.sqrt(count / max(count - 1, 1))
     wanted = 0.0 if constant and found[0] == 0 else deviation
-    yield Finding(
-        "images/moments of sequences against exact rationals",
-        np.abs([found[0] - wanted, found[1] - rms]).max() / (rms or 1.0),
-        label,
-        picture,
-    )
+    error = np.abs([found[0] - wanted, found[1] - rms]).max() / (rms or 1.0)
+    yield Finding("images/moments of sequences against exact rationals", error, label, picture)
     if constant or deviation <= 2e-12 * rms:
         # A deviation of half of what counts as constant must be without skewness.
         near = deviation > 0.5e-12 * rms and abs(found[2]) <= np.sqrt(count)
@@ -186,22 +172,17 @@ def sequence_moments(generator):
 
 def wavelets(generator):
     """Compare the wavelet levels of a sequence with exact rationals."""
-    import pywt
-
     exponent = int(generator.choice([0, -140, 140]))
     signal = generator.uniform(-1e3, 1e3, generator.integers(1, 10)) * 10.0**exponent
     wavelet = pywt.Wavelet("db2")
     extension = "zero" if generator.random() < 0.5 else "symmetric"
     wanted = oracles.exact_detail_levels(signal, wavelet.dec_lo, wavelet.dec_hi, 3, extension)
     found = wavelet_levels(signal[None], SequenceParameters(extension=extension))
-    largest = float(np.abs(signal).max() or 1.0)
-    for level, (exact, computed) in enumerate(zip(wanted, found, strict=True)):
-        yield Finding(
-            "images/wavelet levels against exact rationals",
-            off(computed[0], exact).max() / largest,
-            f"{len(signal)} values, db2, {extension}, level {level + 1}, scale 1e{exponent}",
-            drawings.image(signal[None], "the sequence"),
-        )
+    largest, picture = np.abs(signal).max() or 1.0, drawings.image(signal[None], "the sequence")
+    for level, (exact, computed) in enumerate(zip(wanted, found, strict=True), 1):
+        error = off(computed[0], exact).max() / largest
+        label = f"{len(signal)} values, db2, {extension}, level {level}, scale 1e{exponent}"
+        yield Finding("images/wavelet levels against exact rationals", error, label, picture)
 
 
 def imprint_shapes(generator):
@@ -216,12 +197,8 @@ def imprint_shapes(generator):
     errors = [abs(found[0] - float(mean)), abs(found[1] - deviation)]
     if deviation > 1e-6:
         errors.append(abs(found[2] - oracles.skewness(image.ravel())))
-    yield Finding(
-        "images/shape of imprints against exact rationals",
-        max(errors),
-        f"{side} × {side}, relief 1e{relief:.1f}",
-        drawings.image(image, "an imprint"),
-    )
+    label, picture = f"{side} × {side}, relief 1e{relief:.1f}", drawings.image(image, "an imprint")
+    yield Finding("images/shape of imprints against exact rationals", max(errors), label, picture)
 
 
 def stretched_imprints(generator):
@@ -240,9 +217,5 @@ def stretched_imprints(generator):
         wrong = not np.isfinite(image).all() or image.min() < 0 or image.max() > 1
         wrong |= bool(signal.max() > 0) != bool(image.max() == 1.0)
         wrong |= kind in ("flat", "saturated") and bool((image != 1).any())
-        yield Finding(
-            "images/stretched imprints",
-            wrong,
-            f"{kind}, least span {span:.2g}",
-            drawings.image(signal, kind),
-        )
+        label, picture = f"{kind}, least span {span:.2g}", drawings.image(signal, kind)
+        yield Finding("images/stretched imprints", wrong, label, picture)

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import trimesh
 from numerics.hard_cases.attention import drive_at_first, look, recovery
-from numerics.surfaces import lopsided, moved, of_trimesh, pick
+from numerics.surfaces import far_off, lopsided, moved, of_trimesh, pick
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.features.describing import describe_imprints
@@ -61,8 +62,6 @@ def sense(surface):
 @cache
 def bases():
     """Give the objects that are described in other ways, by name."""
-    import trimesh
-
     return {
         "lopsided": lopsided(),
         "box": of_trimesh(trimesh.creation.box((1.0, 0.7, 0.4))),
@@ -77,41 +76,33 @@ def sense_base(name):
     return sense(bases()[name])
 
 
-def _vertices_in_another_order(surface, generator):
-    order = generator.permutation(len(surface.vertices))
-    return surface.vertices[order], np.argsort(order)[surface.faces], surface.face_colours
+KINDS = (
+    "vertices in another order",
+    "faces in another order",
+    "faces wound at random",
+    "corners in another order",
+    "vertices doubled",
+)
 
 
-def _faces_in_another_order(surface, generator):
-    order = generator.permutation(len(surface.faces))
-    return surface.vertices, surface.faces[order], surface.face_colours[order]
-
-
-def _faces_wound_at_random(surface, generator):
-    turn = generator.random((len(surface.faces), 1)) < 0.5
-    faces = np.where(turn, surface.faces[:, ::-1], surface.faces)
-    return surface.vertices, faces, surface.face_colours
-
-
-def _corners_in_another_order(surface, generator):
-    shift = generator.integers(0, 3, (len(surface.faces), 1))
-    faces = np.take_along_axis(surface.faces, (np.arange(3) + shift) % 3, axis=1)
-    return surface.vertices, faces, surface.face_colours
-
-
-def _vertices_doubled(surface, _):
-    corners = surface.triangles.reshape(-1, 3)
-    return corners, np.arange(len(corners)).reshape(-1, 3), surface.face_colours
-
-
-KINDS = {
-    "vertices in another order": _vertices_in_another_order,
-    "faces in another order": _faces_in_another_order,
-    "faces wound at random": _faces_wound_at_random,
-    "corners in another order": _corners_in_another_order,
-    "vertices doubled": _vertices_doubled,
-}
-"""Ways to describe the same surface otherwise."""
+def describe(kind, surface, generator):
+    """Describe the same surface in another way, one of KINDS."""
+    vertices, faces, colours = surface.vertices, surface.faces, surface.face_colours
+    if kind == "vertices in another order":
+        order = generator.permutation(len(vertices))
+        vertices, faces = vertices[order], np.argsort(order)[faces]
+    elif kind == "faces in another order":
+        order = generator.permutation(len(faces))
+        faces, colours = faces[order], colours[order]
+    elif kind == "faces wound at random":
+        faces = np.where(generator.random((len(faces), 1)) < 0.5, faces[:, ::-1], faces)
+    elif kind == "corners in another order":
+        shift = generator.integers(0, 3, (len(faces), 1))
+        faces = np.take_along_axis(faces, (np.arange(3) + shift) % 3, axis=1)
+    else:
+        vertices = surface.triangles.reshape(-1, 3)
+        faces = np.arange(len(vertices)).reshape(-1, 3)
+    return Surface(vertices, faces, colours)
 
 
 def drive_of(points, attended, mask, upto):
@@ -135,9 +126,8 @@ def compare(found, wanted, label):
     if not same_shape:
         return
     felt = []
-    for view, rows in enumerate(
-        np.split(np.arange(len(wanted.points)), np.cumsum(wanted.lengths)[:-1])
-    ):
+    touches = np.split(np.arange(len(wanted.points)), np.cumsum(wanted.lengths)[:-1])
+    for view, rows in enumerate(touches):
         apart = np.linalg.norm(found.points[rows] - wanted.points[rows], axis=1)
         same = int(np.append(apart > 1e-3, True).argmax())
         felt += rows[:same].tolist()
@@ -145,29 +135,24 @@ def compare(found, wanted, label):
         yield Finding("invariance/fixated points", apart[:same], here, pictures[view])
         if same < len(rows):
             # Peaks that tie may change places; then the place chosen is as salient as the best.
-            yield Finding(
-                "invariance/tied peaks: fixations are those of a map within its error",
-                _deficit(wanted, found, view, same),
-                f"{here}, fixation {same + 1}",
-                pictures[view],
-            )
-    yield compare_imprints(found.images[felt], wanted.images[felt], label)
-    yield Finding(
-        "invariance/features",
-        np.abs(found.features - wanted.features).max(axis=1)[felt],
-        lambda row: f"{label}, touch {felt[row]}",
-        lambda row: drawings.image(wanted.images[felt[row]], "the imprint"),
-    )
+            name = "invariance/tied peaks: fixations are those of a map within its error"
+            deficit = _deficit(wanted, found, view, same)
+            yield Finding(name, deficit, f"{here}, fixation {same + 1}", pictures[view])
+    images, features = np.abs(found.images - wanted.images), found.features - wanted.features
+    yield from compare_touches(images[felt], features[felt], wanted.images[felt], label)
 
 
-def compare_imprints(found, wanted, label):
-    """Want the same imprints, shape (n, r, r), but for a mean difference a pixel."""
-    return Finding(
-        "invariance/images",
-        np.abs(found - wanted).mean(axis=(1, 2)),
-        lambda row: f"{label}, touch {row}",
-        lambda row: drawings.image(wanted[row], "the imprint"),
-    )
+def compare_touches(images, features, wanted, label):
+    """Want the differences of imprints, shape (n, r, r), in their mean, and those of features to be small."""
+
+    def describe(row):
+        return f"{label}, touch {row}"
+
+    def draw(row):
+        return drawings.image(wanted[row], "the imprint")
+
+    yield Finding("invariance/images", images.mean(axis=(1, 2)), describe, draw)
+    yield Finding("invariance/features", np.abs(features).max(axis=1), describe, draw)
 
 
 def _deficit(wanted, found, view, step):
@@ -187,8 +172,8 @@ def compare_vertices(found, wanted, name, label):
 
 def mesh_descriptions(generator, base="lopsided"):
     """Describe one of the `bases` in another way."""
-    kind = str(generator.choice(list(KINDS)))
-    found = sense(Surface(*KINDS[kind](bases()[base], generator)))
+    kind = str(generator.choice(KINDS))
+    found = sense(describe(kind, bases()[base], generator))
     wanted = sense_base(base)
     label = f"{base}: {kind}"
     if kind != "faces in another order":
@@ -207,29 +192,21 @@ def mesh_units(generator):
     yield from compare(found, wanted, label)
     power = int(generator.integers(-20, 21))
     found = sense(moved(lopsided(), 2.0**power))
-    yield Finding(
-        "invariance/scale by a power of two",
-        not all(
-            np.array_equal(getattr(found, name), getattr(wanted, name))
-            for name in ("triangles", "saliency", "points", "images", "features")
-        ),
-        f"scale 2^{power}",
-        drawings.triangles(wanted.triangles, "the object"),
-    )
+    wrong = [
+        not np.array_equal(getattr(found, name), getattr(wanted, name))
+        for name in ("triangles", "saliency", "points", "images", "features")
+    ]
+    picture = drawings.triangles(wanted.triangles, "the object")
+    yield Finding("invariance/scale by a power of two", any(wrong), f"scale 2^{power}", picture)
 
 
 def mesh_places(generator):
     """Move a mesh far from the origin."""
-    size, offset = pick(generator, -6, 6), pick(generator, 0, 6)
-    towards = generator.normal(size=3)
-    towards *= 10.0**offset / np.linalg.norm(towards)
+    away, size, offset = far_off(generator, lopsided())
     found, wanted = (
-        normalise(each, "object", merge_tolerance=0).triangles
-        for each in (moved(lopsided(), 10.0**size, towards), lopsided())
+        normalise(each, "object", merge_tolerance=0).triangles for each in (away, lopsided())
     )
-    yield Finding(
-        "invariance/vertices, offset up to 1e6 sizes",
-        np.linalg.norm(found - wanted, axis=2).max(),
-        f"size 1e{size:.1f}, 1e{offset:.2f} sizes off",
-        drawings.triangles(wanted, "the object"),
-    )
+    error = np.linalg.norm(found - wanted, axis=2).max()
+    label = f"size 1e{size:.1f}, 1e{offset:.2f} sizes off"
+    picture = drawings.triangles(wanted, "the object")
+    yield Finding("invariance/vertices, offset up to 1e6 sizes", error, label, picture)

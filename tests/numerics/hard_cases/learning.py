@@ -7,26 +7,15 @@ from numerics import oracles
 from numerics.surfaces import pick
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.classifiers import (
-    CLASSIFIERS,
-    ClassifierParameters,
-    fit_classifier,
-)
+from visuohaptic.recognition.classifiers import CLASSIFIERS, ClassifierParameters, fit_classifier
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
-from visuohaptic.recognition.parameters import (
-    RecognitionParameters,
-    SelfOrganisingMapParameters,
-)
+from visuohaptic.recognition.parameters import RecognitionParameters, SelfOrganisingMapParameters
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
 DEFAULT = RecognitionParameters()
-MAY_BE_REFUSED = (
-    "one sample a class",
-    "all samples identical",
-    "features that vary by one ulp",
-)
+MAY_BE_REFUSED = "one sample a class", "all samples identical", "features that vary by one ulp"
 """Samples of which no covariance can be taken; where features vary by rounding alone, they are identical."""
 
 
@@ -80,12 +69,8 @@ def classifiers(generator):
         else:
             wrong = not set(found.tolist()) <= set(labels.tolist()) or len(found) != len(labels)
             wrong |= samples == "well behaved" and bool((found == labels).mean() <= 0.25)
-        yield Finding(
-            "learning/every classifier ends in labels",
-            wrong,
-            f"{name} on {samples}",
-            drawings.image(scaled, samples),
-        )
+        label, picture = f"{name} on {samples}", drawings.image(scaled, samples)
+        yield Finding("learning/every classifier ends in labels", wrong, label, picture)
 
 
 def draw_sequences(generator, classes=3, each=6, touches=5):
@@ -121,24 +106,20 @@ def feature_units(generator):
     )
     for scaling, what, factor, power in ways:
         parameters = RecognitionParameters(touch_scaling=scaling)
-        plain, predicted = predict_sequences(training, labels, tested, classifier, parameters)
-        _, renamed = predict_sequences(
-            training * factor, labels, tested * factor, classifier, parameters
+        in_other_units = (training * factor, tested * factor)
+        by_powers = (np.ldexp(training, power), np.ldexp(tested, power))
+        (plain, predicted), (_, renamed), (scaled, _) = (
+            predict_sequences(train, labels, test, classifier, parameters)
+            for train, test in ((training, tested), in_other_units, by_powers)
         )
         yield _label_changes(f"{what} rescaled by 1e±8", predicted != renamed, classifier, tested)
-        scaled, _ = predict_sequences(
-            np.ldexp(training, power), labels, np.ldexp(tested, power), classifier, parameters
-        )
-        yield Finding(
-            f"learning/{what} rescaled by powers of two",
-            (plain != scaled).any(),
-            classifier,
-            drawings.image(np.atleast_2d(power), "the powers of two"),
-        )
+        name = f"learning/{what} rescaled by powers of two"
+        picture = drawings.image(np.atleast_2d(power), "the powers of two")
+        yield Finding(name, (plain != scaled).any(), classifier, picture)
 
 
 def degenerate_sequences(generator):
-    """Give touch sequences, shape (n, touches, 22), most of whose features hardly vary, by name."""
+    """Give touch sequences, shape (n, touches, 22), most of whose features hardly vary, by name; and classes."""
     values, labels = draw_sequences(generator)
     # Normals of a box are axes, and its flat imprints have no deviation in any sub-band.
     boxes = values.copy()
@@ -147,24 +128,20 @@ def degenerate_sequences(generator):
     alike = np.repeat(values[:, :1], values.shape[1], axis=1)
     one_feature = np.full_like(values, 0.3)
     one_feature[..., 16] = values[..., 16]
-    return {
-        "touches on boxes": (boxes, labels),
-        "touches that are all alike": (alike, labels),
-        "one feature that varies": (one_feature, labels),
-    }
+    names = ("touches on boxes", "touches that are all alike", "one feature that varies")
+    return dict(zip(names, (boxes, alike, one_feature), strict=True)), labels
 
 
 def rounding(generator):
     """Change the last digit of features that hardly vary: no answer changes."""
     classifier = str(generator.choice(CLASSIFIERS.names))
-    for samples, (training, labels) in degenerate_sequences(generator).items():
+    sequences, labels = degenerate_sequences(generator)
+    for samples, training in sequences.items():
         changed = training * (1 + 1e-15 * generator.uniform(-1, 1, training.shape))
         _, predicted = predict_sequences(training[::2], labels[::2], training[1::2], classifier)
         _, renamed = predict_sequences(changed[::2], labels[::2], changed[1::2], classifier)
-        label = f"{classifier}, {samples}"
-        yield _label_changes(
-            "features changed by 1e-15", predicted != renamed, label, training[1::2]
-        )
+        name, label = "features changed by 1e-15", f"{classifier}, {samples}"
+        yield _label_changes(name, predicted != renamed, label, training[1::2])
 
 
 def _label_changes(requirement, changed, label, sequences):
@@ -184,12 +161,10 @@ def standardised_columns(generator):
     mean, second, _ = oracles.exact_moments(values)
     deviation = oracles.root(second)
     wanted = (oracles.exact(values) - mean).astype(float) / deviation
-    yield Finding(
-        "learning/standardised columns against exact rationals",
-        np.abs(found - wanted).max(),
-        f"mean 1e{exponent:.1f} deviations, scale 1e{scale}",
-        drawings.image(values[None], "the column"),
-    )
+    name = "learning/standardised columns against exact rationals"
+    error = np.abs(found - wanted).max()
+    label = f"mean 1e{exponent:.1f} deviations, scale 1e{scale}"
+    yield Finding(name, error, label, drawings.image(values[None], "the column"))
 
 
 def maps(generator):
@@ -210,10 +185,7 @@ def maps(generator):
         low, high = touches.min(axis=0), touches.max(axis=0)
         extent = max(float((high - low).max()), float(np.abs(touches).max()))
         outside = np.maximum(np.maximum(low - fitted.weights, fitted.weights - high) / extent, 0)
-        finite = np.isfinite(fitted.distances(touches)).all()
-        yield Finding(
-            "learning/map units stay within their touches",
-            outside.max() if finite else np.inf,
-            f"{kind}, {len(places)} units, scale 1e{exponent}",
-            drawings.image(touches[:, 0][None], "the touches' first feature"),
-        )
+        error = outside.max() if np.isfinite(fitted.distances(touches)).all() else np.inf
+        label = f"{kind}, {len(places)} units, scale 1e{exponent}"
+        picture = drawings.image(touches[:, 0][None], "the touches' first feature")
+        yield Finding("learning/map units stay within their touches", error, label, picture)

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from numerics.shapes import run_chain, write_obj
 from numerics.surfaces import draw_triangles
 
@@ -28,8 +29,6 @@ TOKENS = (
 @cache
 def whole_files(suffix):
     """Give whole files of a format."""
-    import trimesh
-
     coloured = trimesh.creation.box()
     coloured.visual.face_colors = np.arange(12)[:, None] * [20, 10, 5, 0] + [0, 0, 0, 255]
     meshes = [trimesh.creation.box(), trimesh.creation.icosphere(1), coloured]
@@ -59,9 +58,8 @@ def _break_once(data, files, generator):
     token = TOKENS[generator.integers(len(TOKENS))]
     match generator.integers(6):
         case 0:
-            data[place : place + 1] = bytes(
-                byte ^ 1 << int(generator.integers(8)) for byte in data[place : place + 1]
-            )
+            if place < len(data):
+                data[place] ^= 1 << int(generator.integers(8))
         case 1:
             del data[place : place + length // 5]
         case 2:
@@ -102,9 +100,8 @@ def judge(path):
 
 def is_one_sentence(text):
     """Tell whether a refusal is one line that ends like a sentence."""
-    return (
-        "\n" not in text and text.endswith(".") and 10 < len(text) < 600 and "Traceback" not in text
-    )
+    one_line = "\n" not in text and "Traceback" not in text
+    return one_line and text.endswith(".") and 10 < len(text) < 600
 
 
 def broken_files(generator):
@@ -114,11 +111,8 @@ def broken_files(generator):
             path = Path(folder) / f"input.{suffix}"
             path.write_bytes(break_file(suffix, generator))
             wrong = judge(path)
-            yield Finding(
-                "meshes/fuzzed files: crash, hang, NaN or an unclear refusal",
-                wrong is not None,
-                f"{suffix}: {wrong}",
-            )
+            name = "meshes/fuzzed files: crash, hang, NaN or an unclear refusal"
+            yield Finding(name, wrong is not None, f"{suffix}: {wrong}")
 
 
 def end_of(source, folder):
@@ -137,9 +131,7 @@ def wild_surfaces(generator):
     with tempfile.TemporaryDirectory() as folder:
         source = write_obj(Path(folder) / "mesh.obj", surface.vertices, surface.faces)
         end = end_of(source, Path(folder))
-    yield Finding(
-        "meshes/random wild surfaces",
-        end not in {"tables", "refused"},
-        f"{len(surface.faces)} random triangles: {end}",
-        drawings.triangles(surface.triangles, "random triangles"),
-    )
+    wrong = end not in {"tables", "refused"}
+    picture = drawings.triangles(surface.triangles, "random triangles")
+    label = f"{len(surface.faces)} random triangles: {end}"
+    yield Finding("meshes/random wild surfaces", wrong, label, picture)

@@ -4,6 +4,7 @@ import numpy as np
 from numerics.surfaces import ball, build_plain_surface, float32_exact, pick
 from numerics.tolerances import U32
 
+from visuohaptic.geometry.curvature import unit_vectors
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.frames import column_axes, row_axes
@@ -46,48 +47,39 @@ def tilted_walls(generator):
     expected = height(across, down)
     gaps = np.clip(expected, 0, 0.1).max() - expected
     wanted = 1 - np.clip(gaps / ABSOLUTE.depth_range, 0, 1)
-    yield Finding(
-        "precision/imprint of a plane in closed form",
-        np.abs(felt.images[0] - wanted).max(),
-        f"a wall of slopes {right:.2f} to the right and {up:.2f} upwards",
-        drawings.image(wanted, "a tilted wall"),
-    )
+    error, picture = np.abs(felt.images[0] - wanted).max(), drawings.image(wanted, "a tilted wall")
+    label = f"a wall of slopes {right:.2f} to the right and {up:.2f} upwards"
+    yield Finding("precision/imprint of a plane in closed form", error, label, picture)
 
 
 def frames(generator):
     """Stand frames on normals, axes among them: they are square and right-handed."""
     normals = generator.normal(size=(200, 3))
     normals[:40] = np.rint(normals[:40])
-    normals = normals[np.linalg.norm(normals, axis=1) > 0]
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = unit_vectors(normals[np.linalg.norm(normals, axis=1) > 0])
     for orientation in ("upright", "transported"):
         columns = column_axes(normals, orientation)
         # Rows run downwards seen from outside, so columns × rows point into the object.
         frame = np.stack([columns, -row_axes(normals, columns), normals], axis=1)
         square = np.abs(np.einsum("nij,nkj->nik", frame, frame) - np.eye(3)).max(axis=(1, 2))
-        yield Finding(
-            "precision/frames on the surface",
-            np.maximum(square, np.abs(np.linalg.det(frame) - 1)),
-            f"{orientation}, random normals and axes",
-        )
+        errors = np.maximum(square, np.abs(np.linalg.det(frame) - 1))
+        label = f"{orientation}, random normals and axes"
+        yield Finding("precision/frames on the surface", errors, label)
 
 
 def tessellated_spheres(generator):
     """Cast rays at a ball of triangles: it comes near a sphere by the square of its edge."""
     surface = ball(int(generator.integers(2, 5)))
-    directions = generator.normal(size=(2000, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    directions = unit_vectors(generator.normal(size=(2000, 3)))
     hits = RayCaster(surface).first_hits(2 * directions, -directions)
     corners = surface.triangles
     edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
     # The middle of an even triangle of edge e with its corners on the unit sphere.
     deepest = 1 - np.sqrt(1 - edge**2 / 3)
-    yield Finding(
-        "precision/tessellated sphere",
-        (np.abs(hits.distance - 1) - 4 * U32) / deepest,
-        f"{len(surface.faces)} faces",
-        drawings.triangles(corners[corners[:, :, 2].mean(axis=1) > 0], "half a ball", most=200),
-    )
+    errors = (np.abs(hits.distance - 1) - 4 * U32) / deepest
+    half = corners[corners[:, :, 2].mean(axis=1) > 0]
+    picture = drawings.triangles(half, "half a ball", most=200)
+    yield Finding("precision/tessellated sphere", errors, f"{len(surface.faces)} faces", picture)
 
 
 def pressed_spheres(generator):
@@ -98,12 +90,10 @@ def pressed_spheres(generator):
     normal = corner / np.linalg.norm(corner)
     felt, across, down = press(surface, corner, normal, resolution=resolution)
     depth = 1 - np.sqrt(1 - np.hypot(across, down) ** 2)
-    yield Finding(
-        "precision/sphere under the sensor",
-        np.abs(felt.gaps[0] - depth).max(),
-        f"{resolution} × {resolution} sensing points, {len(surface.faces):,} faces",
-        drawings.image(felt.images[0], "a ball's imprint"),
-    )
+    error = np.abs(felt.gaps[0] - depth).max()
+    picture = drawings.image(felt.images[0], "a ball's imprint")
+    label = f"{resolution} × {resolution} sensing points, {len(surface.faces):,} faces"
+    yield Finding("precision/sphere under the sensor", error, label, picture)
 
 
 def out_of_reach(generator):
@@ -114,9 +104,7 @@ def out_of_reach(generator):
     felt, across, down = press(surface, top, (0, 1, 0), depth_range=0.5 * radius)
     beyond = np.hypot(across, down) > np.sqrt(0.75) * radius * 1.02
     image = felt.images[0]
-    yield Finding(
-        "precision/values out of reach and beyond full scale",
-        np.where(beyond, image != 0, ~((image >= 0) & (image <= 1))).any(),
-        f"a ball of radius {radius:.3f} under a square of {felt.size[0]:.2f}",
-        drawings.image(np.nan_to_num(image, posinf=1, neginf=0), "a small ball's imprint"),
-    )
+    wrong = np.where(beyond, image != 0, ~((image >= 0) & (image <= 1))).any()
+    label = f"a ball of radius {radius:.3f} under a square of {felt.size[0]:.2f}"
+    picture = drawings.image(np.nan_to_num(image, posinf=1, neginf=0), "a small ball's imprint")
+    yield Finding("precision/values out of reach and beyond full scale", wrong, label, picture)

@@ -7,10 +7,11 @@ from numerics.surfaces import (
     build_plain_surface,
     closed_shapes,
     draw_triangles,
+    far_off,
     float32_exact,
-    moved,
     of_trimesh,
     pick,
+    random_vectors,
 )
 
 from visuohaptic.geometry.raycasting import RayCaster
@@ -28,13 +29,9 @@ def lost(distances):
 
 def draw_rays(generator, count):
     """Draw rays from outside of the unit sphere to its inside; float32 holds them exactly."""
-    origins = generator.normal(size=(count, 3))
-    origins *= 1.8 / np.linalg.norm(origins, axis=1, keepdims=True)
+    origins = random_vectors(generator, count, 1.8)
     directions = generator.uniform(-0.6, 0.6, (count, 3)) - origins
-    return (
-        origins.astype(np.float32).astype(np.float64),
-        directions.astype(np.float32).astype(np.float64),
-    )
+    return tuple(each.astype(np.float32).astype(np.float64) for each in (origins, directions))
 
 
 def random_triangles(generator):
@@ -46,15 +43,13 @@ def random_triangles(generator):
     hits = caster.first_hits(origins, directions, everything)
     distance, unsure = first_hits(surface.triangles, origins, directions)
     # Coplanar hits may name either face; what must agree is whether and where something is met.
-    apart = np.abs(
-        np.where(hits.hit, hits.distance, 9) - np.where(np.isfinite(distance), distance, 9)
-    )
+    wanted = np.where(np.isfinite(distance), distance, 9)
+    wrong = (np.abs(np.where(hits.hit, hits.distance, 9) - wanted) > 1e-9) & ~unsure
     draw = draw_ray(surface, origins, directions, "random triangles and a ray")
 
     def describe(row):
         return f"{count} random triangles, slivers among them, ray {row}"
 
-    wrong = (apart > 1e-9) & ~unsure
     yield Finding("rays/face chosen against brute force in float64", wrong, describe, draw)
     for some in (hits, caster.first_hits(origins, directions)):
         # A sliver's plane is as uncertain as its corners' rounding over its height.
@@ -72,12 +67,7 @@ def vertices_and_edges(generator):
     origins = np.rint(generator.uniform(-2, 2, (count, 3)) * 256) / 256
     directions = targets - origins
     hits = RayCaster(surface).first_hits(origins, directions, everything)
-    expected = np.array(
-        [
-            float(oracles.exact_first_hit(surface.triangles, *ray))
-            for ray in zip(origins, directions, strict=True)
-        ]
-    )
+    expected = oracles.exact_first_hits(surface.triangles, origins, directions)
     length = np.linalg.norm(directions, axis=1)
     both = np.isfinite(expected) & hits.hit
     error = np.abs(np.subtract(hits.distance, expected, where=both, out=np.zeros(count))) * length
@@ -112,35 +102,31 @@ def leaks(generator):
     aimed = np.arange(count) % 2 == 0
     directions[aimed] = aim(surface, generator, count)[aimed] - origins[aimed]
     first_lost = int((~caster.first_hits(origins, directions).hit).sum())
-    hits = caster.first_hits(origins, directions, lost)
+    without = f"of {count} rays {first_lost} are lost where misses are not settled in float64"
     yield Finding(
         "rays/leaks out of closed surfaces",
-        ~hits.hit,
-        lambda row: (
-            f"{shape}, from {origins[row]} along {directions[row]}; of {count} rays {first_lost} are "
-            "lost where misses are not settled in float64"
-        ),
+        ~caster.first_hits(origins, directions, lost).hit,
+        lambda row: f"{shape}, from {origins[row]} along {directions[row]}; {without}",
         draw_ray(surface, origins, directions, f"a ray from within: {shape}"),
     )
 
 
+SQUARE = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1.0]])
+
+
 def grazing(generator):
     """Cast a ray that meets a plate at a very small angle."""
-    plate = build_plain_surface(
-        [[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], [[0, 2, 1], [0, 3, 2]]
-    )
+    plate = build_plain_surface(SQUARE, [[0, 2, 1], [0, 3, 2]])
     slope = 10.0 ** pick(generator, -9, -1)
     height = slope * pick(generator, 0.01, 0.99) * 1.8
     origins = np.array([[-0.9, height, pick(generator, -0.4, 0.4)]])
     directions = np.array([[1.0, -slope, 0.0]])
     hits = RayCaster(plate).first_hits(origins, directions, everything)
     expected = height / slope
-    yield Finding(
-        "rays/grazing",
-        np.where(hits.hit, np.abs(hits.distance - expected) * slope, np.inf),
-        f"slope {slope:.2g}, met at {expected:.6f}",
-        draw_ray(plate, origins, directions, "a plate and a grazing ray"),
-    )
+    errors = np.where(hits.hit, np.abs(hits.distance - expected) * slope, np.inf)
+    label = f"slope {slope:.2g}, met at {expected:.6f}"
+    draw = draw_ray(plate, origins, directions, "a plate and a grazing ray")
+    yield Finding("rays/grazing", errors, label, draw)
 
 
 def within_a_plane(generator):
@@ -169,34 +155,26 @@ def slivers(generator):
     width = float(generator.choice([1e-3, 1e-6, 1e-9, 2e-12]))
     edge, count = 0.125, 1500
     vertices = [[x, 0.0, z] for x in (-0.5, edge, edge + width, 0.5) for z in (-0.5, 0.5)]
-    faces = [
-        face
-        for k in range(3)
-        for face in ([2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2])
-    ]
-    surface = build_plain_surface(vertices, faces)
-    x = np.where(
-        generator.random(count) < 0.5,
-        edge + width * generator.uniform(-3, 4, count),
-        edge + 1e-6 * generator.normal(size=count),
-    )
+    halves = np.array([[0, 1, 3], [0, 3, 2]])
+    surface = build_plain_surface(vertices, [halves + 2 * k for k in range(3)])
+    near = generator.random(count) < 0.5
+    strip = edge + width * generator.uniform(-3, 4, count)
+    x = np.where(near, strip, edge + 1e-6 * generator.normal(size=count))
     origins = np.column_stack([x, np.ones(count), generator.uniform(-0.45, 0.45, count)])
     hits = RayCaster(surface).first_hits(origins, np.tile([0, -1.0, 0], (count, 1)), lost)
+    label = f"a floor with a strip of width {width:g}"
     yield Finding(
         "rays/through slivers of 1e-12 area",
         np.where(hits.hit, np.abs(hits.distance - 1.0), np.inf),
-        lambda row: f"a floor with a strip of width {width:g}, ray at {x[row] - edge:.3g} from it",
-        drawings.triangles(
-            surface.triangles[:, :, [0, 2, 1]], f"a floor with a strip of width {width:g}"
-        ),
+        lambda row: f"{label}, ray at {x[row] - edge:.3g} from it",
+        drawings.triangles(surface.triangles[:, :, [0, 2, 1]], label),
     )
 
 
 def coplanar(generator):
     """Cast rays at squares in one plane, in two orders: the lower face is met in both."""
     count = 1000
-    corners = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1.0]])
-    vertices = np.vstack([corners, 0.5 * corners, 0.7 * corners @ np.diag([1, 1, 0.3])])
+    vertices = np.vstack([SQUARE, 0.5 * SQUARE, 0.7 * SQUARE @ np.diag([1, 1, 0.3])])
     faces = [[0, 2, 1], [0, 3, 2], [4, 6, 5], [4, 7, 6], [8, 10, 9], [8, 11, 10]]
     surface = float32_exact(build_plain_surface(vertices, faces))
     caster = RayCaster(surface)
@@ -220,17 +198,12 @@ def coplanar(generator):
 def off_centre(generator):
     """Cast the same rays at a ball and at the same ball far off, both prepared as meshes are."""
     home = closed_shapes()["ball"]
-    size, offset = pick(generator, -6, 6), pick(generator, 0, 6)
-    towards = generator.normal(size=3)
-    towards *= 10.0**offset / np.linalg.norm(towards)
-    away = moved(home, 10.0**size, towards)
+    away, size, offset = far_off(generator, home)
     casters = [RayCaster(normalise(surface, "ball", merge_tolerance=0)) for surface in (home, away)]
-    targets = generator.normal(size=(200, 3))
-    targets *= 0.8 / np.linalg.norm(targets, axis=1, keepdims=True)
+    targets = random_vectors(generator, 200, 0.8)
     near, far = (caster.first_hits(2.5 * targets, -targets) for caster in casters)
-    yield Finding(
-        "rays/meshes far off centre",
-        np.where(near.hit & far.hit, np.abs(near.distance - far.distance) * 0.8, np.inf),
-        f"a ball of size 1e{size:.1f}, 1e{offset:.1f} sizes off",
-        drawings.triangles(home.triangles, "a ball"),
-    )
+    apart = np.abs(near.distance - far.distance) * 0.8
+    errors = np.where(near.hit & far.hit, apart, np.inf)
+    label = f"a ball of size 1e{size:.1f}, 1e{offset:.1f} sizes off"
+    picture = drawings.triangles(home.triangles, "a ball")
+    yield Finding("rays/meshes far off centre", errors, label, picture)
