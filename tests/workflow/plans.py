@@ -18,6 +18,7 @@ from pathlib import Path
 
 import pandas as pd
 from small_experiment import SMALL_OBJECTS as OBJECTS
+from workflow.clean_runs import names_of_snakefile
 
 LONG_AGO = (946_000_000, 946_000_000)
 CATALOGUE = "meshes/catalogue.csv"
@@ -157,19 +158,10 @@ def made(change: Change):
 
 def plan(change: Change) -> tuple[dict[str, int], dict[str, object]]:
     """Count the jobs of each rule that would run, and give every job's parameters by record."""
-    from snakemake.api import SnakemakeApi
-    from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
-
     from visuohaptic_workflow.closure import code_of
 
     code_of.cache_clear()
-    with made(change), SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
-        read = api.workflow(
-            resource_settings=ResourceSettings(cores=1),
-            config_settings=ConfigSettings(config=change.config),
-            snakefile=Path("Snakefile"),
-        )
-        names = read._workflow.globals
+    with made(change), names_of_snakefile(change.config) as names:
         keys = names["keys"]()
         needed = list(keys.needed_for(map(str, names["rules"].all.input)))
         stale = Counter(keys.jobs[name].rule for name in needed if keys.reason(name))
