@@ -1,0 +1,101 @@
+"""What a run from nothing of stand-ins would make, worked out in one process without running a job.
+
+`python -m workflow.clean_runs` (with `tests` on PYTHONPATH, in the folder of an experiment) prints the
+SHA-256 of every result as JSON. What scripts and modules hold is read from their text, as bytecode may be of an earlier one.
+"""
+
+import hashlib
+import json
+import re
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+from workflow.stand_ins import MODULES, hash_given
+
+TESTS = Path(__file__).parents[1]
+
+
+def clean_digests(experiment):
+    """Give the SHA-256 of every result that a run from nothing would make of an experiment's sources."""
+    paths = f"{TESTS}:{experiment.variables.get('PYTHONPATH', '')}"
+    command = (sys.executable, "-P", "-m", "workflow.clean_runs")
+    return json.loads(experiment.run(*command, PYTHONPATH=paths).stdout.splitlines()[-1])
+
+
+@contextmanager
+def names_of_snakefile(config):
+    """Let Snakemake read the Snakefile of this folder, and give the names that it defines."""
+    from snakemake.api import SnakemakeApi
+    from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
+
+    with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
+        read = api.workflow(
+            resource_settings=ResourceSettings(cores=1),
+            config_settings=ConfigSettings(config=config),
+            snakefile=Path("Snakefile"),
+        )
+        yield read._workflow.globals
+
+
+def number_in(path, name):
+    """Read a number that a module defines, or 0."""
+    found = re.search(rf"^{name} = (\d+)$", Path(path).read_text(), re.M)
+    return int(found[1]) if found else 0
+
+
+def value_of(rule):
+    if rule not in MODULES:
+        return 0
+    return number_in(f"src/{MODULES[rule].replace('.', '/')}.py", "VALUE")
+
+
+class CleanRun:
+    """The files that all jobs behind some targets write, and their contents."""
+
+    def __init__(self, keys):
+        self._keys, self._made = keys, {}
+
+    def contents(self, file):
+        """Give the content of a file, or of each mesh of a folder, that is a source or has been made."""
+        if file in self._made:
+            return self._made[file]
+        return {file: Path(file).read_bytes()}
+
+    def make(self, record):
+        """Do what a job's stand-in does, and before it those that it takes from."""
+        job = self._keys.jobs[record]
+        for maker in self._keys.makers(job.inputs):
+            if self._keys.jobs[maker].tables[0] not in self._made:
+                self.make(maker)
+        given = {}
+        for file in job.inputs:
+            given |= self.contents(file)
+        version = number_in(job.start.script, "VERSION")
+        found = hash_given(job.rule, version, value_of(job.rule), job.find_params(), given)
+        for file in job.tables:
+            part = f"{file}/{Path(file).name}.ply" if job.rule == "meshes" else file
+            self._made[file] = {part: f"{part} {found}".encode()}
+
+    def digests(self):
+        """Give the SHA-256 of every result."""
+        return {
+            name: hashlib.sha256(content).hexdigest()
+            for made in self._made.values()
+            for name, content in made.items()
+            if name.startswith(("results/", "reports/"))
+        }
+
+
+def main():
+    sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
+    with names_of_snakefile({}) as names:
+        keys = names["keys"]()
+        run = CleanRun(keys)
+        for record in keys.needed_for(map(str, names["rules"].dvc_all.input)):
+            run.make(record)
+    sys.stdout.write(json.dumps(run.digests()))
+
+
+if __name__ == "__main__":
+    main()
