@@ -80,15 +80,13 @@ for module in pkgutil.walk_packages(visuohaptic.__path__, "visuohaptic."):
 def test_a_command_of_the_report_says_which_extra_to_install(run_in_core, arguments):
     done = run_in_core(COMMAND, *arguments)
     assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr == (
-        "error: jinja2, matplotlib and plotly are not installed; "
-        "`pip install 'visuohaptic[report]'` brings them.\n"
+    sentence = (
+        "error: jinja2, matplotlib and plotly are not installed; `pip install '{}'` brings them.\n"
     )
+    assert done.stderr == sentence.format("visuohaptic[report]")
 
 
 def test_an_experiment_of_dvc_says_which_extra_to_install(monkeypatch):
     monkeypatch.setattr(optional_packages, "find_spec", lambda name: None)
-    with pytest.raises(
-        MissingPackageError, match=r"^dvc is not installed.*visuohaptic\[workflow\]"
-    ):
+    with pytest.raises(MissingPackageError, match=r"^dvc is not .*visuohaptic\[workflow\]"):
         read_measured_run(Path("experiment"))

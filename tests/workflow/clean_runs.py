@@ -50,51 +50,36 @@ def value_of(rule):
     return number_in(f"src/{MODULES[rule].replace('.', '/')}.py", "VALUE")
 
 
-class CleanRun:
-    """The files that all jobs behind some targets write, and their contents."""
-
-    def __init__(self, keys):
-        self._keys, self._made = keys, {}
-
-    def contents(self, file):
-        """Give the content of a file, or of each mesh of a folder, that is a source or has been made."""
-        if file in self._made:
-            return self._made[file]
-        return {file: Path(file).read_bytes()}
-
-    def make(self, record):
-        """Do what a job's stand-in does, and before it those that it takes from."""
-        job = self._keys.jobs[record]
-        for maker in self._keys.makers(job.inputs):
-            if self._keys.jobs[maker].tables[0] not in self._made:
-                self.make(maker)
-        given = {}
-        for file in job.inputs:
-            given |= self.contents(file)
-        version = number_in(job.start.script, "VERSION")
-        found = hash_given(job.rule, version, value_of(job.rule), job.find_params(), given)
-        for file in job.tables:
-            part = f"{file}/{Path(file).name}.ply" if job.rule == "meshes" else file
-            self._made[file] = {part: f"{part} {found}".encode()}
-
-    def digests(self):
-        """Give the SHA-256 of every result."""
-        return {
-            name: hashlib.sha256(content).hexdigest()
-            for made in self._made.values()
-            for name, content in made.items()
-            if name.startswith(("results/", "reports/"))
-        }
+def make(record, keys, made):
+    """Do what a job's stand-in does, and before it those that it takes from; `made` gets the parts of each file."""
+    job = keys.jobs[record]
+    for maker in keys.makers(job.inputs):
+        if keys.jobs[maker].tables[0] not in made:
+            make(maker, keys, made)
+    given = {}
+    for file in job.inputs:
+        given |= made[file] if file in made else {file: Path(file).read_bytes()}
+    version = number_in(job.start.script, "VERSION")
+    found = hash_given(job.rule, version, value_of(job.rule), job.find_params(), given)
+    for file in job.tables:
+        part = f"{file}/{Path(file).name}.ply" if job.rule == "meshes" else file
+        made[file] = {part: f"{part} {found}".encode()}
 
 
 def main():
     sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
+    made = {}
     with names_of_snakefile({}) as names:
         keys = names["keys"]()
-        run = CleanRun(keys)
         for record in keys.needed_for(map(str, names["rules"].dvc_all.input)):
-            run.make(record)
-    sys.stdout.write(json.dumps(run.digests()))
+            make(record, keys, made)
+    results = {
+        name: hashlib.sha256(content).hexdigest()
+        for parts in made.values()
+        for name, content in parts.items()
+        if name.startswith(("results/", "reports/"))
+    }
+    sys.stdout.write(json.dumps(results))
 
 
 if __name__ == "__main__":
