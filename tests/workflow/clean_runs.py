@@ -6,6 +6,7 @@ SHA-256 of every result as JSON. What scripts and modules hold is read from thei
 
 import hashlib
 import json
+import os
 import re
 import sys
 from contextlib import contextmanager
@@ -18,7 +19,8 @@ TESTS = Path(__file__).parents[1]
 
 def clean_digests(experiment):
     """Give the SHA-256 of every result that a run from nothing would make of an experiment's sources."""
-    paths = f"{TESTS}:{experiment.variables.get('PYTHONPATH', '')}"
+    own = experiment.variables.get("PYTHONPATH", "")
+    paths = os.pathsep.join(filter(None, [str(TESTS), own]))
     command = (sys.executable, "-P", "-m", "workflow.clean_runs")
     return json.loads(experiment.run(*command, PYTHONPATH=paths).stdout.splitlines()[-1])
 

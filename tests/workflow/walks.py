@@ -32,6 +32,29 @@ PARAMETERS = (
 MESH = "meshes/paper/chair/bsby_chair3.ply.gz"
 OTHER_MESH = "meshes/paper/chair/bs0_chair2.ply.gz"
 SECONDS_A_COMMAND = 300
+# What a walk may do, with how often: methods of `Walk`, and plain commands.
+ACTIONS = {
+    "edit_parameter": 4, "edit_parameter_and_back": 1, "edit_script": 1, "edit_module": 2,
+    "edit_module_twice_within_a_second": 2, "edit_module_while_jobs_run": 2,
+    "replace_module_by_older_file": 1, "edit_mesh": 1, "bring_own_mesh": 2, "run_with_other_values": 2,
+    "run_experiment": 1, "delete": 2, "damage": 2, "kill": 2, "change_version": 1, "keep_own_file": 1,
+}  # fmt: skip
+COMMANDS = {
+    "git checkout -qf main": 1,
+    "git checkout -qf other": 1,
+    "dvc checkout --force": 1,
+    **{
+        f"dvc checkout --force {stage}": 0.5
+        for stage in ("features", "touches", "fixations", "recognition")
+    },
+    "dvc pull --force": 2,
+    "dvc exp apply tried": 1,
+    "dvc repro": 1,
+    "snakemake -n": 1,
+    "snakemake -j1": 2,
+    "snakemake -j1 features_all": 1,
+    "snakemake -j1 touches_all": 1,
+}
 
 
 def add_branches(made):
@@ -66,38 +89,33 @@ class Walk:
 
     def take_step(self):
         """Do one thing, drawn at random."""
-        actions = {
-            self.edit_parameter: 4, self.edit_parameter_and_back: 1, self.edit_script: 1,
-            self.edit_module: 2, self.edit_module_twice_within_a_second: 2,
-            self.edit_module_while_jobs_run: 2, self.replace_module_by_older_file: 1,
-            self.edit_mesh: 1, self.bring_own_mesh: 2, self.run_with_other_values: 2,
-            self.switch_branch: 2, self.check_out: 3, self.pull: 2, self.apply_experiment: 1,
-            self.run_experiment: 1, self.run_snakemake: 4, self.run_dvc: 1, self.delete: 2,
-            self.damage: 2, self.kill: 2, self.look: 1, self.change_version: 1, self.keep_own_file: 1,
-        }  # fmt: skip
-        weights = np.array(list(actions.values()), float)
-        action = list(actions)[self.generator.choice(len(actions), p=weights / weights.sum())]
-        self.steps.append(action.__name__)
-        action()
+        steps = {**ACTIONS, **COMMANDS}
+        weights = np.array(list(steps.values()), float)
+        step = list(steps)[self.generator.choice(len(steps), p=weights / weights.sum())]
+        self.steps.append(step)
+        if step in ACTIONS:
+            getattr(self, step)()
+        else:
+            self.attempt(step)
 
     def draw(self, choices):
         """Draw one of several."""
         return choices[self.generator.integers(len(choices))]
 
-    def attempt(self, *command):
+    def attempt(self, command, *arguments):
         """Run a command that may refuse in a sentence."""
-        self.experiment.run(*command, check=False)
+        self.experiment.run(*command.split(), *arguments, check=False)
 
     def edit_parameter(self):
         set_parameters(self.folder, self.draw(PARAMETERS))
 
     def edit_parameter_and_back(self):
-        before = (self.folder / "params.yaml").read_text()
-        for text in (None, before):
-            set_parameters(self.folder, self.draw(PARAMETERS))
-            if text:
-                (self.folder / "params.yaml").write_text(text)
-            self.attempt("snakemake", "-n")
+        path = self.folder / "params.yaml"
+        before = path.read_text()
+        self.edit_parameter()
+        self.attempt("snakemake -n")
+        path.write_text(before)
+        self.attempt("snakemake -n")
 
     def edit_script(self):
         name = self.draw(SCRIPTS)
@@ -150,41 +168,17 @@ class Walk:
             os.utime(path, LONG_AGO)
 
     def run_with_other_values(self):
-        self.attempt(
-            "snakemake", "-j2", "--config", 'sensor={"largest_size": 0.2}', "--", self.draw(("features_all", "dvc_all"))
-        )  # fmt: skip
+        target = self.draw(("features_all", "dvc_all"))
+        self.attempt("snakemake -j2 --config", 'sensor={"largest_size": 0.2}', "--", target)
         if self.draw((0, 1)):
-            self.attempt("dvc", "commit", "--force")
-
-    def switch_branch(self):
-        self.attempt("git", "checkout", "-qf", self.draw(("main", "other")))
-
-    def check_out(self):
-        stage = self.draw(("", "", "features", "touches", "fixations", "recognition"))
-        self.attempt("dvc", "checkout", "--force", *([stage] if stage else []))
-
-    def pull(self):
-        self.attempt("dvc", "pull", "--force")
-
-    def apply_experiment(self):
-        self.attempt("dvc", "exp", "apply", "tried")
+            self.attempt("dvc commit --force")
 
     def run_experiment(self):
-        value = "recognition.touches=4"
         how = self.draw(("", "--temp", "--queue"))
-        self.attempt("dvc", "exp", "run", *([how] if how else []), "-S", value)
+        self.attempt(f"dvc exp run {how} -S recognition.touches=4")
         if how == "--queue":
-            self.attempt("dvc", "exp", "run", "--queue", "-S", "sensor.largest_size=0.2")
-            self.attempt("dvc", "exp", "run", "--run-all")
-
-    def run_snakemake(self):
-        self.attempt("snakemake", "-j1", *self.draw(((), (), ("features_all",), ("touches_all",))))
-
-    def run_dvc(self):
-        self.attempt("dvc", "repro")
-
-    def look(self):
-        self.attempt("snakemake", "-n")
+            self.attempt("dvc exp run --queue -S sensor.largest_size=0.2")
+            self.attempt("dvc exp run --run-all")
 
     def delete(self):
         files = sorted(digests(self.folder))
