@@ -13,11 +13,11 @@ SMALL = {
     "recognition": {"pipelines": ["paper"]},
 }
 MODULES = {
-    "features": "visuohaptic.features.descriptors",
+    "features": "visuohaptic.features.imprint_shape",
     "touches": "visuohaptic.sensor.cells",
-    "recognition": "visuohaptic.recognition.maps",
+    "recognition": "visuohaptic.recognition.sequences",
 }
-"""Of some phases a module that they run, and which is soon imported."""
+"""Of some phases a module that their jobs run, soon imported, and which planning does not import."""
 
 
 def hash_given(rule, version_of_script, value, params, contents):

@@ -15,7 +15,7 @@ from visuohaptic.geometry.surface import write_set_aside
 
 pytestmark = pytest.mark.workflow
 
-MODULE = "src/visuohaptic/features/descriptors.py"
+MODULE = "src/visuohaptic/features/imprint_shape.py"
 TABLE = "results/features/chair/bs0_chair2/00-01.parquet"
 LONG_AGO = (946_000_000, 946_000_000)
 

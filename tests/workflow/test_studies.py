@@ -24,6 +24,8 @@ MINE = {
         "penalty 2": {"recognition.classifier.svm_penalty": 2.0},
     },
 }
+# An empty frontier, for which nothing is measured, but which is written.
+FRONTIER = {"frontier_seconds": 1, "frontier": 1}
 RECOGNISED = {"recognition": 2, "guards_of_training": 1}
 AFTER = {"metrics": 1, "report": 1, "guards_hold": 1}
 EARLIER = "was measured with an earlier state"
@@ -87,7 +89,7 @@ def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, 
     experiment.set(
         workflow={"keep_studies_current": False}, recognition={"classifier": {"svm_penalty": 3.0}}
     )
-    assert experiment.planned() == {**AFTER, **RECOGNISED}
+    assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED}
     experiment.snakemake()
     assert figures.read_bytes() == measured
     assert page.read_text().count(EARLIER) == 2  # among the warnings, and in its section
@@ -113,10 +115,10 @@ def test_what_was_lost_added_or_changed_is_measured_again_and_nothing_else(studi
     assert planned(experiment)["features_of_study"] == 1
     write(experiment, MINE)
     experiment.set(recognition={"intervals": {"confidence": 0.9}})
-    assert planned(experiment) == {**AFTER, "figures_of_study": 1}
+    assert planned(experiment) == {**AFTER, "figures_of_study": 1, "frontier": 1}
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    again = {"block_of_study": 3, "figures_of_study": 1}
-    assert planned(experiment) == {**AFTER, **RECOGNISED, **again}
+    follows = {**RECOGNISED, "figures_of_study": 1, "block_of_study": 3}
+    assert planned(experiment) == {**FRONTIER, **AFTER, **follows}
 
 
 def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
