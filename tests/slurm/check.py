@@ -25,7 +25,16 @@ SECONDS_OF_OUTAGE = 5
 SECONDS_TO_RESUME = 30
 HOURS = 3600
 OBJECTS_PER_JOB = {"paper": 6, "benchmark": 24}
-TABLES = ["meshes", "views", "fixations", "touches", "features", "stability", "scores", "predictions"]
+TABLES = [
+    "meshes",
+    "views",
+    "fixations",
+    "touches",
+    "features",
+    "stability",
+    "scores",
+    "predictions",
+]
 
 
 def main():
