@@ -1,6 +1,5 @@
 """From a mesh file to features, file to file: what each phase writes is what its table promises."""
 
-import inspect
 from dataclasses import replace
 
 import numpy as np
@@ -54,19 +53,6 @@ def test_a_phase_takes_what_a_phase_before_it_gives():
         given |= set(phase.writes)
 
 
-@pytest.mark.parametrize("phase", PHASES, ids=lambda phase: phase.name)
-def test_arguments_are_parameters_and_those_that_the_function_takes(phase):
-    assert phase.values(ring()).keys() == phase.arguments.keys()
-    if phase.verb:
-        assert phase.arguments.keys() <= set(inspect.signature(phase.work.load()).parameters)
-
-
-def test_a_strategy_is_chosen_from_its_registry_alone():
-    chosen = OF_OBJECT[0].chosen_modules(ring(probing={"strategies": ["curvature"]}))
-    modules = {"visuohaptic.fixations.strategies.curvature"}
-    assert chosen == {"visuohaptic.fixations.probing": modules}
-
-
 def test_a_run_in_memory_gives_the_tables_of_a_run_by_files(folder, tables):
     subject = Subject.of_mesh("ring/torus", folder / "torus.ply", range(3))
     found = run(subject, ring())
@@ -111,13 +97,12 @@ def test_what_a_job_is_given_says_what_a_run_in_memory_takes():
         assert written == phase.work.checked(phase.values(parameters))
 
 
-def test_every_viewpoint_and_strategy_gives_its_sequence(tables):
-    table = tables["fixations"]
-    found = table.to_pandas().groupby(["viewpoint", "strategy"]).touch.agg(["count", "max"])
+def test_every_viewpoint_and_strategy_gives_its_sequence_of_places_with_some_to_spare(tables):
+    table = tables["fixations"].to_pandas()
+    found = table.groupby(["viewpoint", "strategy"]).touch.agg(["count", "max"])
     assert len(found) == 3 * 2
     assert (found["count"] == found["max"] + 1).all()
     assert found["count"].between(4, 4 + SPARE).all()
-    assert set(table.column("strategy").to_pylist()) == {"fixation", "random"}
 
 
 def test_fixations_were_looked_at_and_random_points_were_not(tables):
@@ -137,13 +122,15 @@ def test_views_are_pictures_and_say_what_ran(tables):
     rows = tables["views"].to_pylist()
     assert len(rows) == 3
     for row in rows:
-        view = cv2.imdecode(np.frombuffer(row["view"], np.uint8), cv2.IMREAD_UNCHANGED)
-        saliency = cv2.imdecode(np.frombuffer(row["saliency"], np.uint8), cv2.IMREAD_UNCHANGED)
+        view, saliency = (
+            cv2.imdecode(np.frombuffer(row[name], np.uint8), cv2.IMREAD_UNCHANGED)
+            for name in ("view", "saliency")
+        )
         assert view.shape == (64, 64, 3)
         assert saliency.shape == (64, 64)
         assert saliency.max() == 255
-        channels, skipped = dict(row["conspicuity"]), dict(row["skipped"])
-        assert len(channels) + len(skipped) == 8
+        skipped = dict(row["skipped"])
+        assert len(row["conspicuity"]) + len(skipped) == 8
         # The torus has one colour.
         assert "colour" in skipped
 
@@ -178,13 +165,10 @@ def test_the_eye_looks_without_shading_where_the_scene_says_so(folder, tables):
 
 def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder, tables):
     subject = Subject.of_mesh("ring/torus", folder / "torus.ply")
+    given = {"fixations": tables["fixations"]}
+    worn = {"preset": "worn_fsr"}
     one, two, three = (
-        run(
-            subject,
-            ring(seed=seed, scene={"preset": "worn_fsr"}),
-            {"fixations": tables["fixations"]},
-        )["touches"]
-        for seed in (7, 7, 8)
+        run(subject, ring(seed=seed, scene=worn), given)["touches"] for seed in (7, 7, 8)
     )
     assert one.equals(two)
     assert not one.equals(three)

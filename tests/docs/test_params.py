@@ -35,11 +35,8 @@ def test_the_schema_allows_the_defaults():
     "values",
     [
         {"senser": {}},
-        {"sensor": {"largest_sise": 0.3}},
         {"sensor": {"resolution": 1}},
-        {"scene": {"effects": {"noise": "sometimes"}}},
         {"probing": {"strategies": ["fixation", "guessing"]}},
-        {"recognition": {"best": {"classifiers": ["oracle"]}}},
         {"attention": {"weights": {"colour": -1}}},
     ],
 )

@@ -4,8 +4,6 @@ A cluster of one node is set up on the loopback, and taken down. The set `paper`
 one cluster job by profiles/slurm/one.sh. In the second run the controller and the node's daemon are killed half way.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import hashlib
@@ -18,9 +16,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Mapping
 from pathlib import Path
-from typing import NoReturn
 
 from one_node import Cluster, ClusterError, install
 
@@ -29,7 +25,7 @@ SECONDS_OF_OUTAGE = 5
 SECONDS_TO_RESUME = 30
 HOURS = 3600
 OBJECTS_PER_JOB = {"paper": 6, "benchmark": 24}
-TABLES = (
+TABLES = [
     "meshes",
     "views",
     "fixations",
@@ -38,10 +34,10 @@ TABLES = (
     "stability",
     "scores",
     "predictions",
-)
+]
 
 
-def main() -> None:
+def main():
     """Run everything, and end with status 1 where a table differs."""
     arguments = _parse()
     # Else `timeout` would leave the cluster running.
@@ -52,22 +48,26 @@ def main() -> None:
     # The same blocks everywhere, so that files are the same.
     blocks = f"workflow={json.dumps({'objects_per_job': OBJECTS_PER_JOB[arguments.set]})}"
     config = ["--config", f'meshes={{"set": "{arguments.set}"}}', blocks]
-    profile = ["--profile", str(folder / "profile")]
+    snakemake = [sys.executable, "-m", "snakemake"]
+    by_profile = [*snakemake, "--profile", folder / "profile", *config]
+    cores = f"--cpus-per-task={arguments.cores}"
+    one_job = ["sbatch", "--wait", cores, "--output=/dev/null", ROOT / "profiles/slurm/one.sh"]
     found = {}
     try:
         _write_profile(folder / "profile", arguments.cores)
-        local, expected = _time("local", folder, ["--cores", str(arguments.cores), *config])
+        command = [*snakemake, "--cores", str(arguments.cores), *config]
+        local, expected = _time("local", folder, command, os.environ)
         with Cluster(folder / "cluster", arguments.cores) as cluster:
-            options = [*profile, *config]
-            seconds, found["blocks"] = _time("blocks", folder, options, cluster)
+            seconds, found["blocks"] = _time("blocks", folder, by_profile, cluster.environment)
             print(f"{seconds / local:.2f} times the local run", flush=True)
             is_over = threading.Event()
             place = (cluster, folder / "broken", is_over)
             threading.Thread(target=_break, args=place, daemon=True).start()
-            _, found["broken"] = _time("broken", folder, options, cluster)
+            _, found["broken"] = _time("broken", folder, by_profile, cluster.environment)
             if not is_over.is_set():
                 raise SystemExit("the run ended before both daemons were killed")
-            seconds, found["one"] = _time_one("one", folder, config, cluster)
+            command = [*one_job, *config]
+            seconds, found["one"] = _time("one", folder, command, cluster.environment)
             print(f"{seconds / local:.2f} times the local run", flush=True)
     except ClusterError as error:
         raise SystemExit(str(error)) from None
@@ -79,13 +79,13 @@ def main() -> None:
         shutil.rmtree(folder)
 
 
-def _stop(*_: object) -> NoReturn:
+def _stop(*_):
     """End with everything taken down, also where the signal comes twice, as to a whole group."""
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     sys.exit("stopped")
 
 
-def _parse() -> argparse.Namespace:
+def _parse():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--set", default="paper", choices=OBJECTS_PER_JOB)
     parser.add_argument("--cores", type=int, default=len(os.sched_getaffinity(0)))
@@ -93,66 +93,36 @@ def _parse() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _write_profile(folder: Path, cores: int) -> None:
+def _write_profile(folder, cores):
     """Copy the profile, with this node's cores."""
     text = (ROOT / "profiles/slurm/config.yaml").read_text(encoding="utf-8")
-    folder.mkdir(parents=True)
+    folder.mkdir()
     lines = [f"cores: {cores}" if line.startswith("cores:") else line for line in text.splitlines()]
     (folder / "config.yaml").write_text("\n".join(lines), encoding="utf-8")
 
 
-def _time(
-    name: str, folder: Path, options: list[str], cluster: Cluster | None = None
-) -> tuple[float, dict[str, str]]:
+def _time(name, folder, command, environment):
     """Run the workflow in a folder of its own, and give seconds and digests."""
-    here = _prepare(folder / name)
-    command = [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "-d", str(here)]
-    seconds = _run(name, [*command, *options], here, cluster.environment if cluster else os.environ)
-    return seconds, _digests(here)
-
-
-def _time_one(
-    name: str, folder: Path, config: list[str], cluster: Cluster
-) -> tuple[float, dict[str, str]]:
-    here = _prepare(folder / name)
-    script = str(ROOT / "profiles/slurm/one.sh")
-    cores = f"--cpus-per-task={cluster.cores}"
-    command = [
-        "sbatch",
-        "--wait",
-        cores,
-        "--output=/dev/null",
-        script,
-        "-s",
-        str(ROOT / "Snakefile"),
-    ]
-    return _run(name, [*command, *config], here, cluster.environment), _digests(here)
-
-
-def _prepare(folder: Path) -> Path:
-    folder.mkdir()
-    shutil.copy(ROOT / "params.yaml", folder)
+    here = folder / name
+    here.mkdir()
+    shutil.copy(ROOT / "params.yaml", here)
     (ROOT / ".cache").mkdir(exist_ok=True)
-    (folder / ".cache").symlink_to(ROOT / ".cache")  # models are downloaded once
-    return folder
-
-
-def _run(name: str, command: list[str], folder: Path, environment: Mapping[str, str]) -> float:
+    (here / ".cache").symlink_to(ROOT / ".cache")  # models are downloaded once
     path = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
     started = time.monotonic()
-    with (folder / "run.log").open("wb") as log:
+    with (here / "run.log").open("wb") as log:
         status = subprocess.run(
-            command, cwd=folder, env={**environment, "PATH": path}, check=False, stdout=log,
-            stderr=subprocess.STDOUT, timeout=HOURS,
+            [*command, "-s", ROOT / "Snakefile"], cwd=here, env={**environment, "PATH": path},
+            check=False, stdout=log, stderr=subprocess.STDOUT, timeout=HOURS,
         ).returncode  # fmt: skip
     seconds = time.monotonic() - started
     print(f"{name}: {seconds:.0f} s", flush=True)
     if status:
-        raise SystemExit(f"{name} ended with status {status}: {folder / 'run.log'}")
-    return seconds
+        raise SystemExit(f"{name} ended with status {status}: {here / 'run.log'}")
+    return seconds, _digests(here)
 
 
-def _break(cluster: Cluster, folder: Path, is_over: threading.Event) -> None:
+def _break(cluster, folder, is_over):
     """Kill both daemons once a block has begun, and start them again."""
     while not list(folder.glob("results/meshes/*/*/*.ply")):
         time.sleep(0.5)
@@ -171,7 +141,7 @@ def _break(cluster: Cluster, folder: Path, is_over: threading.Event) -> None:
                 cluster.run("scontrol", "update", "NodeName=ALL", "State=RESUME")
 
 
-def _digests(folder: Path) -> dict[str, str]:
+def _digests(folder):
     """Give the SHA-256 of all files that hold no seconds."""
     files = [
         *(file for table in TABLES for file in (folder / "results" / table).rglob("*.*")),

@@ -1,40 +1,39 @@
 """A Slurm cluster of one node on the loopback, in a folder of its own: munge, slurmctld and slurmd from Debian."""
 
-from __future__ import annotations
-
 import contextlib
 import os
+import pwd
 import secrets
 import shutil
 import socket
 import subprocess
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Self
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "srun")
 PACKAGES = ("munge", "slurm-client", "slurmctld", "slurmd")
+USER = pwd.getpwuid(os.geteuid()).pw_name
+MEGABYTES = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") * 9 // 10 // 2**20
 _SECONDS_TO_START = 30.0
 _SECONDS_TO_END = 20.0
 
 _CONFIGURATION = """\
 ClusterName=loopback
 SlurmctldHost={host}(127.0.0.1)
-SlurmctldPort={port}
-SlurmdPort={node_port}
+SlurmctldPort={ports[0]}
+SlurmdPort={ports[1]}
 SlurmUser={user}
 SlurmdUser={user}
 AuthType=auth/munge
-AuthInfo=socket={folder}/munge.socket
+AuthInfo=socket={cluster.folder}/munge.socket
 CredType=cred/munge
-StateSaveLocation={folder}/state
-SlurmdSpoolDir={folder}/spool
-SlurmctldPidFile={folder}/slurmctld.pid
-SlurmdPidFile={folder}/slurmd.pid
-SlurmctldLogFile={folder}/slurmctld.log
-SlurmdLogFile={folder}/slurmd.log
+StateSaveLocation={cluster.folder}/state
+SlurmdSpoolDir={cluster.folder}/spool
+SlurmctldPidFile={cluster.folder}/slurmctld.pid
+SlurmdPidFile={cluster.folder}/slurmd.pid
+SlurmctldLogFile={cluster.folder}/slurmctld.log
+SlurmdLogFile={cluster.folder}/slurmd.log
 ProctrackType=proctrack/pgid
 TaskPlugin=task/none
 SwitchType=switch/none
@@ -46,7 +45,7 @@ SelectTypeParameters=CR_Core_Memory
 SchedulerParameters=batch_sched_delay=0
 MinJobAge=300
 ReturnToService=2
-NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} RealMemory={memory} State=UNKNOWN
+NodeName={host} NodeAddr=127.0.0.1 CPUs={cluster.cores} RealMemory={memory} State=UNKNOWN
 PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """
 
@@ -55,7 +54,7 @@ class ClusterError(Exception):
     """The cluster can't be set up."""
 
 
-def install() -> None:
+def install():
     """Install Debian packages where their programs are missing; raises `ClusterError` where this user may not."""
     missing = [program for program in PROGRAMS if _find(program) is None]
     if not missing:
@@ -78,10 +77,10 @@ class Cluster:
 
     folder: Path
     cores: int
-    _daemons: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
+    _daemons: dict = field(default_factory=dict)
 
     @property
-    def environment(self) -> dict[str, str]:
+    def environment(self):
         """What a command needs to find this cluster and no other."""
         others = {
             name: value
@@ -90,7 +89,7 @@ class Cluster:
         }
         return {**others, "SLURM_CONF": str(self.folder / "slurm.conf")}
 
-    def __enter__(self) -> Self:
+    def __enter__(self):
         """Start all daemons."""
         self.folder.mkdir(parents=True)
         self.folder.chmod(0o755)
@@ -100,15 +99,8 @@ class Cluster:
         key.write_bytes(secrets.token_bytes(1024))
         key.chmod(0o400)
         host = socket.gethostname().partition(".")[0]
-        port, node_port = _free_ports(2)
         text = _CONFIGURATION.format(
-            host=host,
-            folder=self.folder,
-            port=port,
-            node_port=node_port,
-            cores=self.cores,
-            memory=_megabytes(),
-            user=_user(),
+            cluster=self, host=host, user=USER, memory=MEGABYTES, ports=_free_ports(2)
         )
         (self.folder / "slurm.conf").write_text(text, encoding="utf-8")
         try:
@@ -121,14 +113,14 @@ class Cluster:
             raise
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, *_):
         """End all that was started here, and nothing else."""
         with contextlib.suppress(ClusterError, subprocess.SubprocessError, OSError):
-            self.run("scancel", "--state=RUNNING,PENDING", f"--user={_user()}")
+            self.run("scancel", "--state=RUNNING,PENDING", f"--user={USER}")
         for daemon in reversed(self._daemons.values()):
             _end(daemon)
 
-    def run(self, *command: str) -> str:
+    def run(self, *command):
         """Run a command of the cluster, and give what it prints."""
         path = _find(command[0]) or command[0]
         ended = subprocess.run(
@@ -139,16 +131,16 @@ class Cluster:
             raise ClusterError(f"{' '.join(command)}: {ended.stdout.strip()}")
         return ended.stdout
 
-    def start(self, daemon: str) -> None:
+    def start(self, daemon):
         """Start `slurmctld` or `slurmd`."""
         self._launch(daemon, "-D", "-f", str(self.folder / "slurm.conf"))
 
-    def kill(self, daemon: str) -> None:
+    def kill(self, daemon):
         """Kill a daemon as a crash would."""
         self._daemons[daemon].kill()
         self._daemons[daemon].wait()
 
-    def _start_munge(self) -> None:
+    def _start_munge(self):
         paths = {
             "key-file": "munge.key", "socket": "munge.socket", "pid-file": "munge.pid",
             "log-file": "munge.log", "seed-file": "munge.seed",
@@ -157,15 +149,15 @@ class Cluster:
         self._launch("munged", "--foreground", "--force", *options)
         _wait((self.folder / "munge.socket").exists, "munged")
 
-    def _launch(self, daemon: str, *options: str) -> None:
+    def _launch(self, daemon, *options):
         with (self.folder / f"{daemon}.out").open("ab") as out:
             self._daemons[daemon] = subprocess.Popen(
                 [_find(daemon) or daemon, *options], env=self.environment, stdin=subprocess.DEVNULL,
                 stdout=out, stderr=subprocess.STDOUT, start_new_session=True,
             )  # fmt: skip
 
-    def _wait_for(self, state: str) -> None:
-        def is_so() -> bool:
+    def _wait_for(self, state):
+        def is_so():
             with contextlib.suppress(ClusterError, subprocess.SubprocessError):
                 return self.run("sinfo", "--noheader", "--format=%T").strip() == state
             return False
@@ -173,21 +165,11 @@ class Cluster:
         _wait(is_so, f"a node that is {state} (logs: {self.folder})")
 
 
-def _find(program: str) -> str | None:
+def _find(program):
     return shutil.which(program) or shutil.which(program, path="/usr/sbin:/sbin")
 
 
-def _megabytes() -> int:
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") * 9 // 10 // 2**20
-
-
-def _user() -> str:
-    import pwd
-
-    return pwd.getpwuid(os.geteuid()).pw_name
-
-
-def _free_ports(count: int) -> list[int]:
+def _free_ports(count):
     with contextlib.ExitStack() as stack:
         sockets = [stack.enter_context(socket.socket()) for _ in range(count)]
         for one in sockets:
@@ -195,7 +177,7 @@ def _free_ports(count: int) -> list[int]:
         return [one.getsockname()[1] for one in sockets]
 
 
-def _wait(is_so: Callable[[], bool], what: str) -> None:
+def _wait(is_so, what):
     limit = time.monotonic() + _SECONDS_TO_START
     while not is_so():
         if time.monotonic() > limit:
@@ -203,7 +185,7 @@ def _wait(is_so: Callable[[], bool], what: str) -> None:
         time.sleep(0.2)
 
 
-def _end(daemon: subprocess.Popen[bytes]) -> None:
+def _end(daemon):
     if daemon.poll() is not None:
         return
     daemon.terminate()

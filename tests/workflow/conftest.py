@@ -9,7 +9,6 @@ import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import pyarrow.parquet as pq
 import pytest
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment, set_parameters
 from workflow import stand_ins
@@ -67,24 +66,14 @@ class Experiment:
         if "Nothing to be done" in output:
             return {}
         table = output.split("Job stats:")[1].split("\n\n")[0]
-        counts = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.M)}
+        counts = re.findall(r"^(\w+) +(\d+)$", table, re.M)
         return {
-            name: count for name, count in counts.items() if name not in {"total", "all", *targets}
+            name: int(count) for name, count in counts if name not in {"total", "all", *targets}
         }
 
     def set(self, **sections):
         """Change parameters, section by section."""
         set_parameters(self.folder, sections)
-
-    def table(self, name):
-        """Read a whole table."""
-        return pq.read_table(self.folder / "results" / name)
-
-    def begin_git(self):
-        """Make it a repository of git."""
-        self.run("git", "init", "-q", "-b", "main")
-        self.run("git", "config", "user.name", "A")
-        self.run("git", "config", "user.email", "a@b.c")
 
     def commit(self, message):
         """Let DVC take over all results, and commit everything that git tracks or should track."""
@@ -154,8 +143,9 @@ def stand_in(whole_stand_in, tmp_path):
 @pytest.fixture
 def fresh_stand_in(tmp_path):
     """An experiment of stand-ins before anything has run."""
-    stand_ins.make_experiment(tmp_path / "experiment")
-    return Experiment(tmp_path / "experiment")
+    experiment = Experiment(tmp_path / "experiment")
+    stand_ins.make_experiment(experiment.folder)
+    return experiment
 
 
 @pytest.fixture(scope="session")
@@ -164,7 +154,9 @@ def repository(whole_stand_in, once):
 
     def make(one):
         whole_stand_in.copy(one.folder)
-        one.begin_git()
+        one.run("git", "init", "-q", "-b", "main")
+        one.run("git", "config", "user.name", "A")
+        one.run("git", "config", "user.email", "a@b.c")
         one.commit("run")
 
     return once("repository", make)

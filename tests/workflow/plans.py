@@ -4,24 +4,22 @@
 of every change in `CHANGES` as JSON. Edited files get an old time, as times must say nothing.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import os
 import sys
 from collections import Counter
-from collections.abc import Callable
 from contextlib import contextmanager, redirect_stderr
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
-from small_experiment import SMALL_OBJECTS as OBJECTS
+from workflow.clean_runs import names_of_snakefile
 
 LONG_AGO = (946_000_000, 946_000_000)
 CATALOGUE = "meshes/catalogue.csv"
-OF_THE_SHAPE = ("width_cm", "depth_cm", "height_cm", "rotation")
+OF_THE_SHAPE = dict.fromkeys(("width_cm", "depth_cm", "height_cm"), "77.7")
+OF_THE_SHAPE |= {"rotation": "0 0 1 0 1 0 -1 0 0"}
 MESH = "meshes/paper/chair/bsby_chair3.ply.gz"
 OTHER_MESH = "meshes/paper/chair/bs0_chair2.ply.gz"
 OBJECT = "chair/bs0_chair2/00-01.parquet"
@@ -38,56 +36,48 @@ class Change:
     first: str | None = None
     jobs: int = 2
     config: dict = field(default_factory=dict)
-    files: dict[str, Callable[[bytes], bytes | None]] = field(default_factory=dict)
+    files: dict = field(default_factory=dict)
     is_alone: bool = False
 
 
-def same(content: bytes) -> bytes:
+def same(content):
     return content
 
 
-def edited(content: bytes) -> bytes:
+def edited(content):
     return content + b"\n# edited\n"
 
 
-def gone(content: bytes) -> None:
+def gone(content):
     return None
 
 
-def cells(*changed: tuple[str, str, str]) -> Callable[[bytes], bytes]:
-    """Give an edit of a CSV file: object, column and value of some cells."""
+def cells(**values):
+    """Give an edit of the row of one object in a CSV file: values by column."""
 
-    def edit(content: bytes) -> bytes:
+    def edit(content):
         rows = pd.read_csv(io.BytesIO(content), dtype=str, keep_default_na=False)
-        for name, column, value in changed:
-            rows.loc[rows["object"] == name, column] = value
+        rows.loc[rows["object"] == "bsby_chair3", list(values)] = list(values.values())
         return rows.to_csv(index=False, lineterminator="\n").encode()
 
     return edit
 
 
-def of_the_shape() -> list[tuple[str, str, str]]:
-    values = ("77.7", "77.7", "77.7", "0 0 1 0 1 0 -1 0 0")
-    return list(zip(OBJECTS, OF_THE_SHAPE, values, strict=True))
-
-
-def of_other_columns() -> list[tuple[str, str, str]]:
+def columns_aside():
+    """Name the columns of the catalogue that say nothing of an object's shape."""
     header = Path(__file__).parents[2].joinpath(CATALOGUE).read_text().partition("\n")[0]
-    columns = set(header.split(",")) - {"class", "object", "set", *OF_THE_SHAPE}
-    return [("bsby_chair3", column, "1234") for column in columns]
+    return set(header.split(",")) - {"class", "object", "set", *OF_THE_SHAPE}
 
 
-def of(first: str, jobs: int = 2, **config: object) -> Change:
+def of(first, jobs=2, **config):
     return Change(first, jobs, config)
 
 
-def file(
-    first: str, path: str, edit: Callable[[bytes], bytes | None] = edited, jobs: int = 2
-) -> Change:
+def file(first, path, edit=edited, jobs=2):
     return Change(first, jobs, files={path: edit})
 
 
-def alone(first: str, path: str, edit: Callable[[bytes], bytes | None] = gone) -> Change:
+def alone(first, path, edit=gone):
     return Change(first, 1, files={path: edit}, is_alone=True)
 
 
@@ -115,11 +105,12 @@ CHANGES = {
     "workflow": of("meshes", 4, workflow={"objects_per_job": 1}),
     "views a job": of("fixations", 4, workflow={"views_per_job": 1}),
     "another mesh": file("meshes", MESH, lambda _: Path(OTHER_MESH).read_bytes(), 1),
-    "columns of the shape": file("meshes", CATALOGUE, cells(*of_the_shape())),
-    "other columns": file("report", CATALOGUE, cells(*of_other_columns()), 1),
-    "a credit": file(
-        "report", "meshes/paper/credits.csv", cells(("bsby_chair3", "licence", "CC0-1.0")), 1
-    ),
+    **{
+        column: file("meshes", CATALOGUE, cells(**{column: value}), 1)
+        for column, value in OF_THE_SHAPE.items()
+    },
+    "other columns": file("report", CATALOGUE, cells(**dict.fromkeys(columns_aside(), "1234")), 1),
+    "a credit": file("report", "meshes/paper/credits.csv", cells(licence="CC0-1.0"), 1),
     "a script": file("recognition", "workflow/scripts/recognition.py"),
     "meshes/preparing": file("meshes", "src/visuohaptic/meshes/preparing.py"),
     "attention/saliency": file("fixations", "src/visuohaptic/attention/saliency.py"),
@@ -139,7 +130,7 @@ CHANGES = {
 
 
 @contextmanager
-def made(change: Change):
+def made(change):
     """Edit the files of a change, and bring them back with their times."""
     before = {Path(name): (Path(name).read_bytes(), Path(name).stat()) for name in change.files}
     for name, edit in change.files.items():
@@ -155,21 +146,12 @@ def made(change: Change):
         os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
 
 
-def plan(change: Change) -> tuple[dict[str, int], dict[str, object]]:
+def plan(change):
     """Count the jobs of each rule that would run, and give every job's parameters by record."""
-    from snakemake.api import SnakemakeApi
-    from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
-
     from visuohaptic_workflow.closure import code_of
 
     code_of.cache_clear()
-    with made(change), SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
-        read = api.workflow(
-            resource_settings=ResourceSettings(cores=1),
-            config_settings=ConfigSettings(config=change.config),
-            snakefile=Path("Snakefile"),
-        )
-        names = read._workflow.globals
+    with made(change), names_of_snakefile(change.config) as names:
         keys = names["keys"]()
         needed = list(keys.needed_for(map(str, names["rules"].all.input)))
         stale = Counter(keys.jobs[name].rule for name in needed if keys.reason(name))
@@ -179,7 +161,7 @@ def plan(change: Change) -> tuple[dict[str, int], dict[str, object]]:
     return dict(stale), parameters
 
 
-def main() -> None:
+def main():
     sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
     plans, usual = {}, None
     with redirect_stderr(io.StringIO()):

@@ -1,6 +1,9 @@
 """A small experiment whose scripts write a hash of all that they were given, so that a run takes seconds."""
 
 import hashlib
+import inspect
+import json
+from importlib.metadata import version
 
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment
 
@@ -9,55 +12,67 @@ SMALL = {
     "workflow": {"views_per_job": 2, "objects_per_job": 2},
     "recognition": {"pipelines": ["paper"]},
 }
-STAND_IN = '''"""Writes a hash of all that the job was given."""
+MODULES = {
+    "features": "visuohaptic.features.imprint_shape",
+    "touches": "visuohaptic.sensor.cells",
+    "recognition": "visuohaptic.recognition.sequences",
+}
+"""Of some phases a module that their jobs run, soon imported, and which planning does not import."""
+
+
+def hash_given(rule, version_of_script, value, params, contents):
+    """Give the hash of what a job was given, its inputs by their names."""
+    # The features alone are made with PyWavelets.
+    own = version("PyWavelets") if rule == "features" else ""
+    parameters = {name: item for name, item in params.items() if name != "key"}
+    text = f"{rule} {version_of_script} {value} {own} {json.dumps(parameters, sort_keys=True)}"
+    given = hashlib.sha256(text.encode())
+    for file, content in sorted(contents.items()):
+        given.update(file.encode() + content)
+    return given.hexdigest()
+
+
+STAND_IN = f'''"""Writes a hash of all that the job was given."""
 
 import hashlib
 import json
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
 from visuohaptic_workflow.jobs import job
 
-code = None
+MODULES = {MODULES}
 VERSION = 0
+
+
+{inspect.getsource(hash_given)}
 
 # Another workflow that uses this one as a module gives its rules a prefix.
 rule = snakemake.rule.removeprefix("visuohaptic_")
 
 with job(snakemake):
-    given = hashlib.sha256(f"{rule} {VERSION}".encode())
-    parameters = {name: value for name, value in snakemake.params.items() if name != "key"}
-    given.update(json.dumps(parameters, sort_keys=True).encode())
-    # The features alone are made with PyWavelets.
-    own = version("PyWavelets") if rule == "features" else ""
-    given.update(f"{getattr(code, 'VALUE', 0)} {own}".encode())
-    for file in sorted({*snakemake.input} - {*snakemake.input.get("why", ())}):
-        for part in [Path(file)] if Path(file).is_file() else sorted(Path(file).glob("*.ply")):
-            given.update(str(part).encode() + part.read_bytes())
+    code = import_module(MODULES[rule]) if rule in MODULES else None
+    contents = {{}}
+    for file in map(Path, {{*snakemake.input}} - {{*snakemake.input.get("why", ())}}):
+        for part in [file] if file.is_file() else file.glob("*.ply"):
+            contents[str(part)] = part.read_bytes()
+    found = hash_given(rule, VERSION, getattr(code, "VALUE", 0), snakemake.params, contents)
     record = snakemake.output.record
     for file in map(Path, snakemake.output):
         if rule == "meshes" and str(file) != record:
             file.mkdir()
-            file = file / f"{file.name}.ply"
+            file = file / f"{{file.name}}.ply"
         if str(file) != record:
-            file.write_text(f"{file} {given.hexdigest()}")
+            file.write_text(f"{{file}} {{found}}")
 '''
-MODULES = {
-    "features": "visuohaptic.features.describing",
-    "touches": "visuohaptic.touches.touching",
-    "recognition": "visuohaptic.recognition.sequences",
-}
-"""A module that each phase runs, and through it real ones, with the packages that these import."""
 
 
-def stand_in(name, version=0):
+def stand_in(name, version_of_script=0):
     """Give the script that stands in for one of the workflow's."""
-    text = STAND_IN.replace("VERSION = 0", f"VERSION = {version}")
-    if name == "phase":
-        named = "import_module(snakemake.params.work.partition(':')[0])"
-        text = text.replace("code = None", f"from importlib import import_module\n\ncode = {named}")
+    text = STAND_IN.replace("VERSION = 0", f"VERSION = {version_of_script}")
     if name == "recognition":
-        text = text.replace("code = None", f"import {MODULES[name]} as code")
+        text = text.replace("import json", f"import json\nimport {MODULES[name]}", 1)
     return text
 
 

@@ -61,28 +61,24 @@ def test_imports_are_followed(source, tmp_path, text, names):
     assert found.versions.get("yaml") == (version("PyYAML") if "a.py" in names else None)
 
 
+@pytest.mark.parametrize(
+    ("text", "homes"), [("import toyhand.a", 2), ("import toyhand.c", 1), ("import toyhand.d", 0)]
+)
 def test_a_plug_in_is_code_of_the_scripts_that_run_what_it_registered_with(
-    source, tmp_path, monkeypatch
+    source, tmp_path, monkeypatch, text, homes
 ):
     monkeypatch.chdir(tmp_path)
-    plug_in = tmp_path / "mine.py"
-    plug_in.write_text("import sklearn\nfrom toyhand import d\n")
-    mine = PlugIn(str(plug_in), frozenset({"toyhand.c"}))
+    Path("mine.py").write_text("import sklearn\nfrom toyhand import d\n")
+    mine = PlugIn(str(tmp_path / "mine.py"), frozenset({"toyhand.c"}))
     installed = PlugIn("mine.installed", frozenset({"toyhand.b"}), "pytest")
     script = tmp_path / "script.py"
-    for text, homes in (("import toyhand.a", 2), ("import toyhand.c", 1), ("import toyhand.d", 0)):
-        script.write_text(text)
-        code_of.cache_clear()
-        plain = code_of(Start(script), (source,))
-        found = with_plug_ins(plain, [mine, installed], (source,))
-        added = {str(file) for file in set(found.files) - set(plain.files)}
-        assert added == (
-            {"mine.py", *(str(source / f"toyhand/{name}") for name in ("d.py", "figures.json"))}
-            if homes
-            else set()
-        )
-        assert ("sklearn" in found.versions) == (homes > 0)
-        assert found.versions.get("pytest") == (version("pytest") if homes == 2 else None)
+    script.write_text(text)
+    plain = code_of(Start(script), (source,))
+    found = with_plug_ins(plain, [mine, installed], (source,))
+    added = {Path(file).name for file in set(found.files) - set(plain.files)}
+    assert added == ({"mine.py", "d.py", "figures.json"} if homes else set())
+    assert ("sklearn" in found.versions) == (homes > 0)
+    assert found.versions.get("pytest") == (version("pytest") if homes == 2 else None)
 
 
 SOURCES = (ROOT / "src", ROOT / "workflow/lib", ROOT / "packages/contourlets/src")
@@ -92,35 +88,27 @@ def files_of(start):
     return {str(file.relative_to(ROOT)) for file in code_of(start, SOURCES).files}
 
 
-def code_of_phase(phase, parameters):
-    chosen = tuple(phase.chosen_modules(parameters).items())
+def code_of_phase(phase, values=None):
+    chosen = phase.chosen_modules(ExperimentParameters.from_mapping(values or {}))
     script = ROOT / "workflow/scripts/phase.py"
-    return files_of(Start(script, (phase.work.module,), chosen))
+    return files_of(Start(script, (phase.work.module,), tuple(chosen.items())))
 
 
 @pytest.mark.parametrize("phase", OF_OBJECT, ids=lambda phase: phase.name)
 def test_a_phase_runs_its_own_code_and_not_that_of_other_phases_or_of_jobs(phase):
-    files = code_of_phase(phase, ExperimentParameters())
-    others = {one.name for one in PHASES} - {phase.name}
+    files = code_of_phase(phase)
     folders = {Path(file).parts[2] for file in files if file.startswith("src/visuohaptic/")}
-    assert phase.name in folders
-    assert not folders & others
+    assert folders & {one.name for one in PHASES} == {phase.name}
     assert not {"src/visuohaptic/pipeline.py", "src/visuohaptic/parameters.py"} & files
     assert "workflow/lib/visuohaptic_workflow/jobs.py" not in files
 
 
-def test_a_strategy_is_code_of_the_runs_alone_that_use_it():
-    fixations = OF_OBJECT[0]
+@pytest.mark.parametrize("strategies", [["fixation"], ["curvature"], ["random_walk", "contour"]])
+def test_a_strategy_is_code_of_the_runs_alone_that_use_it(strategies):
+    files = code_of_phase(OF_OBJECT[0], {"probing": {"strategies": strategies}})
     folder = "src/visuohaptic/fixations/strategies/"
-    for strategies, modules in (
-        (["fixation", "random"], {"fixation", "anywhere"}),
-        (["curvature"], {"curvature"}),
-        (["random_walk", "contour"], {"random_walk", "contour"}),
-    ):
-        parameters = ExperimentParameters.from_mapping({"probing": {"strategies": strategies}})
-        files = code_of_phase(fixations, parameters)
-        used = {file for file in files if file.startswith(folder)}
-        assert used == {f"{folder}{name}.py" for name in {"__init__", *modules}}
+    used = {file for file in files if file.startswith(folder)}
+    assert used == {f"{folder}{name}.py" for name in ("__init__", *strategies)}
 
 
 def test_functions_by_their_names_are_code_of_what_names_them():

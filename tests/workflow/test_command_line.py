@@ -1,6 +1,7 @@
 """Snakemake's own options do what they say, from any folder and for any user; the scripts are stand-ins."""
 
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -17,16 +18,16 @@ process = pytest.mark.workflow
 def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_stand_in, tmp_path):
     folder = tmp_path / "elsewhere"
     folder.mkdir()
-    parameters = (fresh_stand_in.folder / "params.yaml").read_text()
-    (folder / "params.yaml").write_text(parameters.replace("neighbours: 5", "neighbours: 3"))
+    shutil.copy(fresh_stand_in.folder / "params.yaml", folder)
     elsewhere = Experiment(folder)
-    elsewhere.snakemake("-s", str(fresh_stand_in.folder / "Snakefile"))
+    elsewhere.set(recognition={"classifier": {"neighbours": 3}})
+    snakefile = ("-s", str(fresh_stand_in.folder / "Snakefile"))
+    elsewhere.snakemake(*snakefile)
     assert (folder / "reports/report.html").exists()
     assert not (fresh_stand_in.folder / "results").exists()
     record = (folder / "results/records/recognition/paper/fixation.json").read_text()
     assert '"neighbours": 3' in record
-    again = elsewhere.snakemake("-s", str(fresh_stand_in.folder / "Snakefile"))
-    assert "Nothing to be done" in again.stdout
+    assert "Nothing to be done" in elsewhere.snakemake(*snakefile).stdout
 
 
 def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):

@@ -29,11 +29,9 @@ def archive(crate):
 
 @pytest.fixture(scope="module")
 def entities(archive):
-    """What the crate describes, by name; an entity's types as a list."""
+    """What the crate describes, by name."""
     graph = json.loads(archive.read(METADATA))["@graph"]
     assert len({entity["@id"] for entity in graph}) == len(graph)
-    for entity in graph:
-        entity["@type"] = [entity["@type"]] if isinstance(entity["@type"], str) else entity["@type"]
     return {entity["@id"]: entity for entity in graph}
 
 

@@ -46,7 +46,7 @@ def test_the_plain_command_goes_on_after_a_run_was_ended_in_any_way(fresh_stand_
 def at_work(stand_in):
     """An experiment whose run is in the middle of its jobs."""
     stand_in.run("git", "init", "-q")
-    module = stand_in.folder / "src/visuohaptic/features/describing.py"
+    module = stand_in.folder / "src/visuohaptic/features/imprint_shape.py"
     waits = "import time\nopen('begun', 'w')\ntime.sleep(60)\n"
     module.write_text(f"{module.read_text()}\n{waits}")
     process = stand_in.start("snakemake", "-j2")

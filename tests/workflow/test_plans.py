@@ -5,13 +5,12 @@ import sys
 from pathlib import Path
 
 import pytest
-import yaml
 from workflow.plans import CHANGES
+from workflow.test_stages import STAGES, rules_of
 
 pytestmark = pytest.mark.workflow
 
 ROOT = Path(__file__).parents[2]
-STAGES = yaml.safe_load((ROOT / "dvc.yaml").read_text())["stages"]
 PHASES = ("meshes", "fixations", "touches", "features", "recognition", "metrics", "report")
 
 
@@ -31,11 +30,6 @@ def test_what_runs_begins_with_the_phase_that_a_change_is_about(plans, name):
         assert sum(stale.values()) == change.jobs
     else:
         assert set(stale) & set(PHASES) == set(PHASES[PHASES.index(change.first) :])
-
-
-def rules_of(stage):
-    command = STAGES[stage]["cmd"].partition("--allowed-rules")[2].partition("--")[0]
-    return set(command.split())
 
 
 @pytest.mark.parametrize("name", [name for name in CHANGES if CHANGES[name].config])

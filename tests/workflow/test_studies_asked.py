@@ -21,13 +21,10 @@ def asked_for(arguments):
         ("cost_all", "cost"),
         ("visuohaptic_readings_all", "readings"),
         ("results/studies/palm.parquet", "palm"),
-        ("reports/studies/touches.json", "touches"),
         ("results/study_features/palm/0a1b.parquet", "palm"),
         ("results/records/block_of_study/palm/0000-0002.json", "palm"),
-        ("results/cost.parquet", "cost"),
         ("reports/certainty.json", "certainty"),
         ("results/touches_needed.parquet", "curves"),
-        ("reports/readings.html", "readings"),
         ("results/reading/r017.json", "readings"),
     ],
 )

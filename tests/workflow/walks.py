@@ -3,32 +3,26 @@
 A walk edits parameters, modules and meshes, switches branches, lets DVC bring files, runs, deletes and
 kills, in an order drawn by a seed. Then it runs `snakemake dvc_all`, which makes all that is shared,
 and compares all results with those of a run from nothing. The scripts are stand-ins (stand_ins.py), so every difference shows.
-
-`python -m workflow.walks [WALKS] [FIRST_SEED]` (with `tests` on PYTHONPATH) prints what it finds.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
 import signal
-import sys
-import tempfile
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from small_experiment import set_parameters
+from workflow.clean_runs import clean_digests
 from workflow.conftest import Experiment
-from workflow.stand_ins import MODULES, digests, make_experiment, stand_in
+from workflow.stand_ins import MODULES, digests, stand_in
 
 SCRIPTS = ("phase", "recognition")
 OWN_MODEL = "meshes/own/chair/stool.stl"
 LONG_AGO = (946_000_000, 946_000_000)
-# Few states, so that walks share the clean runs that they are compared with.
 PARAMETERS = (
     {"sensor": {"largest_size": 0.2}},
     {"sensor": {"largest_size": 0.3}},
@@ -38,16 +32,35 @@ PARAMETERS = (
 MESH = "meshes/paper/chair/bsby_chair3.ply.gz"
 OTHER_MESH = "meshes/paper/chair/bs0_chair2.ply.gz"
 SECONDS_A_COMMAND = 300
+# What a walk may do, with how often: methods of `Walk`, and plain commands.
+ACTIONS = {
+    "edit_parameter": 4, "edit_parameter_and_back": 1, "edit_script": 1, "edit_module": 2,
+    "edit_module_twice_within_a_second": 2, "edit_module_while_jobs_run": 2,
+    "replace_module_by_older_file": 1, "edit_mesh": 1, "bring_own_mesh": 2, "run_with_other_values": 2,
+    "run_experiment": 1, "delete": 2, "damage": 2, "kill": 2, "change_version": 1, "keep_own_file": 1,
+}  # fmt: skip
+COMMANDS = {
+    "git checkout -qf main": 1,
+    "git checkout -qf other": 1,
+    "dvc checkout --force": 1,
+    **{
+        f"dvc checkout --force {stage}": 0.5
+        for stage in ("features", "touches", "fixations", "recognition")
+    },
+    "dvc pull --force": 2,
+    "dvc exp apply tried": 1,
+    "dvc repro": 1,
+    "snakemake -n": 1,
+    "snakemake -j1": 2,
+    "snakemake -j1 features_all": 1,
+    "snakemake -j1 touches_all": 1,
+}
 
 
-def make_repository(folder):
-    """Make a repository with two branches and an experiment, whose results have been pushed."""
-    make_experiment(folder)
-    made = Experiment(folder)
-    made.begin_git()
-    made.run("dvc", "remote", "add", "--default", "team", str(folder.parent / "remote"))
-    made.snakemake("dvc_all")
-    made.commit("start")
+def add_branches(made):
+    """Give a repository with a finished run another branch and an experiment, and push all results."""
+    made.run("dvc", "remote", "add", "--default", "team", str(made.folder.parent / "remote"))
+    made.run("git", "commit", "-qam", "name the remote")
     made.set(recognition={"touches": 4})
     made.snakemake("dvc_all")
     made.run("dvc", "commit", "--force")
@@ -69,7 +82,6 @@ class Walk:
     experiment: Experiment
     generator: np.random.Generator
     steps: list[str] = field(default_factory=list)
-    sentences: list[str] = field(default_factory=list)
 
     @property
     def folder(self):
@@ -77,40 +89,33 @@ class Walk:
 
     def take_step(self):
         """Do one thing, drawn at random."""
-        actions = {
-            self.edit_parameter: 4, self.edit_parameter_and_back: 1, self.edit_script: 1,
-            self.edit_module: 2, self.edit_module_twice_within_a_second: 2,
-            self.edit_module_while_jobs_run: 2, self.replace_module_by_older_file: 1,
-            self.edit_mesh: 1, self.bring_own_mesh: 2, self.run_with_other_values: 2,
-            self.switch_branch: 2, self.check_out: 3, self.pull: 2, self.apply_experiment: 1,
-            self.run_experiment: 1, self.run_snakemake: 4, self.run_dvc: 1, self.delete: 2,
-            self.damage: 2, self.kill: 2, self.look: 1, self.change_version: 1, self.keep_own_file: 1,
-        }  # fmt: skip
-        weights = np.array(list(actions.values()), float)
-        action = list(actions)[self.generator.choice(len(actions), p=weights / weights.sum())]
-        self.steps.append(action.__name__)
-        action()
+        steps = {**ACTIONS, **COMMANDS}
+        weights = np.array(list(steps.values()), float)
+        step = list(steps)[self.generator.choice(len(steps), p=weights / weights.sum())]
+        self.steps.append(step)
+        if step in ACTIONS:
+            getattr(self, step)()
+        else:
+            self.attempt(step)
 
     def draw(self, choices):
         """Draw one of several."""
         return choices[self.generator.integers(len(choices))]
 
-    def attempt(self, *command):
+    def attempt(self, command, *arguments):
         """Run a command that may refuse in a sentence."""
-        result = self.experiment.run(*command, check=False)
-        if result.returncode:
-            self.sentences.append(f"{' '.join(command)}: {result.stdout[-500:]}")
+        self.experiment.run(*command.split(), *arguments, check=False)
 
     def edit_parameter(self):
         set_parameters(self.folder, self.draw(PARAMETERS))
 
     def edit_parameter_and_back(self):
-        before = (self.folder / "params.yaml").read_text()
-        for text in (None, before):
-            set_parameters(self.folder, self.draw(PARAMETERS))
-            if text:
-                (self.folder / "params.yaml").write_text(text)
-            self.attempt("snakemake", "-n")
+        path = self.folder / "params.yaml"
+        before = path.read_text()
+        self.edit_parameter()
+        self.attempt("snakemake -n")
+        path.write_text(before)
+        self.attempt("snakemake -n")
 
     def edit_script(self):
         name = self.draw(SCRIPTS)
@@ -163,41 +168,17 @@ class Walk:
             os.utime(path, LONG_AGO)
 
     def run_with_other_values(self):
-        self.attempt(
-            "snakemake", "-j2", "--config", 'sensor={"largest_size": 0.2}', "--", self.draw(("features_all", "dvc_all"))
-        )  # fmt: skip
+        target = self.draw(("features_all", "dvc_all"))
+        self.attempt("snakemake -j2 --config", 'sensor={"largest_size": 0.2}', "--", target)
         if self.draw((0, 1)):
-            self.attempt("dvc", "commit", "--force")
-
-    def switch_branch(self):
-        self.attempt("git", "checkout", "-qf", self.draw(("main", "other")))
-
-    def check_out(self):
-        stage = self.draw(("", "", "features", "touches", "fixations", "recognition"))
-        self.attempt("dvc", "checkout", "--force", *([stage] if stage else []))
-
-    def pull(self):
-        self.attempt("dvc", "pull", "--force")
-
-    def apply_experiment(self):
-        self.attempt("dvc", "exp", "apply", "tried")
+            self.attempt("dvc commit --force")
 
     def run_experiment(self):
-        value = "recognition.touches=4"
         how = self.draw(("", "--temp", "--queue"))
-        self.attempt("dvc", "exp", "run", *([how] if how else []), "-S", value)
+        self.attempt(f"dvc exp run {how} -S recognition.touches=4")
         if how == "--queue":
-            self.attempt("dvc", "exp", "run", "--queue", "-S", "sensor.largest_size=0.2")
-            self.attempt("dvc", "exp", "run", "--run-all")
-
-    def run_snakemake(self):
-        self.attempt("snakemake", "-j1", *self.draw(((), (), ("features_all",), ("touches_all",))))
-
-    def run_dvc(self):
-        self.attempt("dvc", "repro")
-
-    def look(self):
-        self.attempt("snakemake", "-n")
+            self.attempt("dvc exp run --queue -S sensor.largest_size=0.2")
+            self.attempt("dvc exp run --run-all")
 
     def delete(self):
         files = sorted(digests(self.folder))
@@ -236,48 +217,14 @@ class Walk:
             file.write_text("mine")
 
 
-class CleanRuns:
-    """Results of runs from nothing, each made once."""
-
-    def __init__(self, folder):
-        self._folder = folder
-        self._known = {}
-
-    def results_of(self, walked):
-        """Give the results of a clean run of an experiment's parameters, code and meshes."""
-        key = hashlib.sha256(str(walked.variables).encode())
-        clean = Experiment(Path(tempfile.mkdtemp(dir=self._folder)), walked.variables)
-        for name in (
-            "params.yaml",
-            "workflow",
-            "meshes",
-            "Snakefile",
-            "profiles",
-            "src",
-            "packages",
-        ):
-            path = walked.folder / name
-            for file in [path] if path.is_file() else sorted(path.rglob("*")):
-                place = file.relative_to(walked.folder)
-                if file.is_file() and not {"__pycache__", "downloaded"} & {*place.parts}:
-                    key.update(str(place).encode() + file.read_bytes())
-                    (clean.folder / place).parent.mkdir(parents=True, exist_ok=True)
-                    shutil.copy2(file, clean.folder / place)
-        if key.digest() not in self._known:
-            clean.snakemake("dvc_all")
-            self._known[key.digest()] = digests(clean.folder)
-        shutil.rmtree(clean.folder)
-        return self._known[key.digest()]
-
-
-def walk(repository, folder, seed, clean):
-    """Take one walk; give its steps, the sentences it met, and what was wrong."""
+def walk(repository, folder, seed):
+    """Take one walk; give its steps where something was wrong, and what."""
     generator = np.random.default_rng(seed)
-    walked = Experiment(folder)
     if generator.integers(3):
-        shutil.copytree(repository, folder, symlinks=True)
+        walked = repository.copy(folder)
     else:
-        Experiment(repository.parent).run("git", "clone", "-q", str(repository), str(folder))
+        walked = Experiment(folder)
+        repository.run("git", "clone", "-q", ".", str(folder))
         walked.run("git", "fetch", "-q", "origin", "other:other")
         walked.run("dvc", "pull")
     taken = Walk(walked, generator)
@@ -288,10 +235,10 @@ def walk(repository, folder, seed, clean):
     if last.returncode:
         wrong = f"the last run failed: {last.stdout[-1500:]}"
     else:
-        wrong = _difference(folder, clean.results_of(walked))
+        wrong = _difference(folder, clean_digests(walked))
     if not wrong and not all(file.exists() for file in mine):
         wrong = "a file of the user is gone"
-    return {"seed": int(seed), "steps": taken.steps, "sentences": taken.sentences, "wrong": wrong}
+    return wrong and f"walk {seed}, {', '.join(taken.steps)}: {wrong}"
 
 
 def _difference(folder, expected):
@@ -309,25 +256,15 @@ def _difference(folder, expected):
     return f"{len(different)} files differ: {different[:5]}" if different else None
 
 
-def take_walks(folder, count, first=0):
-    """Take walks one after another; give those that were wrong."""
-    folder = Path(folder)
-    repository = folder / "repository"
-    make_repository(repository)
-    clean = CleanRuns(folder)
+def take_walks(repository, folder, count):
+    """Take walks from copies of a repository, one after another; say which were wrong."""
+    start = repository.copy(folder / "repository")
+    add_branches(start)
     wrong = []
-    for seed in range(first, first + count):
-        taken = walk(repository, folder / f"walk{seed}", seed, clean)
-        if taken["wrong"]:
-            wrong.append(taken)
+    for seed in range(count):
+        found = walk(start, folder / f"walk{seed}", seed)
+        if found:
+            wrong.append(found)
         else:
             shutil.rmtree(folder / f"walk{seed}")
     return wrong
-
-
-if __name__ == "__main__":
-    count, first = [*map(int, sys.argv[1:]), *(500, 0)[len(sys.argv) - 1 :]]
-    with tempfile.TemporaryDirectory() as scratch:
-        wrong = take_walks(scratch, count, first)
-    sys.stdout.write(json.dumps({"walks": count, "wrong": wrong}, indent=1) + "\n")
-    sys.exit(bool(wrong))

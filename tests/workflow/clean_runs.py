@@ -1,0 +1,88 @@
+"""What a run from nothing of stand-ins would make, worked out in one process without running a job.
+
+`python -m workflow.clean_runs` (with `tests` on PYTHONPATH, in the folder of an experiment) prints the
+SHA-256 of every result as JSON. What scripts and modules hold is read from their text, as bytecode may be of an earlier one.
+"""
+
+import hashlib
+import json
+import os
+import re
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+from workflow.stand_ins import MODULES, hash_given
+
+TESTS = Path(__file__).parents[1]
+
+
+def clean_digests(experiment):
+    """Give the SHA-256 of every result that a run from nothing would make of an experiment's sources."""
+    own = experiment.variables.get("PYTHONPATH", "")
+    paths = os.pathsep.join(filter(None, [str(TESTS), own]))
+    command = (sys.executable, "-P", "-m", "workflow.clean_runs")
+    return json.loads(experiment.run(*command, PYTHONPATH=paths).stdout.splitlines()[-1])
+
+
+@contextmanager
+def names_of_snakefile(config):
+    """Let Snakemake read the Snakefile of this folder, and give the names that it defines."""
+    from snakemake.api import SnakemakeApi
+    from snakemake.settings.types import ConfigSettings, OutputSettings, Quietness, ResourceSettings
+
+    with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
+        read = api.workflow(
+            resource_settings=ResourceSettings(cores=1),
+            config_settings=ConfigSettings(config=config),
+            snakefile=Path("Snakefile"),
+        )
+        yield read._workflow.globals
+
+
+def number_in(path, name):
+    """Read a number that a module defines, or 0."""
+    found = re.search(rf"^{name} = (\d+)$", Path(path).read_text(), re.M)
+    return int(found[1]) if found else 0
+
+
+def value_of(rule):
+    if rule not in MODULES:
+        return 0
+    return number_in(f"src/{MODULES[rule].replace('.', '/')}.py", "VALUE")
+
+
+def make(record, keys, made):
+    """Do what a job's stand-in does, and before it those that it takes from; `made` gets the parts of each file."""
+    job = keys.jobs[record]
+    for maker in keys.makers(job.inputs):
+        if keys.jobs[maker].tables[0] not in made:
+            make(maker, keys, made)
+    given = {}
+    for file in job.inputs:
+        given |= made[file] if file in made else {file: Path(file).read_bytes()}
+    version = number_in(job.start.script, "VERSION")
+    found = hash_given(job.rule, version, value_of(job.rule), job.find_params(), given)
+    for file in job.tables:
+        part = f"{file}/{Path(file).name}.ply" if job.rule == "meshes" else file
+        made[file] = {part: f"{part} {found}".encode()}
+
+
+def main():
+    sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
+    made = {}
+    with names_of_snakefile({}) as names:
+        keys = names["keys"]()
+        for record in keys.needed_for(map(str, names["rules"].dvc_all.input)):
+            make(record, keys, made)
+    results = {
+        name: hashlib.sha256(content).hexdigest()
+        for parts in made.values()
+        for name, content in parts.items()
+        if name.startswith(("results/", "reports/"))
+    }
+    sys.stdout.write(json.dumps(results))
+
+
+if __name__ == "__main__":
+    main()
