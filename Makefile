@@ -57,7 +57,7 @@ installed-alone:
 installed-dvc:
 	python -m pytest tests/installed/readme_commands.py -k under_dvc
 
-# Hard cases at their full counts, some 17 minutes on two cores; the result is kept with the package.
+# Hard cases at their full counts, some three minutes on two cores; the result is kept with the package.
 test-hard: $(DEVELOP)
 	pytest tests/numerics -n 2 --dist worksteal --stability src/visuohaptic/stability/hard_cases.parquet
 	python -m benchmarks.precision reports/precision.json

@@ -35,8 +35,9 @@ def of_trimesh(mesh, colours=(160, 160, 160)):
 
 
 def float32_exact(surface):
-    """Round the vertices to float32, so that caster and oracle see the same surface."""
-    return replace(surface, vertices=surface.vertices.astype(np.float32).astype(np.float64))
+    """Round the vertices to float32, so that caster and oracle see the same surface; images are left out."""
+    vertices = surface.vertices.astype(np.float32).astype(np.float64)
+    return Surface(vertices, surface.faces, surface.face_colours)
 
 
 def moved(surface, scale, shift=0.0):

@@ -40,7 +40,7 @@ CAMERAS = place_cameras(ViewpointParameters(count=STEPS))
 PAPER = Path(__file__).parents[2] / "meshes" / "paper"
 REAL = sorted(str(path.relative_to(PAPER)) for path in PAPER.rglob("*.ply.gz"))
 WITH_SLIVERS = "car/sc_smart-car.ply.gz"
-SLIVERS = "three faces are 1e-8 radii thin, so their normals, and folds beside them, are rounding"
+TURNED_MAP = "invariance/turned object: saliency map"
 
 
 def hard(*values):
@@ -117,14 +117,7 @@ def compare_views(kind, label, base, others, *, flip):
         yield Finding(name, max(deficit, 0.0), here, picture)
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        REAL[0],
-        *hard(*(path for path in REAL[1:] if path != WITH_SLIVERS)),
-        pytest.param(WITH_SLIVERS, marks=[pytest.mark.hard, pytest.mark.xfail(reason=SLIVERS)]),
-    ],
-)
+@pytest.mark.parametrize("path", [REAL[0], *hard(*REAL[1:])])
 def test_turning_the_object_permutes_its_viewpoints_and_mirroring_mirrors(recorder, full, path):
     surface = normalise(read_surface(PAPER / path), path)
     cameras, resolution = (CAMERAS, 256) if full else (CAMERAS[:4], 128)
@@ -138,4 +131,10 @@ def test_turning_the_object_permutes_its_viewpoints_and_mirroring_mirrors(record
         found += compare_views("turned", label, base, others, flip=False)
     opposite = [CAMERAS[-camera % STEPS] for camera in range(len(cameras))]
     _, others = look(float32_exact(mirrored(surface)), opposite, resolution)
-    recorder.take([*found, *compare_views("mirrored", label, base, others, flip=True)])
+    found += compare_views("mirrored", label, base, others, flip=True)
+    if path == WITH_SLIVERS:
+        # Three faces are 1e-8 radii thin, so that their normals are rounding: docs/stability.md.
+        with pytest.raises(AssertionError, match=TURNED_MAP):
+            recorder.take(one for one in found if one.tolerance == TURNED_MAP)
+        found = [one for one in found if one.tolerance != TURNED_MAP]
+    recorder.take(found)

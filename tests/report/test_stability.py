@@ -70,10 +70,12 @@ def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(
         assert said in page.text
 
 
-def test_what_is_kept_with_the_package_was_found_at_its_own_version():
+def test_what_is_kept_with_the_package_says_how_it_was_made_and_what_it_exceeds():
     kept = stored_hard_cases()
     assert set(kept.made) == set(MADE)
-    assert not stability_figures(kept.table).broken
+    # The limits of docs/stability.md say why.
+    exceeded = {check.kind for check in stability_figures(kept.table).broken}
+    assert exceeded <= {("invariance", "turned object: saliency map")}
 
 
 def test_objects_share_a_requirement_and_the_worst_is_named(tmp_path):
