@@ -44,7 +44,8 @@ test-all: lint
 	pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 # With the packages that users have: every module is imported, and the README's commands run on a small experiment,
-# those of DVC beside the others. The environment is one of its own, for .venv may have more.
+# those of DVC beside the others. The environment is one of its own, for .venv may have more
+# (continuous integration names .venv while it is new).
 test-installed:
 	@PATH="$(OUTER_PATH)" $(MAKE) --no-print-directory --jobs 2 --output-sync=target VENV=$(INSTALLED) installed-alone installed-dvc
 

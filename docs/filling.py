@@ -30,7 +30,10 @@ def fill_from_figures(
     draw: Callable[[Sets], Figure],
     of_run: Callable[[], Figures] | None = None,
 ) -> None:
-    """Fill a page and draw its picture from the kept figures of a study; first keep those of the run if told to."""
+    """Fill a page and draw its picture from the kept figures of a study.
+
+    With a set and a command behind the script's name, it first keeps the figures of the run that is there.
+    """
     if of_run and len(sys.argv) > 2:
         keep_figures(study, of_run())
     sets = kept_figures(study)

@@ -66,6 +66,16 @@ def test_odd_one_pops_out_at_every_place(name, size, places):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", ODD_ONES)
+def test_odd_one_stands_far_out(name):
+    target, other = ODD_ONES[name]
+    items = [target if index == 7 else other for index in PLACES]
+    saliency, _ = first_look(items, size=128)
+    item = displays.item_cover(7, target, 128, 128) > 0.5
+    assert saliency[item].mean() > saliency.mean() + 5 * saliency.std()
+
+
+@pytest.mark.slow
 def test_conjunction_does_not_pop_out():
     rng = np.random.default_rng(5)
     others = [displays.Item(90.0, displays.GREEN)] * 12 + [displays.Item(0.0, displays.RED)] * 12

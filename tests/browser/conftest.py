@@ -30,10 +30,18 @@ def watch(page):
         unwanted.append(dialog.message)
         dialog.dismiss()
 
+    def note_error(said):
+        if said.type == "error":
+            unwanted.append(said.text)
+
+    def note_request(asked):
+        if not asked.url.startswith(OWN):
+            unwanted.append(asked.url[:100])
+
     page.on("dialog", dismiss)
     page.on("pageerror", lambda error: unwanted.append(str(error)))
-    page.on("console", lambda said: said.type == "error" and unwanted.append(said.text))
-    page.on("request", lambda one: one.url.startswith(OWN) or unwanted.append(one.url[:100]))
+    page.on("console", note_error)
+    page.on("request", note_request)
     return unwanted
 
 
@@ -65,12 +73,12 @@ def visit(chromium):
             reduced_motion="reduce",
         )
         page = context.new_page()
-        opened.append(watch(page))
+        opened.append((path.name, scheme, watch(page)))
         page.goto(path.as_uri())
         return page
 
     yield open_page
-    assert opened == [[]] * len(opened)
+    assert [one for one in opened if one[-1]] == []
 
 
 @pytest.fixture(scope="session")

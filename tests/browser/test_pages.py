@@ -73,7 +73,7 @@ def test_every_reader_finds_a_page_without_barriers(visit, keep, folder, name, r
 
 @pytest.fixture(scope="module")
 def report(visit, folder):
-    """The report by day on a desk, unfolded, and opened once for all that is tried on it."""
+    """The report by day on a desk, unfolded, and opened once for all tests below, which run in their order."""
     page = visit(folder / "report.html")
     unfold(page)
     return page

@@ -93,11 +93,11 @@ def test_the_unit_gives_the_scene_the_object_s_real_size():
         vh.load(lying_bottle(), unit="feet")
 
 
-def test_a_file_of_points_and_normals_and_empty_lines_stands_as_press_does(tmp_path):
+def test_a_file_of_points_normals_empty_lines_and_a_byte_order_mark_stands_as_press_does(tmp_path):
     ball = trimesh.creation.icosphere(4, radius=10.0)
     normals = np.array([[0.0, 0.0, 2.0], [1.0, 1.0, 0.0]])
     (tmp_path / "poses.csv").write_text(
-        "\nx,y,z,normal_x,normal_y,normal_z,roll\n\n0,0,10,0,0,2,0\n7.07,7.07,0,1,1,0,30\n\n"
+        "\ufeffx,y,z,normal_x,normal_y,normal_z,roll\n\n0,0,10,0,0,2,0\n7.07,7.07,0,1,1,0,30\n\n"
     )
     read = vh.press(ball, poses=read_poses(tmp_path / "poses.csv"), size=2.0)
     given = vh.press(ball, [[0, 0, 10], [7.07, 7.07, 0]], normals, 2.0, roll=[0, 30])
@@ -113,10 +113,11 @@ def test_a_file_of_points_and_normals_and_empty_lines_stands_as_press_does(tmp_p
         ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,a,0,1\n", "Row #2: .* 'a'"),
         ("x,y,z,qw,qx,qy,qz,a,a\n1,2,3,1,0,0,0,1,1\n", "column a, or more than one"),
         ("", "Empty"),
+        ("x,y,z,\xff\n", "holds no numbers"),
     ],
 )
 def test_a_wrong_file_of_poses_is_refused_in_a_sentence(tmp_path, text, sentence):
-    (tmp_path / "poses.csv").write_text(text)
+    (tmp_path / "poses.csv").write_bytes(text.encode("latin-1"))
     with pytest.raises(ParameterError, match=sentence):
         read_poses(tmp_path / "poses.csv")
 

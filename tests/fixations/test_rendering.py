@@ -104,7 +104,11 @@ def test_no_camera_gives_no_view():
 )
 def test_shadow_rays_are_cast_only_where_they_tell(ambient, modes, runs, reason):
     parameters = RenderingParameters(resolution=32, ambient=ambient)
-    views = render_views(RayCaster(SPHERE), CAMERAS[:1], parameters, EffectModes(**modes))
+    caster, asked = RayCaster(SPHERE), []
+    cast = caster.first_hits
+    caster.first_hits = lambda *rays: asked.append(1) or cast(*rays)
+    views = render_views(caster, CAMERAS[:1], parameters, EffectModes(**modes))
+    assert len(asked) == 1 + runs  # the view's own rays are cast at once
     (record,) = (one for one in views.effects if one.effect == "cast_shadows")
     assert record.runs == runs
     assert (record.seconds > 0) == bool(runs)
@@ -174,7 +178,11 @@ def test_every_effect_of_the_view_changes_colours_and_moves_no_geometry(effect):
     assert not np.array_equal(every_effect.colour, all_but_one.colour)
     for name in GEOMETRY:
         np.testing.assert_array_equal(getattr(every_effect, name), getattr(all_but_one, name))
-    if effect == "cast_shadows":
-        darkened = (every_effect.colour != all_but_one.colour).any(axis=-1)
-        assert not (darkened & every_effect.lit).any()
-        assert (every_effect.colour <= all_but_one.colour).all()
+
+
+def test_shadows_only_darken_and_only_where_no_light_falls():
+    plain, shadowed = see(COLOURED).colour, see(COLOURED, cast_shadows="auto")
+    changed = (shadowed.colour != plain).any(axis=-1)
+    assert changed.any()
+    assert not (changed & shadowed.lit).any()
+    assert (shadowed.colour <= plain).all()

@@ -72,3 +72,9 @@ def test_the_window_is_the_rectangle_of_pixels_around_the_points():
 def test_an_elevation_beyond_the_poles_is_refused():
     with pytest.raises(ValidationError, match="-90 to 90"):
         ViewpointParameters(elevations_degrees=(91.0,))
+
+
+def test_the_window_is_the_whole_view_where_a_point_is_not_in_front_of_the_camera():
+    points = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 3.0]])
+    assert len(Camera(0.0, 0.0, 3.0, 40.0).window(points, 8)) == 64
+    assert len(Camera(0.0, 0.0, 3.0, 40.0, "orthographic").window(points, 8)) < 64

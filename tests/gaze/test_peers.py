@@ -45,8 +45,8 @@ def write_values(path):
     return path.with_suffix(".txt")
 
 
-def write_cut_off(path):
-    write_points(path, JET).write_bytes(path.read_bytes()[:-5])
+def write_cut_off(path, kept):
+    write_points(path, JET).write_bytes(path.read_bytes()[:kept])
     return path
 
 
@@ -54,7 +54,8 @@ def write_cut_off(path):
     ("write", "culprit"),
     [
         (lambda path: write_points(path, np.full((3, 3), 90, dtype=np.uint8)), "jet"),
-        (write_cut_off, "no coloured points"),
+        (lambda path: write_cut_off(path, 20), "no coloured points"),
+        (lambda path: write_cut_off(path, -5), "no coloured points"),
         (write_values, "no points"),
     ],
 )

@@ -52,6 +52,7 @@ def test_an_archive_says_the_same_as_a_text(tmp_path):
         ("1 2 3 x\n", "'x'"),
         ("", "no data"),
         ("0 0 0 nan\n", "seconds"),
+        ("0 0 inf 1\n", "points"),
         ("0 0 0 -1\n", "below 0"),
         ("0 0 0 0\n", "none above"),
         ("1\n" * 10_000, r"larger than 0\.01 MB"),

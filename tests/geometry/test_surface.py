@@ -122,14 +122,13 @@ def test_other_tools_read_a_file_with_images_or_without_as_one_with_colours(
 
 def test_images_that_do_not_fit_are_refused_by_name(painted, tmp_path):
     path, good = tmp_path / "a.ply", painted.texture
-    for bad in (
-        {"image": good.image + np.int32(1)},
-        {"image": good.image - np.int32(1)},
-        {"wraps": good.wraps + np.uint8(1)},
-        {"corners": good.corners * np.inf},
+    for bad, says in (
+        ({"image": good.image + np.int32(1)}, "none of the 3"),
+        ({"image": good.image - np.int32(1)}, "none of the 3"),
+        ({"wraps": good.wraps + np.uint8(1)}, "how it goes on"),
+        ({"corners": good.corners * np.inf}, "how it goes on"),
     ):
         write_surface(replace(painted, texture=replace(good, **bad)), path)
-        says = "none of the 3" if "image" in bad else "how it goes on"
         with pytest.raises(MeshError, match=rf"a\.ply is no coloured triangle mesh.*{says}"):
             read_surface(path)
     write_surface(painted, path)

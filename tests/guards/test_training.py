@@ -16,10 +16,10 @@ from visuohaptic.tables.schema import read_table, write_table
 
 def guarded(folder, features):
     files = write_run(folder)
-    touched, training, guards = (folder / name for name in ("touched", "training", "guards"))
-    write_table(FEATURES, features, touched)
+    own, training, guards = (folder / name for name in ("features", "training", "guards"))
+    write_table(FEATURES, features, own)
     make_training_guards(
-        features=[touched],
+        features=[own],
         fixations=files.fixations,
         meshes={},
         output=training,

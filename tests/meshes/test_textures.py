@@ -90,11 +90,15 @@ def test_instances_of_a_mesh_share_one_image_and_stand_where_the_scene_puts_them
     np.testing.assert_array_equal(colours_at(surface, points), BOARD.reshape(-1, 3))
 
 
-@pytest.mark.parametrize("material", ["Kd 0.5 1 0\n", "", "Kd 0 0 0\n", "Kd\n"])
-def test_an_mtl_multiplies_its_image_as_stored_by_its_diffuse_colour_if_any(tmp_path, material):
-    expected = np.rint(BOARD * [0.5, 1, 0]) if "0.5" in material else BOARD
+MATERIALS = [("Kd 0.5 1 0\n", [0.5, 1, 0]), ("", 1), ("Kd 0 0 0\n", 1), ("Kd\n", 1)]
+
+
+@pytest.mark.parametrize(("material", "factor"), MATERIALS)
+def test_an_mtl_multiplies_its_image_as_stored_by_its_diffuse_colour_if_any(
+    tmp_path, material, factor
+):
     surface = read_model(write_square(tmp_path, BOARD, material))
-    np.testing.assert_array_equal(surface.texture.images[0], expected)
+    np.testing.assert_array_equal(surface.texture.images[0], np.rint(np.multiply(BOARD, factor)))
 
 
 def test_gltf_multiplies_the_light_of_its_image_by_the_base_colour(tmp_path):

@@ -26,24 +26,32 @@ def check_memory(memory, settings, sequences=SEQUENCES):
     assert drawn.bit_generator.state == alone.bit_generator.state
 
 
-OTHER_WAYS = (
-    RecognitionParameters(touch_scaling="standardise"),
-    parameters(final_radius=0.4),
-    parameters(output="lattice", outputs=3),
-)
-
-
 @pytest.mark.parametrize("training", ["batch", "online"])
-def test_outputs_that_share_a_map_are_as_without_memory_and_no_other_way_is_confused(training):
+def test_outputs_that_share_a_map_are_as_without_memory(training):
     memory = FitMemory(1000)
     # MiniSom has two axes at most.
     outputs = [name for name in MAPS.names if (name, training) != ("lattice", "online")]
     for output in ("feature_groups", *outputs):
         check_memory(memory, parameters(output=output, training=training, online_epochs=1))
     assert len(memory._held) == len(outputs) - 1  # one is another, read in another way
-    for other in OTHER_WAYS:
-        check_memory(memory, other)
-    check_memory(memory, parameters(), SEQUENCES[:12])
+
+
+UNITS = {"output": "unit_distances"}
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        RecognitionParameters(touch_scaling="standardise", self_organising_map=UNITS),
+        parameters(**UNITS, final_radius=0.4),
+        parameters(**UNITS, outputs=3),
+    ],
+)
+def test_other_ways_to_a_map_are_not_confused(other):
+    memory = FitMemory(1000)
+    check_memory(memory, parameters(**UNITS))
+    check_memory(memory, other)
+    check_memory(memory, parameters(**UNITS), SEQUENCES[:12])
 
 
 def almost_alike(**som):

@@ -208,3 +208,12 @@ def test_both_pipelines_take_the_order_that_is_asked_for(pipeline):
     )
     np.testing.assert_array_equal(shuffled.features, shuffle_touches(kept, 4).features)
     assert not np.array_equal(shuffled.features, kept.features)
+
+
+@pytest.mark.parametrize("protocol", ["grouped_folds", "new_viewpoint"])
+def test_each_repeat_tests_every_sequence_once(protocol):
+    settings = ProtocolParameters(protocol=protocol, folds=2, fold_rounds=1, repeats=2)
+    parameters = RecognitionParameters(protocol=settings, classifiers=("naive_bayes",))
+    table = features_table(objects=(6, 6), viewpoints=4)
+    scores, predictions = recognition.run_pipeline(table, parameters, 1)
+    assert (scores.num_rows, predictions.num_rows) == (4, 2 * 12 * 4)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from recognition.synthetic import clusters
 from scipy.spatial.distance import pdist
+from sklearn.linear_model import LogisticRegression
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
@@ -17,7 +18,7 @@ from visuohaptic.recognition.classifiers import (
 )
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature
+from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
 from visuohaptic.registry import Registry
 
 EVERY_CLASSIFIER = RecognitionParameters(best=BestParameters(classifiers=CLASSIFIERS.names))
@@ -187,3 +188,10 @@ def test_few_rows_are_projected_as_their_singular_vectors_do_it(smallest):
     assert found[29] < 1e-12
     np.testing.assert_allclose(directions[:29] @ directions[:29].T, np.eye(29), atol=1e-8)
     np.testing.assert_allclose(rows @ directions[:29].T @ directions[:29], rows, atol=1e-14)
+
+
+def test_scores_are_logarithms_of_probabilities():
+    descriptors, labels, _ = clusters(objects=(2, 2))
+    regression = LogisticRegression().fit(descriptors, labels)
+    scores = tuning.class_scores(regression, descriptors, 2)
+    np.testing.assert_allclose(softmax(scores), regression.predict_proba(descriptors))

@@ -30,6 +30,13 @@ def marks(figure, label):
     return line.get_xydata()
 
 
+def intervals(figure, axis):
+    """Give the ends of all intervals, along the axis x (0) or y (1)."""
+    (axes,) = figure.axes
+    paths = [path for lines in axes.collections for path in lines.get_paths()]
+    return {tuple(path.vertices[:, axis]) for path in paths}
+
+
 @pytest.fixture(scope="module")
 def metrics(tmp_path_factory):
     files = write_run(tmp_path_factory.mktemp("run"))
@@ -43,13 +50,11 @@ def curves(tmp_path):
 
 
 def test_every_axis_has_a_name(metrics, curves):
-    alone = [{**row, "low": None, "high": None} for row in curves]
     for figure in (
         figures.comparison(metrics),
         figures.conditions(curves),
         figures.runs(["naive Bayes"], {"A": [Figure(0.5, 0.4, 0.6)]}),
         figures.touches_needed(curves),
-        figures.touches_needed(alone),
         figures.coverage(certainty_table()),
         figures.cost(cost_table(POINTS)),
         figures.stability(result_table([GRAZING, EXACT])),
@@ -67,8 +72,18 @@ def test_marks_of_the_comparison_lie_at_the_accuracies(metrics):
         cells = metrics["results"]["paper"][strategy].values()
         means = sorted(cell["accuracy"]["mean"] for cell in cells)
         assert sorted(marks(figure, label)[:, 0]) == pytest.approx(means)
+        ends = {(cell["accuracy"]["low"], cell["accuracy"]["high"]) for cell in cells}
+        assert ends <= intervals(figure, 0)
     assert 0.9345 in marks(figure, "eye fixations, published")[:, 0]
     assert marks(figure, "chance")[0][0] == 0.5
+
+
+def test_touches_are_counted_from_one_and_one_object_alone_has_no_intervals(curves):
+    figure = figures.touches_needed(curves)
+    np.testing.assert_allclose(marks(figure, "eye fixations"), [[1, 0.6], [2, 0.8]])
+    assert intervals(figure, 1) == {(row["low"], row["high"]) for row in curves}
+    alone = figures.touches_needed([{**row, "low": None, "high": None} for row in curves])
+    assert all(low == high for low, high in intervals(alone, 1))
 
 
 def test_a_condition_that_failed_has_no_row_and_nothing_measured_is_refused(tmp_path):

@@ -107,10 +107,11 @@ def rows_of(folder, source):
 def test_every_section_names_files_that_exist_and_rows_of_their_schema(folder, sources):
     sections = {section.name for chapter in CHAPTERS.values() for section in chapter}
     assert sections - WITHOUT_TABLES == set(sources)
-    for source in (source for named in sources.values() for source in named):
-        rows = rows_of(folder, source)
-        assert rows.column_names == [column.name for column in source.reads.schema.columns]
-        assert rows.num_rows, source
+    for section, named in sources.items():
+        for source in named:
+            rows = rows_of(folder, source)
+            assert rows.column_names == [column.name for column in source.reads.schema.columns]
+            assert rows.num_rows, (section, source)
 
 
 def test_the_named_rows_give_the_accuracy_of_the_page(folder, sources):

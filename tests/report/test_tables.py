@@ -31,6 +31,8 @@ def test_each_value_has_its_format_and_its_interval():
         "Caption Name Share Count <b> 50.0 % 40.0 % to 60.0 % 1,234 two – –"
     )
     assert page.values("value") == ["0.5"]
+    headings = [one.attributes.get("class") for one in page.named("th")]
+    assert headings[:3] == [None, "number", "number"]
 
 
 def test_a_row_may_have_a_mark_and_a_table_without_rows_has_its_headings():

@@ -39,9 +39,9 @@ def write_tables(results):
     columns = {name: [one[name] for one in BEHIND] for name in BEHIND[0]}
     needed = build_table(TOUCHES_NEEDED, {**KEYS, **columns})
     write_table(TOUCHES_NEEDED, needed, results / "touches_needed.parquet")
-    points = [(touches_name(one), mean, None, None) for _, one, mean in POINTS]
+    points = [(touches_name(touches), mean, None, None) for _, touches, mean in POINTS]
     strategies = [strategy for strategy, _, _ in POINTS]
-    places = [one - 1 for _, one, _ in POINTS]
+    places = [touches - 1 for _, touches, _ in POINTS]
     write_study(results / "studies", "curves", points, **KEYS, strategy=strategies, place=places)
 
 

@@ -28,6 +28,14 @@ def test_a_valley_admits_a_square_that_its_walls_just_touch():
     assert placement.sizes[0] == pytest.approx(2 * TOLERANCE / 0.8, rel=1e-6)
 
 
+def test_a_bowl_admits_the_square_whose_corners_reach_the_tolerance():
+    radius = 0.6
+    bowl = sheet(lambda x, z: radius - np.sqrt(radius**2 - x**2 - z**2), half=0.4, cells=400)
+    reach = np.sqrt(radius**2 - (radius - TOLERANCE) ** 2)
+    placement = placed(bowl, (0, 0, 0), (0, 1, 0))
+    assert placement.sizes[0] == pytest.approx(np.sqrt(2) * reach, rel=2e-3)
+
+
 THIN = surface_of(
     [[0.07, 0, -0.5], [0.07, 0, 0.5], [0.07, 0.5, 0.5], [0.07, 0.5, -0.5]], [[0, 1, 2], [0, 2, 3]]
 )

@@ -77,3 +77,9 @@ def test_winkler_force_of_a_sphere_grows_with_the_square_of_its_depth():
         force = winkler_pressures(indentation[None], MODULUS, POISSON, thickness).sum() * cell**2
         # Johnson (1985), equation 4.54 with the confined modulus: F = π K R δ² / h.
         assert force == pytest.approx(np.pi * confined * RADIUS * depth**2 / thickness, rel=2e-3)
+
+
+def test_far_from_a_loaded_cell_the_half_space_sinks_as_under_a_point_load():
+    lag = np.hypot(*np.indices((32, 32)))
+    far = lag > 4
+    np.testing.assert_allclose(boussinesq_kernel(32)[:32, :32][far], 1 / lag[far], rtol=5e-3)

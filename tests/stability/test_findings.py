@@ -1,4 +1,4 @@
-"""Of many errors the worst is kept, with its case, in a row of the table; what was exceeded becomes sentences."""
+"""The worst of many errors is kept with its case, becomes a row, and is named in a sentence if it is too large."""
 
 import numpy as np
 

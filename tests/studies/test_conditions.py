@@ -45,7 +45,7 @@ def test_what_is_made_again_follows_from_what_changes(changes, phase):
     assert [one["recomputed"] for one in described["conditions"]] == [phase or "recognition"]
 
 
-def test_conditions_that_touch_alike_share_touches_enough_for_the_longest_and_every_strategy():
+def test_conditions_with_the_same_touches_share_them_and_enough_are_made_for_all():
     size, neighbours = {"sensor.largest_size": 0.2}, {"recognition.classifier.neighbours": 3}
     found = plan(
         size | {"recognition.touches": 12, "probing.strategies": ["fixation"]},

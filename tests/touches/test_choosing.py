@@ -58,21 +58,20 @@ def test_places_out_of_reach_are_passed_over():
 
 
 @pytest.mark.parametrize(
-    ("strategy", "unreachable", "ranks"),
+    ("strategy", "unreachable", "ranks", "asked"),
     [
-        ("fixation", "keep", [0, 1]),
-        ("random", "keep", [1, 2]),
-        ("random", "replace", [1, 2]),
-        ("random_anywhere", "replace", [0, 1]),
-        ("random_visible", "replace", [1, 2]),
-        ("random_visible", "keep", [0, 1]),
+        ("fixation", "keep", [0, 1], False),
+        ("random", "keep", [1, 2], True),
+        ("random", "replace", [1, 2], True),
+        ("random_anywhere", "replace", [0, 1], False),
+        ("random_visible", "replace", [1, 2], True),
+        ("random_visible", "keep", [0, 1], False),
     ],
 )
-def test_kept_places_are_the_first_but_random_probing_is_in_reach_and_anywhere_is_not_asked(
-    strategy, unreachable, ranks
-):
+def test_only_some_strategies_ask_what_is_in_reach(reach, strategy, unreachable, ranks, asked):
     table = located("xoooo", strategy=strategy)
     assert choose(table, touches=2, unreachable=unreachable) == {0: ranks}
+    assert bool(reach) == asked
 
 
 def test_a_sequence_ends_after_so_many_places_out_of_reach():

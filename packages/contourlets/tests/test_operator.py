@@ -24,6 +24,16 @@ def test_operator_is_the_ladder(extension, dtype, tolerance, rng):
     np.testing.assert_allclose(adjoint, transform.adjoint(expected), atol=50 * tolerance)
 
 
+def test_an_image_does_not_depend_on_its_batch(rng):
+    operator = contourlet_operator(Contourlet((3,)), (16, 16))
+    images = rng.standard_normal((1000, 16, 16))
+    whole = operator.forward(images).ravel()
+    for count in (1, 2, 3, 5, 7, 80):
+        for chosen in (slice(count), slice(-count, None)):
+            few = operator.forward(images[chosen]).ravel()
+            np.testing.assert_array_equal(few, whole[chosen])
+
+
 def test_operator_is_built_once():
     transform = Contourlet((3,))
     operator = contourlet_operator(transform, (16, 16))

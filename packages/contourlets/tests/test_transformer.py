@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 
 from contourlets import (
@@ -50,3 +51,9 @@ def test_wrong_use_is_refused(rng):
         ContourletDeviations().fit(images).transform(images[:, :16, :16])
     with pytest.raises(ImageError, match=r"\(2, 1024\)"):
         ContourletDeviations().fit(images.reshape(2, -1))
+
+
+def test_a_clone_names_the_columns_of_a_frame(rng):
+    transformer = clone(ContourletDeviations((3,))).set_output(transform="pandas")
+    frame = transformer.fit_transform(rng.standard_normal((6, 16, 24)))
+    assert frame.columns[7] == "level1_band08_deviation"

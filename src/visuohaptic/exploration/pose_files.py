@@ -108,9 +108,12 @@ def matrices(stands: Poses) -> Floats:
 def _read_numbers(path: str | Path) -> pa.Table:
     from pyarrow.csv import ConvertOptions, ReadOptions, open_csv
 
-    with Path(path).open(newline="", encoding="utf-8") as stream:
-        # Arrow passes over empty lines, too.
-        names = next(filter(None, csv.reader(stream)), [])
+    try:
+        with Path(path).open(newline="", encoding="utf-8-sig") as stream:
+            # Arrow passes over empty lines, too.
+            names = next(filter(None, csv.reader(stream)), [])
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ParameterError(f"{path} holds no numbers by columns: {error}.") from error
     numbers = ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
     try:
         # One thread alone knows the lines.

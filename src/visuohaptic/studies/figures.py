@@ -195,7 +195,7 @@ def compare(
 ) -> PairedComparison | None:
     """Compare two cells in pairs; None where one is missing, they are the same, or of other objects.
 
-    All comparisons with the same `draws` of objects leave equal ones equal.
+    Comparisons with the same `draws` resample the same objects, so that equal cells get equal intervals.
     """
     if cell is None or other is None or other is cell:
         return None

@@ -139,14 +139,14 @@ def compare(found, wanted, label):
             deficit = _deficit(wanted, found, view, same)
             yield Finding(name, deficit, f"{here}, fixation {same + 1}", pictures[view])
     images, features = np.abs(found.images - wanted.images), found.features - wanted.features
-    yield from compare_touches(images[felt], features[felt], wanted.images[felt], label)
+    yield from compare_touches(images[felt], features[felt], wanted.images[felt], label, felt)
 
 
-def compare_touches(images, features, wanted, label):
+def compare_touches(images, features, wanted, label, touches=None):
     """Want the differences of imprints, shape (n, r, r), in their mean, and those of features to be small."""
 
     def describe(row):
-        return f"{label}, touch {row}"
+        return f"{label}, touch {row if touches is None else touches[row]}"
 
     def draw(row):
         return drawings.image(wanted[row], "the imprint")

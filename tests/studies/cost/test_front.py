@@ -168,3 +168,9 @@ def test_times_stand_by_setting_object_and_turn_and_what_was_not_timed_is_missin
     assert (quick["seconds_low"], quick["seconds"], quick["seconds_high"]) == (1.25, 1.5, 1.75)
     assert (quick["seconds_cast"], quick["recognitions"]) == (0.5, 2)
     assert time_quantiles(found[1]) == {}
+
+
+def test_a_strategy_that_needs_no_view_looks_at_none():
+    settings = [Setting(name, "own", 0, 2, 3, name) for name in ("fixation", "random")]
+    rows = setting_rows(settings, [cell([0.5] * 12)] * 2, np.full((2, 1, 1, 8), np.nan), RUN)
+    assert [row["looks"] for row in rows] == [3, 0]

@@ -97,3 +97,13 @@ def test_two_senses_that_err_alike_make_the_product_no_surer():
     both = multiply(one, one, labels, np.arange(400))
     assert (both.tested[0].argmax(axis=1) == said.argmax(axis=1)).all()
     assert both.tested.max(axis=2).mean() == pytest.approx(0.8, abs=0.02)
+
+
+def test_a_product_favours_what_neither_sense_rules_out():
+    def answer(*probabilities):
+        own = np.array([probabilities])
+        return Answered(own[None], own, np.arange(1), np.zeros((1, 1)), np.zeros(1))
+
+    first, second = answer(0.8, 0.19, 0.01), answer(0.02, 0.2, 0.78)
+    both = multiply(first, second, np.array([1]), np.array([0]))
+    assert both.tested[0, 0].argmax() == 1

@@ -1,6 +1,7 @@
 """What the pages and the report say of the readings is what the kept tables say."""
 
 import json
+import re
 import runpy
 from importlib.resources import files
 from pathlib import Path
@@ -12,7 +13,7 @@ from report.pages import read_page
 from readings.choosing import FORMER_DEFAULT
 from readings.design import all_readings, is_default
 from readings.figures import weigh_choices
-from readings.page import render_readings_page
+from readings.page import COMMAND, readings_figures, render_readings_page
 from readings.stored import OUTSIDE, PAPER_SET, kept_readings
 from readings.summary import summarise
 from readings.tables import READINGS
@@ -104,3 +105,15 @@ def test_a_table_of_failures_alone_has_no_page(tmp_path):
     write_table(READINGS, build_rows(READINGS, failed), path)
     with pytest.raises(ReportError, match="no reading that could be run"):
         render_readings_page(path)
+
+
+def test_sentences_and_dots_say_what_the_tables_hold():
+    found = readings_figures(kept_readings(PAPER_SET), kept_readings(OUTSIDE))
+    rows = [row for row in kept_readings(OUTSIDE).rows if row["random_probing"] == "reachable"]
+    ahead = sum(row["ahead"] > 1e-12 for row in rows)
+    sentence = f"ahead of random probing in {ahead} of {len(rows)} cases"
+    assert sentence in found["outside"]["sentences"][0]
+    dots = found["charts"][BEST_OF_PAPER]["dots"]
+    (default,) = re.findall(r'class=own data-reading="(\w+)"', dots)
+    assert default in {one.name for one in all_readings() if is_default(one.options)}
+    assert COMMAND.format("u100") in dots

@@ -149,7 +149,7 @@ def mark_steps(
 def more_accurate(
     places: Sequence[int], step: int, cells: Sequence[Cell], run: ExperimentParameters
 ) -> list[int]:
-    """Give of some places those whose cells are significantly more accurate than the step's.
+    """Of the given places, give those whose cells are significantly more accurate than the step's.
 
     By the sign-change test over objects; p values are adjusted for the number of settings (Holm).
     """
