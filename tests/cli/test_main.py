@@ -42,7 +42,7 @@ def folder(tmp_path_factory):
         (("touch", "ring.obj", "--viewpoints", 1024), 0.02),
         (("touch", "ring.obj", "--viewpoints", 1024), 0.7),
         (("recognise", "ring.obj", "--viewpoints", 1024), 0.5),
-        (("meshes", "check", "--set", "paper"), 0.5),
+        (("meshes", "check", "--set", "paper"), 0.05),
     ],
 )
 def test_ctrl_c_stops_every_command_at_any_moment_and_leaves_nothing(folder, arguments, after):
