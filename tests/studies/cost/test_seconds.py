@@ -83,6 +83,16 @@ def test_what_settings_have_in_common_is_timed_once_and_counts_for_each(surfaces
     assert ["slopes" in vars(stage.caster) for _, stage in prepared.further] == [True, True]
 
 
+@pytest.mark.slow
+def test_a_phase_put_between_the_others_counts_for_the_whole(surfaces, fitted, monkeypatch):
+    looking, touching, describing = seconds.OF_OBJECT
+    measuring = replace(touching, verb="measure")
+    monkeypatch.setattr(seconds, "OF_OBJECT", (looking, touching, measuring, describing))
+    (row,) = time_object("box/box1", surfaces["box/box1"], fitted[:1], 0)
+    known = sum(row[f"seconds_{name}"] for name in ("look", "touch", "describe", "classify"))
+    assert row["seconds"] > 1.01 * known
+
+
 def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     calls = []
     parts = {name: 0.25 if place < 4 else 0.125 for place, (name, _) in enumerate(COST_PARTS)}

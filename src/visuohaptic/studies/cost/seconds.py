@@ -31,10 +31,9 @@ from visuohaptic.tables.studies import COST_PARTS, COST_SECONDS
 FRONTIER_ROUNDS = 2
 """Instead of `cost.rounds`, as the frontier is a part of every run."""
 
-PHASES = ("look", "touch", "describe", "classify")
 Row = dict[str, Any]
 Seconds = dict[str, float]
-"""Of the processor, by the names of `COST_PARTS`."""
+"""Of the processor, by the names of `COST_PARTS`, and of a phase that has none there."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +128,8 @@ def time_object(
             seconds = recognise(subject, prepared, fitted)
         except REFUSALS:
             continue
-        whole = sum(seconds[f"seconds_{phase}"] for phase in PHASES)
+        verbs = (*(phase.verb for phase in OF_OBJECT), "classify")
+        whole = sum(seconds[f"seconds_{verb}"] for verb in verbs)
         rows[named] = dict(zip(COST_SECONDS.keys, (*named, key, turn), strict=True))
         rows[named] |= {"seconds": whole, **seconds}
     return list(rows.values())
@@ -210,4 +210,5 @@ def prepare(surface: Surface) -> Stage:
 def _timed(seconds: Seconds, name: str | None) -> Iterator[None]:
     start = time.process_time()
     yield
-    seconds[f"seconds_{name}"] += time.process_time() - start
+    taken = time.process_time() - start
+    seconds[f"seconds_{name}"] = seconds.get(f"seconds_{name}", 0.0) + taken
