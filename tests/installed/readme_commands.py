@@ -104,7 +104,9 @@ def of_dvc(tmp_path_factory):
     """A git repository with the smallest experiment and somewhere to push to."""
     folder = tmp_path_factory.mktemp("dvc") / "experiment"
     copy_experiment(folder, COPIED, SMALL_OBJECTS, SMALL)
-    set_parameters(folder, {"recognition": {"pipelines": ["paper"]}})
+    # The frontier is measured in the other experiment.
+    small = {"recognition": {"pipelines": ["paper"]}, "cost": {"frontier_touches": []}}
+    set_parameters(folder, small)
     trimesh.creation.annulus(0.8, 1, 2).export(folder / "mug.obj")
     run(folder, "git init -q && git add --all && git commit -qm Start")
     run(folder, "git init -q --bare ../origin && git remote add origin ../origin")
