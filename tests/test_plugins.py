@@ -115,6 +115,11 @@ def test_the_command_takes_the_plug_ins_of_the_parameters_that_it_is_given(tmp_p
     found = run(*asked, "--params", "../params.yaml", folder=tmp_path / "other")
     assert found.returncode == 0, found.stderr
     assert '"strategy": "closest"' in found.stdout
+    (tmp_path / "closest.py").write_text("1 / 0")
+    broken = run(*asked, "--params", "../params.yaml", folder=tmp_path / "other")
+    assert broken.returncode == 1
+    assert "plug-in closest.py can't be loaded: ZeroDivisionError" in broken.stderr
+    assert "Traceback" not in broken.stderr
 
 
 def test_plug_ins_of_installed_packages_are_found(tmp_path):

@@ -58,7 +58,8 @@ def test_answers_from_few_touches_are_not_surer_than_they_are_right(model, touch
 
 @pytest.mark.parametrize("touches", [1, 3])
 def test_sets_from_few_touches_hold_the_class_and_few_objects_are_unknown(model, touches):
-    pairs = zip(*map(np.ravel, answers(model, touches)), strict=True)
+    truth, found = answers(model, touches)
+    pairs = zip(truth.ravel(), found.ravel(), strict=True)
     assert np.mean([category in one.candidates for category, one in pairs]) >= 0.8
     assert unknown_share(model, touches) <= 0.25
     assert unknown_share(dataclasses.replace(model, short={}), 1) > 0.9

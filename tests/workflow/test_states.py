@@ -35,6 +35,13 @@ def test_nothing_is_left_to_do_whatever_the_times_are_and_without_snakemakes_mem
     assert ask(stand_in, "verify").returncode == 0
 
 
+def test_why_names_a_wrong_parameter(stand_in):
+    stand_in.set(sensor={"shape": "round"})
+    asked = ask(stand_in, "why")
+    assert asked.returncode == 1
+    assert "sensor.shape is no parameter" in asked.stdout
+
+
 def test_each_job_of_a_plan_runs_for_its_own_reason(stand_in):
     module = stand_in.folder / MODULE
     module.write_text(f"{module.read_text()}\n# edited\n")
