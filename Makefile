@@ -24,6 +24,7 @@ export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/packages/contourlets/src:$(CURDIR)/
 
 report: $(READY)
 	@$(RUN) --cores $(JOBS)
+	@[ dvc.lock -nt reports/report.html ] || VISUOHAPTIC_ASKED=lock $(ASK)
 
 # What would run now and why, and whether what is here is what today's parameters, code and sources give.
 why: $(READY)

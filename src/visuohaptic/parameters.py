@@ -147,7 +147,7 @@ class ExperimentParameters(BaseModel):
         (),
         exclude=True,  # code, and no choice: jobs go by what the files hold
         description="Files of Python that register strategies, channels, effects, descriptors, maps or "
-        "classifiers of your own, such as [plugins/closest.py]; they run as your own code does",
+        "classifiers of your own, such as [plug_ins/closest.py]; they run as your own code does",
     )
     workflow: WorkflowParameters = WorkflowParameters()
     meshes: MeshParameters = MeshParameters()

@@ -73,7 +73,7 @@ def main():
     made = {}
     with names_of_snakefile({}) as names:
         keys = names["keys"]()
-        for record in keys.needed_for(map(str, names["rules"].dvc_all.input)):
+        for record in keys.needed_for(map(str, names["rules"].all.input)):
             make(record, keys, made)
     results = {
         name: hashlib.sha256(content).hexdigest()

@@ -125,11 +125,11 @@ def experiment(finished, tmp_path):
 
 @pytest.fixture(scope="session")
 def whole_stand_in(once):
-    """A finished experiment whose scripts are stand-ins, with all that DVC keeps."""
+    """A finished experiment whose scripts are stand-ins."""
 
     def make(one):
         stand_ins.make_experiment(one.folder)
-        one.snakemake("dvc_all")
+        one.snakemake()
 
     return once("stand_in", make)
 

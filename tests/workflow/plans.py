@@ -147,33 +147,20 @@ def made(change):
 
 
 def plan(change):
-    """Count the jobs of each rule that would run, and give every job's parameters by record."""
+    """Count the jobs of each rule that would run."""
     from visuohaptic_workflow.closure import code_of
 
     code_of.cache_clear()
     with made(change), names_of_snakefile(change.config) as names:
         keys = names["keys"]()
         needed = list(keys.needed_for(map(str, names["rules"].all.input)))
-        stale = Counter(keys.jobs[name].rule for name in needed if keys.reason(name))
-        parameters = {
-            name: [keys.jobs[name].rule, keys.parts(name)["parameters"]] for name in needed
-        }
-    return dict(stale), parameters
+        return Counter(keys.jobs[name].rule for name in needed if keys.reason(name))
 
 
 def main():
     sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
-    plans, usual = {}, None
     with redirect_stderr(io.StringIO()):
-        for name, change in CHANGES.items():
-            stale, parameters = plan(change)
-            usual = usual or parameters
-            moved = {
-                rule
-                for record, (rule, own) in parameters.items()
-                if usual.get(record, [0, own])[1] != own
-            }
-            plans[name] = {"stale": stale, "moved": sorted(moved)}
+        plans = {name: plan(change) for name, change in CHANGES.items()}
     sys.stdout.write(json.dumps(plans))
 
 

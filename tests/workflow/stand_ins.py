@@ -81,6 +81,8 @@ def make_experiment(folder):
     # Stages of studies are a matter of their own: `dvc push` would ask for their results.
     copied = [name for name in COPIED if name != "studies"]
     copy_experiment(folder, copied, SMALL_OBJECTS, SMALL)
+    (folder / "studies").mkdir()
+    (folder / "studies/README.md").touch()
     for script in (folder / "workflow/scripts").glob("*.py"):
         script.write_text(stand_in(script.stem))
 
@@ -91,5 +93,7 @@ def digests(folder):
     return {
         str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()
         for file in files
-        if "records" not in file.parts and file.is_file() and file.stem != "mine"
+        if file.is_file()
+        and file.stem != "mine"
+        and not any(part.endswith("records") for part in file.parts)
     }

@@ -8,7 +8,7 @@ import pytest
 from workflow.conftest import Experiment
 
 from visuohaptic_workflow.jobs import set_job_environment
-from visuohaptic_workflow.one_run import FolderInUseError, check_writable, claim_folder
+from visuohaptic_workflow.one_run import FolderError, check_writable, claim_folder
 from visuohaptic_workflow.planning import values_of_option
 
 process = pytest.mark.workflow
@@ -33,10 +33,10 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_
 def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / ".cache/run.lock").mkdir(parents=True)
-    with pytest.raises(FolderInUseError, match=f"{tmp_path} can't be written .* `make why` says"):
+    with pytest.raises(FolderError, match=f"{tmp_path} can't be written .* `make why` says"):
         claim_folder()
     monkeypatch.setattr(os, "access", lambda *_: False)
-    with pytest.raises(FolderInUseError, match=r"can't be written \(permission denied\)"):
+    with pytest.raises(FolderError, match=r"can't be written \(permission denied\)"):
         check_writable()
 
 

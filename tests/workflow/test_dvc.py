@@ -21,15 +21,16 @@ def experiment(repository, tmp_path):
 def test_a_changed_parameter_is_never_answered_with_old_outputs_also_after_a_kill(experiment):
     shutil.rmtree(experiment.folder / ".snakemake")
     experiment.set(recognition={"classifier": {"neighbours": 3}})
-    process = experiment.start("dvc", "repro")
     scores = experiment.folder / "results/scores"
-    # DVC removes the outputs of a stage before it runs it.
-    for is_there in (False, True):
-        while process.poll() is None and scores.exists() != is_there:
-            time.sleep(0.02)
+    before = {file: file.read_bytes() for file in scores.rglob("*.parquet")}
+    process = experiment.start("dvc", "exp", "run")
+    while process.poll() is None and all(
+        file.exists() and file.read_bytes() == before[file] for file in before
+    ):
+        time.sleep(0.02)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait(timeout=300)
-    experiment.run("dvc", "repro")
+    experiment.run("dvc", "exp", "run")
     assert digests(experiment.folder) == clean_digests(experiment)
 
 

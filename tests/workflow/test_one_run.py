@@ -37,7 +37,7 @@ def test_the_plain_command_goes_on_after_a_run_was_ended_in_any_way(fresh_stand_
         end(process.pid, how)
         assert process.wait(timeout=300) != 0
         assert how != signal.SIGINT or not half_written(fresh_stand_in)
-    fresh_stand_in.snakemake("dvc_all")
+    fresh_stand_in.snakemake()
     assert digests(fresh_stand_in.folder) == digests(whole_stand_in.folder)
     assert fresh_stand_in.planned() == {}
 

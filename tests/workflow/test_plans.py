@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 from workflow.plans import CHANGES
-from workflow.test_stages import STAGES, rules_of
 
 pytestmark = pytest.mark.workflow
 
@@ -24,17 +23,9 @@ def plans(finished, tmp_path_factory):
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_what_runs_begins_with_the_phase_that_a_change_is_about(plans, name):
-    stale, change = plans[name]["stale"], CHANGES[name]
+    stale, change = plans[name], CHANGES[name]
     assert stale.get(change.first, 0) == change.jobs
     if change.is_alone or change.first in {None, "report"}:
         assert sum(stale.values()) == change.jobs
     else:
         assert set(stale) & set(PHASES) == set(PHASES[PHASES.index(change.first) :])
-
-
-@pytest.mark.parametrize("name", [name for name in CHANGES if CHANGES[name].config])
-def test_a_stage_names_the_sections_whose_change_moves_its_rules(plans, name):
-    (section,) = CHANGES[name].config
-    for stage, entry in STAGES.items():
-        named = any(path.partition(".")[0] == section for path in entry["params"])
-        assert named or not set(plans[name]["moved"]) & rules_of(stage), stage

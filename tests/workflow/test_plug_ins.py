@@ -13,7 +13,7 @@ pytestmark = [pytest.mark.workflow, pytest.mark.long]
 EXAMPLES = Path(__file__).parents[2] / "examples"
 OURS = {
     **SMALL,
-    "plugins": ["plugins/closest.py", "plugins/grid_means.py"],
+    "plugins": ["plug_ins/closest.py", "plug_ins/grid_means.py"],
     "probing": {"strategies": ["closest"]},
     "features": {"descriptor": "grid_means"},
 }
@@ -24,7 +24,7 @@ def experiment(tmp_path_factory):
     folder = tmp_path_factory.mktemp("plug_ins") / "experiment"
     copy_experiment(folder, COPIED, SMALL_OBJECTS[:1], OURS)
     for name in ("closest", "grid_means"):
-        shutil.copy(EXAMPLES / f"{name}.py", folder / "plugins")
+        shutil.copy(EXAMPLES / f"{name}.py", folder / "plug_ins")
     return Experiment(folder)
 
 
@@ -39,12 +39,12 @@ def test_a_run_with_plug_ins_is_done_once_and_again_from_the_phase_whose_plug_in
     touched = touches_of(experiment)
     assert set(touched.strategy) == {"closest"}
 
-    plug_in = experiment.folder / "plugins/grid_means.py"
+    plug_in = experiment.folder / "plug_ins/grid_means.py"
     text = plug_in.read_text().replace(", dtype=float", "")
     plug_in.write_text(text.replace("part.mean", "part.max"))
     assert experiment.planned("features_all") == {"features": 1}
 
-    plug_in = experiment.folder / "plugins/closest.py"
+    plug_in = experiment.folder / "plug_ins/closest.py"
     plug_in.write_text(plug_in.read_text().replace("argsort(distances", "argsort(-distances"))
     planned = {"fixations": 1, "touches": 1, "features": 1}
     assert experiment.planned("features_all") == planned
@@ -57,9 +57,9 @@ def test_a_whole_run_is_planned_with_a_plug_in_of_each_kind(experiment, tmp_path
     every = Experiment(tmp_path / "every")
     copy_experiment(every.folder, COPIED, SMALL_OBJECTS, SMALL)
     for path in EXAMPLES.glob("*.py"):
-        shutil.copy(path, every.folder / "plugins")
+        shutil.copy(path, every.folder / "plug_ins")
     every.set(
-        plugins=[f"plugins/{path.name}" for path in EXAMPLES.glob("*.py")],
+        plugins=[f"plug_ins/{path.name}" for path in EXAMPLES.glob("*.py")],
         attention={"weights": {"redness": 2.0}},
         scene={"zero_offset": 0.05},
         probing={"strategies": ["fixation", "closest"]},

@@ -48,7 +48,7 @@ def test_each_job_of_a_plan_runs_for_its_own_reason(stand_in):
     stand_in.snakemake()  # all but the model
     table = stand_in.folder / "results/fixations/chair/bs0_chair2/00-01.parquet"
     table.write_text(f"{table.read_text()} ")
-    assert {"fixations", "model"} <= set(stand_in.planned("dvc_all"))
+    assert {"fixations", "model"} <= set(stand_in.planned("all", "model_all"))
 
 
 def test_a_value_that_changes_three_times_is_seen_each_time_and_verify_names_it(
@@ -62,7 +62,7 @@ def test_a_value_that_changes_three_times_is_seen_each_time_and_verify_names_it(
     verified = ask(stand_in, "verify")
     assert verified.returncode == 1
     assert "parameters: sensor.largest_size" in verified.stdout
-    stand_in.snakemake("dvc_all")
+    stand_in.snakemake()
     assert digests(stand_in.folder) == digests(whole_stand_in.folder)
     assert stand_in.planned() == {}
 

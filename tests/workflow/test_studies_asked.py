@@ -22,7 +22,7 @@ def asked_for(arguments):
         ("visuohaptic_readings_all", "readings"),
         ("results/studies/palm.parquet", "palm"),
         ("results/study_features/palm/0a1b.parquet", "palm"),
-        ("results/records/block_of_study/palm/0000-0002.json", "palm"),
+        ("results/study_records/block_of_study/palm/0000-0002.json", "palm"),
         ("reports/certainty.json", "certainty"),
         ("results/touches_needed.parquet", "curves"),
         ("results/reading/r017.json", "readings"),

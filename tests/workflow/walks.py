@@ -1,8 +1,8 @@
 """Random walks over what users do to a working folder; each must end in the results of a clean run.
 
 A walk edits parameters, modules and meshes, switches branches, lets DVC bring files, runs, deletes and
-kills, in an order drawn by a seed. Then it runs `snakemake dvc_all`, which makes all that is shared,
-and compares all results with those of a run from nothing. The scripts are stand-ins (stand_ins.py), so every difference shows.
+kills, in an order drawn by a seed. Then it runs `snakemake` and compares all results with those of a run from
+nothing. The scripts are stand-ins (stand_ins.py), so every difference shows.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ COMMANDS = {
     "git checkout -qf other": 1,
     "dvc checkout --force": 1,
     **{
-        f"dvc checkout --force {stage}": 0.5
-        for stage in ("features", "touches", "fixations", "recognition")
+        f"dvc checkout --force results/{table}": 0.5
+        for table in ("features", "touches", "fixations", "scores")
     },
     "dvc pull --force": 2,
     "dvc exp apply tried": 1,
@@ -62,13 +62,13 @@ def add_branches(made):
     made.run("dvc", "remote", "add", "--default", "team", str(made.folder.parent / "remote"))
     made.run("git", "commit", "-qam", "name the remote")
     made.set(recognition={"touches": 4})
-    made.snakemake("dvc_all")
+    made.snakemake()
     made.run("dvc", "commit", "--force")
     made.run("dvc", "exp", "save", "--name", "tried")
     made.run("git", "checkout", "-qf", "main")
     made.run("git", "checkout", "-qb", "other")
     made.set(**PARAMETERS[0])
-    made.snakemake("dvc_all")
+    made.snakemake()
     made.commit("other")
     made.run("dvc", "push", "--all-branches")
     made.run("git", "checkout", "-qf", "main")
@@ -168,7 +168,7 @@ class Walk:
             os.utime(path, LONG_AGO)
 
     def run_with_other_values(self):
-        target = self.draw(("features_all", "dvc_all"))
+        target = self.draw(("features_all", "all"))
         self.attempt("snakemake -j2 --config", 'sensor={"largest_size": 0.2}', "--", target)
         if self.draw((0, 1)):
             self.attempt("dvc commit --force")
@@ -231,7 +231,7 @@ def walk(repository, folder, seed):
     for _ in range(generator.integers(2, 5)):
         taken.take_step()
     mine = list((folder / "results").rglob("mine.parquet"))
-    last = walked.snakemake("dvc_all", check=False)
+    last = walked.snakemake(check=False)
     if last.returncode:
         wrong = f"the last run failed: {last.stdout[-1500:]}"
     else:

@@ -13,7 +13,6 @@ SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib
 # Where the user's studies lie: in the working folder, and in the clone.
 STUDY_FOLDERS = [Path("studies").absolute(), ROOT / "studies"]
 sys.path[:0] = map(str, SOURCES)
-sys.path += map(str, STUDY_FOLDERS)
 
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import (
@@ -27,6 +26,7 @@ from visuohaptic.parameters import (
     check_run,
     check_config,
     check_spelling,
+    read_parameters,
 )
 from visuohaptic.pipeline import OF_OBJECT, needed_from, phase as phase_of
 from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
@@ -36,12 +36,26 @@ from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end, put_aside
 from visuohaptic_workflow.closure import Start, code_of, with_plug_ins
 from visuohaptic_workflow.digests import Digests
-from visuohaptic_workflow.jobs import set_job_environment
+from visuohaptic_workflow.dvc_lock import (
+    IN_STAGE,
+    check_clone,
+    is_lockable,
+    is_tracked,
+    lock_in_new_process,
+    make_empty_outputs,
+    write_lock,
+)
+from visuohaptic_workflow.jobs import (
+    set_job_environment,
+    without_studies_of_clones,
+)
 from visuohaptic_workflow.keys import Keys, read_record
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.one_run import (
+    check_folder,
     check_writable,
     claim_folder,
+    claim_results,
     is_claimed_by_another,
 )
 from visuohaptic_workflow.planning import (
@@ -51,9 +65,21 @@ from visuohaptic_workflow.planning import (
     values_of_option,
 )
 from visuohaptic_workflow.records import PREFIX
+from visuohaptic_workflow.termination import (
+    end_at_once,
+    is_termination_asked,
+    pass_termination_on,
+)
 from visuohaptic_workflow.why import ASKED, verify, why
 
+# As it was when the run was called, for a process that is to know nothing of this one.
+ENVIRONMENT = {
+    name: value
+    for name, value in os.environ.items()
+    if not name.startswith("VISUOHAPTIC_")
+}
 set_job_environment(*SOURCES)
+sys.path[:] = [*without_studies_of_clones(sys.path), *map(str, STUDY_FOLDERS)]
 # Another workflow that uses this one as a module decides by its own means.
 IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
 # A job on another machine parses this file, too, and takes over what the run was planned with.
@@ -71,23 +97,35 @@ if IS_MAIN:
     sys.modules.setdefault("pandas", None)
 
 
+def stop(sentence):
+    """End with a sentence; as a module of another workflow, leave the end to that."""
+    if not IS_MAIN:
+        raise WorkflowError(sentence)
+    print(f"error: {sentence}", file=sys.stderr)
+    sys.exit(1)
+
+
 def or_stop(function, *arguments):
     """Call a function; on an error of this package, end with its message, not a traceback."""
     try:
         return function(*arguments)
     except VisuohapticError as error:
-        raise WorkflowError(str(error)) from None
+        stop(error)
 
 
+or_stop(check_folder, ROOT, Path.cwd())
 if DECIDES:
     os.environ[PREFIX] = sys.prefix
     if set(values_of_option(sys.argv, "--rerun-triggers")) - {"mtime"}:
-        raise WorkflowError(
+        stop(
             "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
             "leave out --rerun-triggers, or say --rerun-triggers mtime."
         )
     if ASKED not in os.environ:
         or_stop(check_writable)
+    if IN_STAGE in os.environ:
+        or_stop(check_clone)
+        make_empty_outputs()
 
 
 def shipped(path):
@@ -288,19 +326,26 @@ def all_cores(wildcards):
 
 
 def answer():
-    """Say why jobs would run, or which records do not fit, and end, if `make why` or `make verify` asks."""
-    if DECIDES and ASKED in os.environ:
-        lines, is_fine = why(keys(), map(str, rules.all.input)), True
-        if os.environ[ASKED] == "verify":
-            lines, is_fine = verify(keys())
-        print(*lines, sep="\n")
-        sys.exit(not is_fine)
+    """Answer `make why` or `make verify`, or let DVC write its lock, if this process is asked to, and end."""
+    if not DECIDES or ASKED not in os.environ:
+        return
+    targets, is_fine = [*map(str, rules.all.input)], True
+    if os.environ[ASKED] == "lock":
+        or_stop(claim_results)
+        or_stop(write_lock, keys(), targets)
+        sys.exit()
+    lines = why(keys(), targets)
+    if os.environ[ASKED] == "verify":
+        lines, is_fine = verify(keys())
+    print(*lines, sep="\n")
+    sys.exit(not is_fine)
 
 
 def claim():
     """Allow one run at a time in this folder, and say what its jobs were planned with."""
     if DECIDES:
         or_stop(claim_folder)
+        pass_termination_on()
         write_whole(GIVEN_FILE, json.dumps(GIVEN))
         DIGESTS.save()
 
@@ -309,10 +354,7 @@ def close_run():
     """Put aside what is no longer named, and say what was left out, what is of an earlier state, and what the report holds, once it is today's."""
     if not DECIDES:
         return
-    # Outputs of a stage of DVC, which a frontier without features or settings does not make.
-    for rule, folder in (("features", "study_features"), ("block", "study_blocks")):
-        for made in (folder, f"records/{rule}_of_study"):
-            Path("results", made, "frontier").mkdir(parents=True, exist_ok=True)
+    end_at_once()
     found = {record: read_record(record).get("key") for record in keys().jobs}
     stale = {record: key for record, key in found.items() if key != keys().key(record)}
     report_is_current = "results/records/report.json" not in stale
@@ -325,7 +367,28 @@ def close_run():
         lines.append(
             f"{count} records are of an earlier state: `make verify` lists them."
         )
-    # Of what is left.
     lines += lines_at_end(report_is_current=report_is_current)
     for line in lines:
         print(line, file=sys.stderr)
+    make_empty_outputs()
+    if is_lockable() and not is_termination_asked():
+        lock({*stale})
+
+
+def lock(stale):
+    """Let DVC lock a whole run by the parameters of params.yaml; some records are stale."""
+    if or_stop(read_parameters, "params.yaml") != PARAMETERS:
+        print(
+            "dvc.lock stays as it was: this run's parameters are not those of params.yaml.",
+            file=sys.stderr,
+        )
+        return
+    needed = {*keys().needed_for(map(str, rules.all.input))}
+    if needed & stale - {*keys().kept}:
+        return
+    lock_in_new_process({**ENVIRONMENT, ASKED: "lock"})
+    if Path("dvc.lock").exists() and not is_tracked():
+        print(
+            "`git add dvc.lock` lets queued experiments start with these results.",
+            file=sys.stderr,
+        )

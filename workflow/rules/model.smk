@@ -19,7 +19,7 @@ wildcard_constraints:
 rule model_all:
     input:
         "results/models/best.skops",
-        "results/records/model/best.json",
+        "results/model_records/best.json",
 
 
 rule model:
@@ -27,7 +27,7 @@ rule model:
         takes("model", features=files_of("features")),
     output:
         model="results/models/{model}.skops",
-        record="results/records/model/{model}.json",
+        record="results/model_records/{model}.json",
     log:
         "logs/model/{model}.log",
     conda:

@@ -25,7 +25,6 @@ rule metrics:
             caption="../report/metrics.rst",
             category="Recognition",
         ),
-        headline="reports/headline.json",
         accuracy=report(
             "reports/plots/accuracy.csv",
             caption="../report/accuracy.rst",
@@ -65,6 +64,7 @@ rule report:
             effects=[*files_of("effects/views"), *files_of("effects/touches")],
             meshes=meshes_of(),
             studies=[file for study in STUDIES_OF_RUN for file in study.shown],
+            frontier="results/frontier.parquet",
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
             guards="results/guards.parquet",
@@ -79,7 +79,10 @@ rule report:
             templates=TEMPLATES,
         ),
     output:
-        report("reports/report.html", caption="../report/page.rst", category="Report"),
+        page=report(
+            "reports/report.html", caption="../report/page.rst", category="Report"
+        ),
+        headline="reports/headline.json",
         record="results/records/report.json",
     log:
         "logs/report.log",

@@ -43,7 +43,7 @@ rule features_of_study:
         ),
     output:
         "results/study_features/{study}/{key}.parquet",
-        record="results/records/features_of_study/{study}/{key}.json",
+        record="results/study_records/features_of_study/{study}/{key}.json",
     log:
         "logs/study_features/{study}/{key}.log",
     conda:
@@ -64,7 +64,7 @@ rule block_of_study:
         takes("block_of_study", **features_for()),
     output:
         "results/study_blocks/{study}/{block}.parquet",
-        record="results/records/block_of_study/{study}/{block}.json",
+        record="results/study_records/block_of_study/{study}/{block}.json",
     log:
         "logs/study_block/{study}/{block}.log",
     conda:
@@ -90,7 +90,7 @@ rule figures_of_study:
     output:
         figures="results/studies/{study}.parquet",
         metrics="reports/studies/{study}.json",
-        record="results/records/figures_of_study/{study}.json",
+        record="results/study_records/figures_of_study/{study}.json",
     log:
         "logs/study_figures/{study}.log",
     conda:
@@ -124,7 +124,9 @@ for study, step in STEPS:
             *step.files,
             record=step.record,
         log:
-            step.record.replace("results/records", "logs").replace(".json", ".log"),
+            step.record.replace("results/study_records", "logs").replace(
+                ".json", ".log"
+            ),
         conda:
             "../envs/visuohaptic.yaml"
         # What measures run times works on one, and takes all there are, so that no other job is in its way.

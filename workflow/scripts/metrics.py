@@ -10,7 +10,6 @@ with job(snakemake):
         scores=snakemake.input.scores,
         predictions=snakemake.input.predictions,
         metrics=snakemake.output.metrics,
-        headline=snakemake.output.headline,
         accuracy=snakemake.output.accuracy,
         confusion=snakemake.output.confusion,
         intervals=IntervalParameters(**snakemake.params.intervals),

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.report.headline import write_headline
 from visuohaptic.report.page import make_report
 from visuohaptic.report.run import RunFiles, find_extras
 from visuohaptic_workflow.jobs import job
@@ -13,6 +14,7 @@ from visuohaptic_workflow.studies_asked import find_earlier_studies
 with job(snakemake):
     # Where results are kept in a storage, it is not the working folder.
     folder = Path(snakemake.input.metrics).parents[1]
+    parameters = ExperimentParameters.from_mapping(snakemake.params.parameters)
     make_report(
         files=RunFiles(
             metrics=snakemake.input.metrics,
@@ -31,7 +33,13 @@ with job(snakemake):
             folder=folder,
             key=key_of(snakemake.params.key["parts"]) if snakemake.params.key else "",
         ),
-        output=snakemake.output[0],
-        parameters=ExperimentParameters.from_mapping(snakemake.params.parameters),
+        output=snakemake.output.page,
+        parameters=parameters,
         objects=snakemake.params.objects,
+    )
+    write_headline(
+        metrics=snakemake.input.metrics,
+        frontier=snakemake.input.frontier,
+        cost=parameters.cost,
+        output=snakemake.output.headline,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,48 +17,24 @@ from visuohaptic.tables.schema import read_table
 
 SIGNIFICANT_DIGITS = 6
 
-HEADLINE_CLASSIFIER = "support_vector_machine"
-
 
 def make_metrics(
     scores: Sequence[str | Path],
     predictions: Sequence[str | Path],
     metrics: str | Path,
-    headline: str | Path,
     accuracy: str | Path,
     confusion: str | Path,
     intervals: IntervalParameters,
     seed: int,
 ) -> None:
-    """Write the metrics file, its headline and two plot tables; they hold no seconds, so a rerun gives the same bytes."""
+    """Write the metrics file and two plot tables; they hold no seconds, so a rerun gives the same bytes."""
     predicted = read_table(PREDICTIONS, predictions)
     summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, seed))
     Path(metrics).parent.mkdir(parents=True, exist_ok=True)
-    for path, values in ((metrics, summary), (headline, headline_of(summary))):
-        Path(path).write_text(json.dumps(values, indent=2, sort_keys=True) + "\n", encoding="utf-8")
+    text = json.dumps(summary, indent=2, sort_keys=True) + "\n"
+    Path(metrics).write_text(text, encoding="utf-8")
     _write_csv(accuracy, _accuracy_rows(summary))
     _write_csv(confusion, _confusion_rows(predicted))
-
-
-def headline_of(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Give the figures of `summarise` that a table of many runs has room for.
-
-    By pipeline: the accuracy by each strategy, of the support vector machine or else the first
-    classifier, and the lead of fixation over the others with its p value; and ``objects``.
-    """
-    found: dict[str, Any] = {}
-    for pipeline, strategies in summary["results"].items():
-        classifiers = list(next(iter(strategies.values())))
-        chosen = HEADLINE_CLASSIFIER if HEADLINE_CLASSIFIER in classifiers else classifiers[0]
-        cells = {name: cells[chosen] for name, cells in strategies.items() if chosen in cells}
-        leads = summary["comparisons"].get(pipeline, {}).get(chosen, {})
-        found["objects"] = max(cell["objects"] for cell in cells.values())
-        found[pipeline] = {
-            **{name: cell["accuracy"]["mean"] for name, cell in cells.items()},
-            **{f"lead over {name}": lead["difference"]["mean"] for name, lead in leads.items()},
-            **{f"p over {name}": lead["p_value"] for name, lead in leads.items()},
-        }
-    return found
 
 
 def round_numbers(value: Any) -> Any:

@@ -32,8 +32,8 @@ FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")
 _OWN = (
     *FIGURES,
     *("results/study_blocks/{}/*", "results/study_features/{}/*"),
-    *(f"results/records/{rule}/{{}}/*" for rule in ("block_of_study", "features_of_study")),
-    "results/records/figures_of_study/{}.json",
+    *(f"results/study_records/{rule}/{{}}/*" for rule in ("block_of_study", "features_of_study")),
+    "results/study_records/figures_of_study/{}.json",
 )
 
 
@@ -126,7 +126,7 @@ class Step:
     def record(self) -> str:
         """The file that says what made its files."""
         each = "".join(f"/{{{name}}}" for name in self.wildcards)
-        return f"results/records/{self.name}{each}.json"
+        return f"results/study_records/{self.name}{each}.json"
 
 
 @dataclass(frozen=True)

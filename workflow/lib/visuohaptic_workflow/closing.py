@@ -15,7 +15,8 @@ from visuohaptic_workflow.keys import read_record
 
 METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
-RECORDS = Path("results/records")
+RECORDS = [Path("results", kind) for kind in ("records", "study_records", "model_records")]
+"""Where jobs leave their records: those of a run, of studies, and of models."""
 ASIDE = Path(".cache/aside")
 
 
@@ -73,7 +74,8 @@ def put_aside(named: Collection[str]) -> Iterator[str]:
     A reader of a folder would meet an object's rows twice where blocks were other ones. Nothing else is touched.
     """
     stale = []
-    for record in sorted(set(map(str, RECORDS.rglob("*.json"))).difference(named)):
+    records = {str(record) for folder in RECORDS for record in folder.rglob("*.json")}
+    for record in sorted(records.difference(named)):
         kept = read_record(record)
         stale += [record, *(kept["tables"] if kept else ()), *([kept["log"]] if kept else ())]
     target = ASIDE / time.strftime("%Y-%m-%d-%H%M%S")

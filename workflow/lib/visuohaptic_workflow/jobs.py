@@ -6,7 +6,7 @@ import os
 import sys
 import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -24,9 +24,18 @@ def set_job_environment(*folders: str | Path) -> None:
 
     They import the package of this checkout, even if another is installed.
     """
-    inherited = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    inherited = without_studies_of_clones(os.environ.get("PYTHONPATH", "").split(os.pathsep))
     paths = dict.fromkeys([*map(str, folders), *filter(None, inherited)])
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
+
+
+def without_studies_of_clones(paths: Iterable[str]) -> list[str]:
+    """Drop folders ``studies`` of clones from a search path: modules of another clone would hide this one's."""
+    return [path for path in paths if not _is_studies_of_clone(Path(path))]
+
+
+def _is_studies_of_clone(path: Path) -> bool:
+    return path.name == "studies" and (path.parent / "workflow/Snakefile").is_file()
 
 
 @contextmanager

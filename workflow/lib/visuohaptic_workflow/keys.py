@@ -78,7 +78,7 @@ class Keys:
     ) -> None:
         self.jobs = {job.record: job for job in jobs}
         self._find_code, self._digests = find_code, digests
-        self._root, self._kept = root, frozenset(kept)
+        self._root, self.kept = root, frozenset(kept)
         self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
 
     def makers(self, files: Iterable[str]) -> dict[str, None]:
@@ -126,7 +126,7 @@ class Keys:
 
     def why(self, record: str) -> str | None:
         """Give the reason to run a job; None for one whose files are today's, or are left as they are."""
-        return None if record in self._kept else self.reason(record)
+        return None if record in self.kept else self.reason(record)
 
     @cache  # noqa: B019
     def stale_behind(self, record: str) -> set[str]:
@@ -150,6 +150,15 @@ class Keys:
                 waiting += self._makers_of(record)
         return list(found)
 
+    def files_of(self, records: Iterable[str]) -> list[str]:
+        """Name all files that some jobs run, take and make, each once."""
+        found: dict[str, None] = {}
+        for record in records:
+            job = self.jobs[record]
+            code = map(os.path.relpath, self._find_code(job.start).files)
+            found.update(dict.fromkeys((*code, *job.inputs, *job.outputs)))
+        return list(found)
+
     def _makers_of(self, record: str) -> dict[str, None]:
         return self.makers(self.jobs[record].inputs)
 
@@ -168,7 +177,7 @@ class Keys:
         return "from: other files"
 
     def _key_taken(self, maker: str, taker: str) -> str:
-        if maker in self._kept and taker not in self._kept and (kept := read_record(maker)):
+        if maker in self.kept and taker not in self.kept and (kept := read_record(maker)):
             return str(kept["key"])
         return self.key(maker)
 

@@ -21,7 +21,7 @@ def mark_stale(record: str, reason: str) -> list[str]:
 
     A folder, as Snakemake remembers what a small file holds and would skip it the second time. Where there is no record, an
     empty one is put there: Snakemake would take tables that lie there, such as copied ones, for all of a job's files. Nothing
-    is done, and no folder given, where its job is new: it runs anyway. Raises `FolderInUseError` if this user may not write here.
+    is done, and no folder given, where its job is new: it runs anyway. Raises `FolderError` if this user may not write here.
     """
     if reason == NEW:
         return []

@@ -19,14 +19,14 @@ _SECONDS_TO_WAIT = 60.0
 _held: list[IO[str]] = []
 
 
-class FolderInUseError(VisuohapticError):
-    """Another run is at work on the same results, or this one may not write them."""
+class FolderError(VisuohapticError):
+    """A run can't work in a folder: another run does, or its path or permissions do not allow it."""
 
 
 def claim_folder() -> None:
     """Let this process be the only one that makes results in this folder, until it ends.
 
-    Raises `FolderInUseError` if another run, or the jobs of one that was killed, are at work here.
+    Raises `FolderError` if another run, or the jobs of one that was killed, are at work here.
     """
     try:
         STATE.mkdir(exist_ok=True)
@@ -37,7 +37,7 @@ def claim_folder() -> None:
     if not _lock(owner, seconds=0.5):
         owner.seek(0)
         process = owner.read().strip() or "unknown"
-        raise FolderInUseError(
+        raise FolderError(
             f"another run (process {process}) is at work in {Path.cwd()}; wait until it has ended."
         )
     owner.truncate(0)
@@ -51,21 +51,40 @@ def claim_folder() -> None:
             "Jobs of a run that was killed are still at work; waiting for their end.\n"
         )
         if not _lock(jobs, seconds=_SECONDS_TO_WAIT):
-            raise FolderInUseError(
+            raise FolderError(
                 f"jobs of an earlier run have been at work in {Path.cwd()} for more than "
                 f"{_SECONDS_TO_WAIT:.0f} s; end them, or wait."
             )
 
 
+def claim_results() -> None:
+    """Keep runs that start later from changing results here until this process ends.
+
+    Raises `FolderError` if a run other than the one that started this process is at work here.
+    """
+    hold_job_lock()
+    if is_claimed_by_another() and _OWNER.read_text(encoding="utf-8").strip() != str(os.getppid()):
+        raise FolderError(f"a run is at work in {Path.cwd()}; wait until it has ended.")
+
+
+def check_folder(*folders: Path) -> None:
+    """Refuse folders with braces in their paths, with a `FolderError`: Snakemake reads braces as wildcards."""
+    for folder in folders:
+        if {"{", "}"} & {*str(folder)}:
+            raise FolderError(
+                f"{folder} has a brace in its path, which Snakemake reads as a wildcard; rename or move it."
+            )
+
+
 def check_writable() -> None:
-    """Refuse a folder into which this user may not write, with a `FolderInUseError`."""
+    """Refuse a folder into which this user may not write, with a `FolderError`."""
     if not os.access(Path.cwd(), os.W_OK):
         raise not_writable("permission denied")
 
 
-def not_writable(reason: str) -> FolderInUseError:
+def not_writable(reason: str) -> FolderError:
     """Give the error of a folder into which this user may not write."""
-    return FolderInUseError(
+    return FolderError(
         f"{Path.cwd()} can't be written ({reason}); `make why` says what would run here. To run the workflow, choose "
         "a folder of your own: snakemake -s PATH/Snakefile -d FOLDER."
     )

@@ -1,0 +1,59 @@
+"""The few figures that a table of many experiments has room for: `reports/headline.json`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from visuohaptic.parameters import CostParameters
+from visuohaptic.report.comparison import PAPER_PIPELINE
+from visuohaptic.report.cost import on_robot, reference_row
+from visuohaptic.studies.cost.front import Row, read_costs
+
+CLASSIFIER = "support_vector_machine"
+"""The classifier whose accuracies are shown; the first one of a pipeline that does not have it."""
+
+
+def write_headline(
+    metrics: str | Path, frontier: str | Path, cost: CostParameters, output: str | Path
+) -> None:
+    """Write the headline figures as JSON, from ``reports/metrics.json`` and the frontier's `tables.COST`."""
+    summary = json.loads(Path(metrics).read_text(encoding="utf-8"))
+    figures = headline_of(summary, read_costs(frontier), cost)
+    Path(output).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+
+
+def headline_of(
+    summary: Mapping[str, Any], rows: Sequence[Row], cost: CostParameters
+) -> dict[str, float]:
+    """Return accuracies in per cent, and the seconds of one recognition from one view.
+
+    Parameters
+    ----------
+    summary : mapping
+        As `recognition.summary.summarise` returns it.
+    rows : sequence of mappings
+        The frontier, `tables.COST`; without a timed row of the run's own setting there are no seconds.
+    cost : CostParameters
+        With the seconds that a robot takes for a touch and for a look.
+
+    Returns
+    -------
+    dict
+        Accuracies of the paper's pipeline by strategy (``fixation``), of others with their name
+        (``best_fixation``); ``robot_s``, with the time of touches and looks; ``cpu_s``, computing only.
+    """
+    found: dict[str, float] = {}
+    results = summary["results"]
+    for pipeline in sorted(results, key=PAPER_PIPELINE.__ne__):
+        prefix = "" if pipeline == PAPER_PIPELINE else f"{pipeline}_"
+        for strategy, classifiers in results[pipeline].items():
+            chosen = CLASSIFIER if CLASSIFIER in classifiers else next(iter(classifiers))
+            found[f"{prefix}{strategy}"] = round(100 * classifiers[chosen]["accuracy"]["mean"], 2)
+    own = reference_row(rows)
+    if own is not None and own["seconds"] is not None:
+        found["robot_s"] = round(on_robot([own], cost)[0]["seconds"], 2)
+        found["cpu_s"] = round(own["seconds"], 3)
+    return found

@@ -1,0 +1,134 @@
+"""The lock file by which DVC knows a finished run, `dvc.lock`: written only for results that today's keys would give."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from importlib.util import find_spec
+from pathlib import Path
+
+from visuohaptic.errors import VisuohapticError
+from visuohaptic.whole_files import whole_file
+from visuohaptic_workflow.digests import Digests
+from visuohaptic_workflow.keys import Keys
+
+LOCK = Path("dvc.lock")
+
+IN_STAGE = "DVC_STAGE"
+"""The variable that DVC sets in the environment of a stage's command."""
+
+EMPTY_WHERE_NOTHING_IS_MADE = (
+    "meshes/downloaded",
+    *(
+        f"results/{folder}/frontier"
+        for folder in (
+            "study_blocks",
+            "study_features",
+            "study_records/block_of_study",
+            "study_records/features_of_study",
+        )
+    ),
+)
+"""Outputs of `dvc.yaml` that a run may not fill; DVC fails where an output is missing, and warns of an empty one."""
+
+KEPT = ".keep"
+"""The file that keeps an empty folder; readers of tables pass over hidden files."""
+
+_KEPT_AS_IT_WAS = "dvc.lock stays as it was"
+
+
+class LockError(VisuohapticError):
+    """The lock file can't be written for the results that are there."""
+
+
+def is_lockable() -> bool:
+    """Return whether this folder is a repository of Git and DVC, with DVC installed, and no stage of DVC runs."""
+    is_repository = Path(".dvc").is_dir() and Path(".git").exists() and Path("dvc.yaml").exists()
+    return is_repository and IN_STAGE not in os.environ and find_spec("dvc") is not None
+
+
+def make_empty_outputs() -> None:
+    """Make the folders of `EMPTY_WHERE_NOTHING_IS_MADE`, each with a file `KEPT`."""
+    for folder in map(Path, EMPTY_WHERE_NOTHING_IS_MADE):
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / KEPT).touch()
+
+
+def lock_in_new_process(environment: Mapping[str, str]) -> None:
+    """Ask a new process, which reads the workflow and its parameters again, to write the lock.
+
+    Its sentences go to standard error. Its failure fails nothing: the results are there.
+    """
+    ask = ["snakemake", "--list-rules", "--quiet", "--workflow-profile", "none"]
+    command = [sys.executable, "-m", *ask]
+    subprocess.run(command, env=environment, check=False, stdout=sys.stderr)  # noqa: S603 - our own words
+
+
+def write_lock(keys: Keys, targets: Iterable[str]) -> None:
+    """Let DVC write its lock for the results behind `targets`.
+
+    Raises `LockError` with a sentence if a record does not fit today's key, if an input or result changes
+    meanwhile, or if DVC refuses; the lock is then as it was before.
+    """
+    records = keys.needed_for(targets)
+    if stale := [record for record in records if keys.why(record)]:
+        raise LockError(
+            f"{_KEPT_AS_IT_WAS}: {len(stale)} results are not those of today's parameters, code and meshes, "
+            f"such as {stale[0]}; `make why` lists the reasons."
+        )
+    make_empty_outputs()
+    files = ["params.yaml", *keys.files_of(records)]
+    before, old = _digests(files), LOCK.read_bytes() if LOCK.exists() else None
+    command = [sys.executable, "-m", "dvc", "commit", "--force", "--quiet"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
+    if done.returncode == 0 and _digests(files) == before:
+        return
+    _restore(old)
+    if done.returncode == 0:
+        raise LockError(f"{_KEPT_AS_IT_WAS}: a file changed while DVC read the results; run again.")
+    said = [line for line in done.stderr.splitlines() if line.startswith("ERROR: ")]
+    reason = said[0].removeprefix("ERROR: ") if said else f"status {done.returncode}"
+    raise LockError(f"{_KEPT_AS_IT_WAS}: `dvc commit` ended with: {reason}.")
+
+
+def check_clone() -> None:
+    """Refuse an experiment of DVC in a folder of its own if the clone is shallow, with a `LockError`.
+
+    Git can't fetch the experiment's commit into a shallow clone, and DVC says nothing of that: the result is lost.
+    """
+    clone = os.environ.get("DVC_ROOT", "")
+    if not clone or Path(clone) == Path.cwd():
+        return
+    command = ["git", "-C", clone, "rev-parse", "--is-shallow-repository"]
+    said = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
+    if said.stdout.strip() == "true":
+        raise LockError(
+            f"{clone} is a shallow clone, from which DVC would lose this experiment's result; "
+            "run `git fetch --unshallow` there, then the experiment again."
+        )
+
+
+def is_tracked() -> bool:
+    """Return whether Git knows the lock, so that queued experiments start with its results."""
+    command = ["git", "ls-files", "--error-unmatch", str(LOCK)]
+    return subprocess.run(command, check=False, capture_output=True).returncode == 0  # noqa: S603 - our own words
+
+
+def _digests(files: Iterable[str]) -> dict[str, str | None]:
+    digests, found = Digests(), dict[str, str | None]()
+    for file in files:
+        found[file] = None
+        with suppress(OSError):
+            found[file] = digests.of(file)
+    return found
+
+
+def _restore(content: bytes | None) -> None:
+    if content is None:
+        LOCK.unlink(missing_ok=True)
+        return
+    with whole_file(LOCK) as copy:
+        copy.write_bytes(content)
