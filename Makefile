@@ -84,11 +84,9 @@ readme: $(DEVELOP) report
 	python docs/make_looking.py
 	python docs/make_curves.py
 	python docs/make_scaling.py
-	python docs/make_tables.py
-	python docs/make_api.py
 	python docs/make_overview_picture.py
 
-# params.yaml and its schema, from the descriptions in the code; values that you changed are reset.
+# params.yaml, and its schema for editors, from the descriptions in the code; values that you changed are reset.
 params: $(READY)
 	python docs/make_params.py
 

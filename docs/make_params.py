@@ -1,4 +1,4 @@
-"""Write params.yaml and its JSON schema from the parameters' own descriptions: `make params`."""
+"""Write params.yaml, and its JSON schema for editors, from the parameters' own descriptions: `make params`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from visuohaptic.scene.parameters import Scene
 
 ROOT = Path(__file__).parents[1]
 PARAMETERS = ROOT / "params.yaml"
-SCHEMA = ROOT / "workflow" / "schemas" / "params.schema.json"
+SCHEMA = ROOT / ".cache" / "params.schema.json"
 WIDTH = 100
 LONGEST_LIST = 72
 HEAD = f"""\
@@ -120,4 +120,5 @@ def _written(value: object, indent: str) -> str:
 
 if __name__ == "__main__":
     PARAMETERS.write_text(parameters_page(), encoding="utf-8")
+    SCHEMA.parent.mkdir(exist_ok=True)
     SCHEMA.write_text(schema_page(), encoding="utf-8")

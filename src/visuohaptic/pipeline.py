@@ -1,6 +1,6 @@
 """The phases in their order: what each takes and gives, by which parameters, and what does its work.
 
-Rules, keys, stages of DVC, studies, `exploration` and docs/tables.md read this list. A phase that takes
+Rules, keys, stages of DVC, studies, `exploration` and `visuohaptic tables` read this list. A phase that takes
 one object at a time is here, in its folder and in no other place.
 """
 

@@ -48,5 +48,5 @@ def test_entropy_is_large_for_all_greys_a_bit_between_two_and_none_for_one():
     even = np.random.default_rng(0).random((128, 128), dtype=np.float32)
     for grey, fraction in ((even, 0.95), (np.full_like(even, 0.5), 0.25), (np.ones_like(even), 0)):
         view = WorkingView(np.ones_like(grey), (grey,) * 3, grey, grey, grey)
-        (plane,) = entropy_planes(view, 16)
+        (plane,) = entropy_planes(view)
         assert plane[8:-8, 8:-8].mean() == pytest.approx(fraction, abs=0.05)

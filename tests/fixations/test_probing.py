@@ -42,8 +42,8 @@ def test_faces_without_area_are_never_drawn():
     assert (draw_by_area(surface, 1000, np.random.default_rng(4)).faces == 1).all()
 
 
-def camera(azimuth=30.0, elevation=20.0, projection="perspective", roll=0.0):
-    return Camera(azimuth, elevation, 3.0, 40.0, projection, roll)
+def camera(azimuth=30.0, elevation=20.0, projection="perspective"):
+    return Camera(azimuth, elevation, 3.0, 40.0, projection)
 
 
 @pytest.fixture(scope="module")
@@ -87,14 +87,6 @@ def test_visible_points_are_uniform_over_the_visible_faces(box):
     # Three faces of one area are seen, one along each axis, however slanted.
     assert np.abs(np.bincount(seen, minlength=3) / 12_000 - 1 / 3).max() < 0.02
     assert (np.sum(drawn.normals * (one.eye - drawn.points), axis=1) > 0).all()
-
-
-def test_turning_the_camera_about_its_axis_changes_no_visible_point(box):
-    upright, rolled = (
-        draw_visible(box, camera(roll=roll), 20, np.random.default_rng(3)) for roll in (0.0, 137.0)
-    )
-    np.testing.assert_array_equal(upright.points, rolled.points)
-    np.testing.assert_array_equal(upright.normals, rolled.normals)
 
 
 def test_a_camera_that_sees_nothing_gives_no_point():

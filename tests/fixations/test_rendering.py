@@ -5,6 +5,7 @@ import pytest
 import trimesh
 from numerics.surfaces import of_trimesh
 
+from visuohaptic.fixations import rendering
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import Views, colour_views, meet_surface, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
@@ -60,8 +61,8 @@ def test_one_cast_can_be_coloured_under_any_effects():
 @pytest.mark.parametrize("extents", [(0.2, 1.4, 0.1), (0.001, 0.001, 0.001), (2.0, 2.0, 7.0)])
 def test_a_view_shows_all_that_its_rays_meet(projection, extents):
     caster = RayCaster(surface_of(trimesh.creation.box(extents)))
-    for azimuth, roll in ((0.0, 0.0), (50.0, 25.0)):
-        camera = Camera(azimuth, 25.0, 3.0, 40.0, projection, roll)
+    for azimuth in (0.0, 50.0):
+        camera = Camera(azimuth, 25.0, 3.0, 40.0, projection)
         views = render_views(caster, [camera], RenderingParameters(resolution=65))
         hits = caster.first_hits(*camera.rays(65))
         np.testing.assert_array_equal(views.face.reshape(-1), hits.face)
@@ -115,15 +116,16 @@ def test_shadow_rays_are_cast_only_where_they_tell(ambient, modes, runs, reason)
     assert reason in record.reason
 
 
-def test_lamp_above_casts_the_shadow_of_a_roof():
+def test_lamp_above_casts_the_shadow_of_a_roof(monkeypatch):
     roof = trimesh.creation.box(extents=(0.5, 0.05, 0.5))
     roof.apply_translation((0.0, 0.5, 0.0))
     floor = trimesh.creation.box(extents=(1.4, 0.05, 1.4))
     floor.apply_translation((0.0, -0.4, 0.0))
     surface = surface_of(trimesh.util.concatenate([roof, floor]))
     camera = Camera(0.0, 30.0, 3.0, 40.0)
-    parameters = RenderingParameters(light_elevation_degrees=60.0)
-    views = render_views(RayCaster(surface), [camera], parameters, EffectModes(cast_shadows="auto"))
+    monkeypatch.setattr(rendering, "LIGHT_ELEVATION_DEGREES", 60.0)
+    modes = EffectModes(cast_shadows="auto")
+    views = render_views(RayCaster(surface), [camera], RenderingParameters(), modes)
     on_floor = views.mask[0] & (np.abs(views.point[0][..., 1] + 0.375) < 1e-3)
     aside = np.abs(views.point[0][..., [0, 2]]).max(axis=-1)
     shaded, open_sky = on_floor & (aside < 0.24), on_floor & (aside > 0.26)
@@ -146,14 +148,20 @@ COLOURED = plate_above_ball()
 GREY = replace(COLOURED, face_colours=np.full_like(COLOURED.face_colours, 160))
 
 
+@pytest.fixture
+def high_light(monkeypatch):
+    """So high above the camera that the plate's shadow falls on the ball."""
+    monkeypatch.setattr(rendering, "LIGHT_ELEVATION_DEGREES", 70.0)
+
+
 def see(surface, ambient=0.4, **modes):
-    # The light is high above the camera, so that the plate's shadow falls on the ball.
-    parameters = RenderingParameters(resolution=48, ambient=ambient, light_elevation_degrees=70.0)
+    parameters = RenderingParameters(resolution=48, ambient=ambient)
     return render_views(RayCaster(surface), CAMERAS[:2], parameters, EffectModes(**modes))
 
 
 @pytest.mark.parametrize("ambient", [0.0, 0.4, 1.0])
 @pytest.mark.parametrize("surface", [COLOURED, GREY])
+@pytest.mark.usefixtures("high_light")
 def test_auto_sees_bit_for_bit_what_always_sees(surface, ambient):
     one = see(surface, ambient, **every("auto"))
     other = see(surface, ambient, **every("always"))
@@ -172,6 +180,7 @@ GEOMETRY = ("mask", "depth", "point", "normal", "face", "curvature")
 
 
 @pytest.mark.parametrize("effect", VISUAL_EFFECTS)
+@pytest.mark.usefixtures("high_light")
 def test_every_effect_of_the_view_changes_colours_and_moves_no_geometry(effect):
     every_effect = see(COLOURED, **every("always"))
     all_but_one = see(COLOURED, **{**every("always"), effect: "never"})
@@ -180,6 +189,7 @@ def test_every_effect_of_the_view_changes_colours_and_moves_no_geometry(effect):
         np.testing.assert_array_equal(getattr(every_effect, name), getattr(all_but_one, name))
 
 
+@pytest.mark.usefixtures("high_light")
 def test_shadows_only_darken_and_only_where_no_light_falls():
     plain, shadowed = see(COLOURED).colour, see(COLOURED, cast_shadows="auto")
     changed = (shadowed.colour != plain).any(axis=-1)

@@ -17,7 +17,7 @@ from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 
 HALF = 0.6  # of the square's side
 AHEAD = Camera(0.0, 0.0, 3.0, 40.0)
-ASIDE = Camera(63.0, 28.0, 3.0, 40.0, roll_degrees=17.0)
+ASIDE = Camera(60.0, 28.0, 3.0, 40.0)
 GRAZING = Camera(84.0, 5.0, 3.0, 40.0)
 
 

@@ -32,7 +32,7 @@ def test_outputs_that_share_a_map_are_as_without_memory(training):
     # MiniSom has two axes at most.
     outputs = [name for name in MAPS.names if (name, training) != ("lattice", "online")]
     for output in ("feature_groups", *outputs):
-        check_memory(memory, parameters(output=output, training=training, online_epochs=1))
+        check_memory(memory, parameters(output=output, training=training))
     assert len(memory._held) == len(outputs) - 1  # one is another, read in another way
 
 
@@ -43,7 +43,7 @@ UNITS = {"output": "unit_distances"}
     "other",
     [
         RecognitionParameters(touch_scaling="standardise", self_organising_map=UNITS),
-        parameters(**UNITS, final_radius=0.4),
+        parameters(**UNITS, training="online"),
         parameters(**UNITS, outputs=3),
     ],
 )

@@ -59,9 +59,7 @@ def test_strategies_are_tested_on_the_same_splits():
 @pytest.mark.parametrize("output", MAPS.names)
 @pytest.mark.parametrize("training", ["batch", "online"])
 def test_every_reading_of_the_map_runs_or_says_why_not(output, training):
-    settings = SelfOrganisingMapParameters(
-        output=output, training=training, lattice_levels=2, online_epochs=1
-    )
+    settings = SelfOrganisingMapParameters(output=output, training=training, lattice_levels=2)
     parameters = SMALL.model_copy(update={"self_organising_map": settings})
     table = features_table(separation=3.0)
     if (output, training) == ("lattice", "online"):

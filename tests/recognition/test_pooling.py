@@ -5,6 +5,7 @@ import pytest
 from recognition.synthetic import clusters
 from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 
+from visuohaptic.recognition import pooling
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import (
     TEMPERATURES,
@@ -21,8 +22,8 @@ from visuohaptic.recognition.tuning import fit_best_classifiers
 SIZES = (1, 2, 4, 8, 16)
 
 
-def combined(probabilities, scores, labels, owners, sizes=(1, 4), weight=1.0):
-    known, best = np.ones(scores.shape[1], bool), BestParameters(bags=sizes, bag_weight=weight)
+def combined(probabilities, scores, labels, owners, sizes=(1, 4)):
+    known, best = np.ones(scores.shape[1], bool), BestParameters(bags=sizes)
     return fit_combination(probabilities, scores, labels, owners, known, best)
 
 
@@ -61,7 +62,7 @@ def test_scores_of_a_bag_are_the_discriminants_own_on_its_mean(objects):
     np.testing.assert_allclose(softmax(ours), expected, atol=1e-6)
 
 
-def test_both_answers_count_by_their_deviations_and_weight():
+def test_both_answers_count_by_their_deviations_and_weight(monkeypatch):
     generator = np.random.default_rng(0)
     labels = np.repeat(np.arange(3), 40)
     probabilities = softmax(generator.normal(size=(120, 3)) + np.eye(3)[labels])
@@ -69,7 +70,8 @@ def test_both_answers_count_by_their_deviations_and_weight():
     owners = np.arange(120) // 4
 
     def answers(factor, weight):
-        found = combined(probabilities, factor * scores, labels, owners, weight=weight)
+        monkeypatch.setattr(pooling, "BAG_WEIGHT", weight)
+        found = combined(probabilities, factor * scores, labels, owners)
         return Ballots(probabilities, factor * scores, found).alone()
 
     np.testing.assert_allclose(answers(1, 1.0), answers(7, 1.0))

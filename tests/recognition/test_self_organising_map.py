@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 from minisom import MiniSom
 
-from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
 from visuohaptic.recognition.self_organising_map import (
+    ORDERING_EPOCHS,
+    RADII,
     _principal_weights,
     fit_batch_map,
     fit_online_map,
     lattice,
     line,
 )
-
-BATCH = SelfOrganisingMapParameters()
 
 
 def touches(count=120, columns=22, seed=0):
@@ -35,17 +34,16 @@ def minisom_batch(data, shape, initial, radii):
 @pytest.mark.parametrize(("places", "shape"), [(line(5), (5, 1)), (lattice(2, 3), (3, 3))])
 def test_ordering_passes_equal_minisom_batch_training(places, shape):
     data = touches()
-    parameters = SelfOrganisingMapParameters(ordering_epochs=20, settling_epochs=1)
-    fitted = fit_batch_map(data, places, parameters)
-    radii = [*np.geomspace(2.0, 0.5, 20), 0.5]
+    fitted = fit_batch_map(data, places, settling_epochs=1)
+    radii = [*np.geomspace(*RADII, ORDERING_EPOCHS), RADII[1]]
     expected = minisom_batch(data, shape, _principal_weights(data, places), radii)
     np.testing.assert_allclose(fitted.weights, expected, rtol=1e-10, atol=1e-10)
 
 
 def test_batch_map_is_converged():
     data = touches()
-    settled = fit_batch_map(data, line(5), BATCH)
-    longer = fit_batch_map(data, line(5), SelfOrganisingMapParameters(settling_epochs=1000))
+    settled = fit_batch_map(data, line(5))
+    longer = fit_batch_map(data, line(5), settling_epochs=1000)
     np.testing.assert_array_equal(settled.weights, longer.weights)
     neighbourhood = np.exp(-((line(5) - line(5).T) ** 2) / (2 * 0.5**2))
     won = np.eye(5)[settled.nearest(data)]
@@ -55,7 +53,7 @@ def test_batch_map_is_converged():
 
 def test_distances_and_nearest_unit_agree():
     data = touches()
-    fitted = fit_batch_map(data, line(5), BATCH)
+    fitted = fit_batch_map(data, line(5))
     expected = np.linalg.norm(data[:, None, :] - fitted.weights, axis=2)
     np.testing.assert_allclose(fitted.distances(data), expected)
     np.testing.assert_array_equal(fitted.nearest(data), expected.argmin(axis=1))
@@ -63,22 +61,19 @@ def test_distances_and_nearest_unit_agree():
 
 def test_online_map_depends_on_the_seed_alone():
     data = touches()
-    parameters = SelfOrganisingMapParameters(training="online", initial_radius=1.0)
     first, again, other = (
-        fit_online_map(data, line(5), parameters, np.random.default_rng(seed)).weights
-        for seed in (3, 3, 4)
+        fit_online_map(data, line(5), np.random.default_rng(seed)).weights for seed in (3, 3, 4)
     )
     np.testing.assert_array_equal(first, again)
     assert not np.array_equal(first, other)
 
 
 TWO_PLACES = np.repeat([[0.0, 0.0], [1.0, 1.0]], 5, axis=0)
-TINY = SelfOrganisingMapParameters(initial_radius=0.02, final_radius=0.01)
 
 
 @pytest.mark.parametrize(
-    ("data", "parameters"),
-    [(touches(count=1), BATCH), (touches(count=4), BATCH), (TWO_PLACES, TINY)],
+    ("data", "radii"),
+    [(touches(count=1), RADII), (touches(count=4), RADII), (TWO_PLACES, (0.02, 0.01))],
 )
-def test_units_without_touches_are_finite(data, parameters):
-    assert np.isfinite(fit_batch_map(data, line(5), parameters).weights).all()
+def test_units_without_touches_are_finite(data, radii):
+    assert np.isfinite(fit_batch_map(data, line(5), radii).weights).all()

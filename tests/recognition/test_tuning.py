@@ -49,8 +49,8 @@ def test_projection_keeps_distances_orders_components_by_variance_and_drops_empt
 
 def test_inner_folds_hold_out_whole_objects_and_project_without_them():
     descriptors, labels, owners = clusters()
-    folds = folds_of(descriptors, labels, owners, inner_folds=3)
-    assert len(folds) == 3
+    folds = folds_of(descriptors, labels, owners)
+    assert len(folds) == tuning.INNER_FOLDS
     assert sum(len(fold.held_out) for fold in folds) == len(labels)
     for fold in folds:
         assert len(fold.fits.train) + len(fold.held_out) == len(labels)
@@ -172,7 +172,7 @@ def test_folds_share_the_fits_of_the_same_rows_classes_objects_and_settings_alon
     assert fits(rows.copy(), labels.copy(), owners.copy()) == known[0]
     known += [fits(rows + 1e-9, labels, owners), fits(rows, labels + 1, owners)]
     known += [fits(rows, labels, owners + 1), fits(rows, labels, owners, components=2)]
-    known += [fits(rows, labels, owners, bags=()), fits(rows, labels, owners, bag_components=3)]
+    known += [fits(rows, labels, owners, bags=())]
     assert len(set(itertools.chain(*known))) == 2 * len(known)
 
 

@@ -19,7 +19,7 @@ def decoded(data):
 
 @pytest.mark.parametrize("projection", ["perspective", "orthographic"])
 def test_projecting_undoes_casting(projection):
-    camera = Camera(30.0, 20.0, 3.0, 40.0, projection, roll_degrees=10.0)
+    camera = Camera(30.0, 20.0, 3.0, 40.0, projection)
     origins, directions = camera.rays(16)
     places = project(camera, origins + 2.7 * directions, 16)
     rows, columns = np.divmod(np.arange(256), 16)

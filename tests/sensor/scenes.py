@@ -46,9 +46,7 @@ def parameter_sets(draw):
     smallest = draw(st.floats(0.005, 1)) * largest
     choices = {
         "resolution": [2, 5, 8],
-        "penetration_tolerance": [1e-5, 1e-3, 0.01],
         "depth_range": [0.02, 0.3],
-        "clearance": [0.02, 0.3],
         "normal": ["face", "given", "smoothed"],
         "orientation": ["upright", "transported"],
         "normalisation": ["per_imprint", "absolute"],

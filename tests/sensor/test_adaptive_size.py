@@ -8,10 +8,10 @@ from sensor.shapes import PLATE, box, hard_probes, joined, sheet, surface_of
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor import SensorParameters
 from visuohaptic.sensor.imprints import cast_heights, stand_on
+from visuohaptic.sensor.placing import PENETRATION_TOLERANCE as TOLERANCE
 from visuohaptic.sensor.placing import place
 
 PARAMETERS = SensorParameters()
-TOLERANCE = PARAMETERS.penetration_tolerance
 
 
 def placed(surface, point, normal, parameters=PARAMETERS, mode="auto"):

@@ -91,7 +91,7 @@ CHANGES = {
             same,
         ),
     ),
-    "meshes": of("meshes", meshes={"merge_tolerance": 1e-5}),
+    "meshes": of("meshes", meshes={"largest_megabytes": 256.0}),
     "viewpoints": of("fixations", viewpoints={"distance": 3.5}),
     "rendering": of("fixations", rendering={"ambient": 0.5}),
     "attention": of("fixations", attention={"focus_radius": 0.3}),

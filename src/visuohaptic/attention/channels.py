@@ -14,8 +14,20 @@ import numpy as np
 
 from .arrays import Booleans, Integers, Plane
 from .plain_filters import plain_kernel
-from .pyramid import GOES_ON, blur, enlarge, filled, reciprocal, reduce, reductions, to_working_size
+from .pyramid import (
+    CENTRE_LEVELS,
+    GOES_ON,
+    blur,
+    enlarge,
+    filled,
+    reciprocal,
+    reduce,
+    reductions,
+    to_working_size,
+)
 
+# Gabor angles, evenly spread over half a turn: 0, 45, 90 and 135° (Itti, Koch & Niebur 1998).
+ORIENTATIONS = 4
 GABOR_SIZE = 9
 GABOR_PERIOD = 7.0
 GABOR_DEVIATION = 7.0 / 3.0
@@ -31,6 +43,10 @@ RADIAL_STRICTNESS = 2.0
 # Votes at which a centre counts as fully symmetric: half of the 9.9 of Loy & Zelinsky 2003, as
 # half the rows and columns have half the pixels around a circle.
 FULL_SYMMETRY = 4.95
+# Distances at which symmetry is looked for, pixels of the working image: 3 to 9 % of the view; our choice.
+SYMMETRY_RADII = (4, 8, 12)
+# Grey levels of the local histogram; our choice: a window of 10 × 10 pixels holds some six pixels per level.
+ENTROPY_BINS = 16
 
 
 @dataclass(frozen=True)
@@ -114,27 +130,27 @@ def edge_planes(view: WorkingView) -> list[Plane]:
     return [length * view.certainty]
 
 
-def entropy_planes(view: WorkingView, bins: int) -> list[Plane]:
+def entropy_planes(view: WorkingView) -> list[Plane]:
     """Entropy of the grey levels in a window, as a fraction of the largest possible.
 
     Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is shared between the two
     nearest grey levels, so that the plane depends on grey continuously.
     """
-    position = np.minimum(view.intensity, 1.0) * np.float32(bins - 1)
+    position = np.minimum(view.intensity, 1.0) * np.float32(ENTROPY_BINS - 1)
     weight = reciprocal(_box(view.certainty))
     entropy = np.zeros_like(weight)
-    for start in range(0, bins, 4):
+    for start in range(0, ENTROPY_BINS, 4):
         members = [
             np.maximum(1.0 - np.abs(position - np.float32(level)), 0.0) * view.certainty
             for level in range(start, start + 4)
         ]
         share = np.maximum(_box(cv2.merge(members)) * cv2.merge([weight] * 4), np.float32(1e-12))
         entropy -= sum(cv2.split(share * cv2.log(share)))
-    fraction = np.maximum(entropy / np.float32(np.log(bins)), np.float32(0.0))
+    fraction = np.maximum(entropy / np.float32(np.log(ENTROPY_BINS)), np.float32(0.0))
     return [enlarge(fraction, len(view.certainty)) * view.certainty]
 
 
-def symmetry_planes(view: WorkingView, radii: tuple[int, ...]) -> list[Plane]:
+def symmetry_planes(view: WorkingView) -> list[Plane]:
     """Radial symmetry by gradient votes, dark and bright centres alike, on half the working image's pixels.
 
     Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest". A vote is shared between
@@ -151,7 +167,7 @@ def symmetry_planes(view: WorkingView, radii: tuple[int, ...]) -> list[Plane]:
     ballot = np.minimum(magnitude / (STRONG_GRADIENT - FAINT_GRADIENT), 1.0)
     places = np.stack(np.divmod(voters, length.shape[1]))
     total = np.zeros_like(length)
-    for radius in radii:
+    for radius in SYMMETRY_RADII:
         steps = np.float32(0.5 * radius) * unit
         ballots, magnitudes = _cast_votes(places, steps, (ballot, magnitude), length.shape)
         share = np.minimum(ballots / FULL_SYMMETRY, 1.0)
@@ -159,22 +175,22 @@ def symmetry_planes(view: WorkingView, radii: tuple[int, ...]) -> list[Plane]:
         total += np.float32(radius) * cv2.GaussianBlur(
             votes, (0, 0), 0.125 * radius, borderType=cv2.BORDER_CONSTANT
         )
-    mean = total / np.float32(len(radii))
+    mean = total / np.float32(len(SYMMETRY_RADII))
     return [enlarge(mean, len(view.certainty)) * view.certainty]
 
 
-def orientation_planes(view: WorkingView, count: int, levels: tuple[int, ...]) -> list[list[Plane]]:
+def orientation_planes(view: WorkingView) -> list[list[Plane]]:
     """Local energy of Gabor pairs at each angle, minus the mean over all angles, on each level.
 
     Itti, Koch & Niebur 1998, with their authors' filters: 9 x 9 pixels, period 7, deviation 7/3, zero mean,
     unit norm. Angles inhibit each other (Heeger 1992, "Normalization of cell responses in cat striate
     cortex"), or the two ends of an upright bar would count as two horizontal bars.
     """
-    images = reductions(view.backdrop, max(levels), GOES_ON)
-    certainties = reductions(view.certainty, max(levels))
+    images = reductions(view.backdrop, max(CENTRE_LEVELS), GOES_ON)
+    certainties = reductions(view.certainty, max(CENTRE_LEVELS))
     planes = []
-    for level in levels:
-        angles = _gabor_energies(images[level], count)
+    for level in CENTRE_LEVELS:
+        angles = _gabor_energies(images[level], ORIENTATIONS)
         energies = [blur(energy, GOES_ON) for energy in angles]
         mean = sum(energies[1:], energies[0]) / np.float32(len(energies))
         above = [np.maximum(energy - mean, np.float32(0.0)) for energy in energies]

@@ -104,10 +104,6 @@ def _learnt_weights() -> dict[str, float]:
 class AttentionParameters(BaseModel):
     """Channels, their combination, and the choice of fixations.
 
-    Scales are counted in levels of a dyadic pyramid over a working image of 128
-    pixels along the view's longer edge: level n averages over about 2^n / 128 of
-    the view, independent of the view's own resolution.
-
     The default is 1 for the five channels that the paper names, and 0 for the others. `weights` may
     be a name. ``equal``: 1 for every channel. ``human``: the channels and the terms as
     they were fitted together to where people looked (docs/gaze.md). ``human_channels``: the eight
@@ -122,27 +118,6 @@ class AttentionParameters(BaseModel):
     normalisation: Literal["local_maxima", "iterative", "none"] = Field(
         "local_maxima",
         description="How a map with one strong peak is promoted over one with many: the operator N",
-    )
-    iterations: int = Field(
-        3,
-        ge=1,
-        le=20,
-        description="Rounds of the iterative operator; ten leave little but the strongest peak",
-    )
-    orientations: int = Field(
-        4, ge=4, le=16, description="Number of Gabor angles, evenly spread over 180 degrees"
-    )
-    centre_levels: tuple[int, ...] = Field(
-        (0, 1, 2), min_length=1, description="Pyramid levels of the centres"
-    )
-    surround_offsets: tuple[int, ...] = Field(
-        (2, 3), min_length=1, description="Levels by which surrounds are coarser than their centre"
-    )
-    entropy_bins: int = Field(16, ge=2, le=64, description="Grey levels of the local histogram")
-    symmetry_radii: tuple[int, ...] = Field(
-        (4, 8, 12),
-        min_length=1,
-        description="Distances at which symmetry is looked for (pixels of the working image)",
     )
     fixations: int = Field(5, ge=1, le=16, description="Fixations in each view")
     inhibition: Literal["surface", "image"] = Field(
@@ -190,20 +165,3 @@ class AttentionParameters(BaseModel):
     def is_exponential(self) -> bool:
         """Whether a term has a weight, so that the weighted sum is an exponent."""
         return any(self.terms.model_dump().values())
-
-    @model_validator(mode="after")
-    def _levels_exist(self) -> AttentionParameters:
-        if min(self.centre_levels) < 0 or min(self.surround_offsets) < 1:
-            raise ValueError(
-                f"centre_levels {self.centre_levels} and surround_offsets {self.surround_offsets} "
-                "must be at least 0 and 1."
-            )
-        coarsest = max(self.centre_levels) + max(self.surround_offsets)
-        if coarsest > 5:
-            raise ValueError(
-                f"centre_levels and surround_offsets reach level {coarsest}; 5 is the coarsest, "
-                "of 4 x 4 pixels."
-            )
-        if min(self.symmetry_radii) < 2 or max(self.symmetry_radii) > 64:
-            raise ValueError(f"symmetry_radii are {self.symmetry_radii}; 2 to 64 is allowed.")
-        return self

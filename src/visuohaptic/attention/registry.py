@@ -80,14 +80,9 @@ def channel(name: str) -> Channel:
     return CHANNELS[name]
 
 
-def _of_view(name: str, *settings: str) -> Callable[..., list[Any]]:
-    """Name a function of `channels`, and the parameters that it takes."""
-
-    def planes(view: Any, parameters: Any) -> list[Any]:
-        function = getattr(import_module(".channels", __package__), name)
-        return function(view, *(getattr(parameters, setting) for setting in settings))
-
-    return planes
+def _of_view(name: str) -> Callable[..., list[Any]]:
+    """Name a function of `channels`, which takes the view only."""
+    return lambda view, _parameters: getattr(import_module(".channels", __package__), name)(view)
 
 
 def _of_surface(name: str, *settings: float) -> Callable[[Any], Any]:
@@ -110,12 +105,12 @@ CHANNELS = {entry.name: entry for entry in (
         "intensity", "Light against dark surroundings", _of_view("intensity_planes"),
         two_sided=True, needs="colours",
     ),
-    Channel("orientation", "Gabor energy at each angle", stacks=_of_view("orientation_planes", "orientations", "centre_levels"), needs="colours"),
+    Channel("orientation", "Gabor energy at each angle", stacks=_of_view("orientation_planes"), needs="colours"),
     Channel("contrast", "Local root mean square contrast", _of_view("contrast_planes"), needs="colours"),
     Channel("curvature", "Curvedness of the surface", _of_view("curvature_planes"), needs="curvature"),
     Channel("edge", "Gradient of intensity", _of_view("edge_planes"), needs="colours", weight=0.0),
-    Channel("entropy", "Entropy of the local grey level histogram", _of_view("entropy_planes", "entropy_bins"), needs="colours", weight=0.0),
-    Channel("symmetry", "Radial symmetry of gradients", _of_view("symmetry_planes", "symmetry_radii"), needs="colours", weight=0.0),
+    Channel("entropy", "Entropy of the local grey level histogram", _of_view("entropy_planes"), needs="colours", weight=0.0),
+    Channel("symmetry", "Radial symmetry of gradients", _of_view("symmetry_planes"), needs="colours", weight=0.0),
 )}  # fmt: skip
 """Every channel, in the order in which maps are added up."""
 

@@ -14,7 +14,15 @@ from .channels import WorkingView
 from .errors import AttentionError
 from .parameters import AttentionParameters
 from .plain_filters import plain_kernel
-from .pyramid import WORKING_SIZE, enlarge, reciprocal, reduce, reductions
+from .pyramid import (
+    CENTRE_LEVELS,
+    SURROUND_OFFSETS,
+    WORKING_SIZE,
+    enlarge,
+    reciprocal,
+    reduce,
+    reductions,
+)
 from .registry import CHANNELS, channel
 
 MAP_SIZE = WORKING_SIZE // 2
@@ -31,6 +39,8 @@ PLATEAU = 1e-3
 EXCITATION, EXCITATION_WIDTH = 0.5, 0.02
 INHIBITION, INHIBITION_WIDTH = 1.5, 0.25
 CONSTANT_INHIBITION = 0.02
+# Rounds of the iterative operator, as in the toolbox of Walther & Koch; ten leave little but the strongest peak.
+ITERATIONS = 3
 
 _NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)
 
@@ -39,9 +49,9 @@ def conspicuity_maps(
     view: WorkingView, channels: tuple[str, ...], parameters: AttentionParameters
 ) -> dict[str, Plane]:
     """Compute the conspicuity maps (MAP_SIZE, MAP_SIZE), float32, of some channels; 1 is a single peak."""
-    deepest = max(parameters.centre_levels) + max(parameters.surround_offsets)
+    deepest = max(CENTRE_LEVELS) + max(SURROUND_OFFSETS)
     certainties = reductions(view.certainty, deepest)
-    scales = _scales(certainties, parameters)
+    scales = _scales(certainties)
     maps = {name: np.zeros((MAP_SIZE, MAP_SIZE), np.float32) for name in channels}
     window = _window(certainties, parameters)
     totals = {name: plane[window] for name, plane in maps.items()}
@@ -83,7 +93,7 @@ def promote(plane: Plane, parameters: AttentionParameters) -> Plane:
         case "local_maxima":
             return _promote_by_local_maxima(plane)
         case "iterative":
-            return _promote_iteratively(plane, parameters.iterations)
+            return _promote_iteratively(plane)
         case "none":
             return plane
 
@@ -92,16 +102,16 @@ def _pyramids(
     view: WorkingView, channels: Sequence[str], parameters: AttentionParameters
 ) -> Iterator[tuple[str, int, list[Plane]]]:
     """Give each plane of some channels on each centre level and the coarser ones, with channel and level."""
-    steps = max(parameters.surround_offsets)
-    coarsest = max(parameters.centre_levels) + steps
+    steps = max(SURROUND_OFFSETS)
+    coarsest = max(CENTRE_LEVELS) + steps
     for entry in [channel(name) for name in channels]:
         if entry.stacks:
             stacks = entry.stacks(view, parameters)
-            for level, planes in zip(parameters.centre_levels, stacks, strict=False):
+            for level, planes in zip(CENTRE_LEVELS, stacks, strict=False):
                 yield from ((entry.name, level, reductions(plane, steps)) for plane in planes)
             continue
         pyramids = [reductions(plane, coarsest) for plane in _planes(entry.name, view, parameters)]
-        for level in parameters.centre_levels:
+        for level in CENTRE_LEVELS:
             yield from ((entry.name, level, pyramid[level:]) for pyramid in pyramids)
 
 
@@ -130,17 +140,17 @@ def _window(certainties: list[Plane], parameters: AttentionParameters) -> tuple[
     if parameters.normalisation == "iterative":
         # What it spreads beyond the object comes back in later rounds.
         return slice(None), slice(None)
-    seen = sum(_at_map_size(certainties[level]) for level in parameters.centre_levels)
+    seen = sum(_at_map_size(certainties[level]) for level in CENTRE_LEVELS)
     left, top, width, height = cv2.boundingRect(np.ceil(seen).astype(np.uint8))
     return slice(max(top - 1, 0), top + height + 1), slice(max(left - 1, 0), left + width + 1)
 
 
-def _scales(certainties: list[Plane], parameters: AttentionParameters) -> dict[int, list[_Scale]]:
+def _scales(certainties: list[Plane]) -> dict[int, list[_Scale]]:
     scales: dict[int, list[_Scale]] = {}
-    for level in parameters.centre_levels:
+    for level in CENTRE_LEVELS:
         centre = certainties[level]
         scales[level] = []
-        for offset in parameters.surround_offsets:
+        for offset in SURROUND_OFFSETS:
             surround = enlarge(certainties[level + offset], len(centre))
             planes = (reciprocal(centre), reciprocal(surround), centre * surround)
             scales[level].append(_Scale(offset, *planes))
@@ -211,13 +221,13 @@ def _promote_by_local_maxima(plane: Plane) -> Plane:
     return cv2.multiply(plane, max((largest - others) ** 2, REMNANT))
 
 
-def _promote_iteratively(plane: Plane, rounds: int) -> Plane:
+def _promote_iteratively(plane: Plane) -> Plane:
     """Itti & Koch 2000: differences of Gaussians, rectified, in several rounds."""
     excitation, inhibition = _gaussians(len(plane))
     support = cv2.sepFilter2D(
         np.ones_like(plane), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT
     )
-    for _ in range(rounds):
+    for _ in range(ITERATIONS):
         near = cv2.sepFilter2D(plane, -1, excitation, excitation, borderType=cv2.BORDER_CONSTANT)
         far = cv2.sepFilter2D(plane, -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT)
         change = np.float32(EXCITATION**2) * near - np.float32(INHIBITION**2) * far / support

@@ -18,6 +18,7 @@ from visuohaptic.cli import (
     meshes,
     press,
     report,
+    tables,
 )
 from visuohaptic.cli.printing import say
 
@@ -29,7 +30,7 @@ app = typer.Typer(
 )
 for command in (
     *(explore.touch, explore.recognise, press.press, evaluate.evaluate, report.report),
-    *(compare.compare, export.export, images.images, gaze.gaze),
+    *(compare.compare, export.export, images.images, gaze.gaze, tables.tables),
 ):
     app.command()(command)
 app.add_typer(meshes.app, name="meshes")

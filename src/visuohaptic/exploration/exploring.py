@@ -167,8 +167,9 @@ class Exploration:
     seconds : mapping of str to float
         What each phase took: prepare, look, touch, describe.
     tables : mapping of str to pyarrow.Table
-        ``views``, ``fixations``, ``touches``, ``effects`` and ``features``, which are attributes, too, as
-        docs/tables.md describes them, in the object frame; ``frame.table(touches)`` gives one in the file's.
+        ``views``, ``fixations``, ``touches``, ``effects`` and ``features``, which are attributes, too, in
+        the object frame; ``frame.table(touches)`` gives one in the file's. ``visuohaptic tables`` lists
+        their columns.
     frame : FileFrame
         The frame of the object's file.
     """

@@ -34,26 +34,12 @@ class ViewpointParameters(BaseModel):
         min_length=1,
         description="Height of each ring above the horizon (degrees); not used by `fibonacci`",
     )
-    first_azimuth_degrees: float = Field(
-        0.0,
-        description="Azimuth of the first viewpoint, from +z towards +x (degrees)",
-    )
     distance: float = Field(
         3.0, gt=1.0, description="From the object's centre to the eye (object radii)"
     )
     projection: Literal["perspective", "orthographic"] = Field(
         "perspective",
         description="How rays leave the camera: from one point (`perspective`), or parallel (`orthographic`)",
-    )
-    field_of_view_degrees: float = Field(
-        40.0,
-        gt=0.0,
-        lt=170.0,
-        description="Angle between the view's top and bottom edge (degrees); for an orthographic "
-        "camera the view is as tall as this angle spans at the object's centre",
-    )
-    roll_degrees: float = Field(
-        0.0, description="Turn of every camera about its own axis, counter-clockwise (degrees)"
     )
 
     @property
@@ -84,27 +70,6 @@ class RenderingParameters(BaseModel):
     )
     ambient: float = Field(
         0.4, ge=0.0, le=1.0, description="Share of light that comes evenly from everywhere"
-    )
-    light_elevation_degrees: float = Field(
-        25.0,
-        ge=-90.0,
-        le=90.0,
-        description="Height of the light above the viewing axis (degrees); it moves with the camera",
-    )
-    light_azimuth_degrees: float = Field(
-        0.0,
-        description="Turn of the light to the camera's right (degrees); 0 lights both sides alike",
-    )
-    crease_angle_degrees: float = Field(
-        40.0,
-        ge=0.0,
-        le=180.0,
-        description="Faces that meet at a larger angle have an edge, not a rounding (degrees)",
-    )
-    crease_width: float = Field(
-        0.03,
-        gt=0.0,
-        description="Reach of an edge's curvature to either side (object radii)",
     )
     background: float = Field(
         0.85, ge=0.0, le=1.0, description="Grey level where no surface is; no channel looks at it"

@@ -24,6 +24,9 @@ from visuohaptic.scene.records import EffectRecord
 
 # How far a shadow ray starts above the surface, object radii; float32 rays need some 1e-5.
 SHADOW_OFFSET = 1e-4
+# Height of the light above the viewing axis. Our choice: it moves with the camera, so that brightness depends on
+# the slope only, and both sides are lit alike.
+LIGHT_ELEVATION_DEGREES = 25.0
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ def meet_surface(
     caster: RayCaster, cameras: Sequence[Camera], parameters: RenderingParameters
 ) -> Iterator[Met]:
     """Cast the rays of each camera; no effect counts, so views under other effects need no other cast."""
-    shape = shape_of(caster.surface, parameters.crease_angle_degrees, parameters.crease_width)
+    shape = shape_of(caster.surface)
     for camera in cameras:
         pixels = camera.window(caster.surface.vertices, parameters.resolution)
         origins, directions = camera.rays(parameters.resolution, pixels)
@@ -131,12 +134,11 @@ def colour_views(
     return Views(**views, effects=tuple(plan.record(len(cameras)) for plan in plans.values()))
 
 
-def light_direction(camera: Camera, parameters: RenderingParameters) -> Floats:
-    """Give the unit vector (3,), object frame, towards the light of a camera, which is infinitely far."""
-    angles = [parameters.light_azimuth_degrees, parameters.light_elevation_degrees]
-    (aside, rise), (ahead, level) = sin_cos(np.radians(angles))
-    right, up, back = camera.axes
-    return level * (aside * right + ahead * back) + rise * up
+def light_direction(camera: Camera) -> Floats:
+    """Compute the unit vector (3,), object frame, towards the light of a camera, which is infinitely far."""
+    (rise,), (level,) = sin_cos(np.radians([LIGHT_ELEVATION_DEGREES]))
+    _, up, back = camera.axes
+    return level * back + rise * up
 
 
 def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArray[Any]]:
@@ -164,7 +166,7 @@ def _seen_surface(
 ) -> dict[str, NDArray[Any]]:
     """Give what the pixels see that see the surface, by the names of `Views`."""
     faces, points, weights, normals = met.faces, met.points, met.weights, met.normals
-    light = light_direction(camera, parameters)
+    light = light_direction(camera)
     colours = face_colours.take(faces, axis=0)
     if texture is not None:
         with plans["texture"].clock():

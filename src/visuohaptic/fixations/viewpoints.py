@@ -13,6 +13,8 @@ from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.elementary import sin_cos, tangent
 
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
+# At the default distance of 3 object radii the unit sphere spans 39°, so the object fills the view.
+FIELD_OF_VIEW_DEGREES = 40.0
 
 
 @dataclass(frozen=True)
@@ -20,8 +22,8 @@ class Camera:
     """One viewpoint: an eye that looks at the origin of the object frame from a distance in object radii.
 
     The azimuth is around the vertical axis, from +z towards +x; the elevation above the horizontal plane; the
-    field of view from top to bottom edge; the roll about the viewing axis, counter-clockwise as the camera
-    sees itself turn. `projection` is ``perspective`` or ``orthographic``.
+    field of view from top to bottom edge. `projection` is ``perspective`` or ``orthographic``; the view of an
+    orthographic camera is as tall as the field of view spans at the object's centre.
     """
 
     azimuth_degrees: float
@@ -29,17 +31,15 @@ class Camera:
     distance: float
     field_of_view_degrees: float
     projection: str = "perspective"
-    roll_degrees: float = 0.0
 
     @cached_property
     def axes(self) -> Floats:
         """Unit vectors right, up and back (towards the eye), rows of a rotation (3, 3), upright at the poles too."""
-        angles = [self.azimuth_degrees, self.elevation_degrees, self.roll_degrees]
-        (east, rise, turn), (north, level, upright) = sin_cos(np.radians(angles))
+        angles = [self.azimuth_degrees, self.elevation_degrees]
+        (east, rise), (north, level) = sin_cos(np.radians(angles))
         right = np.array([north, 0.0, -east])
         back = np.array([east * level, rise, north * level])
-        up = np.cross(back, right)
-        return np.stack([upright * right + turn * up, upright * up - turn * right, back])
+        return np.stack([right, np.cross(back, right), back])
 
     @cached_property
     def eye(self) -> Floats:
@@ -103,8 +103,8 @@ class Camera:
 def place_cameras(parameters: ViewpointParameters) -> list[Camera]:
     """Place every camera of an arrangement: rings by their elevations, or a Fibonacci sphere from the top.
 
-    Its heights are the middles of equal slices, turned by the golden angle (Swinbank & Purser 2006, Q. J. R.
-    Meteorol. Soc. 132).
+    A ring begins in front of the object, at +z. The heights of the sphere are the middles of equal slices, turned
+    by the golden angle (Swinbank & Purser 2006, Q. J. R. Meteorol. Soc. 132).
     """
     if parameters.arrangement == "fibonacci":
         angles = _fibonacci_angles(parameters.count)
@@ -116,12 +116,11 @@ def place_cameras(parameters: ViewpointParameters) -> list[Camera]:
         ]
     return [
         Camera(
-            azimuth_degrees=parameters.first_azimuth_degrees + azimuth,
+            azimuth_degrees=azimuth,
             elevation_degrees=elevation,
             distance=parameters.distance,
-            field_of_view_degrees=parameters.field_of_view_degrees,
+            field_of_view_degrees=FIELD_OF_VIEW_DEGREES,
             projection=parameters.projection,
-            roll_degrees=parameters.roll_degrees,
         )
         for azimuth, elevation in angles
     ]

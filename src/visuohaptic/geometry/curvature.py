@@ -19,6 +19,12 @@ from visuohaptic.geometry.surface import Surface
 
 # Twice the area of a triangle in object radii squared, below which its normal is rounding.
 SMALLEST_CROSS = 1e-12
+# Faces that meet at a larger angle have a fold, not a rounding. Our choice: a cylinder of ten sides (36°) is round,
+# one of eight (45°) has edges.
+CREASE_ANGLE_DEGREES = 40.0
+# Reach of a fold's curvature to either side, object radii: some two pixels of the eye's working image (0.017 radii
+# each at the default distance), so that no fold falls between pixels.
+CREASE_WIDTH = 0.03
 
 
 @dataclass(frozen=True)
@@ -77,21 +83,17 @@ class SurfaceShape:
         return np.minimum(smooth + folds, self.largest)
 
 
-_MEASURED: WeakKeyDictionary[Surface, dict[tuple[float, float], SurfaceShape]] = WeakKeyDictionary()
+_MEASURED: WeakKeyDictionary[Surface, SurfaceShape] = WeakKeyDictionary()
 
 
-def shape_of(surface: Surface, crease_angle_degrees: float, crease_width: float) -> SurfaceShape:
+def shape_of(surface: Surface) -> SurfaceShape:
     """Give what `measure_shape` gives, measured once for a surface, however often it is looked at."""
-    known = _MEASURED.setdefault(surface, {})
-    key = (crease_angle_degrees, crease_width)
-    if key not in known:
-        known[key] = measure_shape(surface, *key)
-    return known[key]
+    if surface not in _MEASURED:
+        _MEASURED[surface] = measure_shape(surface)
+    return _MEASURED[surface]
 
 
-def measure_shape(
-    surface: Surface, crease_angle_degrees: float = 40.0, crease_width: float = 0.03
-) -> SurfaceShape:
+def measure_shape(surface: Surface, crease_width: float = CREASE_WIDTH) -> SurfaceShape:
     """Measure the normals and the curvature of a surface.
 
     Open sheets, loose parts, mixed windings and edges of more than two faces are allowed; a free
@@ -102,7 +104,7 @@ def measure_shape(
     adjacency = face_adjacency(faces)
     signs = consistent_sides(len(faces), adjacency)
     angles = fold_angles(normals, adjacency)
-    smooth = angles <= np.radians(crease_angle_degrees)
+    smooth = angles <= np.radians(CREASE_ANGLE_DEGREES)
     groups = corner_groups(faces, adjacency, smooth)
     corner_normals = smooth_normals(surface, signs, groups)
     heights, lengths = _heights_and_lengths(surface)

@@ -15,9 +15,6 @@ class MeshParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     set: ObjectSet = Field("paper", description="Objects of the catalogue that take part")
-    merge_tolerance: float = Field(
-        1e-6, ge=0, le=1e-3, description="Vertices nearer than this become one (object radii)"
-    )
     own_up_axis: Literal["y", "z", "auto"] = Field(
         "y",
         description="Axis of own models that points up; with `auto` the one of both on which an object "

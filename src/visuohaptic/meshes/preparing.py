@@ -16,6 +16,9 @@ from visuohaptic.meshes.model_files import read_model
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.standing import steadiest_axis
 
+MERGE_TOLERANCE = 1e-6
+"""Vertices nearer than this, in object radii, become one: some ten steps of float32 at the unit sphere."""
+
 UP_AXES = {"y": np.eye(3), "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])}
 
 
@@ -37,15 +40,14 @@ def place_object(
     else:
         surface = read_model(path, parameters.largest_megabytes)
         rotation = up_rotation(surface, str(path), parameters)
-    return place(surface, str(path), rotation, model.dimensions, parameters.merge_tolerance)
+    return place(surface, str(path), rotation, model.dimensions)
 
 
 def place_surface(
     surface: Surface, name: str, parameters: MeshParameters
 ) -> tuple[Surface, Floats]:
     """Make ready a surface in memory, as `place_object` does a user's own file."""
-    up = up_rotation(surface, name, parameters)
-    return place(surface, name, up, merge_tolerance=parameters.merge_tolerance)
+    return place(surface, name, up_rotation(surface, name, parameters))
 
 
 def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> Floats:
@@ -62,7 +64,7 @@ def normalise(
     name: str,
     rotation: Floats | None = None,
     dimensions: tuple[float, float, float] | None = None,
-    merge_tolerance: float = 1e-6,
+    merge_tolerance: float = MERGE_TOLERANCE,
 ) -> Surface:
     """Turn, stretch, clean, centre and scale a surface of any frame and unit into the object frame.
 
@@ -82,7 +84,7 @@ def place(
     name: str,
     rotation: Floats | None = None,
     dimensions: tuple[float, float, float] | None = None,
-    merge_tolerance: float = 1e-6,
+    merge_tolerance: float = MERGE_TOLERANCE,
 ) -> tuple[Surface, Floats]:
     """Do as `normalise` does, and give the matrix (4, 4) that takes points of the given frame there.
 

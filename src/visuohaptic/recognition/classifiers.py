@@ -99,14 +99,8 @@ class ClassifierParameters(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     neighbours: int = Field(5, ge=1, description="Neighbours that vote (kNN)")
-    neighbour_weights: Literal["uniform", "distance"] = Field(
-        "uniform", description="Weight of a neighbour's vote (kNN)"
-    )
     svm_kernel: Literal["linear", "poly", "rbf"] = Field("rbf", description="Kernel (SVM)")
     svm_penalty: float = Field(1.0, gt=0, description="Penalty C of a margin violation (SVM)")
-    tree_criterion: Literal["gini", "entropy"] = Field(
-        "gini", description="Impurity that a split lowers (decision tree)"
-    )
     tree_leaf_sequences: int = Field(
         1, ge=1, description="Fewest sequences in a leaf (decision tree)"
     )
@@ -184,11 +178,8 @@ def _fit_decision_tree(
 ) -> Fit:
     from sklearn.tree import DecisionTreeClassifier
 
-    tree = DecisionTreeClassifier(
-        criterion=parameters.tree_criterion,
-        min_samples_leaf=parameters.tree_leaf_sequences,
-        random_state=seed,
-    )
+    leaf = parameters.tree_leaf_sequences
+    tree = DecisionTreeClassifier(min_samples_leaf=leaf, random_state=seed)
     return tree.fit(features, labels), None
 
 

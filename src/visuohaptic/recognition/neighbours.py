@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -15,15 +14,13 @@ from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
 class NearestNeighbours:
     """Training rows (n, d) that vote; of rows as far away as the last neighbour the first ones do.
 
-    `members` (n, c) is 1 for the class of each row, 0 for the others. With weighting ``distance``
-    votes count by its inverse; where some rows are not away at all, these alone.
+    `members` (n, c) is 1 for the class of each row, 0 for the others. All votes count alike.
     """
 
     classes_: Integers
     rows: Floats
     members: Floats
     neighbours: int
-    weighting: Literal["uniform", "distance"]
 
     @property
     def n_features_in_(self) -> int:
@@ -35,7 +32,7 @@ class NearestNeighbours:
         from scipy.spatial.distance import cdist
 
         distances = cdist(rows, self.rows, "sqeuclidean")
-        votes = (self._nearest(distances) * self._weights(distances)) @ self.members
+        votes = self._nearest(distances) @ self.members
         return votes / votes.sum(axis=1, keepdims=True)
 
     def predict(self, rows: Floats) -> Integers:
@@ -48,14 +45,6 @@ class NearestNeighbours:
         missing = self.neighbours - nearer.sum(axis=1, keepdims=True)
         return nearer | (as_far & (np.cumsum(as_far, axis=1) <= missing))
 
-    def _weights(self, squared_distances: Floats) -> Floats:
-        if self.weighting == "uniform":
-            return np.ones(1)
-        at_place = squared_distances == 0
-        with np.errstate(divide="ignore"):
-            weights = 1 / np.sqrt(squared_distances)
-        return np.where(at_place.any(axis=1, keepdims=True), at_place, weights)
-
 
 def fit_nearest_neighbours(
     parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
@@ -64,7 +53,7 @@ def fit_nearest_neighbours(
     classes = np.unique(labels)
     members = (labels[:, None] == classes).astype(np.float64)
     count = min(parameters.neighbours, len(labels))
-    found = NearestNeighbours(classes, features, members, count, parameters.neighbour_weights)
+    found = NearestNeighbours(classes, features, members, count)
     if count == parameters.neighbours:
         return found, None
     return found, f"{count} neighbours, for there are no more training sequences"

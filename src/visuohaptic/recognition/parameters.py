@@ -52,22 +52,6 @@ class SelfOrganisingMapParameters(_Section):
         description="`batch`: Kohonen's batch map, which is deterministic; `online`: one touch after "
         "the other (MiniSom, at most two axes)",
     )
-    initial_radius: float = Field(
-        2.0, gt=0, description="Neighbourhood's standard deviation at the start (units)"
-    )
-    final_radius: float = Field(
-        0.5, gt=0, description="Neighbourhood's standard deviation at the end (units)"
-    )
-    ordering_epochs: int = Field(
-        20, ge=1, description="Passes over the touches while the neighbourhood shrinks (batch)"
-    )
-    settling_epochs: int = Field(
-        200,
-        ge=1,
-        description="Most passes at the final radius; it ends once no touch moves (batch)",
-    )
-    online_epochs: int = Field(10, ge=1, description="Passes over the touches (online)")
-    learning_rate: float = Field(0.5, gt=0, le=1, description="First learning rate (online)")
 
 
 class SequenceParameters(_Section):
@@ -191,12 +175,6 @@ class BestParameters(_Section):
         description="Viewpoints in the bags from which a linear discriminant learns, which answers beside "
         "each classifier; with none each classifier answers alone",
     )
-    bag_components: int = Field(
-        256, ge=1, description="Principal components that the discriminant of bags sees, at most"
-    )
-    bag_weight: float = Field(
-        2.0, gt=0, description="How much more the discriminant of bags counts than the classifier"
-    )
     short_touches: tuple[Annotated[int, Field(ge=1)], ...] = Field(
         (1, 2, 3, 4),
         description="Touches of shortened sequences from which a model that is saved also learns, with "
@@ -213,9 +191,6 @@ class BestParameters(_Section):
         10,
         ge=2,
         description="Folds of training objects by which a model's prediction sets are calibrated, at most",
-    )
-    inner_folds: int = Field(
-        2, ge=2, description="Folds of training objects that choose settings and temperature"
     )
 
 

@@ -15,6 +15,22 @@ from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
 
+# The paper says nothing of how its map was trained; these are our choices.
+RADII = (2.0, 0.5)
+"""The neighbourhood's standard deviation at the start and at the end, units: from across five units to each alone."""
+
+ORDERING_EPOCHS = 20
+"""Passes over the touches while the neighbourhood shrinks (batch)."""
+
+SETTLING_EPOCHS = 200
+"""Most passes at the final radius (batch): training ends where no touch changes its nearest unit, long before."""
+
+ONLINE_EPOCHS = 10
+"""Passes over the touches (online)."""
+
+LEARNING_RATE = 0.5
+"""The first learning rate (online), MiniSom's own default."""
+
 
 @dataclass(frozen=True)
 class SelfOrganisingMap:
@@ -54,12 +70,15 @@ def _fit_map(
     generator: np.random.Generator,
 ) -> SelfOrganisingMap:
     if parameters.training == "batch":
-        return fit_batch_map(rows, positions, parameters)
-    return fit_online_map(rows, positions, parameters, generator)
+        return fit_batch_map(rows, positions)
+    return fit_online_map(rows, positions, generator)
 
 
 def fit_batch_map(
-    touches: Floats, positions: Floats, parameters: SelfOrganisingMapParameters
+    touches: Floats,
+    positions: Floats,
+    radii: tuple[float, float] = RADII,
+    settling_epochs: int = SETTLING_EPOCHS,
 ) -> SelfOrganisingMap:
     """Fit a map on touches (n, k), all at once in each pass; `positions` (u, a) are the lattice.
 
@@ -69,12 +88,11 @@ def fit_batch_map(
     weights = _principal_weights(touches, positions)
     squares = np.square(positions[:, None, :] - positions[None, :, :]).sum(axis=-1)
     winners = _nearest(touches, weights)
-    radii = (parameters.initial_radius, parameters.final_radius)
-    for radius in np.geomspace(*radii, parameters.ordering_epochs):
+    for radius in np.geomspace(*radii, ORDERING_EPOCHS):
         neighbourhood = np.exp(-squares / (2 * radius**2))
         weights = _weighted_means(touches, winners, neighbourhood, weights)
         winners = _nearest(touches, weights)
-    for _ in range(parameters.settling_epochs):
+    for _ in range(settling_epochs):
         weights = _weighted_means(touches, winners, neighbourhood, weights)
         previous, winners = winners, _nearest(touches, weights)
         if np.array_equal(previous, winners):
@@ -83,10 +101,7 @@ def fit_batch_map(
 
 
 def fit_online_map(
-    touches: Floats,
-    positions: Floats,
-    parameters: SelfOrganisingMapParameters,
-    generator: np.random.Generator,
+    touches: Floats, positions: Floats, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map touch by touch, (n, k), with MiniSom, in random order.
 
@@ -105,12 +120,12 @@ def fit_online_map(
         int(shape[0]),
         int(shape[1]),
         touches.shape[1],
-        sigma=parameters.initial_radius,
-        learning_rate=parameters.learning_rate,
+        sigma=RADII[0],
+        learning_rate=LEARNING_RATE,
         random_seed=int(generator.integers(2**31)),
     )
     som.get_weights()[:] = _principal_weights(touches, positions).reshape(*shape, -1)
-    som.train(touches, parameters.online_epochs * len(touches), random_order=True)
+    som.train(touches, ONLINE_EPOCHS * len(touches), random_order=True)
     return SelfOrganisingMap(som.get_weights().reshape(-1, touches.shape[1]).copy(), positions)
 
 

@@ -33,7 +33,7 @@ from visuohaptic.recognition.pooling import (
 )
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.set_distance import keep_touches
-from visuohaptic.recognition.tuning import Projection, fit_projection
+from visuohaptic.recognition.tuning import BAG_COMPONENTS, Projection, fit_projection
 
 logger = logging.getLogger(__name__)
 
@@ -121,7 +121,7 @@ def _fit(
     labels, owners = sequences.labels, sequences.object_index
     scalings = {length: fit_standardiser(rows, "standardise") for length, rows in described.items()}
     rows = np.concatenate([scalings[length].apply(rows) for length, rows in described.items()])
-    projection = fit_projection(rows, best.bag_components)
+    projection = fit_projection(rows, BAG_COMPONENTS)
     apart = np.arange(len(described))[:, None] * (owners.max() + 1)  # no bag holds two lengths
     bags = fit_bag_classifier(
         projection.apply(rows),

@@ -24,6 +24,7 @@ from visuohaptic.recognition.encoding import Standardiser, fit_standardiser
 from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import (
+    BAG_WEIGHT,
     LEAST_SCORE,
     BagClassifier,
     Ballots,
@@ -36,6 +37,12 @@ from visuohaptic.recognition.pooling import (
 from visuohaptic.recognition.splits import hold_out_objects
 
 logger = logging.getLogger(__name__)
+
+BAG_COMPONENTS = 256
+"""Principal components that the classifier of bags sees, at most: more than the others, as its covariance is shrunk."""
+
+INNER_FOLDS = 2
+"""Folds of training objects that choose settings and temperature: the paper's set leaves two of a class to train on."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +143,7 @@ def fit_shared(
 
     There is no classifier of bags where none are wanted or no covariance can be taken of them.
     """
-    most = max(parameters.components, parameters.bag_components if parameters.bags else 0)
+    most = max(parameters.components, BAG_COMPONENTS if parameters.bags else 0)
     projection, bags = fit_projection(descriptors, most), None
     projected = projection.apply(descriptors)
     if parameters.bags:
@@ -185,9 +192,9 @@ def make_inner_folds(
     fits of other splits and changes no number.
     """
     memory = memory or FitMemory(REMEMBERED_SEQUENCES)
-    settings = (parameters.components, parameters.bags, parameters.bag_components)
+    settings = (parameters.components, parameters.bags)
     folds = []
-    for train, objects in hold_out_objects(labels, owners, parameters.inner_folds, generator):
+    for train, objects in hold_out_objects(labels, owners, INNER_FOLDS, generator):
         learnt = (descriptors[train], labels[train], owners[train])
         # With three objects a class, most inner folds of the 81 splits are those of another split.
         fits = memory.recall(
@@ -297,7 +304,7 @@ def _combine(
     """Combine with the folds' classifiers of bags; where one is missing, without held-out sequences."""
     scored = [(fold, fold.fits.bags) for fold in folds if fold.fits.bags is not None]
     if not scored or len(scored) < len(folds):
-        return Combination((1.0, 1.0 / best.bag_weight), np.ones(1), np.ones(1), known)
+        return Combination((1.0, 1.0 / BAG_WEIGHT), np.ones(1), np.ones(1), known)
     return fit_combination(
         probabilities,
         np.concatenate([bags.scores(fold.projected, len(known)) for fold, bags in scored]),

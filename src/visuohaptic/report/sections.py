@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from visuohaptic.attention.pyramid import CENTRE_LEVELS, SURROUND_OFFSETS
+from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.gaze.stored import read_measured
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import loaded
@@ -53,6 +55,7 @@ from visuohaptic.report.stability import (
 from visuohaptic.report.studies import curve_figures, names_of_own_studies, read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
+from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
 from visuohaptic.stability.stored import stored_hard_cases
 from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.tables.guards import GUARDS
@@ -354,7 +357,7 @@ def objects_values(context: ReportContext) -> Values:
 
 
 def methods_values(context: ReportContext) -> Values | None:
-    """Give the parameters that the methods text is made of; None where nothing was tested."""
+    """Return the parameters and constants of the methods text; None where nothing was tested."""
     run = context.run
     if not run.pipelines:
         return None
@@ -372,6 +375,10 @@ def methods_values(context: ReportContext) -> Values | None:
             for name, weight in weights.items()
             if weight > 0
         ],
+        "field_of_view_degrees": FIELD_OF_VIEW_DEGREES,
+        "centre_levels": CENTRE_LEVELS,
+        "surround_offsets": SURROUND_OFFSETS,
+        "penetration_tolerance": PENETRATION_TOLERANCE,
     }
 
 

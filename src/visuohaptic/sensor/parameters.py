@@ -25,23 +25,11 @@ class SensorParameters(BaseModel):
     smallest_size: float = Field(
         0.02, gt=0, le=2, description="Edge of the smallest square, the fingertip (object radii)"
     )
-    penetration_tolerance: float = Field(
-        0.002,
-        ge=1e-5,
-        le=0.1,
-        description="How far the object may stand above the sensor's plane (object radii)",
-    )
     depth_range: float = Field(
         0.1,
         gt=0,
         le=2,
         description="How deep below its plane the sensor feels (object radii); 2 is no limit, as no two points of an object are farther apart",
-    )
-    clearance: float = Field(
-        0.1,
-        gt=0,
-        le=2,
-        description="Height of the sensor's body (object radii): where the approach is blocked farther out, the sensor is set down from this height",
     )
     normal: Normal = Field(
         "face",
@@ -55,21 +43,11 @@ class SensorParameters(BaseModel):
         "per_imprint",
         description="`per_imprint` stretches each imprint to [0, 1] as the paper does; `absolute` keeps the depth range as the scale",
     )
-    flatness: float = Field(
-        1e-4,
-        gt=0,
-        le=0.1,
-        description="Relief below which `per_imprint` stretches no further, so that a flat contact stays flat (object radii)",
-    )
 
     @model_validator(mode="after")
     def _sizes_agree(self) -> Self:
         if self.smallest_size > self.largest_size:
             raise ValueError(
                 f"smallest_size is {self.smallest_size}; at most largest_size ({self.largest_size}) is allowed."
-            )
-        if self.penetration_tolerance >= self.clearance:
-            raise ValueError(
-                f"penetration_tolerance is {self.penetration_tolerance}; less than clearance ({self.clearance}) is allowed."
             )
         return self

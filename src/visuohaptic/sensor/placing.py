@@ -22,6 +22,12 @@ from visuohaptic.sensor.adaptive_size import (
 from visuohaptic.sensor.imprints import Poses, cast_heights
 from visuohaptic.sensor.parameters import SensorParameters
 
+PENETRATION_TOLERANCE = 0.002
+"""How far the object may stand above the sensor's plane, object radii: 2 % of the default depth range. Our choice."""
+
+CLEARANCE = 0.1
+"""Height of the sensor's body, object radii; our choice. Where the approach is blocked farther out, the sensor is set down from this height."""
+
 
 @dataclass(frozen=True)
 class Placed:
@@ -47,10 +53,10 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
     tangent plane. Then the surface's crossings of that plane bound the square in closed form before
     it is cast; what still penetrates (an overhang crosses no plane) bounds it again.
     """
-    tolerance, resolution = parameters.penetration_tolerance, parameters.resolution
+    tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
     way_out = approach_distances(caster, poses, tolerance)
     obstructed = np.isfinite(way_out)
-    under_obstacle = np.minimum(parameters.clearance, 0.5 * (tolerance + way_out))
+    under_obstacle = np.minimum(CLEARANCE, 0.5 * (tolerance + way_out))
     lifts = np.where(obstructed, under_obstacle, caster.reach)
     sizes = np.full(len(poses), parameters.largest_size)
 
@@ -71,7 +77,7 @@ def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: M
     _shrink_further(caster, poses, parameters, lifts, rows, sizes, heights)
     sizing += time.process_time() - started
 
-    tall = (heights > parameters.clearance).any(axis=(1, 2))
+    tall = (heights > CLEARANCE).any(axis=(1, 2))
     record = EffectRecord(
         "adaptive_size",
         mode,
@@ -94,7 +100,7 @@ def _shrink_further(
     heights: Floats,
 ) -> None:
     """Shrink the squares of some rows, in place, until no sensing point is penetrated."""
-    tolerance, resolution = parameters.penetration_tolerance, parameters.resolution
+    tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
     while len(rows):
         free = unobstructed_half_sizes(heights[rows], sizes[rows], tolerance)
         smaller = admissible_sizes(free, parameters.smallest_size, parameters.largest_size)

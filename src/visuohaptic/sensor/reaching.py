@@ -9,6 +9,7 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.adaptive_size import approach_distances, box_heights
 from visuohaptic.sensor.imprints import Poses, cast_heights
 from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
 from visuohaptic.sensor.touching import batches, stand
 
 
@@ -32,7 +33,7 @@ def reachable(
 
 
 def _reachable_part(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> Booleans:
-    tolerance = parameters.penetration_tolerance
+    tolerance = PENETRATION_TOLERANCE
     # What nothing of the object can stand above needs no rays; as in `place`, half is no rounding.
     free = box_heights(caster, poses) <= 0.5 * tolerance
     rest = np.flatnonzero(~free)

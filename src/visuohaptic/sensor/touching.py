@@ -16,12 +16,15 @@ from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.placing import Placed, place
+from visuohaptic.sensor.placing import CLEARANCE, PENETRATION_TOLERANCE, Placed, place
 from visuohaptic.sensor.planner import Situation
 from visuohaptic.sensor.random_fields import RandomFields
 
 # Bounds the memory: intermediate arrays live for so many touches at a time.
 TOUCHES_AT_A_TIME = 256
+# Relief, object radii, below which `per_imprint` stretches no further, so that a flat contact stays flat: a thousandth
+# of the default depth range, far above rounding. Our choice.
+FLATNESS = 1e-4
 
 
 @dataclass(frozen=True)
@@ -111,8 +114,8 @@ def stand(
     poses = stand_on(points, normals, parameters.orientation)
     if parameters.normal != "smoothed":
         return poses
-    size, clearance = parameters.largest_size, parameters.clearance
-    smooth = [smooth_normals(caster, poses[rows], size, clearance) for rows in batches(len(poses))]
+    size = parameters.largest_size
+    smooth = [smooth_normals(caster, poses[rows], size, CLEARANCE) for rows in batches(len(poses))]
     return stand_on(points, np.concatenate(smooth), parameters.orientation)
 
 
@@ -141,7 +144,7 @@ def contact_states(
     square. ``full``: the largest square. Heights (n, r, r), above the tangent plane, and sizes (n,)
     are in object radii.
     """
-    penetrating = (heights > parameters.penetration_tolerance).any(axis=(1, 2))
+    penetrating = (heights > PENETRATION_TOLERANCE).any(axis=(1, 2))
     partial = (heights < -parameters.depth_range).any(axis=(1, 2))
     return np.select(
         [blocked, penetrating, partial, sizes < parameters.largest_size],
@@ -157,7 +160,7 @@ def _feel_batch(
     highest = placed.heights.max(axis=(1, 2))
     # A rigid plane goes no deeper than the first thing it meets: the probed point itself, or
     # what stands higher within the square.
-    resting = np.clip(highest, 0.0, parameters.clearance)
+    resting = np.clip(highest, 0.0, CLEARANCE)
     gaps = resting[:, None, None] - placed.heights
     contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
     situation = Situation(
@@ -168,7 +171,7 @@ def _feel_batch(
     )
     signal, records = simulate(situation, contact)
     if parameters.normalisation == "per_imprint":
-        signal = stretch(signal, parameters.flatness / parameters.depth_range)
+        signal = stretch(signal, FLATNESS / parameters.depth_range)
     return Touches(
         signal.astype(np.float32),
         placed.sizes,

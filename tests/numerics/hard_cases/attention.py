@@ -12,7 +12,7 @@ from visuohaptic.attention.scanpath import INWARD, TIE, scan
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.geometry.curvature import measure_shape
+from visuohaptic.geometry.curvature import CREASE_WIDTH, measure_shape
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
@@ -218,7 +218,7 @@ def sphere_curvature(generator):
     radius = float(generator.choice([1e-3, 0.5, 1.0, 10.0 ** generator.uniform(-3, 0)]))
     surface = of_trimesh(trimesh.creation.icosphere(4, radius=radius))
     # The reach of an edge's curvature and the largest curvedness scale with the surface.
-    shape = measure_shape(surface, 40.0, 0.03 * radius)
+    shape = measure_shape(surface, CREASE_WIDTH * radius)
     error = np.abs(shape.corner_curvature * radius - 1).max()
     label = f"a sphere of radius {radius:g}"
     picture = drawings.triangles(surface.triangles / radius, "a sphere")

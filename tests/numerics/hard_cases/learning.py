@@ -9,7 +9,7 @@ from numerics.surfaces import pick
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.classifiers import CLASSIFIERS, ClassifierParameters, fit_classifier
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
-from visuohaptic.recognition.parameters import RecognitionParameters, SelfOrganisingMapParameters
+from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
 from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
@@ -181,7 +181,7 @@ def maps(generator):
     }
     for kind, values in kinds.items():
         touches = values * 10.0**exponent
-        fitted = fit_batch_map(touches, places, SelfOrganisingMapParameters())
+        fitted = fit_batch_map(touches, places)
         low, high = touches.min(axis=0), touches.max(axis=0)
         extent = max(float((high - low).max()), float(np.abs(touches).max()))
         outside = np.maximum(np.maximum(low - fitted.weights, fitted.weights - high) / extent, 0)

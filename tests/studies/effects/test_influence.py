@@ -7,6 +7,7 @@ import pytest
 import trimesh
 from studies.surfaces import RUN, run_tables, surface_of, write_meshes
 
+from visuohaptic.fixations import rendering
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes, Scene
@@ -63,10 +64,10 @@ def test_an_effect_moves_images_where_it_is_needed_and_only_there(surface, fixat
     assert equal == {**dict.fromkeys(PRESETS, True), "without noise": None}
 
 
-def test_shadows_are_measured_even_where_none_are_cast(surface):
+def test_shadows_are_measured_even_where_none_are_cast(surface, monkeypatch):
     cameras = list(place_cameras(RUN.viewpoints))[:2]
-    rendering = RUN.rendering.model_copy(update={"light_elevation_degrees": 60.0})
-    found = view_influence(RayCaster(surface), cameras, rendering, EffectModes())
+    monkeypatch.setattr(rendering, "LIGHT_ELEVATION_DEGREES", 60.0)
+    found = view_influence(RayCaster(surface), cameras, RUN.rendering, EffectModes())
     parts = {part["effect"]: part for part in found}
     assert list(parts) == list(VISUAL_EFFECTS)
     assert parts["cast_shadows"]["image_shift"] > 0
