@@ -21,7 +21,7 @@ from studies.looking.test_figures import COST as PRICES
 from studies.looking.test_figures import INTERVALS, TOUCHES, poor_sight, table_of
 
 from visuohaptic.recognition.summary import select
-from visuohaptic.report.chapters import CHAPTERS
+from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import find_run, read_run
 from visuohaptic.report.section import ReportContext, find_sources, narrowed
@@ -89,7 +89,7 @@ def run(folder):
 
 def sources_of(run):
     """Give what each section that reads tables of the run has read."""
-    sections = [section for chapter in CHAPTERS.values() for section in chapter]
+    sections = [section for chapter in chapters_of(run).values() for section in chapter]
     found = {one.name: list(find_sources(one, run, SHOWN)) for one in sections}
     return {name: sources for name, sources in found.items() if sources}
 
@@ -104,8 +104,8 @@ def rows_of(folder, source):
     return select(pa.concat_tables([pq.read_table(part) for part in parts]), **source.rows)
 
 
-def test_every_section_names_files_that_exist_and_rows_of_their_schema(folder, sources):
-    sections = {section.name for chapter in CHAPTERS.values() for section in chapter}
+def test_every_section_names_files_that_exist_and_rows_of_their_schema(folder, run, sources):
+    sections = {section.name for chapter in chapters_of(run).values() for section in chapter}
     assert sections - WITHOUT_TABLES == set(sources)
     for section, named in sources.items():
         for source in named:

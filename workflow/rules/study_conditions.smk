@@ -9,7 +9,7 @@ from visuohaptic.studies.conditions import (
     make_blocks,
     plan_study,
 )
-from visuohaptic.studies.registry import find_studies
+from visuohaptic.studies.registry import find_studies, section_files
 from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import OF_CONDITIONS
 from visuohaptic_workflow.studies_asked import is_asked_for, names_rules_of

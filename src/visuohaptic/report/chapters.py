@@ -1,7 +1,7 @@
 """The page's sections in the order in which they appear, each with the tables that it reads.
 
 A new section is a function that gives its words and figures, such as one of `sections`, a template of
-its name, and its entry here.
+its name, and its entry here. Studies outside the package bring their own (`section.study_sections`).
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import Reads, Section
+from visuohaptic.report.section import Reads, Section, figures_of, study_sections
 from visuohaptic.report.studies import names_of_own_studies
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.guards import GUARDS
@@ -21,7 +21,6 @@ from visuohaptic.tables.studies import (
     EFFECT_INFLUENCE,
     EVALUATION,
     LOOKING,
-    STUDY_FIGURES,
     TOUCHES_NEEDED,
 )
 
@@ -29,12 +28,8 @@ _SHARE = "share of rows with predicted = class, averaged over splits"
 _VOTES = "Whole objects: voted, or the majority of predicted where it is missing"
 
 
-def _of_study(name: str) -> Reads:
-    return Reads(f"Study {name}", STUDY_FIGURES, f"studies/{name}")
-
-
 def _of_own_studies(run: Run) -> list[Reads]:
-    return [_of_study(name) for name in names_of_own_studies(run.file_of("studies"))]
+    return [figures_of(name) for name in names_of_own_studies(run)]
 
 
 BEST = Reads(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", "best")
@@ -70,7 +65,7 @@ CHAPTERS = {
             "touches_needed", "Accuracy against touches", sections.touches_needed_values,
             (
                 Reads("Area and touches needed", TOUCHES_NEEDED, "touches_needed"),
-                _of_study("curves"),
+                figures_of("curves"),
             ),
         ),
         Section(
@@ -104,7 +99,7 @@ CHAPTERS = {
             "influence", "Which effects a scene needs", sections.influence_values,
             (
                 INFLUENCE,
-                _of_study("effects"),
+                figures_of("effects"),
                 Reads("Places touched in each scene", TOUCHES, "touches", "view"),
             ),
         ),
@@ -136,7 +131,6 @@ CHAPTERS = {
                 Reads("Pictures", GAZE_PICTURES, "gaze_pictures"),
             ),
         ),
-        Section("ablations", "Ablations", sections.ablations_values, (_of_study("ablations"),)),
         Section("studies", "Own studies", sections.own_studies_values, _of_own_studies),
     ),
     "Methods": (
@@ -151,3 +145,9 @@ CHAPTERS = {
     ),
 }  # fmt: skip
 """The sections by their entry in the table of contents."""
+
+
+def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
+    """Give the sections of a run's page by chapter, those that studies bring first in chapter ``Studies``."""
+    brought = study_sections(run.files.studies)
+    return {**CHAPTERS, "Studies": (*brought, *CHAPTERS["Studies"])}

@@ -51,7 +51,7 @@ from visuohaptic.report.stability import (
     stability_figures,
 )
 from visuohaptic.report.studies import curve_figures, names_of_own_studies, read_study
-from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
+from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
 from visuohaptic.studies.evaluation.models import read_evaluation
@@ -217,15 +217,10 @@ def gaze_values(context: ReportContext) -> Values:
     return {"gaze": gaze_figures(measured, context.run.file_of("gaze_pictures"))}
 
 
-def ablations_values(context: ReportContext) -> Values | None:
-    """Give the ablations."""
-    return given(study=read_study(context.run.file_of("studies"), "ablations"))
-
-
 def own_studies_values(context: ReportContext) -> Values | None:
-    """Give the studies that don't come with the package."""
+    """Give the studies that bring no section of their own."""
     folder = context.run.file_of("studies")
-    studies = [read_study(folder, name) for name in names_of_own_studies(folder)]
+    studies = [read_study(folder, name) for name in names_of_own_studies(context.run)]
     return given(studies=[study for study in studies if study])
 
 
@@ -254,7 +249,7 @@ def effects_values(context: ReportContext) -> Values:
 def influence_values(context: ReportContext) -> Values:
     """Give hard places, and what effects cost and change where that was measured."""
     run, page = context.run, context.explaining
-    accuracy = read_study(run.file_of("studies"), "effects")
+    accuracy = read_study(run.file_of("studies"), "effects", spaced)
     locations = select(run.fixations, **page.shown_rows)
     mesh = run.meshes.get(page.key) if locations.num_rows else None
     return {

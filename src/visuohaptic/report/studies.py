@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from markupsafe import Markup
 from visuohaptic.recognition.intervals import holm
 from visuohaptic.report.comparison import PAPER_PIPELINE, REFERENCE, SIGNIFICANCE
 from visuohaptic.report.estimates import Row, figure_of, share_above_interval
+from visuohaptic.report.run import Run
 from visuohaptic.report.wording import (
     counted,
     listed,
@@ -18,33 +19,17 @@ from visuohaptic.report.wording import (
     percent,
     points,
     probability,
-    spaced,
     strategy_name,
     strategy_place,
     titled,
 )
-from visuohaptic.studies.ablations import OTHER_DESCRIPTORS
-from visuohaptic.studies.registry import PACKAGED
+from visuohaptic.studies.registry import PACKAGED, section_files
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY_FIGURES, TOUCHES_NEEDED
 
 MOST_NAMED = 5
 """Conditions that a sentence names; more are counted."""
 
-NAMES = {
-    "whole_method": "whole method",
-    "without_bags": "no classifier of bags",
-    "turned_upright": "each object turned about the vertical",
-    "turned_any_way": "each object's poses turned in any way",
-    "azimuth_free": "no azimuth in the descriptors",
-    "azimuth_free_turned_upright": "no azimuth, objects turned about the vertical",
-    "contourlet_only": "contourlet bands as the only descriptor of the imprint",
-    **{entry.name: f"{entry.label} instead" for entry in OTHER_DESCRIPTORS},
-    "cutaneous_only": "cutaneous cues only",
-    "kinesthetic_only": "kinesthetic cues only",
-    "fixed_sensor_size": "sensor of fixed size",
-    "without_map": "no self-organising map",
-}
 RECOMPUTED = {
     "recognition": "nothing but the recognition",
     "features": "descriptors",
@@ -62,15 +47,16 @@ def read_figures(folder: str | Path | None, study: str) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda row: int(row["place"]))
 
 
-def read_study(folder: str | Path | None, study: str) -> Row | None:
+def read_study(
+    folder: str | Path | None, study: str, words: Callable[[str], str] = str
+) -> Row | None:
     """Read a study's `tables.STUDY_FIGURES` for the page; None where it was not measured.
 
-    Gives its ``title``, and its ``tables``, one a pipeline and classifier, the paper's pipeline first.
+    `words` writes a condition's name for readers. Gives its ``title``, and its ``tables``, one a pipeline and classifier, the paper's pipeline first.
     """
     rows = read_figures(folder, study)
     if not rows:
         return None
-    words = condition_name if study in PACKAGED else str
     cells = [{**row, "words": words(row["condition"])} for row in rows]
     tables = [_study_table(*key, own) for key, own in _by_cell(cells).items()]
     return {"title": rows[0]["title"], "tables": tables}
@@ -111,18 +97,10 @@ def _study_table(pipeline: str, classifier: str, cells: list[Row]) -> Row:
     }
 
 
-def names_of_own_studies(folder: str | Path | None) -> list[str]:
-    """Name the studies in a folder that don't come with the package."""
-    files = sorted(Path(folder).glob("*.parquet")) if folder else []
-    return [file.stem for file in files if file.stem not in PACKAGED]
-
-
-def condition_name(name: str) -> str:
-    """Give the name of a packaged study's condition in words."""
-    if name in NAMES:
-        return NAMES[name]
-    channel = name.removeprefix("without_")
-    return f"channel {spaced(channel)} left out" if channel != name else spaced(name)
+def names_of_own_studies(run: Run) -> list[str]:
+    """Name the measured studies that neither come with the package nor bring a section of their own."""
+    shown = {*PACKAGED, *section_files(run.files.studies)}
+    return [file.stem for file in run.parts("studies") if file.stem not in shown]
 
 
 def accuracy_or_error(cell: Row) -> str:

@@ -21,7 +21,7 @@ from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
 from visuohaptic.recognition.summary import select
 from visuohaptic.recognition.tuning import fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.ablations import CLASSIFIER
+from visuohaptic.studies.conditions import CLASSIFIER
 from visuohaptic.studies.figures import rows_by, write_json
 from visuohaptic.studies.study import Given, Step, Study
 from visuohaptic.tables.phases import FEATURES

@@ -24,8 +24,7 @@ from visuohaptic.recognition.experiment import gather_pipeline, split_runner
 from visuohaptic.recognition.sequences import classes_of_two
 from visuohaptic.recognition.summary import select
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.ablations import CLASSIFIER
-from visuohaptic.studies.conditions import Planned, plan_study
+from visuohaptic.studies.conditions import CLASSIFIER, Planned, plan_study
 from visuohaptic.studies.curves.choosing import choose_features, gather_candidates
 from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.measuring import (

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.ablations import ALONE
+from visuohaptic.studies.conditions import FIXATION_ONLY
 from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Condition, Step, Study
 
 LONGEST_SEQUENCE = 16
@@ -21,7 +21,9 @@ def curve_conditions(_run: ExperimentParameters) -> Iterator[Condition]:
     strategies = tuple(entry.name for entry in STRATEGIES if entry.unreachable != "keep")
     shared = {"probing.strategies": strategies, "probing.when_exhausted": "begin_again"}
     for count in range(1, LONGEST_SEQUENCE + 1):
-        yield Condition(touches_name(count), {**ALONE, **shared, "recognition.touches": count})
+        yield Condition(
+            touches_name(count), {**FIXATION_ONLY, **shared, "recognition.touches": count}
+        )
 
 
 def touches_name(count: int) -> str:

@@ -16,8 +16,7 @@ from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import draw_splits
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.ablations import CLASSIFIER
-from visuohaptic.studies.conditions import touches_of_run, with_changes
+from visuohaptic.studies.conditions import CLASSIFIER, touches_of_run, with_changes
 from visuohaptic.studies.curves.choosing import choose_features
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.looking.answers import (

@@ -8,18 +8,10 @@ from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS
+from visuohaptic.studies.conditions import FIXATION_ONLY
 from visuohaptic.studies.study import Changes, Condition, Study
 
 WHOLE = "whole_method"
-CLASSIFIER = "support_vector_machine"
-"""The paper's best; one is enough to compare conditions."""
-
-ALONE: Changes = {
-    "probing.strategies": ("fixation",),
-    "recognition.classifiers": (CLASSIFIER,),
-    "recognition.best.classifiers": (CLASSIFIER,),
-}
-"""Touches by fixation and one classifier."""
 
 _SKIN = ("contourlet", "imprint", "sensor")
 _POSE = ("pose", "relations", "embedding")
@@ -62,7 +54,7 @@ def ablated(run: ExperimentParameters) -> Iterator[Condition]:
     """Give the ablations of a run; of a run without pipeline `paper` none concerns the map."""
     for name, changes in PARTS.items():
         if set(changes.get("recognition.pipelines", ())) <= set(run.recognition.pipelines):
-            yield Condition(name, {**ALONE, **changes})
+            yield Condition(name, {**FIXATION_ONLY, **changes})
 
 
-ABLATIONS = Study("ablations", "Ablations", ablated)
+STUDY = Study("ablations", "Ablations", ablated)
