@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 from report.synthetic import write_run, write_study
-from report.test_certainty import certainty_table
 from report.test_gaze import TABLE as GAZED
 from report.test_stability import EXACT, GRAZING
 from studies.cost.test_front import cost_rows, cost_table
@@ -55,7 +54,6 @@ def test_every_axis_has_a_name(metrics, curves):
         figures.conditions(curves),
         figures.runs(["naive Bayes"], {"A": [Figure(0.5, 0.4, 0.6)]}),
         figures.touches_needed(curves),
-        figures.coverage(certainty_table()),
         figures.cost(cost_table(POINTS)),
         figures.stability(result_table([GRAZING, EXACT])),
         figures.gaze(summarise(GAZED, "training")),
@@ -94,13 +92,6 @@ def test_a_condition_that_failed_has_no_row_and_nothing_measured_is_refused(tmp_
         figures.conditions(found[1:])
     with pytest.raises(ReportError, match="nothing to draw"):
         figures.cost(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:])
-
-
-def test_coverage_counts_the_sets_that_would_hold_the_class():
-    # At 50 % sets hold what fits better than 50 %, at 60 % what fits better than 40 %, ...
-    expected = [0.25, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.75, 0.75]
-    drawn = marks(figures.coverage(certainty_table()), "eye fixations")
-    np.testing.assert_allclose(drawn[:, 1], expected)
 
 
 def test_a_line_joins_settings_of_which_one_thing_changes_and_no_others():

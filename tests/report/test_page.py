@@ -198,7 +198,6 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     assert not {"plotly-library", "touches_needed", "looking"} & set(page.values("id"))
     for section in ("What accuracy costs in time", "Accuracy by scene", "ms always"):
         assert section not in page.text
-    assert "snakemake -j2 certainty_all" in page.text
     assert "a model that learnt 142 objects classifies 22 others, of set odd" in page.text
     assert "Effects of the view" not in page.values("aria-label")
 

@@ -9,8 +9,8 @@ import pyarrow.parquet as pq
 import pytest
 from report.pages import plain, read_page
 from report.synthetic import lay_out, write_study
-from report.test_certainty import evaluation_table, write_certainty
 from report.test_effects import write_influence
+from report.test_evaluation import evaluation_table
 from report.test_gaze import TABLE as GAZED
 from report.test_readings import MADE
 from report.test_stability import ON_OBJECT, written
@@ -19,6 +19,7 @@ from report.test_touches_needed import write_tables
 from studies.cost.test_front import cost_table
 from studies.looking.test_figures import COST as PRICES
 from studies.looking.test_figures import INTERVALS, TOUCHES, poor_sight, table_of
+from studies.trust.test_section import write_trust
 
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.chapters import chapters_of
@@ -51,7 +52,7 @@ def folder(tmp_path_factory):
     write_influence(results / "effect_influence.parquet")
     summary = json.dumps({"report": MADE.model_dump(mode="json")})
     (folder / "reports/readings.json").write_text(summary)
-    write_certainty(folder)
+    write_trust(folder)
     write_table(LOOKING, table_of(poor_sight), results / "looking.parquet")
     looking = sum_up_looking(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)
     write_json(looking, folder / "reports/looking.json")

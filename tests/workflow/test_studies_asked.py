@@ -23,7 +23,7 @@ def asked_for(arguments):
         ("results/studies/palm.parquet", "palm"),
         ("results/study_features/palm/0a1b.parquet", "palm"),
         ("results/records/block_of_study/palm/0000-0002.json", "palm"),
-        ("reports/certainty.json", "certainty"),
+        ("reports/trust.json", "trust"),
         ("results/touches_needed.parquet", "curves"),
         ("results/reading/r017.json", "readings"),
     ],

@@ -15,7 +15,7 @@ from visuohaptic.studies.registry import section_files
 from visuohaptic.tables.phases import key_of
 
 _SECTION_OF_STUDY = {"curves": "touches_needed", "effects": "influence"} | {
-    name: name for name in ("certainty", "cost", "looking", "readings")
+    name: name for name in ("cost", "looking", "readings")
 }
 
 _TOO_FEW = "left out of recognition where that needs more touches"

@@ -16,7 +16,6 @@ from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
 from visuohaptic.tables.stability import STABILITY
 from visuohaptic.tables.studies import (
-    CERTAINTY,
     COST,
     EFFECT_INFLUENCE,
     EVALUATION,
@@ -73,11 +72,8 @@ CHAPTERS = {
             (Reads("Number of rows", PREDICTIONS, "predictions", "first best"),),
         ),
         Section(
-            "certainty", "How sure answers are", sections.certainty_values,
-            (
-                Reads("Known and unknown objects", CERTAINTY, "certainty"),
-                Reads("Objects not learnt", EVALUATION, "evaluation"),
-            ),
+            "evaluation", "Objects that the model has not learnt", sections.evaluation_values,
+            (Reads("Objects not learnt", EVALUATION, "evaluation"),),
         ),
         Section(
             "looking", "What the eye alone recognises, and what touch adds", sections.looking_values,

@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 
 from visuohaptic.errors import ReportError
 from visuohaptic.gaze.summary import PredictorRow
-from visuohaptic.recognition.summary import select
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
@@ -36,7 +35,6 @@ from visuohaptic.report.wording import (
     titled,
 )
 from visuohaptic.studies.looking.settings import CHECKED, LOOK
-from visuohaptic.tables.studies import STATED_COVERAGES
 
 Rows: TypeAlias = pa.Table | Sequence[Mapping[str, Any]]
 Write: TypeAlias = Callable[[float, float], str] | str
@@ -116,36 +114,14 @@ def touches_needed(table: Rows) -> Figure:
         touches = np.array([_place_in_study(row) + 1 for row in own]) + aside
         lines[strategy] = touches, [row["accuracy"] for row in own]
         intervals[strategy] = [[_end(row, end) for row in own] for end in ("low", "high")]
-    chart, axes = _draw_lines(lines, 215)
+    chart, axes = draw_lines(lines, 215)
     for strategy, (low, high) in intervals.items():
         colour, _ = look(strategy_place(strategy))
         axes.vlines(lines[strategy][0], low, high, colors=colour, linewidth=0.8, alpha=0.6)
     lowest = min(_end(row, "low") for row in rows)
     axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
     axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
-    return _finish(chart, "touches", "correctly classified", up_as=_whole)
-
-
-@style()
-def coverage(table: pa.Table) -> Figure:
-    """Draw the share of known objects whose class is in the set, against the stated coverage.
-
-    Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn.
-    """
-    most = select(table, views=max(table.column("views").to_pylist()), known=True)
-    stated = np.array(STATED_COVERAGES) / 100
-    lines = {}
-    for strategy in dict.fromkeys(most.column("strategy").to_pylist()):
-        held = select(most, strategy=strategy).column("covered_at").to_pylist()
-        lines[strategy] = (
-            stated,
-            [np.mean([one in sets for sets in held]) for one in STATED_COVERAGES],
-        )
-    chart, axes = _draw_lines(lines, 190, "as stated")
-    ends = [stated[0], 1]
-    axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
-    axes.set_ylim(0, 1.02)
-    return _finish(chart, "stated coverage", "share of the objects", across_as=_whole, up_as=_whole)
+    return finish(chart, "touches", "correctly classified", up_as=whole_percent)
 
 
 @style()
@@ -162,10 +138,10 @@ def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
         strategy: zip(*sorted((row["seconds"], row["accuracy"]) for row in line), strict=True)
         for strategy, line in lines.items()
     }
-    chart, axes = _draw_lines(places, 190)
+    chart, axes = draw_lines(places, 190)
     axes.set_xscale("log")
-    return _finish(
-        chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole
+    return finish(
+        chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=whole_percent
     )
 
 
@@ -202,7 +178,7 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_ticks([], minor=True)
     axes.set_ylim(-0.3 * errors[0] if flawless else errors[0] / 1.25, errors[-1] * 1.1)
-    return _finish(chart, across, "error rate")
+    return finish(chart, across, "error rate")
 
 
 @style()
@@ -219,7 +195,7 @@ def parts_of_time(table: Rows) -> Figure:
     axes.set_xlim(0, 1.6 * max(seconds))
     across = "median time in one recognition"
     axes.grid(visible=False)
-    return _finish(chart, across, "part", across_as=lambda tick, _: duration(tick))
+    return finish(chart, across, "part", across_as=lambda tick, _: duration(tick))
 
 
 @style()
@@ -246,7 +222,7 @@ def stability(table: pa.Table) -> Figure:
     axes.set_xlim(0, LARGEST_SHARE)
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "tolerance"])
     axes.grid(visible=False, axis="y")
-    return _finish(chart, "worst error, as a share of its tolerance", "family")
+    return finish(chart, "worst error, as a share of its tolerance", "family")
 
 
 @style()
@@ -270,7 +246,7 @@ def bands(deviations: Sequence[float]) -> Figure:
     axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
     axes.locator_params(axis="y", nbins=3)
-    return _finish(chart, "sub-band", "deviation")
+    return finish(chart, "sub-band", "deviation")
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
@@ -333,12 +309,12 @@ def _draw_intervals(
     axes.set_xlim(start, 1.01)
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
-    begins = f" (axis from {_whole(start)})" if start else ""
+    begins = f" (axis from {whole_percent(start)})" if start else ""
     axes.grid(visible=False, axis="y")
-    return _finish(chart, f"{across}{begins}", rows_are, across_as=_whole)
+    return finish(chart, f"{across}{begins}", rows_are, across_as=whole_percent)
 
 
-def _draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
+def draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
     """Begin a chart with a line a strategy, of places across and up; its legend also has `more`."""
     chart, axes = new_chart(height + _legend_height([*lines, *more]))
     for strategy, places in lines.items():
@@ -377,7 +353,7 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         )  # fmt: skip
 
 
-def _finish(
+def finish(
     chart: Figure, across: str, up: str, across_as: Write | None = None, up_as: Write | None = None
 ) -> Figure:
     """Name the axes and the series of a chart, which is then complete."""
@@ -403,7 +379,8 @@ def _legend_height(labels: Sequence[str]) -> float:
     return _LEGEND_LINE * math.ceil(len(labels) / _columns_of(labels))
 
 
-def _whole(share: float, _place: float = 0) -> str:
+def whole_percent(share: float, _place: float = 0) -> str:
+    """Write a share on an axis without decimals."""
     return percent(share, 0)
 
 

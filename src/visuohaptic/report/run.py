@@ -42,8 +42,6 @@ _EXTRAS = {
     "effect_influence": "results/effect_influence.parquet",
     "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
-    "certainty": "results/certainty.parquet",
-    "certainty_figures": "reports/certainty.json",
     "looking": "results/looking.parquet",
     "looking_figures": "reports/looking.json",
     "evaluation": "reports/evaluation.parquet",

@@ -14,7 +14,6 @@ from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import confusion, select
-from visuohaptic.report.certainty import certainty_figures, evaluation_figures
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
 from visuohaptic.report.cost import cost_verdict, cue_sentences, read_cost
 from visuohaptic.report.effects import (
@@ -28,6 +27,7 @@ from visuohaptic.report.effects import (
     sum_channels,
     sum_effects,
 )
+from visuohaptic.report.evaluation import evaluation_figures
 from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.looking import ANSWERS, looking_figures
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
@@ -184,19 +184,12 @@ def comparison_values(context: ReportContext) -> Values | None:
     }
 
 
-def certainty_values(context: ReportContext) -> Values:
-    """Give how sure answers are, or None where it was not measured; on new objects also as kept."""
+def evaluation_values(context: ReportContext) -> Values:
+    """Give what a model answers for objects that it has not learnt, of this run or as kept with the package."""
     run, parameters = context.run, context.run.parameters
-    table, figures = run.file_of("certainty"), run.file_of("certainty_figures")
-    evaluation = evaluation_figures(
-        read_evaluation(run.file_of("evaluation")),
-        parameters.recognition.intervals,
-        parameters.seed,
-    )
-    return {
-        "certainty": certainty_figures(table, figures) if table and figures else None,
-        "evaluation": evaluation,
-    }
+    measured = read_evaluation(run.file_of("evaluation"))
+    found = evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
+    return {"evaluation": found}
 
 
 def touches_needed_values(context: ReportContext) -> Values | None:

@@ -12,7 +12,6 @@ from types import ModuleType
 
 from visuohaptic.errors import ParameterError, VisuohapticError
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.certainty import CERTAINTY_STUDY
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER
 from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
@@ -26,7 +25,6 @@ STUDIES = (
     CURVES,
     EFFECTS_STUDY,
     INFLUENCE,
-    CERTAINTY_STUDY,
     LOOKING_STUDY,
 )
 """The studies of the package."""

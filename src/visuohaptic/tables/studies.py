@@ -113,45 +113,15 @@ TOUCHES_NEEDED = Schema(
     ),
 )
 
-STATED_COVERAGES = tuple(range(50, 100, 5))
-"""Coverages at which prediction sets are measured, percent."""
-
-_CLASSIFIED_BY = Column("classifier", TEXT, "classifier of pipeline best")
-_VIEWS = count("views", "viewpoints from which it is classified", 1)
-_ANSWER = (
+CLASSIFIED_BY = Column("classifier", TEXT, "classifier of pipeline best")
+VIEWS = count("views", "viewpoints from which it is classified", 1)
+ANSWER = (
     Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
     Column("correct", pa.bool_(), "whether the likeliest class is its own"),
     Column("covered", pa.bool_(), "whether the prediction set holds its class"),
 )
-_CANDIDATES = count("candidates", "classes in the prediction set")
-_UNKNOWN = Column("unknown", pa.bool_(), "whether the object is called unknown")
-
-CERTAINTY = Schema(
-    "certainty",
-    (
-        Column("strategy", TEXT, "whose touches"),
-        _CLASSIFIED_BY,
-        Column("left_out", TEXT, "the class that the model does not know"),
-        Column("class", TEXT, "class of the tested object"),
-        Column("object", TEXT, "name of the tested object"),
-        _VIEWS,
-    ),
-    (
-        *_ANSWER,
-        Column(
-            "covered_at",
-            pa.list_(pa.int32()),
-            f"stated coverages, of {STATED_COVERAGES[0]}, {STATED_COVERAGES[1]} to {STATED_COVERAGES[-1]}, whose set holds its class",
-            "percent",
-            STATED_COVERAGES[0],
-            STATED_COVERAGES[-1],
-        ),
-        _CANDIDATES,
-        share("strangeness", "share of known objects that are less strange"),
-        Column("evidence", REAL, "by which objects are compared: larger is stranger"),
-        _UNKNOWN,
-    ),
-)
+CANDIDATES = count("candidates", "classes in the prediction set")
+UNKNOWN = Column("unknown", pa.bool_(), "whether the object is called unknown")
 
 CONFIDENCE_BINS = 10
 """Equal parts of the range of probabilities, over which calibration is measured."""
@@ -195,16 +165,16 @@ EVALUATION = Schema(
     "evaluation",
     (
         Column("strategy", TEXT, "whose touches, those that the model learnt from"),
-        _CLASSIFIED_BY,
+        CLASSIFIED_BY,
         Column("class", TEXT, "class of the object"),
         Column("object", TEXT, "name of the object, which the model has not learnt"),
-        _VIEWS,
+        VIEWS,
         count("bag", "which of the evenly spread choices of so many viewpoints"),
     ),
     (
-        *_ANSWER,
-        _CANDIDATES,
-        _UNKNOWN,
+        *ANSWER,
+        CANDIDATES,
+        UNKNOWN,
         share("stated", "stated coverage of the prediction set"),
         count("learnt", "objects that the model learnt", 2),
     ),
@@ -291,7 +261,6 @@ STUDIES = (
     TOUCHES_NEEDED,
     COST_SECONDS,
     COST,
-    CERTAINTY,
     LOOKING,
     EVALUATION,
 )

@@ -10,11 +10,11 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
+from trust.tables import STATED_COVERAGES, TRUST
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.certainty import fit_calibration, one_classifier
 from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.experiment import fitting, gather_pipeline
-from visuohaptic.recognition.intervals import plain_interval, rate_interval
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
@@ -22,47 +22,25 @@ from visuohaptic.recognition.summary import select
 from visuohaptic.recognition.tuning import fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import CLASSIFIER
-from visuohaptic.studies.figures import rows_by, write_json
-from visuohaptic.studies.study import Given, Step, Study
+from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
+from visuohaptic.studies.figures import write_json
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_rows, read_table, write_table
-from visuohaptic.tables.studies import CERTAINTY, STATED_COVERAGES
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
     from visuohaptic.recognition.sequences import TouchSequences
 
-VIEWS = (1, 4, 16)
-"""Numbers of views from which objects are classified, as far as they have them."""
 
-CERTAINTY_STUDY = Study(
-    "certainty",
-    "How sure answers are",
-    steps=(
-        Step(
-            "certainty",
-            "visuohaptic.studies.certainty:make_certainty",
-            ("results/certainty.parquet", "reports/certainty.json"),
-            takes=("features",),
-            needs={
-                "include": {"seed": True, "probing": {"strategies"}, "recognition": True},
-                "exclude": {"recognition": {"pipelines"}},
-            },
-        ),
-    ),
-    has_figures=False,
-)
-"""Prediction sets at their stated coverage, and objects of classes that a model does not know."""
-
-
-def measure_certainty(
+def measure_trust(
     features: pa.Table,
     strategy: str,
     classifier: str,
     parameters: RecognitionParameters,
     seed: int,
 ) -> pa.Table:
-    """Classify known and unknown objects by models that lack one whole class each: `tables.CERTAINTY`.
+    """Classify known and unknown objects by models that lack one whole class each: `TRUST`.
 
     Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the
     rest trains and calibrates pipeline `best`. Raises `RecognitionError` of fewer than three classes.
@@ -81,13 +59,13 @@ def measure_certainty(
             generator = spawn_generator(seed, "certainty", left_out)
             rows += _without_class(sequences, described, left_out, one, generator)
     key = {"strategy": strategy, "classifier": classifier}
-    return build_rows(CERTAINTY, [{**key, **row} for row in rows])
+    return build_rows(TRUST, [{**key, **row} for row in rows])
 
 
-def summarise_certainty(
+def summarise_trust(
     table: pa.Table, coverage: float, intervals: IntervalParameters, seed: int
 ) -> list[dict[str, Any]]:
-    """Sum up `tables.CERTAINTY` by strategy and number of views: what `sum_up_answers` gives, and ``area``.
+    """Sum up `TRUST` by strategy and number of views: what `sum_up_answers` gives, and ``area``.
 
     That is under the curve that tells unknown objects from known ones, a mean over the classes left out.
     """
@@ -100,47 +78,17 @@ def summarise_certainty(
     return found
 
 
-def sum_up_answers(
-    table: pa.Table, coverage: float, intervals: IntervalParameters, seed: int
-) -> Iterator[tuple[dict[str, Any], pa.Table]]:
-    """Give by strategy and number of views shares with intervals over objects, the sets' mean size, and the rows.
-
-    Any table will do that says of each answer whether the object's class is `known`, and whether the
-    answer is `correct`, `covered` and `unknown`. What there are no objects for is left out.
-    """
-    for strategy in table.column("strategy").unique().to_pylist():
-        for views in table.column("views").unique().to_pylist():
-            rows = select(table, strategy=strategy, views=views)
-            known = select(rows, known=True)
-            figures: dict[str, Any] = {"strategy": strategy, "views": views, "stated": coverage}
-            for name, of, column in (
-                ("accuracy", known, "correct"),
-                ("coverage", known, "covered"),
-                ("false_unknown", known, "unknown"),
-                ("found_unknown", select(rows, known=False), "unknown"),
-            ):
-                if len(of):
-                    means, counts = _by_object(of, column)
-                    generator = spawn_generator(seed, "certainty", strategy, views, name)
-                    interval = rate_interval(means, counts, intervals, generator)
-                    figures[name] = list(plain_interval(interval).values())
-            figures["set_size"] = float(np.mean(known["candidates"].to_numpy()))
-            yield figures, rows
-
-
-def make_certainty(given: Given) -> None:
-    """Make `tables.CERTAINTY` of every strategy, and its summary as JSON."""
+def make_trust(given: Given) -> None:
+    """Make `TRUST` of every strategy, and its summary as JSON."""
     run, (table, metrics) = given.run, given.outputs
     rows = read_table(FEATURES, given.inputs["features"])
     measured = pa.concat_tables(
-        measure_certainty(rows, strategy, CLASSIFIER, run.recognition, run.seed)
+        measure_trust(rows, strategy, CLASSIFIER, run.recognition, run.seed)
         for strategy in run.probing.strategies
     )
-    write_table(CERTAINTY, measured, table)
+    write_table(TRUST, measured, table)
     recognition = run.recognition
-    found = summarise_certainty(
-        measured, recognition.best.coverage, recognition.intervals, run.seed
-    )
+    found = summarise_trust(measured, recognition.best.coverage, recognition.intervals, run.seed)
     write_json(found, metrics)
 
 
@@ -205,13 +153,6 @@ def _without_class(
                 "evidence": sure.evidence,
                 "unknown": sure.unknown,
             }
-
-
-def _by_object(rows: pa.Table, column: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Give each object's mean of a column, and how often it was tested."""
-    parts = rows_by(rows, ("class", "object")).values()
-    means = np.array([np.mean(part[column].to_numpy()) for part in parts])
-    return means, np.array([len(part) for part in parts], dtype=np.float64)
 
 
 def _area(rows: pa.Table) -> float:

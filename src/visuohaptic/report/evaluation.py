@@ -1,47 +1,23 @@
-"""How sure answers are: prediction sets against their stated coverage, and objects of no known class."""
+"""What a model answers for objects that it has not learnt."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from pathlib import Path
 
-from visuohaptic.recognition.certainty import least_objects
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.summary import select
-from visuohaptic.report.estimates import Figure, Row, read_json
+from visuohaptic.report.estimates import Figure, Row
 from visuohaptic.report.wording import counted, percent, strategy_name
 from visuohaptic.studies.evaluation.models import MeasuredEvaluation, summarise_evaluation
 from visuohaptic.tables.phases import owners_of
-from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import CERTAINTY
-
-
-def certainty_figures(table: Path, figures: Path) -> Row:
-    """Read `tables.CERTAINTY`, and the figures beside it as ``rows`` by strategy and number of views.
-
-    Below ``least`` training objects the ``stated`` coverage leaves nothing out; ``enough`` says whether it did.
-    """
-    way_out = "run `snakemake -j2 certainty_all` again"
-    rows = read_json(figures, _rows, "holds no figures of certainty", way_out)
-    measured = read_table(CERTAINTY, table)
-    classes = len(measured.column("left_out").unique())
-    return {
-        "table": measured,
-        "rows": rows,
-        "views": max(row["views"] for row in rows),
-        "stated": rows[0]["stated"],
-        "least": least_objects(rows[0]["stated"]),
-        "classes": classes,
-        "enough": any(row["set_size"] < classes - 1 for row in rows),
-    }
 
 
 def evaluation_figures(
     measured: MeasuredEvaluation, intervals: IntervalParameters, seed: int
 ) -> Row:
-    """Sum up a model's answers for objects that it has not learnt, with ``rows`` as in `certainty_figures`."""
-    rows = _rows(summarise_evaluation(measured.table, intervals, seed))
+    """Sum up a model's answers for objects that it has not learnt: a ``sentence``, and ``rows`` by strategy and number of views."""
+    rows = rows_of(summarise_evaluation(measured.table, intervals, seed))
     known = select(measured.table, known=True)
     named = sorted(set(owners_of(known)))
     counts = Counter(category for category, _ in named)
@@ -65,7 +41,8 @@ def _in_words(row: Row) -> str:
     )
 
 
-def _rows(found: Sequence[Row]) -> list[Row]:
+def rows_of(found: Sequence[Row]) -> list[Row]:
+    """Make figures of the lists of mean, low and high that `sum_up_answers` gives."""
     return [
         {name: Figure(*value) if isinstance(value, list) else value for name, value in row.items()}
         for row in found

@@ -7,15 +7,15 @@ import pyarrow.compute as pc
 import pytest
 from recognition.synthetic import features_table
 
+from trust.classes_left_out import make_trust, measure_trust, summarise_trust
+from trust.tables import TRUST
 from visuohaptic.errors import RecognitionError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition import select
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
-from visuohaptic.studies.certainty import make_certainty, measure_certainty, summarise_certainty
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
-from visuohaptic.tables.studies import CERTAINTY
 
 PARAMETERS = RecognitionParameters()
 
@@ -23,7 +23,7 @@ PARAMETERS = RecognitionParameters()
 @pytest.fixture(scope="module")
 def measured():
     table = features_table(objects=(8, 8, 8), viewpoints=4, separation=2.0)
-    return measure_certainty(table, "fixation", "naive_bayes", PARAMETERS, 1)
+    return measure_trust(table, "fixation", "naive_bayes", PARAMETERS, 1)
 
 
 @pytest.mark.slow
@@ -44,7 +44,7 @@ def test_sets_of_another_coverage_are_those_that_would_be_given_where_it_is_stat
     best = PARAMETERS.best.model_copy(update={"coverage": 0.8})
     other = PARAMETERS.model_copy(update={"best": best})
     ours, theirs = (
-        select(measure_certainty(table, "fixation", "naive_bayes", one, 1), known=True).to_pylist()
+        select(measure_trust(table, "fixation", "naive_bayes", one, 1), known=True).to_pylist()
         for one in (PARAMETERS, other)
     )
     covered = [row["covered"] for row in theirs]
@@ -52,7 +52,7 @@ def test_sets_of_another_coverage_are_those_that_would_be_given_where_it_is_stat
 
 
 def test_unknown_objects_are_stranger_than_known_ones(measured):
-    found = summarise_certainty(measured, 0.9, IntervalParameters(), 1)
+    found = summarise_trust(measured, 0.9, IntervalParameters(), 1)
     (figures,) = [one for one in found if one["views"] == 4]
     assert figures["area"] > 0.9
     assert figures["coverage"][0] > 0.7
@@ -61,7 +61,7 @@ def test_unknown_objects_are_stranger_than_known_ones(measured):
 
 def test_fewer_than_three_classes_are_refused():
     with pytest.raises(RecognitionError, match="2 classes"):
-        measure_certainty(features_table(objects=(3, 3)), "fixation", "naive_bayes", PARAMETERS, 1)
+        measure_trust(features_table(objects=(3, 3)), "fixation", "naive_bayes", PARAMETERS, 1)
 
 
 @pytest.mark.parametrize("category", ["class0", "class1"])
@@ -69,17 +69,17 @@ def test_an_object_with_a_view_less_is_compared_with_the_others(category):
     table = features_table(objects=(3, 3, 3), viewpoints=4, separation=2.0)
     of_object = (pc.field("class") == category) & (pc.field("object") == "object0")
     shown = table.filter(~(of_object & (pc.field("viewpoint") == 3)))
-    found = measure_certainty(shown, "fixation", "naive_bayes", PARAMETERS, 1)
-    figures = summarise_certainty(found, 0.9, IntervalParameters(), 1)
+    found = measure_trust(shown, "fixation", "naive_bayes", PARAMETERS, 1)
+    figures = summarise_trust(found, 0.9, IntervalParameters(), 1)
     assert [one["views"] for one in figures] == [1, 4]
     assert all(np.isfinite(one["area"]) for one in figures)
 
 
 def test_table_and_summary_are_written(tmp_path):
     table = features_table(objects=(3, 3, 3), viewpoints=2, separation=2.0)
-    features, *files = (tmp_path / name for name in ("features", "certainty", "summary"))
+    features, *files = (tmp_path / name for name in ("features", "trust", "summary"))
     write_table(FEATURES, table, features)
     run = ExperimentParameters.from_mapping({"probing": {"strategies": ["fixation"]}})
-    make_certainty(Given("certainty", {"features": [features]}, files, run))
-    assert read_table(CERTAINTY, files[0]).num_rows
+    make_trust(Given("trust", {"features": [features]}, files, run))
+    assert read_table(TRUST, files[0]).num_rows
     assert {one["views"] for one in json.loads(files[1].read_text())} == {1, 2}
