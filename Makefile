@@ -75,13 +75,14 @@ bench: $(DEVELOP)
 	python -m benchmarks
 
 # Its figures are of a default run, which is made first where it is not current.
+readme: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 readme: $(DEVELOP) report
 	python docs/make_readme.py
 	python -m readings.summary
 	python docs/make_readings.py
 	python docs/make_claims.py
 	python docs/make_looking.py
-	python docs/make_curves.py
+	python -m touch_curves.make_page
 	python docs/make_scaling.py
 	python docs/make_tables.py
 	python docs/make_api.py

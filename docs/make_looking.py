@@ -39,6 +39,7 @@ from visuohaptic.studies.looking.settings import (
 
 PAGE = DOCS / "looking.md"
 PICTURE = DOCS / "pictures" / "looking.png"
+KEPT = DOCS / "figures" / "looking"
 ANSWERS = {
     LOOK: "look, view",
     "outline": "look, outline",
@@ -204,4 +205,4 @@ def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    fill_from_figures("looking", PAGE, blocks, PICTURE, draw, figures_of_run)
+    fill_from_figures(KEPT, PAGE, blocks, PICTURE, draw, figures_of_run)

@@ -15,10 +15,10 @@ from report.test_gaze import TABLE as GAZED
 from report.test_readings import MADE
 from report.test_stability import ON_OBJECT, written
 from report.test_studies import ROWS as ABLATIONS
-from report.test_touches_needed import write_tables
 from studies.cost.test_front import cost_table
 from studies.looking.test_figures import COST as PRICES
 from studies.looking.test_figures import INTERVALS, TOUCHES, poor_sight, table_of
+from studies.touch_curves.test_section import write_tables
 from studies.trust.test_section import write_trust
 
 from visuohaptic.recognition.summary import select

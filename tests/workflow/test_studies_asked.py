@@ -24,7 +24,7 @@ def asked_for(arguments):
         ("results/study_features/palm/0a1b.parquet", "palm"),
         ("results/records/block_of_study/palm/0000-0002.json", "palm"),
         ("reports/trust.json", "trust"),
-        ("results/touches_needed.parquet", "curves"),
+        ("results/touches_needed.parquet", "touch_curves"),
         ("results/reading/r017.json", "readings"),
     ],
 )

@@ -20,7 +20,6 @@ from visuohaptic.tables.studies import (
     EFFECT_INFLUENCE,
     EVALUATION,
     LOOKING,
-    TOUCHES_NEEDED,
 )
 
 _SHARE = "share of rows with predicted = class, averaged over splits"
@@ -58,13 +57,6 @@ CHAPTERS = {
             (
                 Reads(f"Accuracy: {_SHARE}", PREDICTIONS, "predictions", "pipelines"),
                 Reads(_VOTES, PREDICTIONS, "predictions", "pipelines"),
-            ),
-        ),
-        Section(
-            "touches_needed", "Accuracy against touches", sections.touches_needed_values,
-            (
-                Reads("Area and touches needed", TOUCHES_NEEDED, "touches_needed"),
-                figures_of("curves"),
             ),
         ),
         Section(

@@ -10,9 +10,9 @@ import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any, Literal, TypeAlias
 
-import numpy as np
 import pyarrow as pa
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -100,28 +100,6 @@ def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]
     """Draw figures of several runs side by side: `names` of the rows, and a run's estimates by its label."""
     series = [Series(label, place, row) for place, (label, row) in enumerate(estimates.items())]
     return _draw_intervals(names, "classifier", series)
-
-
-@style()
-def touches_needed(table: Rows) -> Figure:
-    """Draw accuracy against touches by strategy: rows of study ``curves``, of one pipeline and classifier."""
-    rows = [row for row in _rows(table) if row["accuracy"] is not None]
-    strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
-    lines, intervals = {}, {}
-    for number, strategy in enumerate(strategies):
-        own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
-        aside = 0.06 * (number - (len(strategies) - 1) / 2)
-        touches = np.array([_place_in_study(row) + 1 for row in own]) + aside
-        lines[strategy] = touches, [row["accuracy"] for row in own]
-        intervals[strategy] = [[_end(row, end) for row in own] for end in ("low", "high")]
-    chart, axes = draw_lines(lines, 215)
-    for strategy, (low, high) in intervals.items():
-        colour, _ = look(strategy_place(strategy))
-        axes.vlines(lines[strategy][0], low, high, colors=colour, linewidth=0.8, alpha=0.6)
-    lowest = min(_end(row, "low") for row in rows)
-    axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
-    axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
-    return finish(chart, "touches", "correctly classified", up_as=whole_percent)
 
 
 @style()
@@ -252,7 +230,7 @@ def bands(deviations: Sequence[float]) -> Figure:
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
     """Cut a family's settings where touches and viewpoints change both, or neither: a line is a trend."""
     lines: list[list[Mapping[str, Any]]] = []
-    for row in sorted(rows, key=_place_in_study):
+    for row in sorted(rows, key=itemgetter("place")):
         before = lines[-1][-1] if lines else row
         changed = sum(row[name] != before[name] for name in ("touches", "viewpoints"))
         if changed != 1 or not lines:
@@ -386,12 +364,3 @@ def whole_percent(share: float, _place: float = 0) -> str:
 
 def _rows(table: Rows) -> list[Mapping[str, Any]]:
     return table.to_pylist() if isinstance(table, pa.Table) else list(table)
-
-
-def _place_in_study(row: Mapping[str, Any]) -> int:
-    return int(row["place"])
-
-
-def _end(row: Mapping[str, Any], end: str) -> float:
-    """Give the end of an interval; one object alone has none."""
-    return float(row["accuracy"] if row[end] is None else row[end])

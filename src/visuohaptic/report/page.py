@@ -32,7 +32,7 @@ from visuohaptic.report.objects import describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, Section, find_sources
-from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error, touches_needed
+from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
 from visuohaptic.report.tables import NONE, NUMBER, each, table
 from visuohaptic.whole_files import write_whole
 
@@ -145,7 +145,6 @@ def make_environment(sections: Iterable[Section] = ()) -> Environment:
             value, wording.probability(value)
         ),
         "accuracy_or_error": accuracy_or_error,
-        "touches_needed": touches_needed,
         "recomputed": RECOMPUTED.__getitem__,
         "names": lambda names: ", ".join(map(wording.spaced, names)) or NONE,
         "code": Markup("<code>{}</code>").format,

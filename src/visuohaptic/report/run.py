@@ -40,7 +40,6 @@ _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
     "effect_influence": "results/effect_influence.parquet",
-    "touches_needed": "results/touches_needed.parquet",
     "cost": "results/cost.parquet",
     "looking": "results/looking.parquet",
     "looking_figures": "reports/looking.json",

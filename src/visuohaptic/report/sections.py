@@ -50,7 +50,7 @@ from visuohaptic.report.stability import (
     stability_answer,
     stability_figures,
 )
-from visuohaptic.report.studies import curve_figures, names_of_own_studies, read_study
+from visuohaptic.report.studies import names_of_own_studies, read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
@@ -190,12 +190,6 @@ def evaluation_values(context: ReportContext) -> Values:
     measured = read_evaluation(run.file_of("evaluation"))
     found = evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
     return {"evaluation": found}
-
-
-def touches_needed_values(context: ReportContext) -> Values | None:
-    """Give accuracy against touches."""
-    run = context.run
-    return given(pipelines=curve_figures(run.file_of("studies"), run.file_of("touches_needed")))
 
 
 def looking_values(context: ReportContext) -> Values | None:

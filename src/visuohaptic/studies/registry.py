@@ -13,7 +13,6 @@ from types import ModuleType
 from visuohaptic.errors import ParameterError, VisuohapticError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER
-from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
 from visuohaptic.studies.looking.settings import LOOKING_STUDY
 from visuohaptic.studies.own import read_study
@@ -22,7 +21,6 @@ from visuohaptic.studies.study import Study
 STUDIES = (
     FRONTIER,
     COST_STUDY,
-    CURVES,
     EFFECTS_STUDY,
     INFLUENCE,
     LOOKING_STUDY,

@@ -43,7 +43,7 @@ SECONDS = Column(
     "seconds", REAL, "training and testing all splits", "s of processor", 0, nullable=True
 )
 _OBJECTS = count("objects", "objects tested", 1, nullable=True)
-_P_VALUE = share("p_value", "two-sided, sign changes over objects", nullable=True)
+P_VALUE = share("p_value", "two-sided, sign changes over objects", nullable=True)
 
 STUDY = Schema(
     "study",
@@ -72,44 +72,16 @@ STUDY_FIGURES = Schema(
         share("high", "upper end of its interval over objects", nullable=True),
         Column("compared_with", TEXT, "the condition that it is compared with", nullable=True),
         *difference("difference", "accuracy less that of the other"),
-        _P_VALUE,
+        P_VALUE,
         share("adjusted_p", "p value adjusted by Holm for the study's conditions", nullable=True),
         *difference(
             "lead", "accuracy by fixation, in the same condition, less that by this strategy"
         ),
-        replace(_P_VALUE, name="lead_p"),
+        replace(P_VALUE, name="lead_p"),
         _OBJECTS,
         Column("recomputed", TEXT, "first phase that is recomputed, or recognition"),
         SECONDS,
         ERROR,
-    ),
-)
-
-TOUCHES_NEEDED = Schema(
-    "touches_needed",
-    CELL_KEYS,
-    (
-        share("level", "the accuracy to be reached"),
-        *(
-            count(
-                name,
-                f"touches from which on {what} stays at it; missing if never",
-                1,
-                nullable=True,
-            )
-            for name, what in (
-                ("touches", "accuracy"),
-                ("touches_low", "its interval's upper end"),
-                ("touches_high", "its interval's lower end"),
-            )
-        ),
-        count("most_touches", "touches at the curve's end", 1),
-        Column("area", REAL, "area under the curve", "of accuracy 1 throughout", 0, 1),
-        share("area_low", "lower end of its interval over objects"),
-        share("area_high", "upper end of its interval over objects"),
-        *difference("gain", "area under fixation's curve less this one"),
-        _P_VALUE,
-        count("objects", "objects compared", 1),
     ),
 )
 
@@ -258,7 +230,6 @@ STUDIES = (
     STUDY,
     STUDY_FIGURES,
     EFFECT_INFLUENCE,
-    TOUCHES_NEEDED,
     COST_SECONDS,
     COST,
     LOOKING,

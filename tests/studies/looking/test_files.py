@@ -7,9 +7,9 @@ import pytest
 from studies.surfaces import RUN as SMALL
 from studies.surfaces import small_surfaces, write_meshes
 
+from touch_curves.adaptive import make_candidates
 from visuohaptic.errors import ParameterError
 from visuohaptic.studies.conditions import with_changes
-from visuohaptic.studies.curves.adaptive import make_candidates
 from visuohaptic.studies.looking.measuring import make_looking
 from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import (

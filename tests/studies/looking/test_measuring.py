@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from recognition.synthetic import features_table
 
+from touch_curves.choosing import gather_candidates
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.summary import select
-from visuohaptic.studies.curves.choosing import gather_candidates
 from visuohaptic.studies.looking.measuring import measure_looking
 from visuohaptic.studies.looking.seeing import SIGHTS
 from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES, Sensed, most_touches

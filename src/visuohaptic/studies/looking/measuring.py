@@ -11,13 +11,13 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from touch_curves.choosing import choose_features
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import draw_splits
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import CLASSIFIER, touches_of_run, with_changes
-from visuohaptic.studies.curves.choosing import choose_features
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.looking.answers import (
     Answered,

@@ -11,6 +11,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from touch_curves.choosing import gather_candidates
+from touch_curves.study import LONGEST_SEQUENCE
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import CostParameters, ExperimentParameters
@@ -21,13 +23,11 @@ from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, wh
 from visuohaptic.recognition.summary import select
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import touches_of_run, with_changes
-from visuohaptic.studies.curves.choosing import gather_candidates
-from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE
 from visuohaptic.studies.looking.seeing import SIGHTS, describe_views
 from visuohaptic.studies.looking.settings import CUES
 
 if TYPE_CHECKING:
-    from visuohaptic.studies.curves.choosing import Candidates
+    from touch_curves.choosing import Candidates
 
 ADAPTIVE = "adaptive"
 BLIND = "random"

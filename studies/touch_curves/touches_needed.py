@@ -9,12 +9,13 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from touch_curves.study import LONGEST_SEQUENCE, touches_name
+from touch_curves.tables import TOUCHES_NEEDED
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.intervals import Interval, compare_paired, object_interval
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.summary import REFERENCE_STRATEGY
 from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE, touches_name
 from visuohaptic.studies.figures import (
     Cell,
     CellKey,
@@ -27,7 +28,6 @@ from visuohaptic.studies.figures import (
 )
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, write_table
-from visuohaptic.tables.studies import TOUCHES_NEEDED
 
 LEVEL = 0.9
 """The accuracy for which the number of touches is reported."""
@@ -57,7 +57,7 @@ def stays_at(level: float, values: Sequence[float]) -> int | None:
 def touches_needed(
     cells: Mapping[CellKey, Cell], intervals: IntervalParameters, seed: int
 ) -> pa.Table:
-    """Sum up curves with intervals over objects: `tables.TOUCHES_NEEDED`.
+    """Sum up curves with intervals over objects: `TOUCHES_NEEDED`.
 
     A curve that failed somewhere is left out, and a gain where fixations weren't run on the same
     objects. Raises `RecognitionError` if no curve is whole.
@@ -80,7 +80,7 @@ def touches_needed(
 
 
 def make_touches_needed(given: Given) -> None:
-    """Write `tables.TOUCHES_NEEDED` of the study's blocks, and the same numbers as JSON."""
+    """Write `TOUCHES_NEEDED` of the study's blocks, and the same numbers as JSON."""
     needed, metrics = given.outputs
     cells = read_cells(given.inputs["blocks"])
     table = touches_needed(cells, given.run.recognition.intervals, given.run.seed)

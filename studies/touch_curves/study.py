@@ -31,16 +31,14 @@ def touches_name(count: int) -> str:
     return f"{count} touch{'' if count == 1 else 'es'}"
 
 
-_HERE = "visuohaptic.studies.curves"
-
-CURVES = Study(
-    "curves",
+STUDY = Study(
+    "touch_curves",
     "Accuracy against touches",
     curve_conditions,
     steps=(
         Step(
             "study_candidates",
-            f"{_HERE}.adaptive:make_candidates",
+            "touch_curves.adaptive:make_candidates",
             ("results/study_candidates.parquet",),
             takes=("meshes",),
             needs={"exclude": {**NOT_OF_RESULTS, "recognition": True, "probing": {"strategies"}}},
@@ -48,7 +46,7 @@ CURVES = Study(
         ),
         Step(
             "study_adaptive",
-            f"{_HERE}.adaptive:make_adaptive_rows",
+            "touch_curves.adaptive:make_adaptive_rows",
             ("results/study_adaptive/{pipeline}.parquet",),
             takes=("results/study_candidates.parquet",),
             needs=OF_CONDITIONS,
@@ -57,8 +55,8 @@ CURVES = Study(
         ),
         Step(
             "touches_needed",
-            f"{_HERE}.touches_needed:make_touches_needed",
-            ("results/touches_needed.parquet", "reports/curves.json"),
+            "touch_curves.touches_needed:make_touches_needed",
+            ("results/touches_needed.parquet", "reports/touch_curves.json"),
         ),
     ),
 )

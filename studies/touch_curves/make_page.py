@@ -1,13 +1,14 @@
-"""Fill the table of docs/probing.md and draw docs/pictures/curves.png from kept figures of study curves.
+"""Fill the tables of README.md and draw curves.png from the figures of this study that are kept beside them.
 
-docs/figures/curves_paper.json and curves_benchmark.json hold what the page takes of reports/studies/curves.json and
-reports/curves.json, of the paper's twelve objects and of the catalogue's 142, with the command that gives them and the
-date. `python docs/make_curves.py paper COMMAND` keeps those of the run that is there.
+kept_paper.json and kept_benchmark.json hold what the page takes of reports/studies/touch_curves.json and
+reports/touch_curves.json, of the paper's twelve objects and of the catalogue's 142, with the command that gives them and
+the date. `python -m touch_curves.make_page paper COMMAND` keeps those of the run that is there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from filling import (
     DOCS,
@@ -24,8 +25,10 @@ from make_claims import CLASSIFIER, PIPELINES
 from matplotlib.figure import Figure
 
 REPORTS = DOCS.parent / "reports"
-PAGE = DOCS / "probing.md"
-PICTURE = DOCS / "pictures" / "curves.png"
+HERE = Path(__file__).parent
+PAGE = HERE / "README.md"
+PICTURE = HERE / "curves.png"
+KEPT = HERE / "kept"
 SHOWN = (1, 2, 3, 5, 8, 16)
 """Touches of the table."""
 OF_A_POINT = ("accuracy", "low", "high")
@@ -38,8 +41,8 @@ COLOURS = (
 
 def figures_of_run() -> Figures:
     """Give what the page takes of the run that is there: ``curves`` and ``needed``, by pipeline and strategy."""
-    measured = read_json(REPORTS / "studies" / "curves.json")
-    needed = read_json(REPORTS / "curves.json")
+    measured = read_json(REPORTS / "studies" / "touch_curves.json")
+    needed = read_json(REPORTS / "touch_curves.json")
     curves = {
         pipeline: {
             strategy: [[cell[value] for value in OF_A_POINT] for cell in found[CLASSIFIER].values()]
@@ -102,9 +105,9 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
 
 def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
     """Give the tables of the page, by the names of their blocks."""
-    tables = {f"curves_{name}": curve_table(one) for name, one in sets.items()}
+    tables = {name: curve_table(one) for name, one in sets.items()}
     return {**tables, "commands": commands(sets)}
 
 
 if __name__ == "__main__":
-    fill_from_figures("curves", PAGE, blocks, PICTURE, draw, figures_of_run)
+    fill_from_figures(KEPT, PAGE, blocks, PICTURE, draw, figures_of_run)

@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 from recognition.synthetic import features_table
 
-from visuohaptic.recognition.descriptors import POSE
-from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
-from visuohaptic.recognition.splits import make_splits
-from visuohaptic.studies.curves import choosing
-from visuohaptic.studies.curves.choosing import (
+from touch_curves import choosing
+from touch_curves.choosing import (
     choose_sequences,
     choose_touches,
     expected_entropy,
@@ -19,6 +16,9 @@ from visuohaptic.studies.curves.choosing import (
     gather_candidates,
     scale_poses,
 )
+from visuohaptic.recognition.descriptors import POSE
+from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
+from visuohaptic.recognition.splits import make_splits
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, IMPRINT_FEATURES
 
 PARAMETERS = BestParameters()

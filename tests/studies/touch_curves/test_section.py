@@ -1,11 +1,15 @@
 """The curves and their words come from the tables: who wins, who does not, and by how much."""
 
+import numpy as np
+import pytest
 from report.synthetic import write_study
+from report.test_figures import intervals, marks
 
-from visuohaptic.report.studies import curves, verdict
-from visuohaptic.studies.curves.settings import touches_name
+from touch_curves.section import curves, draw_curves, verdict
+from touch_curves.study import touches_name
+from touch_curves.tables import TOUCHES_NEEDED
+from visuohaptic.report.studies import read_figures
 from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.studies import TOUCHES_NEEDED
 
 KEYS = {"pipeline": "best", "classifier": "support_vector_machine"}
 
@@ -42,7 +46,9 @@ def write_tables(results):
     points = [(touches_name(touches), mean, None, None) for _, touches, mean in POINTS]
     strategies = [strategy for strategy, _, _ in POINTS]
     places = [touches - 1 for _, touches, _ in POINTS]
-    write_study(results / "studies", "curves", points, **KEYS, strategy=strategies, place=places)
+    write_study(
+        results / "studies", "touch_curves", points, **KEYS, strategy=strategies, place=places
+    )
 
 
 def answer(rows):
@@ -61,3 +67,17 @@ def test_a_plug_in_may_call_its_strategy_as_a_column():
     point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
     found = curves("best", "naive_bayes", [], [point])
     assert found["by_touches"] == [{"touches": 1, "points": {"touches": point}}]
+
+
+@pytest.fixture
+def measured(tmp_path):
+    rows = [("1 touch", 0.6, None, None), ("2 touches", 0.8, None, None)]
+    return read_figures(write_study(tmp_path, "touch_curves", rows), "touch_curves")
+
+
+def test_touches_are_counted_from_one_and_one_object_alone_has_no_intervals(measured):
+    figure = draw_curves(measured)
+    np.testing.assert_allclose(marks(figure, "eye fixations"), [[1, 0.6], [2, 0.8]])
+    assert intervals(figure, 1) == {(row["low"], row["high"]) for row in measured}
+    alone = draw_curves([{**row, "low": None, "high": None} for row in measured])
+    assert all(low == high for low, high in intervals(alone, 1))

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pyarrow as pa
 
+from touch_curves.choosing import choose_features, gather_candidates
+from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.fixations.locations import candidate_table
 from visuohaptic.fixations.looking import Standpoint
 from visuohaptic.fixations.places import ProbingLocations
@@ -25,8 +27,6 @@ from visuohaptic.recognition.sequences import classes_of_two
 from visuohaptic.recognition.summary import select
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import CLASSIFIER, Planned, plan_study
-from visuohaptic.studies.curves.choosing import choose_features, gather_candidates
-from visuohaptic.studies.curves.settings import CURVES
 from visuohaptic.studies.measuring import (
     REFUSALS,
     Predictions,
@@ -42,9 +42,9 @@ from visuohaptic.touches.choosing import in_reach
 from visuohaptic.touches.touching import touch_tables
 
 if TYPE_CHECKING:
+    from touch_curves.choosing import Candidates
     from visuohaptic.recognition.experiment import Answer
     from visuohaptic.recognition.splits import Split
-    from visuohaptic.studies.curves.choosing import Candidates
 
 CANDIDATES = 256
 """Places of an object among which `adaptive` chooses where a viewpoint sees them."""
@@ -75,7 +75,7 @@ def make_candidates(given: Given) -> None:
 
 def make_adaptive_rows(given: Given) -> None:
     """Write `tables.STUDY` of the study's conditions on touches that `adaptive` chooses."""
-    planned = plan_study(CURVES, given.run).conditions
+    planned = plan_study(TOUCH_CURVES, given.run).conditions
     features = read_table(FEATURES, given.inputs["tables"])
     rows = adaptive_rows(features, planned, given.wildcards["pipeline"])
     write_table(STUDY, pa.concat_tables(rows), given.outputs[0])
@@ -91,7 +91,7 @@ def adaptive_rows(
     """
     chooser = cache(partial(_Chooser, features, planned, pipeline))
     for one in planned:
-        key = ("curves", one.condition.name, pipeline, "adaptive")
+        key = (TOUCH_CURVES.name, one.condition.name, pipeline, "adaptive")
         try:
             yield from cell_rows(key, chooser().predict_objects(one.parameters))
         except REFUSALS as refusal:

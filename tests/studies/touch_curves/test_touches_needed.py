@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from touch_curves.study import LONGEST_SEQUENCE, touches_name
+from touch_curves.touches_needed import curve_areas, stays_at, touches_needed
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.studies.curves.settings import LONGEST_SEQUENCE, touches_name
-from visuohaptic.studies.curves.touches_needed import curve_areas, stays_at, touches_needed
 from visuohaptic.studies.figures import Cell
 
 INTERVALS = IntervalParameters(bootstrap_samples=200)

@@ -5,12 +5,13 @@ import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
 from studies.surfaces import RUN, small_surfaces, write_sources
 
+from touch_curves import adaptive
+from touch_curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
+from touch_curves.study import LONGEST_SEQUENCE, touches_name
+from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition import experiment
 from visuohaptic.studies.conditions import plan_study
-from visuohaptic.studies.curves import adaptive
-from visuohaptic.studies.curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
-from visuohaptic.studies.curves.settings import CURVES, LONGEST_SEQUENCE, touches_name
 from visuohaptic.studies.figures import cells_of
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH
@@ -24,7 +25,7 @@ SMALL = ExperimentParameters.from_mapping(
         }
     }
 )
-PLANNED = plan_study(CURVES, SMALL).conditions
+PLANNED = plan_study(TOUCH_CURVES, SMALL).conditions
 TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
 
 
@@ -34,7 +35,7 @@ def cells(pipeline, counts):
 
 
 def test_a_curve_has_a_condition_a_number_of_touches_and_all_share_their_touches():
-    plan = plan_study(CURVES, SMALL)
+    plan = plan_study(TOUCH_CURVES, SMALL)
     assert len(plan.conditions) == LONGEST_SEQUENCE
     (recomputation,) = plan.recomputations.values()
     assert recomputation.parameters.attention.fixations == LONGEST_SEQUENCE
@@ -71,14 +72,14 @@ def test_no_candidates_give_the_reason():
 
 def test_the_job_of_candidates_knows_what_is_done_with_places_out_of_reach():
     run = ExperimentParameters.from_mapping({"probing": {"unreachable": "keep"}})
-    needed = run.model_dump(**CURVES.steps[0].needs)
+    needed = run.model_dump(**TOUCH_CURVES.steps[0].needs)
     assert ExperimentParameters.from_mapping(needed).probing == run.probing
 
 
 def test_candidates_are_some_of_the_objects_places(tmp_path):
     sources, _ = write_sources(tmp_path, small_surfaces())
     inputs = {"meshes": list(map(str, sources.meshes[:1]))}
-    make_candidates(Given("curves", inputs, [str(tmp_path / "candidates")], RUN))
+    make_candidates(Given("touch_curves", inputs, [str(tmp_path / "candidates")], RUN))
     found = read_table(FEATURES, tmp_path / "candidates")
     assert not {*found["contact_state"].to_pylist()} & {*OUT_OF_REACH}
     for viewpoint in range(4):
