@@ -81,7 +81,7 @@ readme: $(DEVELOP) report
 	python -m readings.summary
 	python docs/make_readings.py
 	python docs/make_claims.py
-	python docs/make_looking.py
+	python -m eye_and_touch.make_page
 	python -m touch_curves.make_page
 	python docs/make_scaling.py
 	python docs/make_tables.py

@@ -120,11 +120,11 @@ class CostParameters(BaseModel):
     budgets: tuple[Annotated[float, Field(gt=0)], ...] = Field(
         (5.0, 10.0, 20.0, 40.0),
         min_length=1,
-        description="Robot times for which study looking gives accuracies (seconds)",
+        description="Robot times for which study eye_and_touch gives accuracies (seconds)",
     )
     adaptive: bool = Field(
         True,  # noqa: FBT003 - a field's default
-        description="Whether study looking also compares strategy `adaptive`, which takes as long as all others",
+        description="Whether study eye_and_touch also compares strategy `adaptive`, which takes as long as all others",
     )
     maximum_objects: int = Field(
         142,

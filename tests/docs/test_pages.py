@@ -205,7 +205,8 @@ def test_a_page_that_is_made_from_the_code_is_current(name, run_script):
 
 
 @pytest.mark.parametrize(
-    "script", ["docs/make_claims", "docs/make_looking", "studies/touch_curves/make_page"]
+    "script",
+    ["docs/make_claims", "studies/eye_and_touch/make_page", "studies/touch_curves/make_page"],
 )
 def test_a_page_shows_the_figures_that_are_kept(script, run_script):
     made = run_script(script)

@@ -16,11 +16,13 @@ from report.test_readings import MADE
 from report.test_stability import ON_OBJECT, written
 from report.test_studies import ROWS as ABLATIONS
 from studies.cost.test_front import cost_table
-from studies.looking.test_figures import COST as PRICES
-from studies.looking.test_figures import INTERVALS, TOUCHES, poor_sight, table_of
+from studies.eye_and_touch.test_summary import COST as PRICES
+from studies.eye_and_touch.test_summary import INTERVALS, TOUCHES, poor_sight, table_of
 from studies.touch_curves.test_section import write_tables
 from studies.trust.test_section import write_trust
 
+from eye_and_touch.summary import sum_up_senses
+from eye_and_touch.tables import EYE_AND_TOUCH
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import render_page
@@ -29,11 +31,10 @@ from visuohaptic.report.section import ReportContext, find_sources, narrowed
 from visuohaptic.report.sections import answer_values, recount_cost
 from visuohaptic.report.wording import duration
 from visuohaptic.studies.figures import write_json
-from visuohaptic.studies.looking.figures import sum_up_looking
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.studies import COST, EVALUATION, LOOKING
+from visuohaptic.tables.studies import COST, EVALUATION
 
 SHOWN = SimpleNamespace(
     shown_rows={"class": "cup", "object": "mug", "viewpoint": 1, "strategy": "fixation"}
@@ -53,9 +54,9 @@ def folder(tmp_path_factory):
     summary = json.dumps({"report": MADE.model_dump(mode="json")})
     (folder / "reports/readings.json").write_text(summary)
     write_trust(folder)
-    write_table(LOOKING, table_of(poor_sight), results / "looking.parquet")
-    looking = sum_up_looking(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)
-    write_json(looking, folder / "reports/looking.json")
+    write_table(EYE_AND_TOUCH, table_of(poor_sight), results / "eye_and_touch.parquet")
+    senses = sum_up_senses(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)
+    write_json(senses, folder / "reports/eye_and_touch.json")
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
     guards = {"guard": ["shuffled labels give chance"], "outcome": ["held"], "found": ["So."]}
     write_table(GUARDS, build_table(GUARDS, guards), results / "guards.parquet")

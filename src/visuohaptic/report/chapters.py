@@ -19,7 +19,6 @@ from visuohaptic.tables.studies import (
     COST,
     EFFECT_INFLUENCE,
     EVALUATION,
-    LOOKING,
 )
 
 _SHARE = "share of rows with predicted = class, averaged over splits"
@@ -66,10 +65,6 @@ CHAPTERS = {
         Section(
             "evaluation", "Objects that the model has not learnt", sections.evaluation_values,
             (Reads("Objects not learnt", EVALUATION, "evaluation"),),
-        ),
-        Section(
-            "looking", "What the eye alone recognises, and what touch adds", sections.looking_values,
-            (Reads("Looking, touching and both", LOOKING, "looking"),),
         ),
     ),
     "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, COSTS),),

@@ -34,7 +34,6 @@ from visuohaptic.report.wording import (
     strategy_place,
     titled,
 )
-from visuohaptic.studies.looking.settings import CHECKED, LOOK
 
 Rows: TypeAlias = pa.Table | Sequence[Mapping[str, Any]]
 Write: TypeAlias = Callable[[float, float], str] | str
@@ -100,27 +99,6 @@ def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]
     """Draw figures of several runs side by side: `names` of the rows, and a run's estimates by its label."""
     series = [Series(label, place, row) for place, (label, row) in enumerate(estimates.items())]
     return _draw_intervals(names, "classifier", series)
-
-
-@style()
-def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
-    """Draw accuracy after a look, and after each touch that follows, against the robot's time, a line a strategy.
-
-    Of the curves of ``reports/looking.json``, the look and the checked product are drawn.
-    """
-    looks = [row for row in curves if row["answer"] == LOOK]
-    lines: dict[str, Any] = {}
-    for row in (row for row in curves if row["answer"] == CHECKED):
-        lines.setdefault(row["strategy"], [*looks]).append(row)
-    places = {
-        strategy: zip(*sorted((row["seconds"], row["accuracy"]) for row in line), strict=True)
-        for strategy, line in lines.items()
-    }
-    chart, axes = draw_lines(places, 190)
-    axes.set_xscale("log")
-    return finish(
-        chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=whole_percent
-    )
 
 
 @style()

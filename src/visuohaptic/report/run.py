@@ -41,8 +41,6 @@ _EXTRAS = {
     "frontier": "results/frontier.parquet",
     "effect_influence": "results/effect_influence.parquet",
     "cost": "results/cost.parquet",
-    "looking": "results/looking.parquet",
-    "looking_figures": "reports/looking.json",
     "evaluation": "reports/evaluation.parquet",
     "readings": "reports/readings.json",
     "gaze": "results/gaze/measured.parquet",

@@ -29,7 +29,6 @@ from visuohaptic.report.effects import (
 )
 from visuohaptic.report.evaluation import evaluation_figures
 from visuohaptic.report.gaze import gaze_figures
-from visuohaptic.report.looking import ANSWERS, looking_figures
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
@@ -190,12 +189,6 @@ def evaluation_values(context: ReportContext) -> Values:
     measured = read_evaluation(run.file_of("evaluation"))
     found = evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
     return {"evaluation": found}
-
-
-def looking_values(context: ReportContext) -> Values | None:
-    """Give what looking and touching reach, or None where it was not measured."""
-    path = context.run.file_of("looking_figures")
-    return {"looking": looking_figures(path), "answers": ANSWERS} if path else None
 
 
 def gaze_values(context: ReportContext) -> Values:

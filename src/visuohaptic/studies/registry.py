@@ -14,7 +14,6 @@ from visuohaptic.errors import ParameterError, VisuohapticError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
-from visuohaptic.studies.looking.settings import LOOKING_STUDY
 from visuohaptic.studies.own import read_study
 from visuohaptic.studies.study import Study
 
@@ -23,7 +22,6 @@ STUDIES = (
     COST_STUDY,
     EFFECTS_STUDY,
     INFLUENCE,
-    LOOKING_STUDY,
 )
 """The studies of the package."""
 

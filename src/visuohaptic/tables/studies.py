@@ -95,44 +95,6 @@ ANSWER = (
 CANDIDATES = count("candidates", "classes in the prediction set")
 UNKNOWN = Column("unknown", pa.bool_(), "whether the object is called unknown")
 
-CONFIDENCE_BINS = 10
-"""Equal parts of the range of probabilities, over which calibration is measured."""
-
-LOOKING = Schema(
-    "looking",
-    (
-        Column("sight", TEXT, "how well the eye saw"),
-        Column(
-            "answer",
-            TEXT,
-            "by which senses: the view, the outline, touch, product or side by side of view and touch, or stopping: the product where the rule stops",
-        ),
-        Column("strategy", TEXT, "how the places to touch were chosen; none without touches"),
-        count("touches", "touches of a trial, at most"),
-        Column(
-            "budget",
-            REAL,
-            "of the rule that stops: mean time of its rehearsals",
-            "s",
-            0,
-            nullable=True,
-        ),
-        *OBJECT_KEYS,
-        count("split", "number of the split"),
-        count("repeat", "number of the repeat"),
-    ),
-    (
-        count("trials", "viewpoints that were tested", 1),
-        share("accuracy", "share of them that is correctly classified"),
-        Column("seconds", REAL, "mean time that the robot took, without computing", "s", 0),
-        Column(
-            "gaps",
-            pa.list_(pa.float64()),
-            "in each tenth of the probability of the class: sum over trials of correct (0, 1) less that probability",
-        ),
-    ),
-)
-
 EVALUATION = Schema(
     "evaluation",
     (
@@ -232,6 +194,5 @@ STUDIES = (
     EFFECT_INFLUENCE,
     COST_SECONDS,
     COST,
-    LOOKING,
     EVALUATION,
 )

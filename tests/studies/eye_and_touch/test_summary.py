@@ -4,12 +4,9 @@ from itertools import product
 
 import pytest
 
-from visuohaptic.parameters import CostParameters
-from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.studies.looking.figures import cells_of, sum_up_looking
-from visuohaptic.studies.looking.seeing import SIGHTS
-from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES
-from visuohaptic.studies.looking.settings import (
+from eye_and_touch.seeing import SIGHTS
+from eye_and_touch.sensing import ADAPTIVE, BLIND, STRATEGIES
+from eye_and_touch.study import (
     CHECKED,
     CLEAN,
     CUES,
@@ -19,8 +16,11 @@ from visuohaptic.studies.looking.settings import (
     STOPPING,
     TOUCH,
 )
+from eye_and_touch.summary import cells_of, sum_up_senses
+from eye_and_touch.tables import EYE_AND_TOUCH
+from visuohaptic.parameters import CostParameters
+from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.tables.schema import build_rows, names_of
-from visuohaptic.tables.studies import LOOKING
 
 COST = CostParameters(budgets=(5, 12), touch_seconds=5, look_seconds=0.5)
 INTERVALS = IntervalParameters(bootstrap_samples=200)
@@ -55,8 +55,8 @@ def table_of(accuracy_of):
         *((sight, SIDE_BY_SIDE, STRATEGIES[0], TOUCHES, None, 10.5) for sight in SIGHTS),
     ]
     rows = [row for *key, seconds in keys for row in rows_of(key, accuracy_of(*key[:4]), seconds)]
-    names = names_of(LOOKING.columns)
-    return build_rows(LOOKING, [dict(zip(names, row, strict=True)) for row in rows])
+    names = names_of(EYE_AND_TOUCH.columns)
+    return build_rows(EYE_AND_TOUCH, [dict(zip(names, row, strict=True)) for row in rows])
 
 
 def poor_sight(sight, answer, _strategy, touches):
@@ -70,7 +70,7 @@ def poor_sight(sight, answer, _strategy, touches):
 
 @pytest.fixture(scope="module")
 def found():
-    return sum_up_looking(table_of(poor_sight), COST, TOUCHES, INTERVALS, 1)
+    return sum_up_senses(table_of(poor_sight), COST, TOUCHES, INTERVALS, 1)
 
 
 def test_accuracy_is_the_mean_over_objects_and_calibration_the_gap_of_the_tenths():

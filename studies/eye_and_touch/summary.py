@@ -1,4 +1,4 @@
-"""Accuracies, calibration, paired gains and robot times of study looking, summed up."""
+"""Accuracies, calibration, paired gains and robot times of study eye_and_touch, summed up."""
 
 from __future__ import annotations
 
@@ -8,14 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pyarrow as pa
 
-from visuohaptic.parameters import CostParameters
-from visuohaptic.recognition.intervals import compare_paired, rate_interval
-from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.figures import Cell, Row, average_objects, ends, rows_by
-from visuohaptic.studies.looking.seeing import SIGHTS
-from visuohaptic.studies.looking.sensing import BLIND, STRATEGIES, compared
-from visuohaptic.studies.looking.settings import (
+from eye_and_touch.seeing import SIGHTS
+from eye_and_touch.sensing import BLIND, STRATEGIES, compared
+from eye_and_touch.study import (
     CHECKED,
     CLEAN,
     CUES,
@@ -25,18 +20,23 @@ from visuohaptic.studies.looking.settings import (
     STOPPING,
     TOUCH,
 )
+from visuohaptic.parameters import CostParameters
+from visuohaptic.recognition.intervals import compare_paired, rate_interval
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.figures import Cell, Row, average_objects, ends, rows_by
 from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import matrix
 
 Key = tuple[str, str, str, int, float | None]
-"""Sight, answer, strategy, touches and budget, as in `tables.LOOKING`."""
+"""Sight, answer, strategy, touches and budget, as in `EYE_AND_TOUCH`."""
 
 FUSED = (PRODUCT, CHECKED, SIDE_BY_SIDE)
 """Answers of both senses."""
 
 
 @dataclass(frozen=True)
-class LookingCell(Cell):
+class SenseCell(Cell):
     """One key of the table: each object's accuracy, the robot's mean time, and how far confidence is off.
 
     The calibration error is the mean over trials of how far the share that is right is from the
@@ -52,27 +52,27 @@ class LookingCell(Cell):
         return float(self.weights @ self.accuracy / self.weights.sum())
 
 
-def cells_of(table: pa.Table) -> dict[Key, LookingCell]:
-    """Average each object's rows of `tables.LOOKING` over the splits that tested it."""
+def cells_of(table: pa.Table) -> dict[Key, SenseCell]:
+    """Average each object's rows of `EYE_AND_TOUCH` over the splits that tested it."""
     keys = ("sight", "answer", "strategy", "touches", "budget")
     return {key: _cell(rows) for key, rows in rows_by(table, keys).items()}
 
 
-def _cell(rows: pa.Table) -> LookingCell:
+def _cell(rows: pa.Table) -> SenseCell:
     cell, share = average_objects(rows, "trials")
     trials, seconds = matrix(rows, ["trials", "seconds"]).T
     gaps = np.abs(np.sum(rows.column("gaps").to_pylist(), axis=0))
-    return LookingCell(
+    return SenseCell(
         *(cell.objects, cell.accuracy, cell.weights),
         seconds=float(share @ seconds / share.sum()),
         calibration_error=float(gaps.sum() / trials.sum()),
     )
 
 
-def sum_up_looking(
+def sum_up_senses(
     table: pa.Table, cost: CostParameters, touches: int, intervals: IntervalParameters, seed: int
 ) -> Row:
-    """Sum up `tables.LOOKING`: answers in each sight with their gains, curves against time, and what budgets buy.
+    """Sum up `EYE_AND_TOUCH`: answers in each sight with their gains, curves against time, and what budgets buy.
 
     By so many `touches` senses are compared in every sight; ``worth`` is what touching brings a second
     after a look.
@@ -91,7 +91,7 @@ def sum_up_looking(
 
 @dataclass(frozen=True)
 class _Summary:
-    cells: Mapping[Key, LookingCell]
+    cells: Mapping[Key, SenseCell]
     cost: CostParameters
     touches: int
     intervals: IntervalParameters

@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 from studies.surfaces import small_surfaces
 
-from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.rendering import render_views
-from visuohaptic.fixations.viewpoints import place_cameras
-from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.studies.looking.seeing import (
+from eye_and_touch.seeing import (
     SIGHTS,
     Seen,
     as_bytes,
@@ -16,7 +12,11 @@ from visuohaptic.studies.looking.seeing import (
     describe_views,
     gradient_histograms,
 )
-from visuohaptic.studies.looking.settings import CLEAN, CUES
+from eye_and_touch.study import CLEAN, CUES
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.rendering import render_views
+from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.raycasting import RayCaster
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""What study looking compares, by the names of its table."""
+"""What study eye_and_touch compares, by the names of its table."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ TOUCH, PRODUCT, CHECKED, SIDE_BY_SIDE, STOPPING = (
 PRICES = {"touch_seconds", "look_seconds", "budgets", "adaptive"}
 """Parameters of costs that it depends on."""
 
-LOOKING_STUDY = Study(
-    "looking",
+STUDY = Study(
+    "eye_and_touch",
     "What the eye alone recognises, and what touch adds",
     steps=(
         Step(
-            "looking",
-            "visuohaptic.studies.looking.measuring:make_looking",
-            ("results/looking.parquet", "reports/looking.json"),
+            "eye_and_touch",
+            "eye_and_touch.trials:make_eye_and_touch",
+            ("results/eye_and_touch.parquet", "reports/eye_and_touch.json"),
             takes=("meshes",),
             takes_where={"cost.adaptive": "results/study_candidates.parquet"},
             needs={

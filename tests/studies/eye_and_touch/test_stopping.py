@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from visuohaptic.studies.looking.measuring import (
+from eye_and_touch.trials import (
     expected_gain,
     learn_pace,
     touches_made,

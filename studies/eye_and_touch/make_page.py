@@ -1,13 +1,14 @@
-"""Fill the tables of docs/looking.md and draw its picture from kept figures of study looking.
+"""Fill the tables of README.md and draw its picture from the figures of this study that are kept beside them.
 
-docs/figures/looking_paper.json and looking_benchmark.json hold reports/looking.json of the paper's twelve
-objects and of the catalogue's 142, with the command that gives them and the date. `python docs/make_looking.py paper COMMAND`
+kept_paper.json and kept_benchmark.json hold reports/eye_and_touch.json of the paper's twelve objects and of the
+catalogue's 142, with the command that gives them and the date. `python -m eye_and_touch.make_page paper COMMAND`
 keeps those of the run that is there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from filling import (
     COLOURS,
@@ -25,10 +26,9 @@ from make_claims import STRATEGIES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from visuohaptic.studies.looking.figures import FUSED
-from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND
-from visuohaptic.studies.looking.sensing import STRATEGIES as COMPARED
-from visuohaptic.studies.looking.settings import (
+from eye_and_touch.sensing import ADAPTIVE, BLIND
+from eye_and_touch.sensing import STRATEGIES as COMPARED
+from eye_and_touch.study import (
     CHECKED,
     LOOK,
     PRODUCT,
@@ -36,10 +36,12 @@ from visuohaptic.studies.looking.settings import (
     STOPPING,
     TOUCH,
 )
+from eye_and_touch.summary import FUSED
 
-PAGE = DOCS / "looking.md"
-PICTURE = DOCS / "pictures" / "looking.png"
-KEPT = DOCS / "figures" / "looking"
+HERE = Path(__file__).parent
+PAGE = HERE / "README.md"
+PICTURE = HERE / "eye_and_touch.png"
+KEPT = HERE / "kept"
 ANSWERS = {
     LOOK: "look, view",
     "outline": "look, outline",
@@ -190,7 +192,7 @@ def _draw_sights(axes: Axes, figures: Figures) -> None:
 
 def figures_of_run() -> Figures:
     """Give what the page takes of the run that is there."""
-    return read_json(DOCS.parent / "reports" / "looking.json")
+    return read_json(DOCS.parent / "reports" / "eye_and_touch.json")
 
 
 def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:

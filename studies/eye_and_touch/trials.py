@@ -11,15 +11,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from touch_curves.choosing import choose_features
-from visuohaptic.errors import ParameterError
-from visuohaptic.parameters import CostParameters, ExperimentParameters
-from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-from visuohaptic.recognition.experiment import draw_splits
-from visuohaptic.seeds import spawn_generator
-from visuohaptic.studies.conditions import CLASSIFIER, touches_of_run, with_changes
-from visuohaptic.studies.figures import write_json
-from visuohaptic.studies.looking.answers import (
+from eye_and_touch.answers import (
     Answered,
     Descriptors,
     Trial,
@@ -27,9 +19,8 @@ from visuohaptic.studies.looking.answers import (
     ask_if_familiar,
     multiply,
 )
-from visuohaptic.studies.looking.figures import sum_up_looking
-from visuohaptic.studies.looking.seeing import SIGHTS
-from visuohaptic.studies.looking.sensing import (
+from eye_and_touch.seeing import SIGHTS
+from eye_and_touch.sensing import (
     ADAPTIVE,
     BLIND,
     STRATEGIES,
@@ -38,7 +29,7 @@ from visuohaptic.studies.looking.sensing import (
     most_touches,
     sense_all,
 )
-from visuohaptic.studies.looking.settings import (
+from eye_and_touch.study import (
     CHECKED,
     CUES,
     LOOK,
@@ -47,17 +38,26 @@ from visuohaptic.studies.looking.settings import (
     STOPPING,
     TOUCH,
 )
+from eye_and_touch.summary import sum_up_senses
+from eye_and_touch.tables import CONFIDENCE_BINS, EYE_AND_TOUCH
+from touch_curves.choosing import choose_features
+from visuohaptic.errors import ParameterError
+from visuohaptic.parameters import CostParameters, ExperimentParameters
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.experiment import draw_splits
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.conditions import CLASSIFIER, touches_of_run, with_changes
+from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table, write_table
-from visuohaptic.tables.studies import CONFIDENCE_BINS, LOOKING
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.sequences import TouchSequences
 
 
-def make_looking(given: Given) -> None:
-    """Make `tables.LOOKING`, and its summary as JSON.
+def make_eye_and_touch(given: Given) -> None:
+    """Make `EYE_AND_TOUCH`, and its summary as JSON.
 
     Where strategy ``adaptive`` is compared, it takes a table of all places that it may touch. Raises
     `ParameterError` if a touch is free.
@@ -65,20 +65,20 @@ def make_looking(given: Given) -> None:
     run, (table, metrics) = given.run, given.outputs
     if not run.cost.touch_seconds:
         raise ParameterError(
-            "cost.touch_seconds is 0, so every touch is worth it; study looking needs more than 0."
+            "cost.touch_seconds is 0, so every touch is worth it; study eye_and_touch needs more than 0."
         )
     tables = given.inputs.get("tables")
     candidates = read_table(FEATURES, tables) if tables else None
     sensed = sense_all(given.inputs["meshes"], candidates, run, given.processes)
-    measured = measure_looking(sensed, run, given.processes)
-    write_table(LOOKING, measured, table)
+    measured = measure_senses(sensed, run, given.processes)
+    write_table(EYE_AND_TOUCH, measured, table)
     intervals = run.recognition.intervals
-    found = sum_up_looking(measured, run.cost, touches_of_run(run), intervals, run.seed)
+    found = sum_up_senses(measured, run.cost, touches_of_run(run), intervals, run.seed)
     write_json(found, metrics)
 
 
-def measure_looking(sensed: Sensed, run: ExperimentParameters, processes: int) -> pa.Table:
-    """Train and test looking, touching and both in every split: `tables.LOOKING`.
+def measure_senses(sensed: Sensed, run: ExperimentParameters, processes: int) -> pa.Table:
+    """Train and test looking, touching and both in every split: `EYE_AND_TOUCH`.
 
     Looking is learnt in clean sight and tested in every sight. Touches are those that a clean look
     leads to, in every sight.
@@ -93,7 +93,7 @@ def measure_looking(sensed: Sensed, run: ExperimentParameters, processes: int) -
         for part in _columns(key, trial, tested, seconds, sensed.sequences)
     ]
     columns = {name: list(chain(*(part[name] for part in parts))) for name in parts[0]}
-    return build_table(LOOKING, columns)
+    return build_table(EYE_AND_TOUCH, columns)
 
 
 def _answer_all(
@@ -150,7 +150,7 @@ def _describe(
 
 
 Key = Mapping[str, object]
-"""Of `tables.LOOKING`: answer, strategy, touches and budget."""
+"""Of `EYE_AND_TOUCH`: answer, strategy, touches and budget."""
 
 Paid = tuple[NDArray[np.float64], NDArray[np.float64] | float]
 """A trial's answers in the first k sights, (k, n, c), and the seconds that each took, (k, n)."""
@@ -285,7 +285,7 @@ def _columns(
     seconds: NDArray[np.float64] | float,
     sequences: TouchSequences,
 ) -> Iterator[dict[str, Any]]:
-    """Give columns of `tables.LOOKING` of a trial in each sight: a row an object."""
+    """Give columns of `EYE_AND_TOUCH` of a trial in each sight: a row an object."""
     split, repeat = trial
     owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
     objects, count = np.array(sequences.objects, dtype=object)[owners], np.bincount(row)

@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from recognition.synthetic import features_table
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.descriptors import describe_all
-from visuohaptic.recognition.experiment import answer_splits, draw_splits, gather_pipeline
-from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.tuning import fit_projection
-from visuohaptic.studies.looking.answers import (
+from eye_and_touch.answers import (
     Answered,
     answer_trials,
     ask_if_familiar,
     multiply,
     strangeness,
 )
+from visuohaptic.errors import RecognitionError
+from visuohaptic.recognition.descriptors import describe_all
+from visuohaptic.recognition.experiment import answer_splits, draw_splits, gather_pipeline
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.tuning import fit_projection
 
 PARAMETERS = RecognitionParameters(best={"classifiers": ("naive_bayes",)})
 SEED = 7

@@ -7,23 +7,23 @@ import pytest
 from studies.surfaces import RUN as SMALL
 from studies.surfaces import small_surfaces, write_meshes
 
-from touch_curves.adaptive import make_candidates
-from visuohaptic.errors import ParameterError
-from visuohaptic.studies.conditions import with_changes
-from visuohaptic.studies.looking.measuring import make_looking
-from visuohaptic.studies.looking.seeing import SIGHTS
-from visuohaptic.studies.looking.sensing import (
+from eye_and_touch.seeing import SIGHTS
+from eye_and_touch.sensing import (
     ADAPTIVE,
     STRATEGIES,
     most_touches,
     sense_all,
     sense_object,
 )
-from visuohaptic.studies.looking.settings import CUES
+from eye_and_touch.study import CUES
+from eye_and_touch.tables import EYE_AND_TOUCH
+from eye_and_touch.trials import make_eye_and_touch
+from touch_curves.adaptive import make_candidates
+from visuohaptic.errors import ParameterError
+from visuohaptic.studies.conditions import with_changes
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
-from visuohaptic.tables.studies import LOOKING
 
 FEW = {"maximum_splits": 1, "folds": 2, "fold_rounds": 1}
 FAST = with_changes(SMALL, {f"recognition.protocol.{name}": few for name, few in FEW.items()})
@@ -45,7 +45,7 @@ def meshes(tmp_path_factory):
 @pytest.fixture(scope="module")
 def candidates(meshes, tmp_path_factory):
     path = tmp_path_factory.mktemp("candidates") / "candidates.parquet"
-    make_candidates(Given("curves", {"meshes": meshes}, [path], RUN))
+    make_candidates(Given("touch_curves", {"meshes": meshes}, [path], RUN))
     return path
 
 
@@ -83,10 +83,10 @@ def test_a_viewpoint_without_a_place_for_one_strategy_is_left_out_for_all(meshes
 def test_table_and_figures_are_written_with_and_without_adaptive_touches(
     meshes, candidates, tmp_path
 ):
-    files = tmp_path / "looking.parquet", tmp_path / "looking.json"
+    files = tmp_path / "table.parquet", tmp_path / "figures.json"
     for run, tables in ((RUN, {"tables": [candidates]}), (WITHOUT, {})):
-        make_looking(Given("looking", {"meshes": meshes, **tables}, files, run))
-        strategies = set(read_table(LOOKING, files[0]).column("strategy").to_pylist())
+        make_eye_and_touch(Given("eye_and_touch", {"meshes": meshes, **tables}, files, run))
+        strategies = set(read_table(EYE_AND_TOUCH, files[0]).column("strategy").to_pylist())
         assert (ADAPTIVE in strategies) == run.cost.adaptive
         found = json.loads(files[1].read_text())
         assert found["objects"] == len(meshes)
@@ -94,6 +94,8 @@ def test_table_and_figures_are_written_with_and_without_adaptive_touches(
 
 
 def test_a_free_touch_is_refused():
-    given = Given("looking", {"meshes": []}, ["table", "figures"], with_costs(touch_seconds=0.0))
+    given = Given(
+        "eye_and_touch", {"meshes": []}, ["table", "figures"], with_costs(touch_seconds=0.0)
+    )
     with pytest.raises(ParameterError, match="touch_seconds is 0"):
-        make_looking(given)
+        make_eye_and_touch(given)

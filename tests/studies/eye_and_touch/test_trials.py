@@ -4,14 +4,9 @@ import numpy as np
 import pytest
 from recognition.synthetic import features_table
 
-from touch_curves.choosing import gather_candidates
-from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.experiment import gather_pipeline
-from visuohaptic.recognition.summary import select
-from visuohaptic.studies.looking.measuring import measure_looking
-from visuohaptic.studies.looking.seeing import SIGHTS
-from visuohaptic.studies.looking.sensing import ADAPTIVE, BLIND, STRATEGIES, Sensed, most_touches
-from visuohaptic.studies.looking.settings import (
+from eye_and_touch.seeing import SIGHTS
+from eye_and_touch.sensing import ADAPTIVE, BLIND, STRATEGIES, Sensed, most_touches
+from eye_and_touch.study import (
     CHECKED,
     CLEAN,
     CUES,
@@ -21,8 +16,13 @@ from visuohaptic.studies.looking.settings import (
     STOPPING,
     TOUCH,
 )
+from eye_and_touch.tables import EYE_AND_TOUCH
+from eye_and_touch.trials import measure_senses
+from touch_curves.choosing import gather_candidates
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.experiment import gather_pipeline
+from visuohaptic.recognition.summary import select
 from visuohaptic.tables.schema import check_table
-from visuohaptic.tables.studies import LOOKING
 
 pytestmark = pytest.mark.slow
 
@@ -61,7 +61,7 @@ def sensed():
 
 @pytest.fixture(scope="module")
 def measured(sensed):
-    return measure_looking(sensed, RUN, processes=1)
+    return measure_senses(sensed, RUN, processes=1)
 
 
 def mean(table, column="accuracy", **values):
@@ -69,7 +69,7 @@ def mean(table, column="accuracy", **values):
 
 
 def test_every_answer_is_measured_for_every_object_in_the_same_splits(measured, sensed):
-    check_table(LOOKING, measured)
+    check_table(EYE_AND_TOUCH, measured)
     # A gap is what is right less what was said to be.
     assert all(sum(row["gaps"]) < row["trials"] * row["accuracy"] for row in measured.to_pylist())
     every = {CLEAN: {*CUES, TOUCH, PRODUCT, CHECKED, SIDE_BY_SIDE, STOPPING}}
@@ -82,7 +82,7 @@ def test_every_answer_is_measured_for_every_object_in_the_same_splits(measured, 
 
 
 def test_the_number_of_processes_changes_nothing(sensed, measured):
-    assert measure_looking(sensed, RUN, processes=2).equals(measured)
+    assert measure_senses(sensed, RUN, processes=2).equals(measured)
 
 
 def test_a_poor_sight_is_worse_and_its_checked_product_is_worth_touch_alone(measured):

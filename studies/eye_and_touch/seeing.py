@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from eye_and_touch.study import CLEAN, CUES
 from visuohaptic.fixations.rendering import Views
 from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
-from visuohaptic.studies.looking.settings import CLEAN, CUES
 
 FINEST = 128
 """Rows and columns of the eye's picture, at most (pixels); of a finer view every second or later pixel is taken."""

@@ -11,6 +11,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from eye_and_touch.seeing import SIGHTS, describe_views
+from eye_and_touch.study import CUES
 from touch_curves.choosing import gather_candidates
 from touch_curves.study import LONGEST_SEQUENCE
 from visuohaptic.geometry.subject import Subject
@@ -23,8 +25,6 @@ from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, wh
 from visuohaptic.recognition.summary import select
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import touches_of_run, with_changes
-from visuohaptic.studies.looking.seeing import SIGHTS, describe_views
-from visuohaptic.studies.looking.settings import CUES
 
 if TYPE_CHECKING:
     from touch_curves.choosing import Candidates
