@@ -48,7 +48,7 @@ def folder(tmp_path_factory):
     folder = lay_out(tmp_path_factory.mktemp("run"))
     results = folder / "results"
     costs = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
-    for name in ("frontier", "cost"):
+    for name in ("frontier", "settings_cost"):
         write_table(COST, cost_table(costs, failed=["8 × 8"]), results / f"{name}.parquet")
     write_influence(results / "effect_influence.parquet")
     summary = json.dumps({"report": MADE.model_dump(mode="json")})

@@ -54,10 +54,10 @@ def test_studies_of_yaml_and_of_python_are_found_after_the_packages(tmp_path):
     assert found["of_yaml"].title == "T"
 
 
-@pytest.mark.parametrize("name", ["cost", "effects", "My", "a-b", "a b", "ä", "x" * 50])
+@pytest.mark.parametrize("name", ["influence", "effects", "My", "a-b", "a b", "ä", "x" * 50])
 def test_a_files_name_must_be_plain_and_free(tmp_path, name):
     write(tmp_path, f"{name}.yaml")
-    with pytest.raises(ParameterError, match=r"is no name of a study; .*none of frontier, cost"):
+    with pytest.raises(ParameterError, match=r"is no name of a study; .*none of frontier, effects"):
         find_studies(RUN, [tmp_path])
 
 

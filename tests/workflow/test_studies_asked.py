@@ -2,12 +2,15 @@
 
 import pytest
 
-from readings.study import STUDY as READINGS
-from visuohaptic.studies.registry import STUDIES as PACKAGED
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.registry import REPOSITORY, find_studies
 from visuohaptic.studies.study import Study
 from visuohaptic_workflow.studies_asked import is_asked_for
 
-STUDIES = (*PACKAGED, READINGS, *(Study(name, "Mine") for name in ("palm", "palm_size", "touches")))
+STUDIES = (
+    *find_studies(ExperimentParameters(), [REPOSITORY]).values(),
+    *(Study(name, "Mine") for name in ("palm", "palm_cover", "touches")),
+)
 
 
 def asked_for(arguments):
@@ -17,8 +20,8 @@ def asked_for(arguments):
 @pytest.mark.parametrize(
     ("target", "study"),
     [
-        ("study_palm_size", "palm_size"),
-        ("cost_all", "cost"),
+        ("study_palm_cover", "palm_cover"),
+        ("settings_cost_all", "settings_cost"),
         ("visuohaptic_readings_all", "readings"),
         ("results/studies/palm.parquet", "palm"),
         ("results/study_features/palm/0a1b.parquet", "palm"),

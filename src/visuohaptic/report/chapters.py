@@ -30,17 +30,14 @@ def _of_own_studies(run: Run) -> list[Reads]:
 
 
 BEST = Reads(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", "best")
-COSTS = (
-    Reads("Settings of this run", COST, "frontier"),
-    Reads("The whole study", COST, "cost"),
-)
+COSTS = Reads("Settings of this run", COST, "frontier")
 STABLE = Reads("Each object's numbers", STABILITY, "stability")
 INFLUENCE = Reads("Run time of effects, changes of images", EFFECT_INFLUENCE, "effect_influence")
 
 CHAPTERS = {
     "Answers": (
         Section(
-            "answer", "Answers", sections.answer_values, (BEST, *COSTS, STABLE, INFLUENCE),
+            "answer", "Answers", sections.answer_values, (BEST, COSTS, STABLE, INFLUENCE),
         ),
         Section(
             "method", "The method on one object of this run", sections.method_values,
@@ -67,7 +64,7 @@ CHAPTERS = {
             (Reads("Objects not learnt", EVALUATION, "evaluation"),),
         ),
     ),
-    "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, COSTS),),
+    "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, (COSTS,)),),
     "Hard cases": (
         Section(
             "stability", "Numerical stability in hard cases", sections.stability_values, (STABLE,),

@@ -40,7 +40,6 @@ _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
     "effect_influence": "results/effect_influence.parquet",
-    "cost": "results/cost.parquet",
     "evaluation": "reports/evaluation.parquet",
     "readings": "reports/readings.json",
     "gaze": "results/gaze/measured.parquet",

@@ -15,7 +15,7 @@ from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import confusion, select
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
-from visuohaptic.report.cost import cost_verdict, cue_sentences, read_cost
+from visuohaptic.report.cost import cost_verdict, cue_sentences
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
@@ -205,11 +205,10 @@ def own_studies_values(context: ReportContext) -> Values | None:
 
 
 def cost_values(context: ReportContext) -> Values | None:
-    """Give what accuracy costs in time: in this run, and in the whole study where it was made."""
-    if not any(context.run.file_of(name) for name in ("frontier", "cost")):
+    """Give what accuracy costs in time in this run."""
+    if context.run.file_of("frontier") is None:
         return None
-    study = read_cost(context.run.file_of("cost"), context.run.parameters)
-    return {"frontier": context.frontier, "study": study, "objects": len(context.run.objects)}
+    return {"frontier": context.frontier, "objects": len(context.run.objects)}
 
 
 def effects_values(context: ReportContext) -> Values:

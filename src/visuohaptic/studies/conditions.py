@@ -45,7 +45,7 @@ _FIXED = {
     "plugins": "they are code of the whole run",
     "workflow": "it changes no result",
     "meshes": "a study has the objects of the run",
-    "cost": "it belongs to the study cost",
+    "cost": "it belongs to what is timed",
     "recognition.intervals": "all conditions have the intervals of the run",
 }
 

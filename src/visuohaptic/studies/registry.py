@@ -12,14 +12,13 @@ from types import ModuleType
 
 from visuohaptic.errors import ParameterError, VisuohapticError
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER
+from visuohaptic.studies.cost.settings import FRONTIER
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
 from visuohaptic.studies.own import read_study
 from visuohaptic.studies.study import Study
 
 STUDIES = (
     FRONTIER,
-    COST_STUDY,
     EFFECTS_STUDY,
     INFLUENCE,
 )
