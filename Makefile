@@ -78,8 +78,8 @@ bench: $(DEVELOP)
 readme: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 readme: $(DEVELOP) report
 	python docs/make_readme.py
-	python -m readings.summary
-	python docs/make_readings.py
+	python -m variants.summary
+	python -m variants.make_page
 	python docs/make_claims.py
 	python -m eye_and_touch.make_page
 	python -m touch_curves.make_page

@@ -185,7 +185,10 @@ def run_script(monkeypatch):
 
 @pytest.mark.parametrize(
     "name",
-    [f"docs/{path.stem}" for path in sorted(ROOT.glob("docs/make_*.py"))],
+    [
+        str(path.relative_to(ROOT).with_suffix(""))
+        for path in sorted((*ROOT.glob("docs/make_*.py"), *ROOT.glob("studies/*/make_page.py")))
+    ],
 )
 def test_a_script_that_fills_pages_finds_all_that_it_imports(name, run_script):
     assert run_script(name)["__doc__"]

@@ -195,7 +195,7 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     page = read_page(render(bare))
     assert "No job left a log." in page.text
     assert "No mesh was found of ball/football, ball/marble, cup/beaker and cup/mug" in page.text
-    assert not {"plotly-library", "study_touch_curves", "study_eye_and_touch"} & set(
+    assert not {"plotly-library", "study-touch-curves", "study-eye-and-touch"} & set(
         page.values("id")
     )
     for section in ("What accuracy costs in time", "Accuracy by scene", "ms always"):

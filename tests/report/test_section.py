@@ -12,9 +12,9 @@ from report.synthetic import lay_out, write_study
 from report.test_effects import write_influence
 from report.test_evaluation import evaluation_table
 from report.test_gaze import TABLE as GAZED
-from report.test_readings import MADE
 from report.test_stability import ON_OBJECT, written
 from report.test_studies import ROWS as ABLATIONS
+from report.test_variants import MADE
 from studies.cost.test_front import cost_table
 from studies.eye_and_touch.test_summary import COST as PRICES
 from studies.eye_and_touch.test_summary import INTERVALS, TOUCHES, poor_sight, table_of
@@ -39,7 +39,7 @@ from visuohaptic.tables.studies import COST, EVALUATION
 SHOWN = SimpleNamespace(
     shown_rows={"class": "cup", "object": "mug", "viewpoint": 1, "strategy": "fixation"}
 )
-WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance", "glossary", "readings"}
+WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance", "glossary", "study-variants"}
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def folder(tmp_path_factory):
         write_table(COST, cost_table(costs, failed=["8 × 8"]), results / f"{name}.parquet")
     write_influence(results / "effect_influence.parquet")
     summary = json.dumps({"report": MADE.model_dump(mode="json")})
-    (folder / "reports/readings.json").write_text(summary)
+    (folder / "reports/variants.json").write_text(summary)
     write_trust(folder)
     write_table(EYE_AND_TOUCH, table_of(poor_sight), results / "eye_and_touch.parquet")
     senses = sum_up_senses(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)

@@ -11,7 +11,7 @@ PROFILE = Path(__file__).parents[2] / "profiles/slurm/config.yaml"
 STUDIES = (
     "settings_cost",
     "touch_curves",
-    "readings",
+    "variants",
     "ablations",
     "effects",
     "trust",

@@ -22,13 +22,13 @@ def asked_for(arguments):
     [
         ("study_palm_cover", "palm_cover"),
         ("settings_cost_all", "settings_cost"),
-        ("visuohaptic_readings_all", "readings"),
+        ("visuohaptic_variants_all", "variants"),
         ("results/studies/palm.parquet", "palm"),
         ("results/study_features/palm/0a1b.parquet", "palm"),
         ("results/records/block_of_study/palm/0000-0002.json", "palm"),
         ("reports/trust.json", "trust"),
         ("results/touches_needed.parquet", "touch_curves"),
-        ("results/reading/r017.json", "readings"),
+        ("results/variant/r017.json", "variants"),
     ],
 )
 def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
@@ -38,7 +38,7 @@ def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
 @pytest.mark.parametrize(
     "line",
     [
-        "-d /data/readings",
+        "-d /data/variants",
         "--configfile studies/palm.yaml",
         "results/touches/cup/mug/00-15.parquet",
         "results/records/touches/palm/mug/00-15.json",

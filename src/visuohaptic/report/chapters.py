@@ -101,10 +101,6 @@ CHAPTERS = {
     ),
     "Studies": (
         Section(
-            "readings", "The paper under all its readings",
-            lambda context: {"readings": context.readings},
-        ),
-        Section(
             "gaze", "Attention compared with human gaze", sections.gaze_values,
             (
                 Reads("Predictions against people", GAZE, "gaze"),

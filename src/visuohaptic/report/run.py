@@ -41,7 +41,6 @@ _EXTRAS = {
     "frontier": "results/frontier.parquet",
     "effect_influence": "results/effect_influence.parquet",
     "evaluation": "reports/evaluation.parquet",
-    "readings": "reports/readings.json",
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability",

@@ -14,8 +14,8 @@ from visuohaptic.report.cost import read_cost
 from visuohaptic.report.effects import influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
-from visuohaptic.report.readings import ReadingsSummary, read_readings
 from visuohaptic.report.run import Run
+from visuohaptic.report.variants import VARIANTS, VariantsSummary, read_variants
 from visuohaptic.studies.registry import import_file, section_files
 from visuohaptic.tables.schema import Schema
 from visuohaptic.tables.schemas import SCHEMAS
@@ -55,9 +55,9 @@ class ReportContext:
         return influence_figures(path, self.run.parameters.scene.preset) if path else None
 
     @cached_property
-    def readings(self) -> ReadingsSummary:
-        """What the readings of the paper say together, of this run or as kept with the package."""
-        return read_readings(self.run.file_of("readings"))
+    def variants(self) -> VariantsSummary:
+        """What the variants of the paper say together, of this run or as kept with the package."""
+        return read_variants(self.run.made(VARIANTS))
 
     @cached_property
     def explaining(self) -> ObjectPage:
@@ -91,7 +91,7 @@ def figures_of(study: str) -> Reads:
 
 def study_anchor(study: str) -> str:
     """Name the section that a study brings to the page."""
-    return f"study_{study}"
+    return f"study-{study.replace('_', '-')}"
 
 
 def study_sections(folders: Iterable[str | Path]) -> list[Section]:

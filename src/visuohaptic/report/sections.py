@@ -35,10 +35,10 @@ from visuohaptic.report.questions import (
     Answer,
     fixation_answer,
     has_opponent,
-    readings_sentence,
     recognition_answer,
     reproduction_answer,
     row_of,
+    variants_sentence,
 )
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import ReportContext, Values, narrowed, place_of
@@ -138,7 +138,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         yield recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy
         lead = f"shares[{compared.leading!r}] - shares[{MAIN_OPPONENT!r}]"
         lead = recount_shares(run, compared, f'f"{{100 * ({lead}):+.1f}} points"')
-        yield fixation_answer(run.pipelines, context.readings), lead
+        yield fixation_answer(run.pipelines, context.variants), lead
         yield reproduction_answer(first), accuracy
     if context.frontier and context.frontier["steps"]:
         yield (
@@ -172,7 +172,7 @@ def comparison_values(context: ReportContext) -> Values | None:
     against = others[0] if len(others) == 1 else f"{len(others)} other strategies"
     sentences = (
         gain_sentence(run.pipelines[0]),
-        readings_sentence(context.readings),
+        variants_sentence(context.variants),
         *(cue_sentences(context.frontier["rows"]) if context.frontier else ()),
     )
     return {
