@@ -5,7 +5,7 @@ import pytest
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.registry import REPOSITORY, find_studies
 from visuohaptic.studies.study import Study
-from visuohaptic_workflow.studies_asked import is_asked_for
+from visuohaptic_workflow.studies_asked import is_asked_for, studies_to_plan
 
 STUDIES = (
     *find_studies(ExperimentParameters(), [REPOSITORY]).values(),
@@ -48,3 +48,28 @@ def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
 )
 def test_other_arguments_ask_for_no_study(line):
     assert asked_for(line.split()) == set()
+
+
+def planned(*arguments):
+    found = studies_to_plan(arguments, {study.name: study for study in STUDIES})
+    return set(found) - {"frontier", "influence"}
+
+
+def test_rules_are_made_of_studies_that_are_asked_for_and_of_those_that_they_take_from(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert planned("-n") == set()
+    assert planned("trust_all") == {"trust"}
+    assert planned("results/eye_and_touch.parquet") == {"eye_and_touch", "touch_curves"}
+    # By one of its steps, and as a job on another machine has it on its command line.
+    assert planned("variants_page") == {"variants"}
+    assert planned("block_of_study:block=0000-0002,study=palm") == {"palm"}
+
+
+@pytest.mark.parametrize("file", ["results/study_blocks/palm/0-1.parquet", "reports/trust.json"])
+def test_rules_are_made_of_studies_that_have_files(tmp_path, monkeypatch, file):
+    (tmp_path / file).parent.mkdir(parents=True)
+    (tmp_path / file).touch()
+    monkeypatch.chdir(tmp_path)
+    assert planned("all") == {"palm" if "palm" in file else "trust"}
