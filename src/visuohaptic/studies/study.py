@@ -1,7 +1,8 @@
 """What a study is: conditions to compare, and the jobs that follow their measurement.
 
-A study of the package is an entry of `registry.STUDIES`; a user's is a file in folder ``studies/``: YAML for
-conditions alone, or Python with a `Study` named ``STUDY``, which may have steps of its own.
+A study of the package is an entry of `registry.STUDIES`. All others lie in folder ``studies/``: YAML for conditions
+alone, or Python with a `Study` named ``STUDY``, which may have steps of its own. A study that is a folder may bring its
+section of the report, too (`report.section.study_sections`).
 """
 
 from __future__ import annotations
