@@ -8,6 +8,7 @@ from report.pages import read_page
 from report.synthetic import write_study
 
 from visuohaptic.errors import VisuohapticError
+from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import make_environment
 from visuohaptic.report.section import study_sections
 from visuohaptic.report.studies import (
@@ -86,6 +87,9 @@ def test_no_file_gives_no_study(folder):
 
 
 def bring_section(folder, text):
+    """Write a study with a section, which no module of an earlier test stands for."""
+    for name in ("brought", "brought.section"):
+        sys.modules.pop(name, None)
     (folder / "brought/templates").mkdir(parents=True)
     (folder / "brought/__init__.py").touch()
     (folder / "brought/section.py").write_text(text)
@@ -100,6 +104,22 @@ def test_a_section_that_a_study_brings_is_refused_in_one_sentence(
     tmp_path, monkeypatch, text, sentence
 ):
     monkeypatch.setattr("sys.path", [*sys.path])
-    sys.modules.pop("brought", None)
     with pytest.raises(VisuohapticError, match=rf"brought/section.py {sentence}"):
         study_sections([bring_section(tmp_path, text)])
+
+
+SECTION = """
+from visuohaptic.report.section import Section
+SECTION = Section("", "Brought", lambda context: {"said": context})
+"""
+
+
+def test_a_study_brings_its_section_with_its_template(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.path", [*sys.path])
+    bring_section(tmp_path, SECTION)
+    (tmp_path / "brought/templates/section.html.jinja").write_text("{{ said|titled }}")
+    run = SimpleNamespace(files=SimpleNamespace(studies=[tmp_path]), file_of=lambda _: None)
+    sections = chapters_of(run)["Studies"]
+    assert [(one.name, one.title) for one in sections[:1]] == [("study-brought", "Brought")]
+    template = make_environment(sections).get_template(sections[0].template)
+    assert template.render(sections[0].values("so much.")) == "So much."
