@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from filling import (
     COLOURS,
@@ -146,10 +147,10 @@ def _draw_times(axes: Axes, figures: Figures) -> None:
     for strategy, words in WORDS.items():
         if touches := _line(figures["curves"], CHECKED, strategy):
             line = zip(*sorted([*looks, *touches]), strict=True)
-            style = {"color": COLOUR_OF[strategy], "label": f"look, then touch: {words}"}
-            axes.plot(*line, marker="o", markersize=3, **style)
+            label = f"look, then touch: {words}"
+            axes.plot(*line, marker="o", markersize=3, color=COLOUR_OF[strategy], label=label)
     blind = _line(figures["curves"], TOUCH, BLIND)
-    style = {"color": COLOUR_OF[BLIND], "label": f"touch alone: {WORDS[BLIND]}"}
+    style: dict[str, Any] = {"color": COLOUR_OF[BLIND], "label": f"touch alone: {WORDS[BLIND]}"}
     axes.plot(*zip(*blind, strict=True), linestyle="--", marker="x", markersize=4, **style)
     rule = COMPARED[0]
     stops = _line(figures["budgets"], STOPPING, rule)
@@ -184,8 +185,8 @@ def _draw_sights(axes: Axes, figures: Figures) -> None:
             [100 * abs(cell["accuracy"] - cell[end]) for cell in cells] for end in ("low", "high")
         ]
         places = [number + 0.2 * (place - 1.5) for number in range(len(sights))]
-        style = {"color": COLOURS[place], "label": ANSWERS[answer], "ecolor": "#333"}
-        axes.bar(places, heights, 0.19, yerr=ends, **style)
+        style: dict[str, Any] = {"color": COLOURS[place], "label": ANSWERS[answer]}
+        axes.bar(places, heights, 0.19, yerr=ends, ecolor="#333", **style)
     axes.set_xticks(range(len(sights)), sights)
     axes.set_xlabel(f"sight; {figures['touches']} touches where the eye fixates")
 
