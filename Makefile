@@ -76,13 +76,14 @@ bench: $(DEVELOP)
 	python -m benchmarks
 
 # Its figures are of a default run, which is made first where it is not current.
+readme: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 readme: $(DEVELOP) report
 	python docs/make_readme.py
-	python -m readings.summary
-	python docs/make_readings.py
+	python -m variants.summary
+	python -m variants.make_page
 	python docs/make_claims.py
-	python docs/make_looking.py
-	python docs/make_curves.py
+	python -m eye_and_touch.make_page
+	python -m touch_curves.make_page
 	python docs/make_scaling.py
 	python docs/make_overview_picture.py
 

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DOCS = Path(__file__).parent
-FIGURES = DOCS / "figures"
 SETS = {"paper": "12 objects", "benchmark": "142 objects"}
 COLOURS = ("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e")
 
@@ -23,7 +22,7 @@ Sets = Mapping[str, Figures]
 
 
 def fill_from_figures(
-    study: str,
+    kept: Path,
     page: Path,
     blocks: Callable[[Sets], Mapping[str, str]],
     picture: Path,
@@ -35,24 +34,28 @@ def fill_from_figures(
     With a set and a command behind the script's name, it first keeps the figures of the run that is there.
     """
     if of_run and len(sys.argv) > 2:
-        keep_figures(study, of_run())
-    sets = kept_figures(study)
+        keep_figures(kept, of_run())
+    sets = kept_figures(kept)
     fill_page(page, blocks(sets))
     draw(sets).savefig(picture, dpi=100)
 
 
-def kept_figures(study: str) -> dict[str, Figures]:
-    """Read the kept figures of a study, by set: docs/figures/<study>_<set>.json."""
-    return {name: read_json(FIGURES / f"{study}_{name}.json") for name in SETS}
+def kept_figures(kept: Path) -> dict[str, Figures]:
+    """Read the kept figures of a study, by set, from files ``<kept>_<set>.json``."""
+    return {name: read_json(_of_set(kept, name)) for name in SETS}
 
 
-def keep_figures(study: str, figures: Figures) -> None:
+def keep_figures(kept: Path, figures: Figures) -> None:
     """Keep the figures of a run, with today's date, as the words behind the script's name say: a set, and the command."""
     name, *command = sys.argv[1:]
     date = datetime.now(UTC).strftime("%Y-%m-%d")
     found = {"command": " ".join(command), "date": date, **figures}
     text = json.dumps(found, indent=1, ensure_ascii=False)
-    (FIGURES / f"{study}_{name}.json").write_text(f"{text}\n", encoding="utf-8")
+    _of_set(kept, name).write_text(f"{text}\n", encoding="utf-8")
+
+
+def _of_set(kept: Path, name: str) -> Path:
+    return kept.with_name(f"{kept.name}_{name}.json")
 
 
 def read_json(path: Path) -> Any:

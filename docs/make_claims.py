@@ -25,6 +25,7 @@ from matplotlib.figure import Figure
 
 PAGE = DOCS / "claims.md"
 PICTURE = DOCS / "pictures" / "lead.png"
+KEPT = DOCS / "figures" / "claims"
 PIPELINES = ("paper", "best")
 CLASSIFIER = "support_vector_machine"
 OPPONENTS = {
@@ -144,4 +145,4 @@ def blocks(found: Mapping[str, Figures]) -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    fill_from_figures("claims", PAGE, blocks, PICTURE, draw)
+    fill_from_figures(KEPT, PAGE, blocks, PICTURE, draw)

@@ -10,8 +10,8 @@ from filling import DOCS, fill_page, read_json, share, table
 
 from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.questions import fixation_answer, readings_sentence, recognition_answer
-from visuohaptic.report.readings import read_readings
+from visuohaptic.report.questions import fixation_answer, recognition_answer, variants_sentence
+from visuohaptic.report.variants import read_variants
 from visuohaptic_workflow.closing import REPORT, describe_results
 
 ROOT = DOCS.parent
@@ -32,8 +32,8 @@ RUNS = {
 
 
 def results_table(metrics: dict[str, Any]) -> str:
-    """Set our accuracies, of `reports/metrics.json`, beside the published ones and those of the most literal reading."""
-    literal, strategies = read_readings().literal, ("fixation", "random")
+    """Set our accuracies, of `reports/metrics.json`, beside the published ones and those of the most literal variant."""
+    literal, strategies = read_variants().literal, ("fixation", "random")
     rows = []
     for classifier, label in LABELS.items():
         paper, best = (
@@ -54,17 +54,17 @@ def percent(interval: dict[str, float]) -> str:
 
 
 def answers(metrics: dict[str, Any]) -> str:
-    """Answer the two questions of the experiment from its figures and the kept readings."""
+    """Answer the two questions of the experiment from its figures and the kept variants."""
     tables = read_tables(metrics)
-    readings = read_readings()
+    variants = read_variants()
     found = (
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
-        fixation_answer(tables, readings),
+        fixation_answer(tables, variants),
     )
     sentences = [
         f"**{one.question}** {one.word}: {one.number} {one.sentence}" for one in found if one
     ]
-    sentences[-1] += f" {readings_sentence(readings)}"
+    sentences[-1] += f" {variants_sentence(variants)}"
     text = "\n\n".join(
         textwrap.fill(sentence, 100, break_on_hyphens=False) for sentence in sentences
     )

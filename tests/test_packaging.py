@@ -143,3 +143,15 @@ def test_what_needs_an_extra_says_so(extra, refusing):
 @pytest.mark.parametrize(("name", "bringer"), BROUGHT_BY.items())
 def test_what_comes_with_another_package_is_asked_for_by_it(name, bringer):
     assert name in names_of(requires(bringer))
+
+
+def test_no_study_of_the_repository_is_imported_by_the_library_and_all_are_type_checked():
+    studies = {path.parent.name for path in (ROOT / "studies").glob("*/study.py")}
+    forbidden = {
+        module
+        for contract in PROJECT["tool"]["importlinter"]["contracts"]
+        if contract.get("source_modules") == ["visuohaptic"]
+        for module in contract["forbidden_modules"]
+    }
+    assert studies <= forbidden
+    assert studies <= set(PROJECT["tool"]["mypy"]["packages"])

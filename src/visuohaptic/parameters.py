@@ -94,7 +94,7 @@ class CostParameters(BaseModel):
         128,
         ge=16,
         le=4096,
-        description="Rows and columns of a view of family `lean_viewpoints` of study cost (pixels)",
+        description="Rows and columns of a view of family `lean_viewpoints` of study settings_cost (pixels)",
     )
     frontier_touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
         (1, 2, 5),
@@ -120,16 +120,16 @@ class CostParameters(BaseModel):
     budgets: tuple[Annotated[float, Field(gt=0)], ...] = Field(
         (5.0, 10.0, 20.0, 40.0),
         min_length=1,
-        description="Robot times for which study looking gives accuracies (seconds)",
+        description="Robot times for which study eye_and_touch gives accuracies (seconds)",
     )
     adaptive: bool = Field(
         True,  # noqa: FBT003 - a field's default
-        description="Whether study looking also compares strategy `adaptive`, which takes as long as all others",
+        description="Whether study eye_and_touch also compares strategy `adaptive`, which takes as long as all others",
     )
     maximum_objects: int = Field(
         142,
         ge=2,
-        description="Objects, evenly spread over the classes, on which the frontier and study cost are measured where there are more",
+        description="Objects, evenly spread over the classes, on which the frontier and study settings_cost are measured where there are more",
     )
     objects: int = Field(4, ge=1, description="Objects, spread over all, on which time is measured")
     rounds: int = Field(

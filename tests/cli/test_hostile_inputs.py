@@ -80,7 +80,7 @@ WRONG = [
     ((), "Usage: visuohaptic"),
     (("touch", ""), "the name is empty; a file is needed"),
     ((*RING, "--strategy", "guess"), "'guess' is no strategy of touch; fixation, random"),
-    ((*RING, "--strategy", "adaptive"), "for it is for curves only"),
+    ((*RING, "--strategy", "adaptive"), "for only study touch_curves can use it"),
     ((*RING, "--viewpoints", "0"), "--viewpoints"),
     ((*RING, "--budget", "fast", "--viewpoints", "2"), "--viewpoints 2 is another"),
     (("touch", "one/a.obj", "two/a.obj"), "would both be written to touched/a"),

@@ -34,7 +34,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = (
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
-    ROOT / "studies" / "README.md",
+    *sorted((ROOT / "studies").rglob("*.md")),
     *sorted((ROOT / "docs").rglob("*.md")),
     *sorted((ROOT / "packages").glob("*/**/*.md")),
 )
@@ -179,28 +179,37 @@ def test_python_of_the_pages_runs(page, finished, monkeypatch):
 @pytest.fixture
 def run_script(monkeypatch):
     monkeypatch.syspath_prepend(ROOT / "docs")
-    return lambda name: runpy.run_path(str(ROOT / "docs" / f"{name}.py"))
+    return lambda name: runpy.run_path(str(ROOT / f"{name}.py"))
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("docs/make_*.py")))
+@pytest.mark.parametrize(
+    "name",
+    [
+        str(path.relative_to(ROOT).with_suffix(""))
+        for path in sorted((*ROOT.glob("docs/make_*.py"), *ROOT.glob("studies/*/make_page.py")))
+    ],
+)
 def test_a_script_that_fills_pages_finds_all_that_it_imports(name, run_script):
     assert run_script(name)["__doc__"]
 
 
 def test_a_block_that_a_page_lacks_ends_the_script_that_fills_it(run_script):
-    fill = run_script("filling")["fill"]
+    fill = run_script("docs/filling")["fill"]
     assert fill("<!-- a -->\nold\n<!-- /a -->", "a", "new") == "<!-- a -->\nnew\n<!-- /a -->"
     with pytest.raises(SystemExit, match="no block b"):
         fill("<!-- a -->\nold\n<!-- /a -->", "b", "new")
 
 
-@pytest.mark.parametrize("name", ["claims", "curves", "looking"])
-def test_a_page_shows_the_figures_that_are_kept(name, run_script):
-    made = run_script(f"make_{name}")
+@pytest.mark.parametrize(
+    "script",
+    ["docs/make_claims", "studies/eye_and_touch/make_page", "studies/touch_curves/make_page"],
+)
+def test_a_page_shows_the_figures_that_are_kept(script, run_script):
+    made = run_script(script)
     text = made["PAGE"].read_text()
-    sets = run_script("filling")["kept_figures"](name)
+    sets = run_script("docs/filling")["kept_figures"](made["KEPT"])
     for block, content in made["blocks"](sets).items():
-        assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text, f"run `make_{name}.py`"
+        assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text, f"run {script}"
 
 
 def test_the_page_of_architecture_names_every_folder_of_the_library():

@@ -21,7 +21,12 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 KEPT = Path(__file__).with_name("paper_set.json")
-METRICS = ("metrics.json", "studies/ablations.json", "studies/claims.json", "studies/curves.json")
+METRICS = (
+    "metrics.json",
+    "studies/ablations.json",
+    "studies/claims.json",
+    "studies/touch_curves.json",
+)
 """Under reports/; those of studies where they were made."""
 
 OF_SECONDS = {

@@ -49,9 +49,9 @@ IN_ANOTHER_FORM = {
         f"{ASK.format('verify')} || test $? = 1",
         "the same; studies and models of the commands before may be of an earlier state",
     ),
-    "snakemake -j2 readings_all": (
-        "snakemake -n -- readings_all && snakemake -j2 -- results/reading/r017.json",
-        "684 readings take minutes even here: what would run, and one of them",
+    "snakemake -j2 variants_all": (
+        "snakemake -n -- variants_all && snakemake -j2 -- results/variant/r017.json",
+        "684 variants take minutes even here: what would run, and one of them",
     ),
     "dvc exp run --queue -S recognition.touches=1,2,3,4 -S recognition.classifier.svm_kernel=linear,rbf": (
         "dvc exp run --queue -S recognition.touches=1 -S recognition.classifier.svm_kernel=linear",

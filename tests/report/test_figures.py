@@ -2,10 +2,8 @@
 
 import json
 
-import numpy as np
 import pytest
 from report.synthetic import write_run, write_study
-from report.test_certainty import certainty_table
 from report.test_gaze import TABLE as GAZED
 from report.test_stability import EXACT, GRAZING
 from studies.cost.test_front import cost_rows, cost_table
@@ -44,18 +42,16 @@ def metrics(tmp_path_factory):
 
 
 @pytest.fixture
-def curves(tmp_path):
+def measured(tmp_path):
     rows = [("1 touch", 0.6, None, None), ("2 touches", 0.8, None, None)]
-    return read_figures(write_study(tmp_path, "curves", rows), "curves")
+    return read_figures(write_study(tmp_path, "mine", rows), "mine")
 
 
-def test_every_axis_has_a_name(metrics, curves):
+def test_every_axis_has_a_name(metrics, measured):
     for figure in (
         figures.comparison(metrics),
-        figures.conditions(curves),
+        figures.conditions(measured),
         figures.runs(["naive Bayes"], {"A": [Figure(0.5, 0.4, 0.6)]}),
-        figures.touches_needed(curves),
-        figures.coverage(certainty_table()),
         figures.cost(cost_table(POINTS)),
         figures.stability(result_table([GRAZING, EXACT])),
         figures.gaze(summarise(GAZED, "training")),
@@ -78,14 +74,6 @@ def test_marks_of_the_comparison_lie_at_the_accuracies(metrics):
     assert marks(figure, "chance")[0][0] == 0.5
 
 
-def test_touches_are_counted_from_one_and_one_object_alone_has_no_intervals(curves):
-    figure = figures.touches_needed(curves)
-    np.testing.assert_allclose(marks(figure, "eye fixations"), [[1, 0.6], [2, 0.8]])
-    assert intervals(figure, 1) == {(row["low"], row["high"]) for row in curves}
-    alone = figures.touches_needed([{**row, "low": None, "high": None} for row in curves])
-    assert all(low == high for low, high in intervals(alone, 1))
-
-
 def test_a_condition_that_failed_has_no_row_and_nothing_measured_is_refused(tmp_path):
     rows = [("as run", 0.8, None, None), ("no edge", None, None, None)]
     found = read_figures(write_study(tmp_path, "mine", rows), "mine")
@@ -94,13 +82,6 @@ def test_a_condition_that_failed_has_no_row_and_nothing_measured_is_refused(tmp_
         figures.conditions(found[1:])
     with pytest.raises(ReportError, match="nothing to draw"):
         figures.cost(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:])
-
-
-def test_coverage_counts_the_sets_that_would_hold_the_class():
-    # At 50 % sets hold what fits better than 50 %, at 60 % what fits better than 40 %, ...
-    expected = [0.25, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.75, 0.75]
-    drawn = marks(figures.coverage(certainty_table()), "eye fixations")
-    np.testing.assert_allclose(drawn[:, 1], expected)
 
 
 def test_a_line_joins_settings_of_which_one_thing_changes_and_no_others():

@@ -195,10 +195,11 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     page = read_page(render(bare))
     assert "No job left a log." in page.text
     assert "No mesh was found of ball/football, ball/marble, cup/beaker and cup/mug" in page.text
-    assert not {"plotly-library", "touches_needed", "looking"} & set(page.values("id"))
+    assert not {"plotly-library", "study-touch-curves", "study-eye-and-touch"} & set(
+        page.values("id")
+    )
     for section in ("What accuracy costs in time", "Accuracy by scene", "ms always"):
         assert section not in page.text
-    assert "snakemake -j2 certainty_all" in page.text
     assert "a model that learnt 142 objects classifies 22 others, of set odd" in page.text
     assert "Effects of the view" not in page.values("aria-label")
 

@@ -7,11 +7,11 @@ from report.test_comparison import BAYES, SVM, metrics
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.questions import (
     fixation_answer,
-    readings_sentence,
     recognition_answer,
     reproduction_answer,
+    variants_sentence,
 )
-from visuohaptic.report.readings import ReadingsSummary, Spread
+from visuohaptic.report.variants import Spread, VariantsSummary
 
 
 def run_of(fixation=0.7, random=0.6):
@@ -20,8 +20,8 @@ def run_of(fixation=0.7, random=0.6):
     return read_tables(metrics(*accuracies, {SVM: 0.1, BAYES: 0.5}))
 
 
-def readings(verdict="not shown", **spread):
-    return ReadingsSummary(verdict=verdict, spread=(Spread(**spread),) if spread else ())
+def variants(verdict="not shown", **spread):
+    return VariantsSummary(verdict=verdict, spread=(Spread(**spread),) if spread else ())
 
 
 @pytest.mark.parametrize(("accuracy", "word"), [(0.31, "Yes"), (0.29, "Not shown"), (0.21, "No")])
@@ -33,20 +33,20 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, word):
     assert plain(found.sentence).endswith("(support vector machine); guessing 25 %.")
 
 
-def test_the_second_answer_follows_from_the_readings_and_not_from_the_run():
+def test_the_second_answer_follows_from_the_variants_and_not_from_the_run():
     for verdict in ("yes", "no", "not shown", "depends"):
-        assert fixation_answer(run_of(random=0.2), readings(verdict)).verdict == verdict
-    found = fixation_answer(run_of(), readings("no"))
+        assert fixation_answer(run_of(random=0.2), variants(verdict)).verdict == verdict
+    found = fixation_answer(run_of(), variants("no"))
     assert plain(found.number) == "+10.0 points (+5.0 to +15.0)"
     assert "above random touches, the paper's pipeline, 12 objects; " in plain(found.sentence)
 
 
-def test_the_readings_are_counted_by_set():
-    sentence = readings_sentence(readings(objects=12, readings=9, ahead=1, behind=4))
+def test_the_variants_are_counted_by_set():
+    sentence = variants_sentence(variants(objects=12, variants=9, ahead=1, behind=4))
     assert sentence.endswith(
-        "significantly ahead of random touches on 12 objects in 1 of 9 readings, and behind in 4."
+        "significantly ahead of random touches on 12 objects in 1 of 9 variants, and behind in 4."
     )
-    assert readings_sentence(readings()) == ""
+    assert variants_sentence(variants()) == ""
 
 
 @pytest.mark.parametrize(
@@ -67,4 +67,4 @@ def test_the_third_answer_counts_published_accuracies_within_intervals(accuracie
 
 def test_nothing_is_said_of_a_comparison_that_was_not_made():
     figures = metrics({SVM: 0.7}, {SVM: 0.6}, {SVM: 0.1}) | {"comparisons": {}}
-    assert fixation_answer(read_tables(figures), readings()) is None
+    assert fixation_answer(read_tables(figures), variants()) is None

@@ -9,35 +9,37 @@ import pyarrow.parquet as pq
 import pytest
 from report.pages import plain, read_page
 from report.synthetic import lay_out, write_study
-from report.test_certainty import evaluation_table, write_certainty
 from report.test_effects import write_influence
+from report.test_evaluation import evaluation_table
 from report.test_gaze import TABLE as GAZED
-from report.test_readings import MADE
 from report.test_stability import ON_OBJECT, written
 from report.test_studies import ROWS as ABLATIONS
-from report.test_touches_needed import write_tables
+from report.test_variants import MADE
 from studies.cost.test_front import cost_table
-from studies.looking.test_figures import COST as PRICES
-from studies.looking.test_figures import INTERVALS, TOUCHES, poor_sight, table_of
+from studies.eye_and_touch.test_summary import COST as PRICES
+from studies.eye_and_touch.test_summary import INTERVALS, TOUCHES, poor_sight, table_of
+from studies.touch_curves.test_section import write_tables
+from studies.trust.test_section import write_trust
 
+from eye_and_touch.summary import sum_up_senses
+from eye_and_touch.tables import EYE_AND_TOUCH
 from visuohaptic.recognition.summary import select
-from visuohaptic.report.chapters import CHAPTERS
+from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import find_run, read_run
 from visuohaptic.report.section import ReportContext, find_sources, narrowed
 from visuohaptic.report.sections import answer_values, recount_cost
 from visuohaptic.report.wording import duration
 from visuohaptic.studies.figures import write_json
-from visuohaptic.studies.looking.figures import sum_up_looking
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import build_table, write_table
-from visuohaptic.tables.studies import COST, EVALUATION, LOOKING
+from visuohaptic.tables.studies import COST, EVALUATION
 
 SHOWN = SimpleNamespace(
     shown_rows={"class": "cup", "object": "mug", "viewpoint": 1, "strategy": "fixation"}
 )
-WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance", "glossary", "readings"}
+WITHOUT_TABLES = {"methods", "parameters", "credits", "provenance", "glossary", "study-variants"}
 
 
 @pytest.fixture(scope="module")
@@ -46,15 +48,15 @@ def folder(tmp_path_factory):
     folder = lay_out(tmp_path_factory.mktemp("run"))
     results = folder / "results"
     costs = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0.02)]
-    for name in ("frontier", "cost"):
+    for name in ("frontier", "settings_cost"):
         write_table(COST, cost_table(costs, failed=["8 × 8"]), results / f"{name}.parquet")
     write_influence(results / "effect_influence.parquet")
     summary = json.dumps({"report": MADE.model_dump(mode="json")})
-    (folder / "reports/readings.json").write_text(summary)
-    write_certainty(folder)
-    write_table(LOOKING, table_of(poor_sight), results / "looking.parquet")
-    looking = sum_up_looking(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)
-    write_json(looking, folder / "reports/looking.json")
+    (folder / "reports/variants.json").write_text(summary)
+    write_trust(folder)
+    write_table(EYE_AND_TOUCH, table_of(poor_sight), results / "eye_and_touch.parquet")
+    senses = sum_up_senses(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)
+    write_json(senses, folder / "reports/eye_and_touch.json")
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
     guards = {"guard": ["shuffled labels give chance"], "outcome": ["held"], "found": ["So."]}
     write_table(GUARDS, build_table(GUARDS, guards), results / "guards.parquet")
@@ -89,7 +91,7 @@ def run(folder):
 
 def sources_of(run):
     """Give what each section that reads tables of the run has read."""
-    sections = [section for chapter in CHAPTERS.values() for section in chapter]
+    sections = [section for chapter in chapters_of(run).values() for section in chapter]
     found = {one.name: list(find_sources(one, run, SHOWN)) for one in sections}
     return {name: sources for name, sources in found.items() if sources}
 
@@ -104,8 +106,8 @@ def rows_of(folder, source):
     return select(pa.concat_tables([pq.read_table(part) for part in parts]), **source.rows)
 
 
-def test_every_section_names_files_that_exist_and_rows_of_their_schema(folder, sources):
-    sections = {section.name for chapter in CHAPTERS.values() for section in chapter}
+def test_every_section_names_files_that_exist_and_rows_of_their_schema(folder, run, sources):
+    sections = {section.name for chapter in chapters_of(run).values() for section in chapter}
     assert sections - WITHOUT_TABLES == set(sources)
     for section, named in sources.items():
         for source in named:

@@ -1,19 +1,24 @@
 """A study's words and rows come from its figures; a user's names are text and nothing else."""
 
+import sys
+from types import SimpleNamespace
+
 import pytest
 from report.pages import read_page
 from report.synthetic import write_study
 
+from visuohaptic.errors import VisuohapticError
+from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import make_environment
+from visuohaptic.report.section import study_sections
 from visuohaptic.report.studies import (
-    NAMES,
     RECOMPUTED,
-    condition_name,
     names_of_own_studies,
     read_study,
 )
-from visuohaptic.studies.ablations import PARTS
+from visuohaptic.report.wording import spaced
 from visuohaptic.studies.conditions import _ORDER
+from visuohaptic.studies.registry import REPOSITORY
 
 ROWS = [
     ("whole_method", 0.8, None, None),
@@ -26,7 +31,7 @@ EVIL = "<script>alert(1)</script>"
 
 
 def sentence(folder, rows=ROWS, **columns):
-    study = read_study(write_study(folder, "ablations", rows, **columns), "ablations")
+    study = read_study(write_study(folder, "parts", rows, **columns), "parts", spaced)
     return "".join(study["tables"][0]["sentences"])
 
 
@@ -37,11 +42,9 @@ def section_of(studies):
 
 def test_the_largest_loss_and_gain_are_stated_and_no_more(tmp_path):
     text = sentence(tmp_path, adjusted_p=SETTLED)
-    assert text.startswith(
-        "Most is lost with “cutaneous cues only” (−30.0 percentage points); most"
-    )
-    assert "gained with “kinesthetic cues only” (+5.0 percentage points); with 12 objects" in text
-    assert text.endswith("beyond chance (Holm-adjusted p below 0.05): cutaneous cues only.")
+    assert text.startswith("Most is lost with “cutaneous only” (−30.0 percentage points); most")
+    assert "gained with “kinesthetic only” (+5.0 percentage points); with 12 objects" in text
+    assert text.endswith("beyond chance (Holm-adjusted p below 0.05): cutaneous only.")
     text = sentence(tmp_path, ROWS[:2])
     assert "lost" not in text
     assert "no change is beyond chance (smallest Holm-adjusted p 1)" in text
@@ -53,9 +56,7 @@ def test_the_papers_pipeline_comes_first(tmp_path):
     assert [table["pipeline"] for table in study["tables"]] == ["paper", "best"]
 
 
-def test_every_ablation_has_a_name_of_its_own_and_every_phase_has_words():
-    assert set(NAMES) <= set(PARTS)
-    assert len({condition_name(name) for name in PARTS}) == len(PARTS)
+def test_every_phase_has_words():
     assert {*_ORDER, "recognition"} <= set(RECOMPUTED)
 
 
@@ -69,9 +70,11 @@ def test_a_study_of_which_everything_failed_has_its_table_and_no_chart(tmp_path)
 def test_own_studies_have_their_own_section_and_their_names_are_text(tmp_path):
     rows = [("as run", 0.8, None, None), (EVIL, 0.7, "as run", -0.1)]
     rows += [("without_edge", 0.7, "as run", -0.1)]
-    write_study(tmp_path, "mine", rows, title=EVIL)
-    write_study(tmp_path, "ablations", ROWS)
-    assert names_of_own_studies(tmp_path) == ["mine"]
+    for name in ("mine", "ablations", "effects"):
+        write_study(tmp_path, name, rows, title=EVIL)
+    files = SimpleNamespace(studies=[REPOSITORY])
+    run = SimpleNamespace(files=files, parts=lambda _: sorted(tmp_path.glob("*.parquet")))
+    assert names_of_own_studies(run) == ["mine"]
     page = section_of([read_study(tmp_path, "mine")])
     assert page.text.count(EVIL) >= 3
     assert "without_edge" in page.text
@@ -81,4 +84,42 @@ def test_own_studies_have_their_own_section_and_their_names_are_text(tmp_path):
 @pytest.mark.parametrize("folder", [None, "none"])
 def test_no_file_gives_no_study(folder):
     assert read_study(folder, "ablations") is None
-    assert names_of_own_studies(folder) == []
+
+
+def bring_section(folder, text):
+    """Write a study with a section, which no module of an earlier test stands for."""
+    for name in ("brought", "brought.section"):
+        sys.modules.pop(name, None)
+    (folder / "brought/templates").mkdir(parents=True)
+    (folder / "brought/__init__.py").touch()
+    (folder / "brought/section.py").write_text(text)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [("1 / 0", "can't be run: ZeroDivisionError"), ("", "has no SECTION; one Section is needed")],
+)
+def test_a_section_that_a_study_brings_is_refused_in_one_sentence(
+    tmp_path, monkeypatch, text, sentence
+):
+    monkeypatch.setattr("sys.path", [*sys.path])
+    with pytest.raises(VisuohapticError, match=rf"brought/section.py {sentence}"):
+        study_sections([bring_section(tmp_path, text)])
+
+
+SECTION = """
+from visuohaptic.report.section import Section
+SECTION = Section("", "Brought", lambda context: {"said": context})
+"""
+
+
+def test_a_study_brings_its_section_with_its_template(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.path", [*sys.path])
+    bring_section(tmp_path, SECTION)
+    (tmp_path / "brought/templates/section.html.jinja").write_text("{{ said|titled }}")
+    run = SimpleNamespace(files=SimpleNamespace(studies=[tmp_path]), file_of=lambda _: None)
+    sections = chapters_of(run)["Studies"]
+    assert [(one.name, one.title) for one in sections[:1]] == [("study-brought", "Brought")]
+    template = make_environment(sections).get_template(sections[0].template)
+    assert template.render(sections[0].values("so much.")) == "So much."

@@ -11,13 +11,18 @@ import trimesh
 from recognition.synthetic import features_table
 from studies.surfaces import RUN, small_surfaces, surface_of, write_sources
 
+from ablations.study import STUDY as ABLATIONS
 from visuohaptic import recognition
 from visuohaptic.errors import ParameterError
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences
 from visuohaptic.studies import measuring
-from visuohaptic.studies.ablations import ABLATIONS, ALONE
-from visuohaptic.studies.conditions import describe_conditions, plan_study, with_changes
+from visuohaptic.studies.conditions import (
+    FIXATION_ONLY,
+    describe_conditions,
+    plan_study,
+    with_changes,
+)
 from visuohaptic.studies.figures import cells_of
 from visuohaptic.studies.measuring import (
     Sources,
@@ -58,7 +63,7 @@ EARLIER_RUN = with_changes(
         "probing.unreachable": "keep",
     },
 )
-PAPER_ALONE = {**ALONE, "recognition.pipelines": ["paper"]}
+PAPER_ONLY = {**FIXATION_ONLY, "recognition.pipelines": ["paper"]}
 SYNTHETIC = features_table(objects=(3, 3, 3), viewpoints=4, touches=3, separation=0.3)
 
 
@@ -132,7 +137,7 @@ def test_more_touches_begin_with_those_of_the_run(run):
 @pytest.mark.slow
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
 def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
-    changes = {**ALONE, "recognition.pipelines": [pipeline]}
+    changes = {**FIXATION_ONLY, "recognition.pipelines": [pipeline]}
     one, every = mine(Condition("1", changes, votes=1), Condition("4", changes, votes=4)).conditions
     tables = recognition.run_pipeline(SYNTHETIC, one.parameters.recognition, RUN.seed, pipeline)
     (figures,) = recognition.summarise(*tables)["results"][pipeline]["fixation"].values()
@@ -143,7 +148,7 @@ def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
 
 
 def test_conditions_that_differ_in_the_vote_alone_train_once():
-    votes = [Condition(f"{votes}", PAPER_ALONE, votes=votes) for votes in (1, 2, 4)]
+    votes = [Condition(f"{votes}", PAPER_ONLY, votes=votes) for votes in (1, 2, 4)]
     planned = mine(*votes).conditions
     with patch.object(measuring, "predict_objects", wraps=measuring.predict_objects) as predicting:
         found = cells(SYNTHETIC, *planned)
@@ -158,10 +163,12 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     monkeypatch.setattr(measuring, "run", refuse)
     sources, features = run
     plan = mine(
-        Condition("as run", {**ALONE}),
-        Condition("too small", {**ALONE, "sensor.resolution": 8}),
-        Condition("too many", {**ALONE, "recognition.protocol.protocol": "grouped_folds"}, votes=9),
-        Condition("fine", {**ALONE, "recognition.classifier.svm_penalty": 2.0}),
+        Condition("as run", {**FIXATION_ONLY}),
+        Condition("too small", {**FIXATION_ONLY, "sensor.resolution": 8}),
+        Condition(
+            "too many", {**FIXATION_ONLY, "recognition.protocol.protocol": "grouped_folds"}, votes=9
+        ),
+        Condition("fine", {**FIXATION_ONLY, "recognition.classifier.svm_penalty": 2.0}),
     )
     ((key, recomputation),) = plan.recomputations.items()
     made = {key: tmp_path / "features.parquet"}
@@ -182,12 +189,14 @@ def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
 
     monkeypatch.setattr(measuring, "predict_objects", fault)
     with pytest.raises(ZeroDivisionError):
-        cells(SYNTHETIC, *mine(Condition("c", ALONE)).conditions)
+        cells(SYNTHETIC, *mine(Condition("c", FIXATION_ONLY)).conditions)
 
 
 @pytest.mark.slow
 def test_a_block_gives_the_same_rows_however_conditions_are_cut(run, tmp_path):
-    penalties = [{**ALONE, "recognition.classifier.svm_penalty": one} for one in (1.0, 2.0, 4.0)]
+    penalties = [
+        {**FIXATION_ONLY, "recognition.classifier.svm_penalty": one} for one in (1.0, 2.0, 4.0)
+    ]
     plan = mine(*(Condition(f"{place}", changes) for place, changes in enumerate(penalties)))
 
     def rows(*blocks):
@@ -209,7 +218,7 @@ WITHOUT_LAST = SYNTHETIC.filter(
 @pytest.mark.parametrize("votes", [None, 1, 2, 4])
 @pytest.mark.parametrize("protocol", ["leave_one_object_a_class_out", "grouped_folds"])
 def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protocol):
-    changes = {**PAPER_ALONE, "recognition.touches": 3, "recognition.protocol.protocol": protocol}
+    changes = {**PAPER_ONLY, "recognition.touches": 3, "recognition.protocol.protocol": protocol}
     (planned,) = mine(Condition("c", changes, votes=votes)).conditions
     (found,) = cells(WITHOUT_LAST, planned).values()
     assert found.error is None
@@ -222,14 +231,18 @@ def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protoco
 def test_a_view_is_left_out_for_all_strategies_where_one_lacks_touches():
     renamed = features_table("random", (3, 3, 3), viewpoints=4, touches=3, separation=0.3)
     both = pa.concat_tables([WITHOUT_LAST, renamed])
-    changes = {**ALONE, "recognition.touches": 3, "probing.strategies": ["fixation", "random"]}
+    changes = {
+        **FIXATION_ONLY,
+        "recognition.touches": 3,
+        "probing.strategies": ["fixation", "random"],
+    }
     (planned,) = mine(Condition("c", changes)).conditions
     kept = [measuring.condition_features(planned, both, name) for name in ("fixation", "random")]
     assert kept[0].num_rows == kept[1].num_rows == SYNTHETIC.num_rows - 9
 
 
 def test_a_condition_that_makes_fewer_touches_takes_no_more():
-    changes = {**ALONE, "attention.fixations": 2, "recognition.touches": None}
+    changes = {**FIXATION_ONLY, "attention.fixations": 2, "recognition.touches": None}
     (planned,) = mine(Condition("c", changes)).conditions
     taken = measuring.condition_features(planned, SYNTHETIC, "fixation")
     assert set(taken["touch"].to_pylist()) == {0, 1}
@@ -240,7 +253,7 @@ def test_a_condition_that_makes_fewer_touches_takes_no_more():
 def test_an_object_that_no_view_shows_a_place_of_stops_no_study(tmp_path, changes):
     hair = surface_of(trimesh.creation.cylinder(1e-5, 2))
     sources, _ = write_sources(tmp_path, small_surfaces() | {"ring/hair": hair})
-    plan = mine(Condition("c", changes | PAPER_ALONE))
+    plan = mine(Condition("c", changes | PAPER_ONLY))
     (recomputation,) = plan.recomputations.values()
     (found,) = cells(recompute_features(recomputation, sources), *plan.conditions).values()
     assert len(found.objects) == len(small_surfaces())

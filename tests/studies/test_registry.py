@@ -8,7 +8,7 @@ from studies.surfaces import RUN
 from visuohaptic.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study
-from visuohaptic.studies.registry import PACKAGED, STUDIES, find_studies
+from visuohaptic.studies.registry import PACKAGED, REPOSITORY, find_studies
 
 YAML = "title: T\nconditions: {a: {}}"
 IMPORT = "from visuohaptic.studies.study import Step, Study\n"
@@ -23,19 +23,20 @@ def write(folder, name, text=YAML):
 
 
 @pytest.mark.slow
-def test_the_packages_studies_can_be_planned_for_every_run():
+def test_all_studies_can_be_planned_for_every_run():
     for values in ({}, {"recognition": {"pipelines": ["best"]}}, {"scene": {"preset": "worn_fsr"}}):
         run = ExperimentParameters.from_mapping(values)
-        for study in STUDIES:
+        for study in find_studies(run, [REPOSITORY]).values():
             names = [one.condition.name for one in plan_study(study, run).conditions]
             assert len(set(names)) == len(names)
 
 
 def test_every_file_belongs_to_one_study_and_the_work_of_every_step_is_there():
-    for study in STUDIES:
+    studies = find_studies(RUN, [REPOSITORY]).values()
+    for study in studies:
         files = [file for step in study.steps for file in (*step.files, step.record)]
         for file in (*files, *study.targets, f"results/study_blocks/{study.name}/0-1.parquet"):
-            assert [one.name for one in STUDIES if one.owns(file)] == [study.name]
+            assert [one.name for one in studies if one.owns(file)] == [study.name]
         for step in study.steps:
             module, _, name = step.work.partition(":")
             assert callable(getattr(import_module(module), name))
@@ -54,10 +55,10 @@ def test_studies_of_yaml_and_of_python_are_found_after_the_packages(tmp_path):
     assert found["of_yaml"].title == "T"
 
 
-@pytest.mark.parametrize("name", ["cost", "certainty", "My", "a-b", "a b", "ä", "x" * 50])
+@pytest.mark.parametrize("name", ["influence", "effects", "My", "a-b", "a b", "ä", "x" * 50])
 def test_a_files_name_must_be_plain_and_free(tmp_path, name):
     write(tmp_path, f"{name}.yaml")
-    with pytest.raises(ParameterError, match=r"is no name of a study; .*none of frontier, cost"):
+    with pytest.raises(ParameterError, match=r"is no name of a study; .*none of frontier, effects"):
         find_studies(RUN, [tmp_path])
 
 
@@ -75,6 +76,16 @@ def test_python_that_is_no_study_is_refused_in_one_sentence(tmp_path, name, text
     write(tmp_path, f"{name}.py", text)
     with pytest.raises(ParameterError, match=sentence):
         find_studies(RUN, [tmp_path])
+
+
+@pytest.mark.parametrize("name", ["mine/study.py", "mine.yaml"])
+def test_a_study_of_the_repository_keeps_its_name(tmp_path, name):
+    write(tmp_path, f"own/{name}", PYTHON.replace("NAME", "mine"))
+    write(tmp_path, "repository/mine/study.py", PYTHON.replace("NAME", "mine"))
+    with pytest.raises(
+        ParameterError, match=rf"own/{name}: 'mine' is the name of study .*/repository"
+    ):
+        find_studies(RUN, [tmp_path / "own", tmp_path / "repository"])
 
 
 def test_two_files_of_one_name_are_refused(tmp_path):

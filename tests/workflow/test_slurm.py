@@ -8,7 +8,15 @@ import yaml
 from visuohaptic_workflow.slurm_status import judge, main
 
 PROFILE = Path(__file__).parents[2] / "profiles/slurm/config.yaml"
-STUDIES = ("cost", "curves", "readings", "ablations", "effects", "certainty", "looking")
+STUDIES = (
+    "settings_cost",
+    "touch_curves",
+    "variants",
+    "ablations",
+    "effects",
+    "trust",
+    "eye_and_touch",
+)
 
 
 @pytest.mark.workflow

@@ -2,12 +2,15 @@
 
 import pytest
 
-from readings.study import STUDY as READINGS
-from visuohaptic.studies.registry import STUDIES as PACKAGED
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.registry import REPOSITORY, find_studies
 from visuohaptic.studies.study import Study
-from visuohaptic_workflow.studies_asked import is_asked_for
+from visuohaptic_workflow.studies_asked import is_asked_for, studies_to_plan
 
-STUDIES = (*PACKAGED, READINGS, *(Study(name, "Mine") for name in ("palm", "palm_size", "touches")))
+STUDIES = (
+    *find_studies(ExperimentParameters(), [REPOSITORY]).values(),
+    *(Study(name, "Mine") for name in ("palm", "palm_cover", "touches")),
+)
 
 
 def asked_for(arguments):
@@ -17,15 +20,15 @@ def asked_for(arguments):
 @pytest.mark.parametrize(
     ("target", "study"),
     [
-        ("study_palm_size", "palm_size"),
-        ("cost_all", "cost"),
-        ("visuohaptic_readings_all", "readings"),
+        ("study_palm_cover", "palm_cover"),
+        ("settings_cost_all", "settings_cost"),
+        ("visuohaptic_variants_all", "variants"),
         ("results/studies/palm.parquet", "palm"),
         ("results/study_features/palm/0a1b.parquet", "palm"),
         ("results/study_records/block_of_study/palm/0000-0002.json", "palm"),
-        ("reports/certainty.json", "certainty"),
-        ("results/touches_needed.parquet", "curves"),
-        ("results/reading/r017.json", "readings"),
+        ("reports/trust.json", "trust"),
+        ("results/touches_needed.parquet", "touch_curves"),
+        ("results/variant/r017.json", "variants"),
     ],
 )
 def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
@@ -35,7 +38,7 @@ def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
 @pytest.mark.parametrize(
     "line",
     [
-        "-d /data/readings",
+        "-d /data/variants",
         "--configfile studies/palm.yaml",
         "results/touches/cup/mug/00-15.parquet",
         "results/records/touches/palm/mug/00-15.json",
@@ -45,3 +48,28 @@ def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
 )
 def test_other_arguments_ask_for_no_study(line):
     assert asked_for(line.split()) == set()
+
+
+def planned(*arguments):
+    found = studies_to_plan(arguments, {study.name: study for study in STUDIES})
+    return set(found) - {"frontier", "influence"}
+
+
+def test_rules_are_made_of_studies_that_are_asked_for_and_of_those_that_they_take_from(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    assert planned("-n") == set()
+    assert planned("trust_all") == {"trust"}
+    assert planned("results/eye_and_touch.parquet") == {"eye_and_touch", "touch_curves"}
+    # By one of its steps, and as a job on another machine has it on its command line.
+    assert planned("variants_page") == {"variants"}
+    assert planned("block_of_study:block=0000-0002,study=palm") == {"palm"}
+
+
+@pytest.mark.parametrize("file", ["results/study_blocks/palm/0-1.parquet", "reports/trust.json"])
+def test_rules_are_made_of_studies_that_have_files(tmp_path, monkeypatch, file):
+    (tmp_path / file).parent.mkdir(parents=True)
+    (tmp_path / file).touch()
+    monkeypatch.chdir(tmp_path)
+    assert planned("all") == {"palm" if "palm" in file else "trust"}

@@ -2,7 +2,7 @@
 
 Takes results/features/; gives results/models/best.skops, which holds no code, but the parameters with
 which its touches were made. A model of other touches than those of the first strategy is made by its name, such as
-results/models/best_random.skops. Study `certainty` measures how far the answers of such models can be relied on.
+results/models/best_random.skops. Study `trust` measures how far the answers of such models can be relied on.
 """
 
 MODELS = {

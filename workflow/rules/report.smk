@@ -7,6 +7,13 @@ reports/metrics.json and reports/plots/.
 TEMPLATES = in_clone(
     sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
 )
+# What studies bring to the page: a section each, and its templates.
+SECTIONS = section_files(STUDY_FOLDERS)
+SECTION_TEMPLATES = in_clone(
+    os.path.relpath(template)
+    for section in SECTIONS.values()
+    for template in sorted(section.parent.glob("templates/*.*"))
+)
 # What `make test-hard` and `visuohaptic evaluate` measured on this machine.
 MEASURED_BESIDE = ["reports/evaluation.parquet", "reports/precision.json"]
 
@@ -55,6 +62,7 @@ rule report:
     input:
         takes(
             "report",
+            runs=[f"{study}.section" for study in SECTIONS],
             metrics="reports/metrics.json",
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
             views=files_of("views"),
@@ -76,7 +84,7 @@ rule report:
                 *in_clone(filter(os.path.exists, MEASURED_BESIDE)),
             ],
             credits=CREDITS,
-            templates=TEMPLATES,
+            templates=[*TEMPLATES, *SECTION_TEMPLATES],
         ),
     output:
         page=report(

@@ -5,7 +5,8 @@ studies/<study>.yaml or .py; gives results/study_features/<study>/ (what conditi
 results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.parquet and reports/studies/<study>.json,
 and what a study's own steps make (`visuohaptic.studies.study.Step`). Studies `frontier` and `influence` are part of
 `all`. The others are not: `snakemake -j2 study_<study>` makes one, as `<study>_all` does for those of Python, and writes
-the report; later runs keep it up to date, or leave it as it is (`workflow.keep_studies_current`).
+the report; later runs keep it up to date, or leave it as it is (`workflow.keep_studies_current`). Of studies that a run
+is not asked for and that have no files there are no rules.
 """
 
 

@@ -9,12 +9,23 @@ from visuohaptic.studies.conditions import (
     make_blocks,
     plan_study,
 )
-from visuohaptic.studies.registry import find_studies
+from visuohaptic.studies.registry import find_studies, section_files
 from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import OF_CONDITIONS
-from visuohaptic_workflow.studies_asked import is_asked_for, names_rules_of
+from visuohaptic_workflow.studies_asked import (
+    is_asked_for,
+    names_rules_of,
+    studies_to_plan,
+)
 
+# Jobs on other machines parse these files, too, and have other arguments.
+if IS_PLANNER:
+    os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
+ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
 STUDIES = or_stop(find_studies, PARAMETERS, STUDY_FOLDERS)
+# Hundreds of conditions take time to plan. Which rules another workflow takes of its module is not known.
+if IS_MAIN:
+    STUDIES = studies_to_plan([*ARGUMENTS, *sys.argv[1:]], STUDIES)
 PLANS = {
     name: or_stop(plan_study, study, PARAMETERS) for name, study in STUDIES.items()
 }
@@ -28,10 +39,6 @@ STEPS = [(study, step) for study in STUDIES.values() for step in study.steps]
 # With thousands of objects the sampled studies would take longer than all the rest.
 SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
 
-# Jobs on other machines parse these files, too, and have other arguments.
-if IS_PLANNER:
-    os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
-ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
 # Measured once, and left as they are.
 KEPT_STUDIES = [
     study

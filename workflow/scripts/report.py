@@ -7,9 +7,12 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.headline import write_headline
 from visuohaptic.report.page import make_report
 from visuohaptic.report.run import RunFiles, find_extras
+from visuohaptic_workflow import jobs
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.keys import key_of
 from visuohaptic_workflow.studies_asked import find_earlier_studies
+
+STUDY_FOLDERS = [Path("studies").absolute(), Path(jobs.__file__).parents[3] / "studies"]
 
 with job(snakemake):
     # Where results are kept in a storage, it is not the working folder.
@@ -28,6 +31,7 @@ with job(snakemake):
             meshes=list(meshes_in(snakemake.input.meshes).values()),
             credits=snakemake.input.credits,
             earlier_studies=find_earlier_studies(snakemake.params.studies),
+            studies=STUDY_FOLDERS,
             logs="logs",
             extras=find_extras(folder, checks="."),
             folder=folder,

@@ -268,7 +268,11 @@ def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
 
 def _check_strategy(name: str) -> None:
     if name not in STRATEGIES.names:
-        why = ", for it is for curves only (`curves_all`)" if name == "adaptive" else ""
+        why = (
+            ", for only study touch_curves can use it (`touch_curves_all`)"
+            if name == "adaptive"
+            else ""
+        )
         raise typer.BadParameter(
             f"{name!r} is no strategy of touch{why}; {', '.join(STRATEGIES.names)} are allowed.",
             param_hint="--strategy",

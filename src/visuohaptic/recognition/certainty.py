@@ -3,7 +3,7 @@
 Both are cross-conformal in kind (V. Vovk, "Cross-conformal predictors", Annals of Mathematics and
 Artificial Intelligence 74, 2015): an object is compared with training objects that were each classified
 without themselves, by models of folds of whole objects. The object itself is classified by the final model,
-which learnt from more; so the coverage is not guaranteed, and `studies.certainty` measures it.
+which learnt from more; so the coverage is not guaranteed, and study `trust` measures it.
 """
 
 from __future__ import annotations

@@ -8,13 +8,13 @@ from collections.abc import Iterator, Sequence
 from visuohaptic.guards.verdicts import failed_guards
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
+from visuohaptic.report.section import study_anchor
 from visuohaptic.report.stability import describe_checks
 from visuohaptic.report.wording import counted, listed, listed_in_short
+from visuohaptic.studies.registry import section_files
 from visuohaptic.tables.phases import key_of
 
-_SECTION_OF_STUDY = {"curves": "touches_needed", "effects": "influence"} | {
-    name: name for name in ("ablations", "certainty", "cost", "looking", "readings")
-}
+_SECTION_OF_STUDY = {"effects": "influence"}
 
 _TOO_FEW = "left out of recognition where that needs more touches"
 _MOST_REASONS = 20
@@ -47,8 +47,10 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
 def earlier_by_section(run: Run) -> dict[str, list[str]]:
     """Give the sentences about studies of an earlier state by the section that shows them."""
     found: dict[str, list[str]] = {}
+    brought = section_files(run.files.studies)
     for name in sorted(run.files.earlier_studies):
-        section = _SECTION_OF_STUDY.get(name, "studies")
+        own = study_anchor(name) if name in brought else "studies"
+        section = _SECTION_OF_STUDY.get(name, own)
         found.setdefault(section, []).append(earlier_study(run, name))
     return found
 

@@ -1,7 +1,7 @@
 """The page's sections in the order in which they appear, each with the tables that it reads.
 
 A new section is a function that gives its words and figures, such as one of `sections`, a template of
-its name, and its entry here.
+its name, and its entry here. Studies outside the package bring their own (`section.study_sections`).
 """
 
 from __future__ import annotations
@@ -9,46 +9,35 @@ from __future__ import annotations
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import Reads, Section
+from visuohaptic.report.section import Reads, Section, figures_of, study_sections
 from visuohaptic.report.studies import names_of_own_studies
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
 from visuohaptic.tables.stability import STABILITY
 from visuohaptic.tables.studies import (
-    CERTAINTY,
     COST,
     EFFECT_INFLUENCE,
     EVALUATION,
-    LOOKING,
-    STUDY_FIGURES,
-    TOUCHES_NEEDED,
 )
 
 _SHARE = "share of rows with predicted = class, averaged over splits"
 _VOTES = "Whole objects: voted, or the majority of predicted where it is missing"
 
 
-def _of_study(name: str) -> Reads:
-    return Reads(f"Study {name}", STUDY_FIGURES, f"studies/{name}")
-
-
 def _of_own_studies(run: Run) -> list[Reads]:
-    return [_of_study(name) for name in names_of_own_studies(run.file_of("studies"))]
+    return [figures_of(name) for name in names_of_own_studies(run)]
 
 
 BEST = Reads(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", "best")
-COSTS = (
-    Reads("Settings of this run", COST, "frontier"),
-    Reads("The whole study", COST, "cost"),
-)
+COSTS = Reads("Settings of this run", COST, "frontier")
 STABLE = Reads("Each object's numbers", STABILITY, "stability")
 INFLUENCE = Reads("Run time of effects, changes of images", EFFECT_INFLUENCE, "effect_influence")
 
 CHAPTERS = {
     "Answers": (
         Section(
-            "answer", "Answers", sections.answer_values, (BEST, *COSTS, STABLE, INFLUENCE),
+            "answer", "Answers", sections.answer_values, (BEST, COSTS, STABLE, INFLUENCE),
         ),
         Section(
             "method", "The method on one object of this run", sections.method_values,
@@ -67,29 +56,15 @@ CHAPTERS = {
             ),
         ),
         Section(
-            "touches_needed", "Accuracy against touches", sections.touches_needed_values,
-            (
-                Reads("Area and touches needed", TOUCHES_NEEDED, "touches_needed"),
-                _of_study("curves"),
-            ),
-        ),
-        Section(
             "confusion", "Which classes are confused", sections.confusion_values,
             (Reads("Number of rows", PREDICTIONS, "predictions", "first best"),),
         ),
         Section(
-            "certainty", "How sure answers are", sections.certainty_values,
-            (
-                Reads("Known and unknown objects", CERTAINTY, "certainty"),
-                Reads("Objects not learnt", EVALUATION, "evaluation"),
-            ),
-        ),
-        Section(
-            "looking", "What the eye alone recognises, and what touch adds", sections.looking_values,
-            (Reads("Looking, touching and both", LOOKING, "looking"),),
+            "evaluation", "Objects that the model has not learnt", sections.evaluation_values,
+            (Reads("Objects not learnt", EVALUATION, "evaluation"),),
         ),
     ),
-    "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, COSTS),),
+    "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, (COSTS,)),),
     "Hard cases": (
         Section(
             "stability", "Numerical stability in hard cases", sections.stability_values, (STABLE,),
@@ -104,7 +79,7 @@ CHAPTERS = {
             "influence", "Which effects a scene needs", sections.influence_values,
             (
                 INFLUENCE,
-                _of_study("effects"),
+                figures_of("effects"),
                 Reads("Places touched in each scene", TOUCHES, "touches", "view"),
             ),
         ),
@@ -126,17 +101,12 @@ CHAPTERS = {
     ),
     "Studies": (
         Section(
-            "readings", "The paper under all its readings",
-            lambda context: {"readings": context.readings},
-        ),
-        Section(
             "gaze", "Attention compared with human gaze", sections.gaze_values,
             (
                 Reads("Predictions against people", GAZE, "gaze"),
                 Reads("Pictures", GAZE_PICTURES, "gaze_pictures"),
             ),
         ),
-        Section("ablations", "Ablations", sections.ablations_values, (_of_study("ablations"),)),
         Section("studies", "Own studies", sections.own_studies_values, _of_own_studies),
     ),
     "Methods": (
@@ -151,3 +121,9 @@ CHAPTERS = {
     ),
 }  # fmt: skip
 """The sections by their entry in the table of contents."""
+
+
+def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
+    """Give the sections of a run's page by chapter, those that studies bring first in chapter ``Studies``."""
+    brought = study_sections(run.files.studies)
+    return {**CHAPTERS, "Studies": (*brought, *CHAPTERS["Studies"])}

@@ -23,7 +23,7 @@ REFERENCE = "fixation"
 SIGNIFICANCE = 0.05
 PIPELINES: Mapping[str, str] = {
     PAPER_PIPELINE: (
-        "Pipeline paper is our reading of the paper: a self-organising map turns the 22 numbers of a "
+        "Pipeline paper follows the paper: a self-organising map turns the 22 numbers of a "
         "touch into five, and classifiers with their default settings learn from statistics of the "
         "sequence."
     ),

@@ -10,16 +10,15 @@ import math
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any, Literal, TypeAlias
 
-import numpy as np
 import pyarrow as pa
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from visuohaptic.errors import ReportError
 from visuohaptic.gaze.summary import PredictorRow
-from visuohaptic.recognition.summary import select
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
@@ -35,8 +34,6 @@ from visuohaptic.report.wording import (
     strategy_place,
     titled,
 )
-from visuohaptic.studies.looking.settings import CHECKED, LOOK
-from visuohaptic.tables.studies import STATED_COVERAGES
 
 Rows: TypeAlias = pa.Table | Sequence[Mapping[str, Any]]
 Write: TypeAlias = Callable[[float, float], str] | str
@@ -105,71 +102,6 @@ def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]
 
 
 @style()
-def touches_needed(table: Rows) -> Figure:
-    """Draw accuracy against touches by strategy: rows of study ``curves``, of one pipeline and classifier."""
-    rows = [row for row in _rows(table) if row["accuracy"] is not None]
-    strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
-    lines, intervals = {}, {}
-    for number, strategy in enumerate(strategies):
-        own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
-        aside = 0.06 * (number - (len(strategies) - 1) / 2)
-        touches = np.array([_place_in_study(row) + 1 for row in own]) + aside
-        lines[strategy] = touches, [row["accuracy"] for row in own]
-        intervals[strategy] = [[_end(row, end) for row in own] for end in ("low", "high")]
-    chart, axes = _draw_lines(lines, 215)
-    for strategy, (low, high) in intervals.items():
-        colour, _ = look(strategy_place(strategy))
-        axes.vlines(lines[strategy][0], low, high, colors=colour, linewidth=0.8, alpha=0.6)
-    lowest = min(_end(row, "low") for row in rows)
-    axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
-    axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
-    return _finish(chart, "touches", "correctly classified", up_as=_whole)
-
-
-@style()
-def coverage(table: pa.Table) -> Figure:
-    """Draw the share of known objects whose class is in the set, against the stated coverage.
-
-    Of rows of `tables.CERTAINTY`, those of the largest number of views are drawn.
-    """
-    most = select(table, views=max(table.column("views").to_pylist()), known=True)
-    stated = np.array(STATED_COVERAGES) / 100
-    lines = {}
-    for strategy in dict.fromkeys(most.column("strategy").to_pylist()):
-        held = select(most, strategy=strategy).column("covered_at").to_pylist()
-        lines[strategy] = (
-            stated,
-            [np.mean([one in sets for sets in held]) for one in STATED_COVERAGES],
-        )
-    chart, axes = _draw_lines(lines, 190, "as stated")
-    ends = [stated[0], 1]
-    axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
-    axes.set_ylim(0, 1.02)
-    return _finish(chart, "stated coverage", "share of the objects", across_as=_whole, up_as=_whole)
-
-
-@style()
-def looking(curves: Sequence[Mapping[str, Any]]) -> Figure:
-    """Draw accuracy after a look, and after each touch that follows, against the robot's time, a line a strategy.
-
-    Of the curves of ``reports/looking.json``, the look and the checked product are drawn.
-    """
-    looks = [row for row in curves if row["answer"] == LOOK]
-    lines: dict[str, Any] = {}
-    for row in (row for row in curves if row["answer"] == CHECKED):
-        lines.setdefault(row["strategy"], [*looks]).append(row)
-    places = {
-        strategy: zip(*sorted((row["seconds"], row["accuracy"]) for row in line), strict=True)
-        for strategy, line in lines.items()
-    }
-    chart, axes = _draw_lines(places, 190)
-    axes.set_xscale("log")
-    return _finish(
-        chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=_whole
-    )
-
-
-@style()
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes: rows of `tables.COST`.
 
@@ -202,7 +134,7 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_ticks([], minor=True)
     axes.set_ylim(-0.3 * errors[0] if flawless else errors[0] / 1.25, errors[-1] * 1.1)
-    return _finish(chart, across, "error rate")
+    return finish(chart, across, "error rate")
 
 
 @style()
@@ -219,7 +151,7 @@ def parts_of_time(table: Rows) -> Figure:
     axes.set_xlim(0, 1.6 * max(seconds))
     across = "median time in one recognition"
     axes.grid(visible=False)
-    return _finish(chart, across, "part", across_as=lambda tick, _: duration(tick))
+    return finish(chart, across, "part", across_as=lambda tick, _: duration(tick))
 
 
 @style()
@@ -246,7 +178,7 @@ def stability(table: pa.Table) -> Figure:
     axes.set_xlim(0, LARGEST_SHARE)
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "tolerance"])
     axes.grid(visible=False, axis="y")
-    return _finish(chart, "worst error, as a share of its tolerance", "family")
+    return finish(chart, "worst error, as a share of its tolerance", "family")
 
 
 @style()
@@ -270,13 +202,13 @@ def bands(deviations: Sequence[float]) -> Figure:
     axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
     axes.locator_params(axis="y", nbins=3)
-    return _finish(chart, "sub-band", "deviation")
+    return finish(chart, "sub-band", "deviation")
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
     """Cut a family's settings where touches and viewpoints change both, or neither: a line is a trend."""
     lines: list[list[Mapping[str, Any]]] = []
-    for row in sorted(rows, key=_place_in_study):
+    for row in sorted(rows, key=itemgetter("place")):
         before = lines[-1][-1] if lines else row
         changed = sum(row[name] != before[name] for name in ("touches", "viewpoints"))
         if changed != 1 or not lines:
@@ -333,12 +265,12 @@ def _draw_intervals(
     axes.set_xlim(start, 1.01)
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
-    begins = f" (axis from {_whole(start)})" if start else ""
+    begins = f" (axis from {whole_percent(start)})" if start else ""
     axes.grid(visible=False, axis="y")
-    return _finish(chart, f"{across}{begins}", rows_are, across_as=_whole)
+    return finish(chart, f"{across}{begins}", rows_are, across_as=whole_percent)
 
 
-def _draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
+def draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
     """Begin a chart with a line a strategy, of places across and up; its legend also has `more`."""
     chart, axes = new_chart(height + _legend_height([*lines, *more]))
     for strategy, places in lines.items():
@@ -377,7 +309,7 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         )  # fmt: skip
 
 
-def _finish(
+def finish(
     chart: Figure, across: str, up: str, across_as: Write | None = None, up_as: Write | None = None
 ) -> Figure:
     """Name the axes and the series of a chart, which is then complete."""
@@ -403,18 +335,10 @@ def _legend_height(labels: Sequence[str]) -> float:
     return _LEGEND_LINE * math.ceil(len(labels) / _columns_of(labels))
 
 
-def _whole(share: float, _place: float = 0) -> str:
+def whole_percent(share: float, _place: float = 0) -> str:
+    """Write a share on an axis without decimals."""
     return percent(share, 0)
 
 
 def _rows(table: Rows) -> list[Mapping[str, Any]]:
     return table.to_pylist() if isinstance(table, pa.Table) else list(table)
-
-
-def _place_in_study(row: Mapping[str, Any]) -> int:
-    return int(row["place"])
-
-
-def _end(row: Mapping[str, Any], end: str) -> float:
-    """Give the end of an interval; one object alone has none."""
-    return float(row["accuracy"] if row[end] is None else row[end])

@@ -16,14 +16,14 @@ WORDS: Mapping[str, str] = {
     "error rate": "The share that is not correctly classified.",
     "fixation": "A place at which the attention model rests; the first is the most salient.",
     "imprint": "The tactile image of one touch: depth or pressure at each taxel.",
-    "pipeline": "A way from features to a class: `paper` is our reading of the paper, `best` our own.",
+    "pipeline": "A way from features to a class: `paper` follows the paper, `best` is our own.",
     "prediction set": "Classes that together hold the true class at a stated rate.",
-    "reading": "One way to understand the paper: one option for each choice that it leaves open.",
     "saliency map": "The weighted sum of the conspicuity maps.",
     "scene": "The world in which a touch happens: cover, electronics, wear; `ideal` has none.",
     "self-organising map": "A lattice of units fitted to the touches; the paper reduces 22 features to five numbers with it.",
     "sequence": "The touches of one object from one viewpoint by one strategy, in order.",
     "split": "One division of the objects into training and test objects.",
+    "variant": "One way to understand the paper: one option for each choice that it leaves open.",
 }
 """As docs/glossary.md has them, by word."""
 

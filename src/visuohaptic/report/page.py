@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.resources import files as package_files
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import (
+    ChoiceLoader,
+    Environment,
+    FileSystemLoader,
+    PackageLoader,
+    PrefixLoader,
+    StrictUndefined,
+)
 from markupsafe import Markup
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.published import PAPER
 from visuohaptic.report import figures, wording
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
-from visuohaptic.report.chapters import CHAPTERS
+from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.measured_runs import summarise_run
@@ -24,8 +31,8 @@ from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import describe_objects
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
-from visuohaptic.report.section import ReportContext, find_sources
-from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error, touches_needed
+from visuohaptic.report.section import ReportContext, Section, find_sources
+from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
 from visuohaptic.report.tables import NONE, NUMBER, each, table
 from visuohaptic.whole_files import write_whole
 
@@ -46,7 +53,8 @@ def render_page(run: Run) -> str:
     """Give the page of a run: HTML that needs no network."""
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
     context = ReportContext(run, describe_objects(run), seconds)
-    environment = make_environment()
+    found = chapters_of(run)
+    environment = make_environment([one for sections in found.values() for one in sections])
     environment.globals |= {
         "parameters": run.parameters,
         "confidence": f"{100 * run.parameters.recognition.intervals.confidence:g} %",
@@ -58,7 +66,7 @@ def render_page(run: Run) -> str:
     library, packed = plotly_library() if has_models else (b"", "")
     return environment.get_template("page.html.jinja").render(
         policy=content_policy(script, *([library] if has_models else [])),
-        chapters=_chapters(environment, context),
+        chapters=_chapters(environment, context, found),
         objects=len(run.objects),
         classes=len({key.split("/")[0] for key in run.objects}),
         paper=PAPER,
@@ -68,7 +76,7 @@ def render_page(run: Run) -> str:
         earlier=earlier_by_section(run),
         sources={
             section.name: list(find_sources(section, run, context.explaining))
-            for sections in CHAPTERS.values()
+            for sections in found.values()
             for section in sections
         },
         summary=summarise_run(run, seconds),
@@ -80,15 +88,15 @@ def render_page(run: Run) -> str:
 
 
 def _chapters(
-    environment: Environment, context: ReportContext
+    environment: Environment, context: ReportContext, found: Mapping[str, Sequence[Section]]
 ) -> dict[str, list[tuple[str, str, str]]]:
     """Give name, title and body of each section that the run has something for, by chapter."""
     chapters: dict[str, list[tuple[str, str, str]]] = {}
-    for chapter, sections in CHAPTERS.items():
+    for chapter, sections in found.items():
         for section in sections:
             values = section.values(context)
             if values is not None:
-                body = environment.get_template(f"{section.name}.html.jinja").render(values)
+                body = environment.get_template(section.template).render(values)
                 title = values.get("title", section.title)
                 chapters.setdefault(chapter, []).append((section.name, title, body))
     return chapters
@@ -107,10 +115,13 @@ def content_policy(*scripts: str | bytes) -> str:
     )
 
 
-def make_environment() -> Environment:
-    """Give the templates, with everything escaped that is not marked as safe."""
+def make_environment(sections: Iterable[Section] = ()) -> Environment:
+    """Give the templates, those of studies' sections too, with everything escaped that is not marked as safe."""
+    brought = {
+        one.name: FileSystemLoader(one.folder / "templates") for one in sections if one.folder
+    }
     environment = Environment(
-        loader=PackageLoader("visuohaptic.report"),
+        loader=ChoiceLoader([PackageLoader("visuohaptic.report"), PrefixLoader(brought)]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -134,7 +145,6 @@ def make_environment() -> Environment:
             value, wording.probability(value)
         ),
         "accuracy_or_error": accuracy_or_error,
-        "touches_needed": touches_needed,
         "recomputed": RECOMPUTED.__getitem__,
         "names": lambda names: ", ".join(map(wording.spaced, names)) or NONE,
         "code": Markup("<code>{}</code>").format,

@@ -12,7 +12,7 @@ from visuohaptic.report.comparison import (
     PipelineTable,
 )
 from visuohaptic.report.estimates import with_interval
-from visuohaptic.report.readings import ReadingsSummary, Verdict
+from visuohaptic.report.variants import VariantsSummary, Verdict
 from visuohaptic.report.wording import counted, percent, points, spaced
 
 GAIN = 0.02
@@ -23,12 +23,12 @@ BEST_OF_PAPER = "support_vector_machine"
 
 MAIN_OPPONENT = "random"
 REASONS: Mapping[Verdict, str] = {
-    "yes": "ahead in the default and the most literal reading",
-    "no": "no gain in the default or the literal reading",
+    "yes": "ahead in the default and the most literal variant",
+    "no": "no gain in the default or the literal variant",
     "depends": "it depends on how the paper is read",
-    "not shown": "no reading of the paper settles it",
+    "not shown": "no variant of the paper settles it",
 }
-"""Why fixation leads or not, by the rule in docs/readings.md."""
+"""Why fixation leads or not, by the rule in studies/variants/README.md."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def recognition_answer(
     )
 
 
-def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) -> Answer | None:
+def fixation_answer(tables: Sequence[PipelineTable], variants: VariantsSummary) -> Answer | None:
     """Answer whether it helps to touch where the eye would fixate; None without random touches in reach."""
     compared = [
         (table, row_of(table).comparisons[MAIN_OPPONENT]) for table in tables if has_opponent(table)
@@ -94,11 +94,11 @@ def fixation_answer(tables: Sequence[PipelineTable], readings: ReadingsSummary) 
     ]
     return Answer(
         "Does it help to touch where the eye would fixate?",
-        readings.verdict,
+        variants.verdict,
         with_interval(main.difference, points, " points"),
         f"correctly classified above random touches, {pipeline_name(first.name)}, "
-        f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[readings.verdict]}.",
-        "readings",
+        f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[variants.verdict]}.",
+        "comparison",
     )
 
 
@@ -133,13 +133,13 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
     )
 
 
-def readings_sentence(readings: ReadingsSummary) -> str:
-    """Say in how many readings of the paper fixation is ahead, by set; empty without readings."""
-    if not readings.spread:
+def variants_sentence(variants: VariantsSummary) -> str:
+    """Say in how many variants of the paper fixation is ahead, by set; empty without variants."""
+    if not variants.spread:
         return ""
     found = [
-        f"on {one.objects} objects in {one.ahead} of {one.readings} readings, and behind in {one.behind}"
-        for one in readings.spread
+        f"on {one.objects} objects in {one.ahead} of {one.variants} variants, and behind in {one.behind}"
+        for one in variants.spread
     ]
     return (
         "The paper leaves steps open, so it was read in many ways. Fixations are significantly ahead of "

@@ -17,6 +17,7 @@ from visuohaptic.parameters import ExperimentParameters, read_parameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.stability import StabilityFigures, stability_figures
+from visuohaptic.studies.registry import REPOSITORY
 from visuohaptic.tables.phases import (
     EFFECTS,
     FEATURES,
@@ -39,14 +40,7 @@ _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
     "effect_influence": "results/effect_influence.parquet",
-    "touches_needed": "results/touches_needed.parquet",
-    "cost": "results/cost.parquet",
-    "certainty": "results/certainty.parquet",
-    "certainty_figures": "reports/certainty.json",
-    "looking": "results/looking.parquet",
-    "looking_figures": "reports/looking.json",
     "evaluation": "reports/evaluation.parquet",
-    "readings": "reports/readings.json",
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability",
@@ -60,7 +54,8 @@ class RunFiles:
 
     `meshes` are ``<class>/<block>/<object>.ply``; later `credits` add to earlier ones; the page names files from
     `folder` on; `extras` are tables that not every run has; `earlier_studies` have the date of the state that they
-    belong to; `key` is the digest of all that the page was made from.
+    belong to; `studies` are folders whose studies may bring sections of their own; `key` is the digest of all that the page
+    was made from.
     """
 
     metrics: str | Path
@@ -77,6 +72,7 @@ class RunFiles:
     folder: str | Path = "."
     extras: Mapping[str, str | Path] = field(default_factory=dict)
     earlier_studies: Mapping[str, str] = field(default_factory=dict)
+    studies: Sequence[str | Path] = (REPOSITORY,)
     key: str = ""
 
 
@@ -144,8 +140,15 @@ class Run:
         path = self.files.extras.get(name)
         return None if path is None or not Path(path).exists() else Path(path)
 
+    def made(self, file: str) -> Path | None:
+        """Give a file by its path in the run's folder; None where it is not there."""
+        path = Path(self.files.folder, file)
+        return path if path.is_file() else None
+
     def parts(self, name: str) -> list[Path]:
-        """Give the files of a table that are there; ``studies/NAME`` is that of a study."""
+        """Give the files of a table that are there; ``studies/NAME`` is that of a study, and a path one file of the run."""
+        if name.endswith(".parquet"):
+            return [path] if (path := self.made(name)) else []
         extra, _, study = name.partition("/")
         if extra not in self.files.extras:
             return [Path(path) for path in getattr(self.files, name, ())]

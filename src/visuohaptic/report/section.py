@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from visuohaptic.errors import ReportError
 from visuohaptic.report.cost import read_cost
 from visuohaptic.report.effects import influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
-from visuohaptic.report.readings import ReadingsSummary, read_readings
 from visuohaptic.report.run import Run
+from visuohaptic.report.variants import VARIANTS, VariantsSummary, read_variants
+from visuohaptic.studies.registry import import_file, section_files
 from visuohaptic.tables.schema import Schema
+from visuohaptic.tables.schemas import SCHEMAS
+from visuohaptic.tables.studies import STUDY_FIGURES
 
 Values = Mapping[str, Any]
 Rows = Mapping[str, str | int]
@@ -23,7 +27,7 @@ Rows = Mapping[str, str | int]
 
 @dataclass(frozen=True)
 class Reads:
-    """A table that a section shows: what of it, which `files` of `RunFiles`, and which `rows`, by a name in `_rows`."""
+    """A table that a section shows: what of it, which `files` as `Run.parts` takes them, and which `rows`, by a name in `_rows`."""
 
     what: str
     schema: Schema
@@ -51,9 +55,9 @@ class ReportContext:
         return influence_figures(path, self.run.parameters.scene.preset) if path else None
 
     @cached_property
-    def readings(self) -> ReadingsSummary:
-        """What the readings of the paper say together, of this run or as kept with the package."""
-        return read_readings(self.run.file_of("readings"))
+    def variants(self) -> VariantsSummary:
+        """What the variants of the paper say together, of this run or as kept with the package."""
+        return read_variants(self.run.made(VARIANTS))
 
     @cached_property
     def explaining(self) -> ObjectPage:
@@ -72,6 +76,37 @@ class Section:
     title: str
     values: Callable[[ReportContext], Values | None]
     reads: Sequence[Reads] | Callable[[Run], Sequence[Reads]] = ()
+    folder: Path | None = None
+
+    @property
+    def template(self) -> str:
+        """The template's name; that of a study lies in its `folder` as ``templates/section.html.jinja``."""
+        return f"{self.name}{'/section' if self.folder else ''}.html.jinja"
+
+
+def figures_of(study: str) -> Reads:
+    """Give the table of a study's figures, as a section reads it."""
+    return Reads(f"Study {study}", STUDY_FIGURES, f"studies/{study}")
+
+
+def study_anchor(study: str) -> str:
+    """Name the section that a study brings to the page."""
+    return f"study-{study.replace('_', '-')}"
+
+
+def study_sections(folders: Iterable[str | Path]) -> list[Section]:
+    """Import the sections of studies that lie in some folders, by the studies' names.
+
+    A study's folder brings a section as `Section` named ``SECTION`` in ``section.py``, with its template
+    ``templates/section.html.jinja``. Raises `ReportError` if a file can't be run or has no section.
+    """
+    found = []
+    for study, path in section_files(folders).items():
+        section = getattr(import_file(path, study), "SECTION", None)
+        if not isinstance(section, Section):
+            raise ReportError(f"{path} has no SECTION; one Section is needed.")
+        found.append(replace(section, name=study_anchor(study), folder=path.parent))
+    return found
 
 
 @dataclass(frozen=True)
@@ -81,6 +116,11 @@ class Source:
     reads: Reads
     file: str
     rows: Rows
+
+    @property
+    def is_listed(self) -> bool:
+        """Whether `visuohaptic tables` lists the table's columns; tables of studies describe theirs in the file."""
+        return self.reads.schema.name in SCHEMAS
 
     @property
     def filter(self) -> str:

@@ -16,9 +16,8 @@ from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.recognition.summary import confusion, select
-from visuohaptic.report.certainty import certainty_figures, evaluation_figures
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
-from visuohaptic.report.cost import cost_verdict, cue_sentences, read_cost
+from visuohaptic.report.cost import cost_verdict, cue_sentences
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
@@ -30,18 +29,18 @@ from visuohaptic.report.effects import (
     sum_channels,
     sum_effects,
 )
+from visuohaptic.report.evaluation import evaluation_figures
 from visuohaptic.report.gaze import gaze_figures
-from visuohaptic.report.looking import ANSWERS, looking_figures
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
     Answer,
     fixation_answer,
     has_opponent,
-    readings_sentence,
     recognition_answer,
     reproduction_answer,
     row_of,
+    variants_sentence,
 )
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import ReportContext, Values, narrowed, place_of
@@ -52,8 +51,8 @@ from visuohaptic.report.stability import (
     stability_answer,
     stability_figures,
 )
-from visuohaptic.report.studies import curve_figures, names_of_own_studies, read_study
-from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, titled
+from visuohaptic.report.studies import names_of_own_studies, read_study
+from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
 from visuohaptic.stability.stored import stored_hard_cases
@@ -142,7 +141,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         yield recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy
         lead = f"shares[{compared.leading!r}] - shares[{MAIN_OPPONENT!r}]"
         lead = recount_shares(run, compared, f'f"{{100 * ({lead}):+.1f}} points"')
-        yield fixation_answer(run.pipelines, context.readings), lead
+        yield fixation_answer(run.pipelines, context.variants), lead
         yield reproduction_answer(first), accuracy
     if context.frontier and context.frontier["steps"]:
         yield (
@@ -176,7 +175,7 @@ def comparison_values(context: ReportContext) -> Values | None:
     against = others[0] if len(others) == 1 else f"{len(others)} other strategies"
     sentences = (
         gain_sentence(run.pipelines[0]),
-        readings_sentence(context.readings),
+        variants_sentence(context.variants),
         *(cue_sentences(context.frontier["rows"]) if context.frontier else ()),
     )
     return {
@@ -187,31 +186,12 @@ def comparison_values(context: ReportContext) -> Values | None:
     }
 
 
-def certainty_values(context: ReportContext) -> Values:
-    """Give how sure answers are, or None where it was not measured; on new objects also as kept."""
+def evaluation_values(context: ReportContext) -> Values:
+    """Give what a model answers for objects that it has not learnt, of this run or as kept with the package."""
     run, parameters = context.run, context.run.parameters
-    table, figures = run.file_of("certainty"), run.file_of("certainty_figures")
-    evaluation = evaluation_figures(
-        read_evaluation(run.file_of("evaluation")),
-        parameters.recognition.intervals,
-        parameters.seed,
-    )
-    return {
-        "certainty": certainty_figures(table, figures) if table and figures else None,
-        "evaluation": evaluation,
-    }
-
-
-def touches_needed_values(context: ReportContext) -> Values | None:
-    """Give accuracy against touches."""
-    run = context.run
-    return given(pipelines=curve_figures(run.file_of("studies"), run.file_of("touches_needed")))
-
-
-def looking_values(context: ReportContext) -> Values | None:
-    """Give what looking and touching reach, or None where it was not measured."""
-    path = context.run.file_of("looking_figures")
-    return {"looking": looking_figures(path), "answers": ANSWERS} if path else None
+    measured = read_evaluation(run.file_of("evaluation"))
+    found = evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
+    return {"evaluation": found}
 
 
 def gaze_values(context: ReportContext) -> Values:
@@ -220,24 +200,18 @@ def gaze_values(context: ReportContext) -> Values:
     return {"gaze": gaze_figures(measured, context.run.file_of("gaze_pictures"))}
 
 
-def ablations_values(context: ReportContext) -> Values | None:
-    """Give the ablations."""
-    return given(study=read_study(context.run.file_of("studies"), "ablations"))
-
-
 def own_studies_values(context: ReportContext) -> Values | None:
-    """Give the studies that don't come with the package."""
+    """Give the studies that bring no section of their own."""
     folder = context.run.file_of("studies")
-    studies = [read_study(folder, name) for name in names_of_own_studies(folder)]
+    studies = [read_study(folder, name) for name in names_of_own_studies(context.run)]
     return given(studies=[study for study in studies if study])
 
 
 def cost_values(context: ReportContext) -> Values | None:
-    """Give what accuracy costs in time: in this run, and in the whole study where it was made."""
-    if not any(context.run.file_of(name) for name in ("frontier", "cost")):
+    """Give what accuracy costs in time in this run."""
+    if context.run.file_of("frontier") is None:
         return None
-    study = read_cost(context.run.file_of("cost"), context.run.parameters)
-    return {"frontier": context.frontier, "study": study, "objects": len(context.run.objects)}
+    return {"frontier": context.frontier, "objects": len(context.run.objects)}
 
 
 def effects_values(context: ReportContext) -> Values:
@@ -257,7 +231,7 @@ def effects_values(context: ReportContext) -> Values:
 def influence_values(context: ReportContext) -> Values:
     """Give hard places, and what effects cost and change where that was measured."""
     run, page = context.run, context.explaining
-    accuracy = read_study(run.file_of("studies"), "effects")
+    accuracy = read_study(run.file_of("studies"), "effects", spaced)
     locations = select(run.fixations, **page.shown_rows)
     mesh = run.meshes.get(page.key) if locations.num_rows else None
     return {

@@ -23,6 +23,16 @@ from visuohaptic.studies.study import Changes, Condition, Study
 AS_RUN = "as run"
 """The condition that changes nothing."""
 
+CLASSIFIER = "support_vector_machine"
+"""The paper's best classifier; one is enough to compare conditions."""
+
+FIXATION_ONLY: Changes = {
+    "probing.strategies": ("fixation",),
+    "recognition.classifiers": (CLASSIFIER,),
+    "recognition.best.classifiers": (CLASSIFIER,),
+}
+"""Touches by fixation and one classifier."""
+
 MOST_BLOCKS = 8
 MOST_CONDITIONS_A_BLOCK = 25
 LEAST_TRAININGS_A_BLOCK = 6
@@ -35,7 +45,7 @@ _FIXED = {
     "plugins": "they are code of the whole run",
     "workflow": "it changes no result",
     "meshes": "a study has the objects of the run",
-    "cost": "it belongs to the study cost",
+    "cost": "it belongs to what is timed",
     "recognition.intervals": "all conditions have the intervals of the run",
 }
 

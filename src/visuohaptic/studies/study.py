@@ -1,7 +1,8 @@
 """What a study is: conditions to compare, and the jobs that follow their measurement.
 
-A study of the package is an entry of `registry.STUDIES`; a user's is a file in folder ``studies/``: YAML for
-conditions alone, or Python with a `Study` named ``STUDY``, which may have steps of its own.
+A study of the package is an entry of `registry.STUDIES`. All others lie in folder ``studies/``: YAML for conditions
+alone, or Python with a `Study` named ``STUDY``, which may have steps of its own. A study that is a folder may bring its
+section of the report, too (`report.section.study_sections`).
 """
 
 from __future__ import annotations
@@ -179,12 +180,23 @@ class Study:
     def _figures(self) -> tuple[str, ...]:
         return tuple(file.format(self.name) for file in FIGURES if self.has_figures)
 
-    def owns(self, file: str) -> bool:
-        """Whether a file is made for the study alone."""
+    @property
+    def patterns(self) -> tuple[str, ...]:
+        """Patterns of the files that are made for the study alone."""
         own = (pattern.format(self.name) for pattern in _OWN)
         steps = (name for step in self.steps for name in (*step.files, step.record))
-        patterns = (re.sub(r"{\w+}", "*", pattern) for pattern in (*own, *steps))
-        return any(fnmatchcase(file, pattern) for pattern in patterns)
+        return tuple(re.sub(r"{\w+}", "*", pattern) for pattern in (*own, *steps))
+
+    @property
+    def taken(self) -> tuple[str, ...]:
+        """What its steps take: tables of the run, and files of steps, those of other studies too."""
+        return tuple(
+            name for step in self.steps for name in (*step.takes, *step.takes_where.values())
+        )
+
+    def owns(self, file: str) -> bool:
+        """Whether a file is made for the study alone."""
+        return any(fnmatchcase(file, pattern) for pattern in self.patterns)
 
 
 def do_step(work: str, folders: Iterable[Path], given: Given) -> None:

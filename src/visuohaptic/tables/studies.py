@@ -43,7 +43,7 @@ SECONDS = Column(
     "seconds", REAL, "training and testing all splits", "s of processor", 0, nullable=True
 )
 _OBJECTS = count("objects", "objects tested", 1, nullable=True)
-_P_VALUE = share("p_value", "two-sided, sign changes over objects", nullable=True)
+P_VALUE = share("p_value", "two-sided, sign changes over objects", nullable=True)
 
 STUDY = Schema(
     "study",
@@ -72,12 +72,12 @@ STUDY_FIGURES = Schema(
         share("high", "upper end of its interval over objects", nullable=True),
         Column("compared_with", TEXT, "the condition that it is compared with", nullable=True),
         *difference("difference", "accuracy less that of the other"),
-        _P_VALUE,
+        P_VALUE,
         share("adjusted_p", "p value adjusted by Holm for the study's conditions", nullable=True),
         *difference(
             "lead", "accuracy by fixation, in the same condition, less that by this strategy"
         ),
-        replace(_P_VALUE, name="lead_p"),
+        replace(P_VALUE, name="lead_p"),
         _OBJECTS,
         Column("recomputed", TEXT, "first phase that is recomputed, or recognition"),
         SECONDS,
@@ -85,126 +85,30 @@ STUDY_FIGURES = Schema(
     ),
 )
 
-TOUCHES_NEEDED = Schema(
-    "touches_needed",
-    CELL_KEYS,
-    (
-        share("level", "the accuracy to be reached"),
-        *(
-            count(
-                name,
-                f"touches from which on {what} stays at it; missing if never",
-                1,
-                nullable=True,
-            )
-            for name, what in (
-                ("touches", "accuracy"),
-                ("touches_low", "its interval's upper end"),
-                ("touches_high", "its interval's lower end"),
-            )
-        ),
-        count("most_touches", "touches at the curve's end", 1),
-        Column("area", REAL, "area under the curve", "of accuracy 1 throughout", 0, 1),
-        share("area_low", "lower end of its interval over objects"),
-        share("area_high", "upper end of its interval over objects"),
-        *difference("gain", "area under fixation's curve less this one"),
-        _P_VALUE,
-        count("objects", "objects compared", 1),
-    ),
-)
-
-STATED_COVERAGES = tuple(range(50, 100, 5))
-"""Coverages at which prediction sets are measured, percent."""
-
-_CLASSIFIED_BY = Column("classifier", TEXT, "classifier of pipeline best")
-_VIEWS = count("views", "viewpoints from which it is classified", 1)
-_ANSWER = (
+CLASSIFIED_BY = Column("classifier", TEXT, "classifier of pipeline best")
+VIEWS = count("views", "viewpoints from which it is classified", 1)
+ANSWER = (
     Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
     Column("correct", pa.bool_(), "whether the likeliest class is its own"),
     Column("covered", pa.bool_(), "whether the prediction set holds its class"),
 )
-_CANDIDATES = count("candidates", "classes in the prediction set")
-_UNKNOWN = Column("unknown", pa.bool_(), "whether the object is called unknown")
-
-CERTAINTY = Schema(
-    "certainty",
-    (
-        Column("strategy", TEXT, "whose touches"),
-        _CLASSIFIED_BY,
-        Column("left_out", TEXT, "the class that the model does not know"),
-        Column("class", TEXT, "class of the tested object"),
-        Column("object", TEXT, "name of the tested object"),
-        _VIEWS,
-    ),
-    (
-        *_ANSWER,
-        Column(
-            "covered_at",
-            pa.list_(pa.int32()),
-            f"stated coverages, of {STATED_COVERAGES[0]}, {STATED_COVERAGES[1]} to {STATED_COVERAGES[-1]}, whose set holds its class",
-            "percent",
-            STATED_COVERAGES[0],
-            STATED_COVERAGES[-1],
-        ),
-        _CANDIDATES,
-        share("strangeness", "share of known objects that are less strange"),
-        Column("evidence", REAL, "by which objects are compared: larger is stranger"),
-        _UNKNOWN,
-    ),
-)
-
-CONFIDENCE_BINS = 10
-"""Equal parts of the range of probabilities, over which calibration is measured."""
-
-LOOKING = Schema(
-    "looking",
-    (
-        Column("sight", TEXT, "how well the eye saw"),
-        Column(
-            "answer",
-            TEXT,
-            "by which senses: the view, the outline, touch, product or side by side of view and touch, or stopping: the product where the rule stops",
-        ),
-        Column("strategy", TEXT, "how the places to touch were chosen; none without touches"),
-        count("touches", "touches of a trial, at most"),
-        Column(
-            "budget",
-            REAL,
-            "of the rule that stops: mean time of its rehearsals",
-            "s",
-            0,
-            nullable=True,
-        ),
-        *OBJECT_KEYS,
-        count("split", "number of the split"),
-        count("repeat", "number of the repeat"),
-    ),
-    (
-        count("trials", "viewpoints that were tested", 1),
-        share("accuracy", "share of them that is correctly classified"),
-        Column("seconds", REAL, "mean time that the robot took, without computing", "s", 0),
-        Column(
-            "gaps",
-            pa.list_(pa.float64()),
-            "in each tenth of the probability of the class: sum over trials of correct (0, 1) less that probability",
-        ),
-    ),
-)
+CANDIDATES = count("candidates", "classes in the prediction set")
+UNKNOWN = Column("unknown", pa.bool_(), "whether the object is called unknown")
 
 EVALUATION = Schema(
     "evaluation",
     (
         Column("strategy", TEXT, "whose touches, those that the model learnt from"),
-        _CLASSIFIED_BY,
+        CLASSIFIED_BY,
         Column("class", TEXT, "class of the object"),
         Column("object", TEXT, "name of the object, which the model has not learnt"),
-        _VIEWS,
+        VIEWS,
         count("bag", "which of the evenly spread choices of so many viewpoints"),
     ),
     (
-        *_ANSWER,
-        _CANDIDATES,
-        _UNKNOWN,
+        *ANSWER,
+        CANDIDATES,
+        UNKNOWN,
         share("stated", "stated coverage of the prediction set"),
         count("learnt", "objects that the model learnt", 2),
     ),
@@ -288,10 +192,7 @@ STUDIES = (
     STUDY,
     STUDY_FIGURES,
     EFFECT_INFLUENCE,
-    TOUCHES_NEEDED,
     COST_SECONDS,
     COST,
-    CERTAINTY,
-    LOOKING,
     EVALUATION,
 )

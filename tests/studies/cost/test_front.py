@@ -7,15 +7,19 @@ from studies.surfaces import RUN
 from visuohaptic.recognition.intervals import exact_limit
 from visuohaptic.studies.cost.front import (
     error_rate,
+    make_frontier,
     mark_front,
     more_accurate,
+    read_costs,
     setting_rows,
     setting_times,
     slower_settings,
     time_quantiles,
 )
+from visuohaptic.studies.cost.seconds import make_frontier_seconds
 from visuohaptic.studies.cost.settings import Setting
 from visuohaptic.studies.figures import Cell
+from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, names_of
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
 
@@ -174,3 +178,12 @@ def test_a_strategy_that_needs_no_view_looks_at_none():
     settings = [Setting(name, "own", 0, 2, 3, name) for name in ("fixation", "random")]
     rows = setting_rows(settings, [cell([0.5] * 12)] * 2, np.full((2, 1, 1, 8), np.nan), RUN)
     assert [row["looks"] for row in rows] == [3, 0]
+
+
+def test_a_frontier_without_settings_reads_no_mesh(tmp_path):
+    run = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"frontier_touches": ()})})
+    files = {"meshes": ["none.ply"], "features": []}
+    made = [tmp_path / "seconds", tmp_path / "cost"]
+    make_frontier_seconds(Given("frontier", files, made[:1], run))
+    make_frontier(Given("frontier", {"blocks": [], "tables": made[:1]}, made[1:], run))
+    assert read_costs(made[1]) == []

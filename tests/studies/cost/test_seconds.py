@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN, run_tables, small_surfaces
 
+from settings_cost.study import STUDY, settings_of
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.recognition.model import fit_model
 from visuohaptic.studies.conditions import plan_study
@@ -18,7 +19,6 @@ from visuohaptic.studies.cost.seconds import (
     recognise,
     time_object,
 )
-from visuohaptic.studies.cost.settings import COST_STUDY, make_settings
 from visuohaptic.tables.phases import of_objects
 from visuohaptic.tables.studies import COST_PARTS
 
@@ -34,8 +34,8 @@ def features(surfaces):
 
 
 def family(name):
-    planned = plan_study(COST_STUDY, RUN).conditions
-    pairs = zip(make_settings(RUN, "cost"), planned, strict=True)
+    planned = plan_study(STUDY, RUN).conditions
+    pairs = zip(settings_of(RUN), planned, strict=True)
     return [pair for pair in pairs if pair[0].family == name]
 
 

@@ -24,6 +24,37 @@ def names_rules_of(arguments: Iterable[str], study: str) -> bool:
     return any(f"_{argument}".endswith(f"_{rule}") for argument in arguments for rule in rules)
 
 
+def studies_to_plan(arguments: Sequence[str], studies: Mapping[str, Study]) -> dict[str, Study]:
+    """Choose the studies that need rules: parts of the run, what is asked for, what has files, and what these take from.
+
+    A study is asked for by its rules, its files, or, on the command line of a job, as value of wildcard ``study``.
+    """
+    waiting = [
+        study
+        for study in studies.values()
+        if study.is_part_of_run
+        or is_asked_for(arguments, study)
+        or any(_names_step(argument, study) for argument in arguments)
+        or any(any(Path().glob(pattern)) for pattern in study.patterns)
+    ]
+    chosen: set[str] = set()
+    while waiting:
+        study = waiting.pop()
+        chosen.add(study.name)
+        waiting += [
+            other
+            for other in studies.values()
+            if other.name not in chosen and any(map(other.owns, study.taken))
+        ]
+    return {name: study for name, study in studies.items() if name in chosen}
+
+
+def _names_step(argument: str, study: Study) -> bool:
+    rule, _, wildcards = argument.partition(":")
+    named = any(f"_{rule}".endswith(f"_{step.name}") for step in study.steps)
+    return named or f"study={study.name}" in wildcards.split(",")
+
+
 def find_earlier_studies(shown: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
     """Find the studies that today's parameters, code and tables would not give, with the dates of their figures.
 

@@ -14,7 +14,7 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.arrays import Flags, Floats
 from visuohaptic.recognition.intervals import Interval, PairedComparison, holm
-from visuohaptic.studies.cost.settings import ORDER, Setting, make_settings
+from visuohaptic.studies.cost.settings import ORDER, Setting, frontier_settings
 from visuohaptic.studies.figures import Cell, compare, condition_interval, ends, paired, read_cells
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.schema import build_rows, matrix, names_of, read_table, write_table
@@ -26,9 +26,13 @@ Row = dict[str, Any]
 _TIMES = ("seconds", *(name for name, _ in COST_PARTS))
 
 
-def make_cost(given: Given) -> None:
+def make_frontier(given: Given) -> None:
+    """Join error rates and seconds of the frontier's settings: `tables.COST`."""
+    write_costs(given, frontier_settings(given.run))
+
+
+def write_costs(given: Given, settings: Sequence[Setting]) -> None:
     """Join error rates and seconds of all settings, and mark the front and the steps: `tables.COST`."""
-    settings = make_settings(given.run, given.study)
     found = read_cells(given.inputs["blocks"])
     cells = [
         found[one.condition.name, one.pipeline, one.strategy, one.classifier] for one in settings
@@ -184,7 +188,9 @@ def _points(rows: Sequence[Row]) -> Floats:
     )
 
 
-def read_costs(path: str | Path) -> list[Row]:
-    """Read `tables.COST` as rows, family by family, each along its line."""
+def read_costs(path: str | Path, order: Sequence[str] = ORDER) -> list[Row]:
+    """Read `tables.COST` as rows, family by family, those of `order` first, each along its line."""
     rows: list[Row] = read_table(COST, path).to_pylist()
-    return sorted(rows, key=lambda row: (ORDER.index(row["family"]), row["place"]))
+    families = dict.fromkeys((*order, *(row["family"] for row in rows)))
+    places = {family: place for place, family in enumerate(families)}
+    return sorted(rows, key=lambda row: (places[row["family"]], row["place"]))

@@ -22,7 +22,7 @@ from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, passed_on
 from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.studies.conditions import Planned, plan_study, trained_alike
-from visuohaptic.studies.cost.settings import COST_STUDY, FRONTIER, Setting, make_settings
+from visuohaptic.studies.cost.settings import FRONTIER, Setting, frontier_settings
 from visuohaptic.studies.measuring import REFUSALS, condition_features, features_by_key
 from visuohaptic.studies.study import Given, Study
 from visuohaptic.tables.schema import build_rows, write_table
@@ -45,23 +45,26 @@ class FittedSetting:
     model: RecognitionModel
 
 
-def make_cost_seconds(given: Given) -> None:
-    """Time every setting of a study side by side: `tables.COST_SECONDS`."""
-    study = FRONTIER if given.study == FRONTIER.name else COST_STUDY
-    rounds = FRONTIER_ROUNDS if study is FRONTIER else given.run.cost.rounds
-    fitted = fit_settings(study, given)
+def make_frontier_seconds(given: Given) -> None:
+    """Time every setting of the frontier side by side: `tables.COST_SECONDS`."""
+    write_seconds(given, FRONTIER, frontier_settings(given.run), FRONTIER_ROUNDS)
+
+
+def write_seconds(given: Given, study: Study, settings: Sequence[Setting], rounds: int) -> None:
+    """Time every setting of a study, one for each of its conditions, side by side: `tables.COST_SECONDS`."""
+    fitted = fit_settings(study, settings, given)
     meshes = usable_meshes(given.inputs["meshes"]) if fitted else ()
     surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
     write_table(COST_SECONDS, measure_seconds(surfaces, fitted, rounds), given.outputs[0])
 
 
-def fit_settings(study: Study, given: Given) -> list[FittedSetting]:
+def fit_settings(study: Study, settings: Sequence[Setting], given: Given) -> list[FittedSetting]:
     """Train each setting that can be; one model where settings differ in the viewpoints alone."""
     run, features = given.run, features_by_key(given.inputs["features"], given.made, given.objects)
     planned = plan_study(study, run).conditions
     models: dict[tuple[str, str], RecognitionModel | None] = {}
     found: list[FittedSetting] = []
-    for setting, one in zip(make_settings(run, study.name), planned, strict=True):
+    for setting, one in zip(settings, planned, strict=True):
         asked = trained_alike(one)
         if asked not in models:
             models[asked] = fit_setting(setting, one, features(one.key), run.seed)

@@ -1,14 +1,13 @@
-"""The settings whose accuracy and run time are compared, in two studies.
+"""The settings whose accuracy and run time are compared, and study `frontier`, which is part of every run.
 
-`frontier` is small and part of every run: few touches of one view by each of the run's strategies,
-where accuracy is not yet at its limit, and what needs no other looking. `cost` has families in each
-of which one thing varies over its whole range, views among them.
+Its settings are few touches of one view by each of the run's strategies, where accuracy is not yet at
+its limit, and what needs no other looking.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from itertools import product
@@ -18,19 +17,11 @@ from typing import Any
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
-from visuohaptic.scene.parameters import PRESETS
 from visuohaptic.studies.conditions import touches_of_run
 from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Changes, Condition, Step, Study
 
-CLASSIC_CHANNELS = ("colour", "intensity", "orientation")
-"""The channels of Itti, Koch and Niebur (1998)."""
-
-ORDER = (
-    *(*STRATEGIES.names, "small_imprint", "cues", "paper"),
-    *("touches", "viewpoints", "lean_viewpoints", "imprint", "render", "channels", "features"),
-    *("pipelines", "effects"),
-)
-"""The families of both studies, as they are shown."""
+ORDER = (*STRATEGIES.names, "small_imprint", "cues", "paper")
+"""The families of the frontier, as they are shown."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +75,8 @@ CUES: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def make_settings(run: ExperimentParameters, study: str) -> list[Setting]:
-    """Give every setting of study `frontier` or `cost`, family by family; `run` has all that a family does not vary."""
-    families = frontier_families(run) if study == "frontier" else cost_families(run)
+def make_settings(run: ExperimentParameters, families: Families) -> list[Setting]:
+    """Make every setting of some families; `run` has all that a family does not vary."""
     own, settings = run.model_dump(), list[Setting]()
     for family, names in families.items():
         for place, (name, values) in enumerate(names.items()):
@@ -109,7 +99,7 @@ def frontier_families(run: ExperimentParameters) -> Families:
     viewpoints = sorted({min(count, run.viewpoints.total) for count in cost.frontier_viewpoints})
     probed = {
         strategy: {
-            f"{_count(one, 'touch', 'es')}, {_count(views, 'viewpoint')}": {
+            f"{counted(one, 'touch', 'es')}, {counted(views, 'viewpoint')}": {
                 "touches": one,
                 "viewpoints": views,
                 "strategy": strategy,
@@ -121,7 +111,7 @@ def frontier_families(run: ExperimentParameters) -> Families:
     }
     if not touches or "fixation" not in probed:
         return probed
-    small = {_count(most, "touch", "es"): {"sensor.resolution": cost.lean_imprint_resolution}}
+    small = {counted(most, "touch", "es"): {"sensor.resolution": cost.lean_imprint_resolution}}
     mapless = {"recognition.self_organising_map.output": "none"}
     return {
         **probed,
@@ -134,46 +124,29 @@ def frontier_families(run: ExperimentParameters) -> Families:
     }
 
 
-def cost_families(run: ExperimentParameters) -> Families:
-    """Vary one thing in each family, over its whole range."""
-    cost, weights = run.cost, run.attention.weights.model_dump()
-    used = [name for name, weight in weights.items() if weight]
-    classic, own = (
-        {name: (weight or 1.0) if name in kept else 0.0 for name, weight in weights.items()}
-        for kept in (CLASSIC_CHANNELS, used)
-    )
-    lean = {"rendering.resolution": cost.lean_view_resolution, "attention.weights": classic}
-    views = {_count(count, "viewpoint"): {"viewpoints": count} for count in cost.viewpoints}
-    classifiers = {"paper": run.recognition.classifiers, "best": run.recognition.best.classifiers}
-    return {
-        "touches": {_count(count, "touch", "es"): {"touches": count} for count in cost.touches},
-        "viewpoints": views,
-        "lean_viewpoints": {name: values | lean for name, values in views.items()},
-        "imprint": {f"{n} × {n}": {"sensor.resolution": n} for n in cost.imprint_resolutions},
-        "render": {f"{n} × {n}": {"rendering.resolution": n} for n in cost.view_resolutions},
-        "channels": {
-            f"{len(CLASSIC_CHANNELS)} channels": {"attention.weights": classic},
-            f"{len(used)} channels": {"attention.weights": own},
-        },
-        "features": {**CUES, "skin and pose": {}},
-        "pipelines": {
-            f"{pipeline}, {name.replace('_', ' ')}": {"pipeline": pipeline, "classifier": name}
-            for pipeline, names in classifiers.items()
-            for name in names
-        },
-        "effects": {preset: {"scene.preset": preset} for preset in PRESETS},
-    }
-
-
-def _count(number: int, name: str, plural: str = "s") -> str:
+def counted(number: int, name: str, plural: str = "s") -> str:
+    """Write a number with what it counts."""
     return f"{number} {name}{plural * (number != 1)}"
 
 
-def _study(name: str, title: str, *, is_part_of_run: bool) -> Study:
+def frontier_settings(run: ExperimentParameters) -> list[Setting]:
+    """Make the settings of study `frontier`."""
+    return make_settings(run, frontier_families(run))
+
+
+def cost_study(
+    name: str,
+    title: str,
+    settings: Callable[[ExperimentParameters], Sequence[Setting]],
+    works: tuple[str, str],
+    *,
+    is_part_of_run: bool = False,
+) -> Study:
+    """Make a study of settings: `works` time them, and join seconds and error rates, as ``module:function``."""
     robot = {"cost": {"touch_seconds", "look_seconds"}}
     seconds = Step(
         f"{name}_seconds",
-        "visuohaptic.studies.cost.seconds:make_cost_seconds",
+        works[0],
         (f"results/{name}_seconds.parquet",),
         takes=("meshes", "features", "made"),
         needs={"exclude": {**OF_CONDITIONS["exclude"], **robot}},
@@ -183,7 +156,7 @@ def _study(name: str, title: str, *, is_part_of_run: bool) -> Study:
     )
     front = Step(
         name,
-        "visuohaptic.studies.cost.front:make_cost",
+        works[1],
         (f"results/{name}.parquet",),
         takes=("blocks", *seconds.files),
         needs={"exclude": NOT_OF_RESULTS.keys() - {"cost"}},
@@ -191,7 +164,7 @@ def _study(name: str, title: str, *, is_part_of_run: bool) -> Study:
     return Study(
         name,
         title,
-        lambda run: (setting.condition for setting in make_settings(run, name)),
+        lambda run: (setting.condition for setting in settings(run)),
         (seconds, front),
         has_figures=not is_part_of_run,
         is_sampled=True,
@@ -199,5 +172,13 @@ def _study(name: str, title: str, *, is_part_of_run: bool) -> Study:
     )
 
 
-FRONTIER = _study("frontier", "Accuracy against time", is_part_of_run=True)
-COST_STUDY = _study("cost", "What accuracy costs in time", is_part_of_run=False)
+FRONTIER = cost_study(
+    "frontier",
+    "Accuracy against time",
+    frontier_settings,
+    (
+        "visuohaptic.studies.cost.seconds:make_frontier_seconds",
+        "visuohaptic.studies.cost.front:make_frontier",
+    ),
+    is_part_of_run=True,
+)

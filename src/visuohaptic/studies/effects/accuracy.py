@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS, Scene
-from visuohaptic.studies.ablations import CLASSIFIER
+from visuohaptic.studies.conditions import CLASSIFIER
 from visuohaptic.studies.study import Condition, Step, Study
 
 

@@ -20,7 +20,7 @@ import pyarrow as pa
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.recognition.summary import select
-from visuohaptic.studies.certainty import VIEWS, sum_up_answers
+from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
 from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import build_rows, read_table

@@ -1,0 +1,49 @@
+"""What a model answers for objects that it has not learnt."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.recognition.summary import select
+from visuohaptic.report.estimates import Figure, Row
+from visuohaptic.report.wording import counted, percent, strategy_name
+from visuohaptic.studies.evaluation.models import MeasuredEvaluation, summarise_evaluation
+from visuohaptic.tables.phases import owners_of
+
+
+def evaluation_figures(
+    measured: MeasuredEvaluation, intervals: IntervalParameters, seed: int
+) -> Row:
+    """Sum up a model's answers for objects that it has not learnt: a ``sentence``, and ``rows`` by strategy and number of views."""
+    rows = rows_of(summarise_evaluation(measured.table, intervals, seed))
+    known = select(measured.table, known=True)
+    named = sorted(set(owners_of(known)))
+    counts = Counter(category for category, _ in named)
+    views = max(row["views"] for row in rows)
+    found = "; ".join(_in_words(row) for row in rows if row["views"] == views)
+    return {
+        "sentence": f"Of {counted(len(named), 'object')} that the model has not learnt, {found}.",
+        "rows": rows,
+        "objects": len(named),
+        "learnt": known["learnt"][0].as_py(),
+        "classes": ", ".join(f"{category} ({count})" for category, count in counts.items()),
+        "source": measured.source,
+    }
+
+
+def _in_words(row: Row) -> str:
+    return (
+        f"{percent(row['accuracy'].mean)} are correctly classified by {strategy_name(row['strategy'])} of "
+        f"{counted(row['views'], 'view')}, and the prediction set holds the class of "
+        f"{percent(row['coverage'].mean)} ({percent(row['stated'], 0)} stated)"
+    )
+
+
+def rows_of(found: Sequence[Row]) -> list[Row]:
+    """Make figures of the lists of mean, low and high that `sum_up_answers` gives."""
+    return [
+        {name: Figure(*value) if isinstance(value, list) else value for name, value in row.items()}
+        for row in found
+    ]

@@ -1,1 +1,0 @@
-"""Accuracy over the number of touches, by every strategy."""

@@ -1,0 +1,41 @@
+"""The ablations in the report: each part's worth in a table and a chart."""
+
+from __future__ import annotations
+
+from ablations.study import OTHER_DESCRIPTORS, STUDY
+from visuohaptic.report.section import ReportContext, Section, Values, figures_of
+from visuohaptic.report.studies import read_study
+from visuohaptic.report.wording import spaced
+
+NAMES = {
+    "whole_method": "whole method",
+    "without_bags": "no classifier of bags",
+    "turned_upright": "each object turned about the vertical",
+    "turned_any_way": "each object's poses turned in any way",
+    "azimuth_free": "no azimuth in the descriptors",
+    "azimuth_free_turned_upright": "no azimuth, objects turned about the vertical",
+    "contourlet_only": "contourlet bands as the only descriptor of the imprint",
+    **{entry.name: f"{entry.label} instead" for entry in OTHER_DESCRIPTORS},
+    "cutaneous_only": "cutaneous cues only",
+    "kinesthetic_only": "kinesthetic cues only",
+    "fixed_sensor_size": "sensor of fixed size",
+    "without_map": "no self-organising map",
+}
+"""Conditions in words; others are written as they are called."""
+
+
+def condition_name(name: str) -> str:
+    """Write the name of a condition in words."""
+    if name in NAMES:
+        return NAMES[name]
+    channel = name.removeprefix("without_")
+    return f"channel {spaced(channel)} left out" if channel != name else spaced(name)
+
+
+def ablations_values(context: ReportContext) -> Values | None:
+    """Read the study's figures; None where it was not measured."""
+    study = read_study(context.run.file_of("studies"), STUDY.name, condition_name)
+    return {"study": study} if study else None
+
+
+SECTION = Section(STUDY.name, STUDY.title, ablations_values, (figures_of(STUDY.name),))

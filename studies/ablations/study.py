@@ -1,0 +1,60 @@
+"""Ablations: one part of the method left out or exchanged, everything else as in the run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.features.descriptors import DESCRIPTORS
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.scene.parameters import PRESETS
+from visuohaptic.studies.conditions import FIXATION_ONLY
+from visuohaptic.studies.study import Changes, Condition, Study
+
+WHOLE = "whole_method"
+
+_SKIN = ("contourlet", "imprint", "sensor")
+_POSE = ("pose", "relations", "embedding")
+_ONE_DESCRIPTOR: Changes = {"recognition.best.cues": ("contourlet", "sensor", *_POSE)}
+
+_AZIMUTH_FREE: Changes = {
+    "recognition.best.cues": (*_SKIN, "relations", "azimuth_free"),
+    "recognition.pipelines": ("best",),
+}
+
+OTHER_DESCRIPTORS = tuple(entry for entry in DESCRIPTORS if entry.name != "contourlet")
+"""What describes an imprint instead of the contourlet."""
+
+PARTS: dict[str, Changes] = {
+    WHOLE: {},
+    "cutaneous_only": {"recognition.cues": ("cutaneous",), "recognition.best.cues": _SKIN},
+    "kinesthetic_only": {"recognition.cues": ("kinesthetic",), "recognition.best.cues": _POSE},
+    "contourlet_only": _ONE_DESCRIPTOR,
+    **{
+        entry.name: {"features.descriptor": entry.name, **_ONE_DESCRIPTOR}
+        for entry in OTHER_DESCRIPTORS
+    },
+    "fixed_sensor_size": {"scene.effects.adaptive_size": "never"},
+    "without_map": {
+        "recognition.self_organising_map.output": "none",
+        "recognition.pipelines": ("paper",),
+    },
+    "without_bags": {"recognition.best.bags": (), "recognition.pipelines": ("best",)},
+    "turned_upright": {"recognition.protocol.turns": "vertical"},
+    "turned_any_way": {"recognition.protocol.turns": "any"},
+    "azimuth_free": _AZIMUTH_FREE,
+    "azimuth_free_turned_upright": {**_AZIMUTH_FREE, "recognition.protocol.turns": "vertical"},
+    **{preset: {"scene.preset": preset} for preset in PRESETS},
+    **{f"without_{channel}": {f"attention.weights.{channel}": 0.0} for channel in CHANNELS},
+}
+"""What each ablation changes, the whole method first."""
+
+
+def ablated(run: ExperimentParameters) -> Iterator[Condition]:
+    """Give the ablations of a run; of a run without pipeline `paper` none concerns the map."""
+    for name, changes in PARTS.items():
+        if set(changes.get("recognition.pipelines", ())) <= set(run.recognition.pipelines):
+            yield Condition(name, {**FIXATION_ONLY, **changes})
+
+
+STUDY = Study("ablations", "Ablations", ablated)

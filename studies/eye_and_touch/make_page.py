@@ -1,0 +1,211 @@
+"""Fill the tables of README.md and draw its picture from the figures of this study that are kept beside them.
+
+kept_paper.json and kept_benchmark.json hold reports/eye_and_touch.json of the paper's twelve objects and of the
+catalogue's 142, with the command that gives them and the date. `python -m eye_and_touch.make_page paper COMMAND`
+keeps those of the run that is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from filling import (
+    COLOURS,
+    DOCS,
+    SETS,
+    Figures,
+    accuracy,
+    commands,
+    difference,
+    fill_from_figures,
+    read_json,
+    table,
+)
+from make_claims import STRATEGIES
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from eye_and_touch.sensing import ADAPTIVE, BLIND
+from eye_and_touch.sensing import STRATEGIES as COMPARED
+from eye_and_touch.study import (
+    CHECKED,
+    LOOK,
+    PRODUCT,
+    SIDE_BY_SIDE,
+    STOPPING,
+    TOUCH,
+)
+from eye_and_touch.summary import FUSED
+
+HERE = Path(__file__).parent
+PAGE = HERE / "README.md"
+PICTURE = HERE / "eye_and_touch.png"
+KEPT = HERE / "kept"
+ANSWERS = {
+    LOOK: "look, view",
+    "outline": "look, outline",
+    TOUCH: "touch",
+    PRODUCT: "product",
+    CHECKED: "checked product",
+    SIDE_BY_SIDE: "side by side",
+    STOPPING: "look, then touch by the rule",
+}
+WORDS = {
+    **{name: STRATEGIES[name] for name in COMPARED},
+    ADAPTIVE: "largest expected information gain",
+}
+COLOUR_OF = dict(zip(WORDS, COLOURS, strict=True))
+ROWS_OF_BUDGET = (LOOK, TOUCH, CHECKED, STOPPING)
+
+
+def sight_table(sets: Mapping[str, Figures]) -> str:
+    """Set accuracy and calibration error of every answer, a row a set and sight."""
+    shown = [answer for answer in ANSWERS if answer != STOPPING]
+    rows = []
+    for name, figures in sets.items():
+        for row in figures["sights"]:
+            cells = [row["answers"][answer] for answer in shown]
+            texts = (f"{accuracy(cell)}; {100 * cell['calibration_error']:.0f}" for cell in cells)
+            rows.append([SETS[name], row["sight"], *texts])
+    return table(["objects", "sight", *(ANSWERS[answer] for answer in shown)], rows)
+
+
+def gain_table(sets: Mapping[str, Figures]) -> str:
+    """Set what both senses gain over the better of them, and touch over looking, in pairs."""
+    rows = []
+    for name, figures in sets.items():
+        for row in figures["sights"]:
+            gains = [row["gains"][answer] for answer in (*FUSED, TOUCH)]
+            rows.append([SETS[name], row["sight"], ANSWERS[gains[0]["over"]], *map(gain, gains)])
+    fused = (ANSWERS[answer] for answer in FUSED)
+    return table(["objects", "sight", "the better sense", *fused, "touch over looking"], rows)
+
+
+def budget_table(sets: Mapping[str, Figures]) -> str:
+    """Set accuracy within each budget of a robot's time, a table a set."""
+    tables = []
+    for name, figures in sets.items():
+        budgets = figures["prices"]["budgets"]
+        found = {(row["budget"], row["answer"], row["strategy"]): row for row in figures["budgets"]}
+        rows = []
+        for answer in ROWS_OF_BUDGET:
+            for strategy in dict.fromkeys(key[2] for key in found if key[1] == answer):
+                words = ", ".join(filter(None, (ANSWERS[answer], WORDS.get(strategy))))
+                cells = (budget_cell(found.get((one, answer, strategy))) for one in budgets)
+                rows.append([words, *cells])
+        tables.append(table([SETS[name], *(f"{budget:g} s" for budget in budgets)], rows))
+    return "\n\n".join(tables)
+
+
+def budget_cell(row: Figures | None) -> str:
+    """Write an accuracy with its interval, and the number of touches or the mean time of the rule."""
+    if row is None:
+        return ""
+    if row["answer"] != STOPPING:
+        return f"{accuracy(row)}; {row['touches']}"
+    against = f"; {gain(row['gain'])}" if "gain" in row else ""
+    return f"{accuracy(row)}; {row['seconds']:.1f} s{against}"
+
+
+def worth_table(sets: Mapping[str, Figures]) -> str:
+    """Set what a second of touching brings after a look, and from which price on a touch pays."""
+    rows = []
+    for name, figures in sets.items():
+        for row in figures["worth"]:
+            rise = 100 * row["accuracy_a_second"]
+            price = f"more than {1 / rise:.2g} s" if rise > 0 else "never"
+            rows.append([SETS[name], row["sight"], row["touches"], f"{rise:.2f}", price])
+    bring = ("points a second of touching", "a touch pays where a point is worth")
+    return table(["objects", "sight", "touches", *bring], rows)
+
+
+def gain(found: Figures) -> str:
+    """Write a paired difference in percentage points."""
+    return difference(found, "difference", "low", "high", "p_value")
+
+
+def draw(sets: Mapping[str, Figures]) -> Figure:
+    """Draw accuracy against the robot's time, and accuracy in every sight; a column a set."""
+    figure = Figure(figsize=(5.4 * len(sets), 8.4), layout="constrained")
+    axes = figure.subplots(2, len(sets), sharey="row", squeeze=False)
+    for column, (name, figures) in enumerate(sets.items()):
+        _draw_times(axes[0, column], figures)
+        axes[0, column].set_title(f"{SETS[name]}, clean sight")
+        _draw_sights(axes[1, column], figures)
+    for row in axes:
+        row[0].set_ylabel("correctly classified, %")
+    axes[0, 0].legend(fontsize=7, loc="lower right")
+    axes[1, 0].legend(fontsize=7, loc="upper center", ncols=4)
+    axes[1, 0].set_ylim(0, 115)
+    return figure
+
+
+def _draw_times(axes: Axes, figures: Figures) -> None:
+    looks = _line(figures["curves"], LOOK)
+    for strategy, words in WORDS.items():
+        if touches := _line(figures["curves"], CHECKED, strategy):
+            line = zip(*sorted([*looks, *touches]), strict=True)
+            label = f"look, then touch: {words}"
+            axes.plot(*line, marker="o", markersize=3, color=COLOUR_OF[strategy], label=label)
+    blind = _line(figures["curves"], TOUCH, BLIND)
+    style: dict[str, Any] = {"color": COLOUR_OF[BLIND], "label": f"touch alone: {WORDS[BLIND]}"}
+    axes.plot(*zip(*blind, strict=True), linestyle="--", marker="x", markersize=4, **style)
+    rule = COMPARED[0]
+    stops = _line(figures["budgets"], STOPPING, rule)
+    style = {"color": COLOUR_OF[rule], "label": f"the rule that stops: {WORDS[rule]}"}
+    axes.plot(*zip(*stops, strict=True), linestyle="none", marker="D", fillstyle="none", **style)
+    axes.set_xscale("log")
+    ticks = (0.5, 1, 2, 5, 10, 20, 40)
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
+    axes.set_xlabel("the robot's time, s")
+    axes.grid(alpha=0.3)
+
+
+def _line(
+    rows: list[Figures], answer: str, strategy: str | None = None
+) -> list[tuple[float, float]]:
+    """Give time and accuracy of an answer, by one strategy if named."""
+    return sorted(
+        (row["seconds"], 100 * row["accuracy"])
+        for row in rows
+        if row["answer"] == answer and strategy in {None, row["strategy"]}
+    )
+
+
+def _draw_sights(axes: Axes, figures: Figures) -> None:
+    answers = (LOOK, TOUCH, PRODUCT, CHECKED)
+    sights = [row["sight"] for row in figures["sights"]]
+    for place, answer in enumerate(answers):
+        cells = [row["answers"][answer] for row in figures["sights"]]
+        heights = [100 * cell["accuracy"] for cell in cells]
+        ends = [
+            [100 * abs(cell["accuracy"] - cell[end]) for cell in cells] for end in ("low", "high")
+        ]
+        places = [number + 0.2 * (place - 1.5) for number in range(len(sights))]
+        style: dict[str, Any] = {"color": COLOURS[place], "label": ANSWERS[answer]}
+        axes.bar(places, heights, 0.19, yerr=ends, ecolor="#333", **style)
+    axes.set_xticks(range(len(sights)), sights)
+    axes.set_xlabel(f"sight; {figures['touches']} touches where the eye fixates")
+
+
+def figures_of_run() -> Figures:
+    """Give what the page takes of the run that is there."""
+    return read_json(DOCS.parent / "reports" / "eye_and_touch.json")
+
+
+def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
+    """Give the tables of the page, by the names of their blocks."""
+    return {
+        "sights": sight_table(sets),
+        "gains": gain_table(sets),
+        "budgets": budget_table(sets),
+        "worth": worth_table(sets),
+        "commands": commands(sets),
+    }
+
+
+if __name__ == "__main__":
+    fill_from_figures(KEPT, PAGE, blocks, PICTURE, draw, figures_of_run)

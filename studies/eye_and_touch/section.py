@@ -1,0 +1,88 @@
+"""What the eye alone recognises, what touch adds to it, and what the next touch is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from eye_and_touch.study import CHECKED, LOOK, PRODUCT, STUDY, TOUCH
+from eye_and_touch.tables import EYE_AND_TOUCH
+from visuohaptic.report.drawing import style
+from visuohaptic.report.estimates import Row, figure_of, read_json
+from visuohaptic.report.figures import draw_lines, finish, whole_percent
+from visuohaptic.report.section import Reads, ReportContext, Section, Values
+from visuohaptic.report.wording import counted, percent
+
+TABLE, FIGURES = STUDY.shown
+
+ANSWERS = {LOOK: "look", TOUCH: "touch", PRODUCT: "product", CHECKED: "checked product"}
+"""What is shown, by the names of `EYE_AND_TOUCH`."""
+
+
+def senses_figures(path: Path) -> Row:
+    """Read ``reports/eye_and_touch.json``: its ``curves``, and ``rows``, a sight each with an estimate of each answer."""
+
+    def arranged(found: Row) -> Row:
+        rows = [
+            {"sight": one["sight"]}
+            | {answer: figure_of(one["answers"][answer], "accuracy") for answer in ANSWERS}
+            for one in found["sights"]
+        ]
+        return {"sentence": _sentence(found, rows), "rows": rows, "curves": found["curves"]}
+
+    way_out = "run `snakemake -j2 eye_and_touch_all` again"
+    return read_json(path, arranged, "holds no figures of study eye_and_touch", way_out)
+
+
+def _sentence(found: Row, rows: Sequence[Row]) -> str:
+    """Say what looking, touching and both reach in clean sight, and in the poorest."""
+    clean, poorest = rows[0], min(rows, key=lambda row: row[LOOK].mean)
+    price, touches = found["prices"], found["touches"]
+    seconds = price["look_seconds"] + touches * price["touch_seconds"]
+    return (
+        f"A look of {price['look_seconds']:g} s classifies {percent(clean[LOOK].mean)} of the views "
+        f"correctly, {counted(touches, 'touch')} in {seconds:g} s {percent(clean[TOUCH].mean)}, both "
+        f"together {percent(clean[CHECKED].mean)}; in the poorest sight ({poorest['sight']}) the eye "
+        f"alone reaches {percent(poorest[LOOK].mean)}, and both, where views unlike those of training "
+        f"are left out, {percent(poorest[CHECKED].mean)}."
+    )
+
+
+def eye_and_touch_values(context: ReportContext) -> Values | None:
+    """Read what eye and touch reach; None where it was not measured."""
+    path = context.run.made(FIGURES)
+    if path is None:
+        return None
+    return {"senses": senses_figures(path), "answers": ANSWERS, "draw_times": draw_times}
+
+
+@style()
+def draw_times(curves: Sequence[Mapping[str, Any]]) -> Figure:
+    """Draw accuracy after a look, and after each touch that follows, against the robot's time, a line a strategy.
+
+    Of the curves of ``reports/eye_and_touch.json``, the look and the checked product are drawn.
+    """
+    looks = [row for row in curves if row["answer"] == LOOK]
+    lines: dict[str, Any] = {}
+    for row in (row for row in curves if row["answer"] == CHECKED):
+        lines.setdefault(row["strategy"], [*looks]).append(row)
+    places = {
+        strategy: zip(*sorted((row["seconds"], row["accuracy"]) for row in line), strict=True)
+        for strategy, line in lines.items()
+    }
+    chart, axes = draw_lines(places, 190)
+    axes.set_xscale("log")
+    return finish(
+        chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=whole_percent
+    )
+
+
+SECTION = Section(
+    STUDY.name,
+    STUDY.title,
+    eye_and_touch_values,
+    (Reads("Looking, touching and both", EYE_AND_TOUCH, TABLE),),
+)

@@ -1,0 +1,46 @@
+"""What study eye_and_touch compares, by the names of its table."""
+
+from __future__ import annotations
+
+from visuohaptic.parameters import CostParameters
+from visuohaptic.studies.study import NOT_OF_RESULTS, Step, Study
+
+CLEAN = "clean"
+"""The sight in which looking is learnt."""
+
+CUES = ("view", "outline")
+"""What the eye describes: the grey picture, or the silhouette that is cut out of it."""
+
+LOOK = CUES[0]
+"""What of looking is combined with touch."""
+
+TOUCH, PRODUCT, CHECKED, SIDE_BY_SIDE, STOPPING = (
+    *("touch", "product", "checked product"),
+    *("side by side", "stopping"),
+)
+
+PRICES = {"touch_seconds", "look_seconds", "budgets", "adaptive"}
+"""Parameters of costs that it depends on."""
+
+STUDY = Study(
+    "eye_and_touch",
+    "What the eye alone recognises, and what touch adds",
+    steps=(
+        Step(
+            "eye_and_touch",
+            "eye_and_touch.trials:make_eye_and_touch",
+            ("results/eye_and_touch.parquet", "reports/eye_and_touch.json"),
+            takes=("meshes",),
+            takes_where={"cost.adaptive": "results/study_candidates.parquet"},
+            needs={
+                "exclude": {
+                    **NOT_OF_RESULTS,
+                    "cost": set(CostParameters.model_fields) - PRICES,
+                }
+            },
+            is_alone=True,
+        ),
+    ),
+    has_figures=False,
+)
+"""Objects recognised by eye, by touch and by both, in good sight and in poor."""

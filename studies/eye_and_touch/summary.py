@@ -1,0 +1,192 @@
+"""Accuracies, calibration, paired gains and robot times of study eye_and_touch, summed up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pyarrow as pa
+
+from eye_and_touch.seeing import SIGHTS
+from eye_and_touch.sensing import BLIND, STRATEGIES, compared
+from eye_and_touch.study import (
+    CHECKED,
+    CLEAN,
+    CUES,
+    LOOK,
+    PRODUCT,
+    SIDE_BY_SIDE,
+    STOPPING,
+    TOUCH,
+)
+from visuohaptic.parameters import CostParameters
+from visuohaptic.recognition.intervals import compare_paired, rate_interval
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.figures import Cell, Row, average_objects, ends, rows_by
+from visuohaptic.tables.phases import owners_of
+from visuohaptic.tables.schema import matrix
+
+Key = tuple[str, str, str, int, float | None]
+"""Sight, answer, strategy, touches and budget, as in `EYE_AND_TOUCH`."""
+
+FUSED = (PRODUCT, CHECKED, SIDE_BY_SIDE)
+"""Answers of both senses."""
+
+
+@dataclass(frozen=True)
+class SenseCell(Cell):
+    """One key of the table: each object's accuracy, the robot's mean time, and how far confidence is off.
+
+    The calibration error is the mean over trials of how far the share that is right is from the
+    stated probability, in each tenth of it (M. P. Naeini et al., AAAI 2015).
+    """
+
+    seconds: float = np.nan
+    calibration_error: float = np.nan
+
+    @property
+    def mean(self) -> float:
+        """The mean over splits."""
+        return float(self.weights @ self.accuracy / self.weights.sum())
+
+
+def cells_of(table: pa.Table) -> dict[Key, SenseCell]:
+    """Average each object's rows of `EYE_AND_TOUCH` over the splits that tested it."""
+    keys = ("sight", "answer", "strategy", "touches", "budget")
+    return {key: _cell(rows) for key, rows in rows_by(table, keys).items()}
+
+
+def _cell(rows: pa.Table) -> SenseCell:
+    cell, share = average_objects(rows, "trials")
+    trials, seconds = matrix(rows, ["trials", "seconds"]).T
+    gaps = np.abs(np.sum(rows.column("gaps").to_pylist(), axis=0))
+    return SenseCell(
+        *(cell.objects, cell.accuracy, cell.weights),
+        seconds=float(share @ seconds / share.sum()),
+        calibration_error=float(gaps.sum() / trials.sum()),
+    )
+
+
+def sum_up_senses(
+    table: pa.Table, cost: CostParameters, touches: int, intervals: IntervalParameters, seed: int
+) -> Row:
+    """Sum up `EYE_AND_TOUCH`: answers in each sight with their gains, curves against time, and what budgets buy.
+
+    By so many `touches` senses are compared in every sight; ``worth`` is what touching brings a second
+    after a look.
+    """
+    summary = _Summary(cells_of(table), cost, touches, intervals, seed)
+    return {
+        "prices": cost.model_dump(include={"look_seconds", "touch_seconds", "budgets"}),
+        "touches": touches,
+        "objects": len(set(owners_of(table))),
+        "sights": [summary.sight(sight) for sight in SIGHTS],
+        "curves": summary.curves(),
+        "budgets": [row for budget in cost.budgets for row in summary.at_budget(budget)],
+        "worth": [summary.worth(sight) for sight in SIGHTS],
+    }
+
+
+@dataclass(frozen=True)
+class _Summary:
+    cells: Mapping[Key, SenseCell]
+    cost: CostParameters
+    touches: int
+    intervals: IntervalParameters
+    seed: int
+
+    def key(self, sight: str, answer: str, strategy: str = STRATEGIES[0], touches: int = 0) -> Key:
+        """Give a key; a cue needs no touch, and touch no sight."""
+        if answer in CUES:
+            return (sight, answer, "none", 0, None)
+        seen = CLEAN if answer == TOUCH else sight
+        return (seen, answer, strategy, touches or self.touches, None)
+
+    def row(self, key: Key) -> Row:
+        """Give accuracy with its interval, time and calibration error."""
+        cell, draws = self.cells[key], spawn_generator(self.seed, "looking")
+        found = rate_interval(cell.accuracy, cell.weights, self.intervals, draws)
+        return {
+            **ends("accuracy", "", found),
+            "seconds": cell.seconds,
+            "calibration_error": cell.calibration_error,
+        }
+
+    def gain(self, first: Cell, second: Cell, over: str) -> Row:
+        """Give what one cell gains over another, in pairs over objects."""
+        draws = spawn_generator(self.seed, "looking", "comparison")
+        found = compare_paired(
+            first.accuracy, second.accuracy, first.weights, self.intervals, draws
+        )
+        return {"over": over, **ends("difference", "", found.difference), "p_value": found.p_value}
+
+    def sight(self, sight: str) -> Row:
+        """Compare the senses in one sight."""
+        keys = {answer: self.key(sight, answer) for answer in (*CUES, TOUCH, *FUSED)}
+        cells = {answer: self.cells[key] for answer, key in keys.items()}
+        better = max((LOOK, TOUCH), key=lambda answer: cells[answer].mean)
+        return {
+            "sight": sight,
+            "answers": {answer: self.row(key) for answer, key in keys.items()},
+            "gains": {
+                **{answer: self.gain(cells[answer], cells[better], better) for answer in FUSED},
+                TOUCH: self.gain(cells[TOUCH], cells[LOOK], LOOK),
+            },
+        }
+
+    def curves(self) -> list[Row]:
+        """Give accuracy against time of every strategy in clean sight, touch alone and both."""
+        keys = (key for key in self.cells if key[0] == CLEAN and key[1] in {LOOK, TOUCH, CHECKED})
+        return [self._named(key) for key in sorted(keys, key=str)]
+
+    def at_budget(self, budget: float) -> Iterator[Row]:
+        """Give what is reached within a budget: of a fixed number of touches, and by the rule on average."""
+        if budget >= self.cost.look_seconds:
+            yield {"budget": budget, **self._named(self.key(CLEAN, LOOK))}
+        most = max(key[3] for key in self.cells)
+        for strategy in compared(self.cost):
+            for answer in (TOUCH, CHECKED):
+                count = min(self._affordable(budget, answer, strategy), most)
+                if count > 0:
+                    key = self.key(CLEAN, answer, strategy, count)
+                    yield {"budget": budget, **self._named(key)}
+            stops = (CLEAN, STOPPING, strategy, most, budget)
+            stopped = self.cells[stops]
+            fixed = self.fixed(strategy, stopped.seconds)
+            gain = self.gain(stopped, fixed, f"{stopped.seconds:.1f} s")
+            yield {"budget": budget, **self._named(stops), "gain": gain}
+
+    def fixed(self, strategy: str, seconds: float) -> Cell:
+        """Mix the two nearest numbers of touches after a look that are the same for all, so that they take as long."""
+        keys = [self.key(CLEAN, LOOK)]
+        keys += sorted(key for key in self.cells if key[:3] == (CLEAN, CHECKED, strategy))
+        line = [self.cells[key] for key in keys]
+        later = next((n for n, cell in enumerate(line) if cell.seconds >= seconds), len(line) - 1)
+        first, second = line[max(later - 1, 0)], line[later]
+        step = second.seconds - first.seconds
+        share = min((seconds - first.seconds) / step, 1.0) if step else 0.0
+        mixed = (1 - share) * first.accuracy + share * second.accuracy
+        return replace(first, accuracy=mixed)
+
+    def worth(self, sight: str) -> Row:
+        """Find the number of touches after a look that brings most accuracy a second, in a sight."""
+        look = self.cells[self.key(sight, LOOK)]
+        rises = {
+            key[3]: (cell.mean - look.mean) / (cell.seconds - look.seconds)
+            for key, cell in self.cells.items()
+            if key[:3] == (sight, CHECKED, STRATEGIES[0])
+        }
+        touches = max(rises, key=lambda count: (rises[count], -count))
+        return {"sight": sight, "touches": touches, "accuracy_a_second": rises[touches]}
+
+    def _named(self, key: Key) -> Row:
+        _, answer, strategy, touches, _ = key
+        names = {"answer": answer, "strategy": strategy, "touches": touches}
+        return {**names, **self.row(key)}
+
+    def _affordable(self, budget: float, answer: str, strategy: str) -> int:
+        """Give how many touches there is time for."""
+        paid = 0.0 if (answer, strategy) == (TOUCH, BLIND) else self.cost.look_seconds
+        return int((budget - paid) // self.cost.touch_seconds)

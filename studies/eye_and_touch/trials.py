@@ -1,0 +1,309 @@
+"""Looking, touching and both, trained and tested in the same splits: one table of answers."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from eye_and_touch.answers import (
+    Answered,
+    Descriptors,
+    Trial,
+    answer_trials,
+    ask_if_familiar,
+    multiply,
+)
+from eye_and_touch.seeing import SIGHTS
+from eye_and_touch.sensing import (
+    ADAPTIVE,
+    BLIND,
+    STRATEGIES,
+    Sensed,
+    compared,
+    most_touches,
+    sense_all,
+)
+from eye_and_touch.study import (
+    CHECKED,
+    CUES,
+    LOOK,
+    PRODUCT,
+    SIDE_BY_SIDE,
+    STOPPING,
+    TOUCH,
+)
+from eye_and_touch.summary import sum_up_senses
+from eye_and_touch.tables import CONFIDENCE_BINS, EYE_AND_TOUCH
+from touch_curves.choosing import choose_features
+from visuohaptic.errors import ParameterError
+from visuohaptic.parameters import CostParameters, ExperimentParameters
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
+from visuohaptic.recognition.experiment import draw_splits
+from visuohaptic.seeds import spawn_generator
+from visuohaptic.studies.conditions import CLASSIFIER, touches_of_run, with_changes
+from visuohaptic.studies.figures import write_json
+from visuohaptic.studies.study import Given
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import build_table, read_table, write_table
+
+if TYPE_CHECKING:
+    from visuohaptic.recognition.sequences import TouchSequences
+
+
+def make_eye_and_touch(given: Given) -> None:
+    """Make `EYE_AND_TOUCH`, and its summary as JSON.
+
+    Where strategy ``adaptive`` is compared, it takes a table of all places that it may touch. Raises
+    `ParameterError` if a touch is free.
+    """
+    run, (table, metrics) = given.run, given.outputs
+    if not run.cost.touch_seconds:
+        raise ParameterError(
+            "cost.touch_seconds is 0, so every touch is worth it; study eye_and_touch needs more than 0."
+        )
+    tables = given.inputs.get("tables")
+    candidates = read_table(FEATURES, tables) if tables else None
+    sensed = sense_all(given.inputs["meshes"], candidates, run, given.processes)
+    measured = measure_senses(sensed, run, given.processes)
+    write_table(EYE_AND_TOUCH, measured, table)
+    intervals = run.recognition.intervals
+    found = sum_up_senses(measured, run.cost, touches_of_run(run), intervals, run.seed)
+    write_json(found, metrics)
+
+
+def measure_senses(sensed: Sensed, run: ExperimentParameters, processes: int) -> pa.Table:
+    """Train and test looking, touching and both in every split: `EYE_AND_TOUCH`.
+
+    Looking is learnt in clean sight and tested in every sight. Touches are those that a clean look
+    leads to, in every sight.
+    """
+    run = with_changes(run, {"recognition.best.classifiers": (CLASSIFIER,)})
+    trials = list(draw_splits(sensed.sequences, run.recognition, run.seed))
+    answers = _answer_all(sensed, trials, run, processes)
+    parts = [
+        part
+        for key, paid in _paid_answers(answers, sensed.sequences, run)
+        for trial, (tested, seconds) in zip(trials, paid, strict=True)
+        for part in _columns(key, trial, tested, seconds, sensed.sequences)
+    ]
+    columns = {name: list(chain(*(part[name] for part in parts))) for name in parts[0]}
+    return build_table(EYE_AND_TOUCH, columns)
+
+
+def _answer_all(
+    sensed: Sensed, trials: Sequence[Trial], run: ExperimentParameters, processes: int
+) -> dict[object, list[Answered]]:
+    """Train and test every cue, both senses side by side, and every strategy by number of touches."""
+    from joblib import Parallel, delayed
+
+    touched = {name: [features] * len(trials) for name, features in sensed.touched.items()}
+    if sensed.candidates is not None:
+        touched[ADAPTIVE] = Parallel(processes)(
+            delayed(choose_features)(sensed.candidates, split, most_touches(run), run)
+            for split, _ in trials
+        )
+    tasks: dict[object, dict[str, Any]] = {cue: {"seen": sensed.seen[cue]} for cue in CUES}
+    side_by_side = {"touched": touched[STRATEGIES[0]], "touches": touches_of_run(run)}
+    tasks[SIDE_BY_SIDE] = {**tasks[LOOK], **side_by_side}
+    for strategy, features in touched.items():
+        for touches in range(1, most_touches(run) + 1):
+            tasks[strategy, touches] = {"touched": features, "touches": touches}
+    found = Parallel(processes)(
+        delayed(_answer)(trials, sensed.sequences, run, **task) for task in tasks.values()
+    )
+    return dict(zip(tasks, found, strict=True))
+
+
+def _answer(
+    trials: Sequence[Trial], sequences: TouchSequences, run: ExperimentParameters, **task: Any
+) -> list[Answered]:
+    described = _describe(len(trials), sequences.feature_names, run, **task)
+    return answer_trials(trials, described, sequences, run.recognition, run.seed)
+
+
+def _describe(
+    trials: int,
+    names: Sequence[str],
+    run: ExperimentParameters,
+    seen: NDArray[np.float32] | None = None,
+    touched: Sequence[NDArray[np.float64]] = (),
+    touches: int = 0,
+) -> Iterator[Sequence[Descriptors]]:
+    """Describe views, (s, sights, d), or the first touches of each trial, or both, in each condition of its test."""
+    views = [] if seen is None else list(np.moveaxis(seen, 1, 0))
+    if not touched:
+        yield from [views] * trials
+        return
+    best = run.recognition.best
+    waves = draw_waves(best, spawn_generator(run.seed, "recognition", "waves"))
+    of: NDArray[np.float64] | None = None
+    for features in touched:
+        if features is not of:
+            felt, of = describe_sequences(features[:, :touches], names, waves, best), features
+        yield [np.concatenate([felt, view], axis=1) for view in views] or [felt]
+
+
+Key = Mapping[str, object]
+"""Of `EYE_AND_TOUCH`: answer, strategy, touches and budget."""
+
+Paid = tuple[NDArray[np.float64], NDArray[np.float64] | float]
+"""A trial's answers in the first k sights, (k, n, c), and the seconds that each took, (k, n)."""
+
+
+def _paid_answers(
+    answers: Mapping[object, Sequence[Answered]],
+    sequences: TouchSequences,
+    run: ExperimentParameters,
+) -> Iterator[tuple[Key, list[Paid]]]:
+    """Give every answer with the robot's time, trial by trial."""
+    look, touches = run.cost.look_seconds, touches_of_run(run)
+    for cue in CUES:
+        yield _key(cue, "none", 0), _paid(answers[cue], look)
+    seconds = look + run.cost.touch_seconds * touches
+    yield _key(SIDE_BY_SIDE, STRATEGIES[0], touches), _paid(answers[SIDE_BY_SIDE], seconds)
+    for strategy in compared(run.cost):
+        felt = [answers[strategy, count] for count in range(1, most_touches(run) + 1)]
+        yield from _of_strategy(strategy, answers[LOOK], felt, sequences, run.cost)
+
+
+def _key(answer: str, strategy: str, touches: int, budget: float | None = None) -> Key:
+    return {"answer": answer, "strategy": strategy, "touches": touches, "budget": budget}
+
+
+def _paid(answered: Sequence[Answered], seconds: float) -> list[Paid]:
+    return [(one.tested, seconds) for one in answered]
+
+
+def _of_strategy(
+    strategy: str,
+    looked: Sequence[Answered],
+    felt: Sequence[Sequence[Answered]],
+    sequences: TouchSequences,
+    cost: CostParameters,
+) -> Iterator[tuple[Key, list[Paid]]]:
+    """Give a strategy after each touch: touch alone, with a look, and under the rule that stops."""
+    checked = [[ask_if_familiar(one) for one in looked]]
+    for touches, touched in enumerate(felt, start=1):
+        products, certain = (
+            [
+                multiply(*pair, sequences.labels, sequences.object_index)
+                for pair in zip(seen, touched, strict=True)
+            ]
+            for seen in (looked, checked[0])
+        )
+        checked.append(certain)
+        touching = cost.touch_seconds * touches
+        both = cost.look_seconds + touching
+        yield (
+            _key(TOUCH, strategy, touches),
+            _paid(touched, touching if strategy == BLIND else both),
+        )
+        yield _key(PRODUCT, strategy, touches), _paid(products, both)
+        yield _key(CHECKED, strategy, touches), _paid(certain, both)
+    for budget in cost.budgets:
+        trials = zip(*checked, strict=True)
+        stopped = [_stop(one, sequences.labels, budget, cost) for one in trials]
+        yield _key(STOPPING, strategy, len(felt), budget), stopped
+
+
+def _stop(
+    by_touches: Sequence[Answered],
+    labels: NDArray[np.int64],
+    budget: float,
+    cost: CostParameters,
+) -> Paid:
+    """Answer a trial under the rule of a budget, which is learnt on its training objects."""
+    rehearsed = np.stack([one.held_out for one in by_touches])
+    confidence = rehearsed.max(axis=2)
+    correct = rehearsed.argmax(axis=2) == labels[by_touches[0].places]
+    pace = learn_pace(correct, confidence, cost.touch_seconds)
+    affordable = max(budget - cost.look_seconds, 0) / cost.touch_seconds
+    worth = worth_of_budget(expected_gain(pace, confidence), affordable)
+    tested = np.stack([one.tested for one in by_touches])
+    made = touches_made(worth, expected_gain(pace, tested.max(axis=3)))
+    answers = np.take_along_axis(tested, made[None, :, :, None], axis=0)[0]
+    return answers, cost.look_seconds + cost.touch_seconds * made.astype(np.float64)
+
+
+def learn_pace(
+    correct: NDArray[np.bool_], confidence: NDArray[np.float64], touch_seconds: float
+) -> NDArray[np.float64]:
+    """Learn which share of the doubt a second of touching removes after 0 to k touches: (k + 1,), the last 0.
+
+    `correct` and `confidence`, (k + 1, n), say of n rehearsals on training objects whether the likeliest
+    class is right, and its probability; doubt is one less it. Further touches gain the rise in the share
+    that is right as a share of the doubt; the number of them with the highest gain a second counts.
+    """
+    right = correct.sum(axis=1)
+    doubt = np.maximum((1 - confidence).sum(axis=1), np.finfo(np.float64).tiny)
+    pace = np.zeros(len(right))
+    for made in range(len(right) - 1):
+        further = np.arange(1, len(right) - made)
+        shares = np.clip((right[made + 1 :] - right[made]) / doubt[made], 0, 1)
+        pace[made] = (shares / (further * touch_seconds)).max()
+    return pace
+
+
+def expected_gain(
+    pace: NDArray[np.float64], confidence: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Give what a second of touching is expected to bring after 0 to k touches: (k + 1, …) of both."""
+    return np.einsum("k,k...->k...", pace, 1 - confidence)
+
+
+def touches_made(worth: float, gain: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Give after how many touches the rule stops, of the expected gain after each, (k + 1, …) to (…).
+
+    It goes on while a second is expected to bring more than its `worth`, a probability of a correct answer.
+    """
+    return np.argmax(gain <= worth, axis=0)
+
+
+def worth_of_budget(gain: NDArray[np.float64], most_touches: float) -> float:
+    """Choose the least worth of a second by which rehearsals take at most so many touches on average.
+
+    `gain` is what each rehearsal expects, (k + 1, n), as `expected_gain` gives it.
+    """
+    worths = np.unique([0.0, *gain.ravel()])
+    # The larger the worth, the earlier every rehearsal stops.
+    enough = bisect_left(
+        worths, x=True, key=lambda worth: touches_made(worth, gain).mean() <= most_touches
+    )
+    return float(worths[enough])
+
+
+def _columns(
+    key: Key,
+    trial: Trial,
+    tested: NDArray[np.float64],
+    seconds: NDArray[np.float64] | float,
+    sequences: TouchSequences,
+) -> Iterator[dict[str, Any]]:
+    """Give columns of `EYE_AND_TOUCH` of a trial in each sight: a row an object."""
+    split, repeat = trial
+    owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
+    objects, count = np.array(sequences.objects, dtype=object)[owners], np.bincount(row)
+    taken = np.broadcast_to(seconds, tested.shape[:2])
+    # Touch alone is tested in clean sight, which is the first.
+    for sight, answers, spent in zip(SIGHTS, tested, taken, strict=False):
+        correct = answers.argmax(axis=1) == sequences.labels[split.test]
+        confidence = answers.max(axis=1)
+        bins = np.minimum((confidence * CONFIDENCE_BINS).astype(int), CONFIDENCE_BINS - 1)
+        gaps = np.zeros((len(owners), CONFIDENCE_BINS))
+        np.add.at(gaps, (row, bins), correct - confidence)
+        same = {**key, "sight": sight, "split": split.number, "repeat": repeat}
+        yield {
+            **{name: [value] * len(owners) for name, value in same.items()},
+            "class": objects[:, 0],
+            "object": objects[:, 1],
+            "trials": count,
+            "accuracy": np.bincount(row, weights=correct) / count,
+            "seconds": np.bincount(row, weights=spent) / count,
+            "gaps": list(gaps),
+        }

@@ -1,1 +1,0 @@
-"""Study `readings`: its design, the rules that judge it, its kept tables, and its page."""

@@ -1,0 +1,25 @@
+"""What accuracy costs in time in every setting."""
+
+from __future__ import annotations
+
+from settings_cost.study import STUDY, families_of
+from visuohaptic.report.cost import cost_figures
+from visuohaptic.report.section import Reads, ReportContext, Section, Values
+from visuohaptic.studies.cost.front import read_costs
+from visuohaptic.tables.studies import COST
+
+COSTS = "results/settings_cost.parquet"
+
+
+def settings_cost_values(context: ReportContext) -> Values | None:
+    """Read what the settings cost; None where nothing was measured."""
+    path, run = context.run.made(COSTS), context.run
+    rows = read_costs(path, tuple(families_of(run.parameters))) if path else []
+    if not rows:
+        return None
+    return {"costs": cost_figures(rows, run.parameters), "objects": len(run.objects)}
+
+
+SECTION = Section(
+    STUDY.name, STUDY.title, settings_cost_values, (Reads("All settings", COST, COSTS),)
+)

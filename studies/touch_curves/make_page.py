@@ -1,0 +1,113 @@
+"""Fill the tables of README.md and draw curves.png from the figures of this study that are kept beside them.
+
+kept_paper.json and kept_benchmark.json hold what the page takes of reports/studies/touch_curves.json and
+reports/touch_curves.json, of the paper's twelve objects and of the catalogue's 142, with the command that gives them and
+the date. `python -m touch_curves.make_page paper COMMAND` keeps those of the run that is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from filling import (
+    DOCS,
+    SETS,
+    Figures,
+    commands,
+    difference,
+    fill_from_figures,
+    read_json,
+    share,
+    table,
+)
+from make_claims import CLASSIFIER, PIPELINES
+from matplotlib.figure import Figure
+
+REPORTS = DOCS.parent / "reports"
+HERE = Path(__file__).parent
+PAGE = HERE / "README.md"
+PICTURE = HERE / "curves.png"
+KEPT = HERE / "kept"
+SHOWN = (1, 2, 3, 5, 8, 16)
+"""Touches of the table."""
+OF_A_POINT = ("accuracy", "low", "high")
+TITLES = {"paper": "the paper's pipeline", "best": "ours"}
+COLOURS = (
+    *("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e", "#b0182b"),
+    *("#00737a", "#8a6d00", "#555555", "#c2185b"),
+)
+
+
+def figures_of_run() -> Figures:
+    """Give what the page takes of the run that is there: ``curves`` and ``needed``, by pipeline and strategy."""
+    measured = read_json(REPORTS / "studies" / "touch_curves.json")
+    needed = read_json(REPORTS / "touch_curves.json")
+    curves = {
+        pipeline: {
+            strategy: [[cell[value] for value in OF_A_POINT] for cell in found[CLASSIFIER].values()]
+            for strategy, found in measured[pipeline].items()
+        }
+        for pipeline in PIPELINES
+    }
+    return {
+        "curves": curves,
+        "needed": {
+            pipeline: {name: found[CLASSIFIER] for name, found in needed[pipeline].items()}
+            for pipeline in PIPELINES
+        },
+    }
+
+
+def curve_table(figures: Figures) -> str:
+    """Set accuracy by touches, the largest area first, and what fixation gains in area."""
+    rows = []
+    for pipeline in PIPELINES:
+        needed = figures["needed"][pipeline]
+        for strategy in sorted(needed, key=lambda name: -needed[name]["area"]):
+            curve, row = figures["curves"][pipeline][strategy], needed[strategy]
+            reached = (share(curve[touches - 1][0]) for touches in SHOWN)
+            touches = "never" if row["touches"] is None else row["touches"]
+            gain = difference(row, "gain", "gain_low", "gain_high", "p_value")
+            rows.append([TITLES[pipeline], f"`{strategy}`", *reached, touches, gain])
+    after = ("touches for 90 %", "fixation's area is larger by")
+    return table(["pipeline", "strategy", *map(str, SHOWN), *after], rows)
+
+
+def draw(sets: Mapping[str, Figures]) -> Figure:
+    """Draw accuracy against touches, and the interval of fixation: a column a set, a row a pipeline."""
+    figure = Figure(figsize=(5.4 * len(sets), 8.4), layout="constrained")
+    axes = figure.subplots(len(PIPELINES), len(sets), sharex=True, squeeze=False)
+    strategies = sorted({name for one in sets.values() for name in one["needed"]["best"]})
+    for column, (name, figures) in enumerate(sets.items()):
+        for panel, pipeline in zip(axes[:, column], PIPELINES, strict=True):
+            panel.set_title(f"{SETS[name]}, {TITLES[pipeline]}")
+            panel.grid(alpha=0.3)
+            for strategy, colour in zip(strategies, COLOURS, strict=False):
+                points = figures["curves"][pipeline][strategy]
+                line, low, high = (
+                    [100 * value for value in one] for one in zip(*points, strict=True)
+                )
+                touches = range(1, len(line) + 1)
+                is_fixation = strategy == "fixation"
+                panel.plot(
+                    touches, line, color=colour, label=strategy,
+                    linewidth=2.4 if is_fixation else 1.2, marker="o", markersize=3,
+                )  # fmt: skip
+                if is_fixation:
+                    panel.fill_between(touches, low, high, color=colour, alpha=0.12)
+        axes[-1, column].set_xlabel("touches")
+    for row in axes:
+        row[0].set_ylabel("correctly classified, %")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
+    return figure
+
+
+def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
+    """Give the tables of the page, by the names of their blocks."""
+    tables = {name: curve_table(one) for name, one in sets.items()}
+    return {**tables, "commands": commands(sets)}
+
+
+if __name__ == "__main__":
+    fill_from_figures(KEPT, PAGE, blocks, PICTURE, draw, figures_of_run)

@@ -1,0 +1,149 @@
+"""Accuracy against touches: the curves, their areas, and who wins, in a chart and in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from touch_curves.study import STUDY
+from touch_curves.tables import TOUCHES_NEEDED
+from visuohaptic.recognition.intervals import holm
+from visuohaptic.report.comparison import REFERENCE, SIGNIFICANCE
+from visuohaptic.report.drawing import look, style
+from visuohaptic.report.estimates import Row
+from visuohaptic.report.figures import draw_lines, finish, whole_percent
+from visuohaptic.report.section import Reads, ReportContext, Section, Values, figures_of
+from visuohaptic.report.studies import by_cell, read_figures
+from visuohaptic.report.wording import (
+    counted,
+    listed,
+    percent,
+    points,
+    probability,
+    strategy_name,
+    strategy_place,
+)
+from visuohaptic.tables.schema import read_table
+
+NEEDED = "results/touches_needed.parquet"
+
+
+def touch_curves_values(context: ReportContext) -> Values | None:
+    """Read the curves over touches, the paper's pipeline first; None where nothing was measured."""
+    needed = context.run.made(NEEDED)
+    points_of = read_figures(context.run.file_of("studies"), STUDY.name)
+    if not points_of or needed is None:
+        return None
+    points_by_cell = by_cell(points_of)
+    found = [
+        curves(*key, rows, points_by_cell.get(key, []))
+        for key, rows in by_cell(read_table(TOUCHES_NEEDED, needed).to_pylist()).items()
+    ]
+    return {"pipelines": found, "draw_curves": draw_curves} if found else None
+
+
+def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: list[Row]) -> Row:
+    """Give ``rows`` of `tables.TOUCHES_NEEDED` with ``adjusted_p`` over the strategies, the largest area first.
+
+    ``by_touches`` has a row for each number of touches, with the ``points`` of all strategies by name.
+    """
+    compared = [row for row in needed if row["p_value"] is not None]
+    adjusted = holm([row["p_value"] for row in compared])
+    found = {row["strategy"]: value for row, value in zip(compared, adjusted, strict=True)}
+    rows = [
+        {**row, "adjusted_p": found.get(row["strategy"]), "needed": touches_needed(row)}
+        for row in needed
+    ]
+    rows.sort(key=lambda row: -row["area"])
+    by_touches: dict[int, dict[str, Row]] = {}
+    for row in points_of:
+        by_touches.setdefault(row["place"] + 1, {})[row["strategy"]] = row
+    return {
+        "pipeline": pipeline,
+        "classifier": classifier,
+        "rows": rows,
+        "points": points_of,
+        "strategies": sorted((row["strategy"] for row in rows), key=strategy_place),
+        "by_touches": [{"touches": one, "points": by_touches[one]} for one in sorted(by_touches)],
+        "verdict": verdict(rows) if rows else "",
+    }
+
+
+def touches_needed(row: Row) -> Markup:
+    """Write how many touches a strategy needs, with those that its intervals leave open."""
+    most = row["most_touches"]
+    found = Markup("{}").format(f"never up to {most}" if row["touches"] is None else row["touches"])
+    if row["touches_low"] is None:
+        return found
+    high = f"more than {most}" if row["touches_high"] is None else row["touches_high"]
+    return found + Markup('<span class="interval">{} to {}</span>').format(row["touches_low"], high)
+
+
+def verdict(ranked: Sequence[Row]) -> str:
+    """Say of rows of `curves` whether attention has the largest area, and what is beyond chance."""
+    best = ranked[0]
+    first = (
+        f"The largest area under the curve of 1 to {counted(best['most_touches'], 'touch')} is that of "
+        f"{strategy_name(best['strategy'])}, {percent(best['area'])} of the area of perfect classification"
+    )
+    others = [row for row in ranked if row["gain"] is not None]
+    if not others:
+        return f"{first}."
+    ahead = [row for row in others if row["gain"] < 0]
+    wins = "attention does not win" if ahead else "attention wins"
+    gaps = listed([f"{strategy_name(row['strategy'])} {points(row['gain'])}" for row in others])
+    settled = [strategy_name(row["strategy"]) for row in others if row["adjusted_p"] < SIGNIFICANCE]
+    least = probability(min(row["adjusted_p"] for row in others))
+    chance = (
+        f"beyond chance is the difference to {listed(settled)} (Holm-adjusted p below {SIGNIFICANCE:g})"
+        if settled
+        else f"no difference is beyond chance (smallest Holm-adjusted p {least})"
+    )
+    return (
+        f"{first}: {wins}. Percentage points by which {strategy_name(REFERENCE)} are ahead of others: "
+        f"{gaps}; with {counted(others[0]['objects'], 'object')} {chance}."
+    )
+
+
+@style()
+def draw_curves(table: Sequence[Row]) -> Figure:
+    """Draw accuracy against touches by strategy: rows of the study's `tables.STUDY_FIGURES`, of one pipeline and classifier."""
+    rows = [row for row in table if row["accuracy"] is not None]
+    strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
+    lines, intervals = {}, {}
+    for number, strategy in enumerate(strategies):
+        own = sorted((row for row in rows if row["strategy"] == strategy), key=_place_in_study)
+        aside = 0.06 * (number - (len(strategies) - 1) / 2)
+        touches = np.array([_place_in_study(row) + 1 for row in own]) + aside
+        lines[strategy] = touches, [row["accuracy"] for row in own]
+        intervals[strategy] = [[_end(row, end) for row in own] for end in ("low", "high")]
+    chart, axes = draw_lines(lines, 215)
+    for strategy, (low, high) in intervals.items():
+        colour, _ = look(strategy_place(strategy))
+        axes.vlines(lines[strategy][0], low, high, colors=colour, linewidth=0.8, alpha=0.6)
+    lowest = min(_end(row, "low") for row in rows)
+    axes.set_ylim(min(math.floor(10 * lowest), 9) / 10, 1)
+    axes.set_xticks(sorted({_place_in_study(row) + 1 for row in rows}))
+    return finish(chart, "touches", "correctly classified", up_as=whole_percent)
+
+
+def _place_in_study(row: Mapping[str, Any]) -> int:
+    return int(row["place"])
+
+
+def _end(row: Mapping[str, Any], end: str) -> float:
+    """Give the end of an interval; one object alone has none."""
+    return float(row["accuracy"] if row[end] is None else row[end])
+
+
+SECTION = Section(
+    STUDY.name,
+    STUDY.title,
+    touch_curves_values,
+    (Reads("Area and touches needed", TOUCHES_NEEDED, NEEDED), figures_of(STUDY.name)),
+)

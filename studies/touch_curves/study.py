@@ -1,0 +1,63 @@
+"""Accuracy after one touch, two, and so on, by every strategy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import FIXATION_ONLY
+from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Condition, Step, Study
+
+LONGEST_SEQUENCE = 16
+"""Touches of the sequences of which curves over touches are made."""
+
+
+def curve_conditions(_run: ExperimentParameters) -> Iterator[Condition]:
+    """Give one touch, two touches, and so on, by all strategies but `adaptive`.
+
+    One that touches places out of reach, whatever the parameters say, is left out.
+    """
+    strategies = tuple(entry.name for entry in STRATEGIES if entry.unreachable != "keep")
+    shared = {"probing.strategies": strategies, "probing.when_exhausted": "begin_again"}
+    for count in range(1, LONGEST_SEQUENCE + 1):
+        yield Condition(
+            touches_name(count), {**FIXATION_ONLY, **shared, "recognition.touches": count}
+        )
+
+
+def touches_name(count: int) -> str:
+    """Name the condition of so many touches."""
+    return f"{count} touch{'' if count == 1 else 'es'}"
+
+
+STUDY = Study(
+    "touch_curves",
+    "Accuracy against touches",
+    curve_conditions,
+    steps=(
+        Step(
+            "study_candidates",
+            "touch_curves.adaptive:make_candidates",
+            ("results/study_candidates.parquet",),
+            takes=("meshes",),
+            needs={"exclude": {**NOT_OF_RESULTS, "recognition": True, "probing": {"strategies"}}},
+            is_shown=False,
+        ),
+        Step(
+            "study_adaptive",
+            "touch_curves.adaptive:make_adaptive_rows",
+            ("results/study_adaptive/{pipeline}.parquet",),
+            takes=("results/study_candidates.parquet",),
+            needs=OF_CONDITIONS,
+            is_block=True,
+            is_shown=False,
+        ),
+        Step(
+            "touches_needed",
+            "touch_curves.touches_needed:make_touches_needed",
+            ("results/touches_needed.parquet", "reports/touch_curves.json"),
+        ),
+    ),
+)
+"""Accuracy after one touch, two, and so on, by every strategy, one of them adaptive."""

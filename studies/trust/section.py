@@ -1,0 +1,83 @@
+"""How sure answers are: prediction sets against their stated coverage, and objects of no known class."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+from matplotlib.figure import Figure
+
+from trust.study import STUDY
+from trust.tables import STATED_COVERAGES, TRUST
+from visuohaptic.recognition.certainty import least_objects
+from visuohaptic.recognition.summary import select
+from visuohaptic.report.drawing import COLOURS, style
+from visuohaptic.report.estimates import Row, read_json
+from visuohaptic.report.evaluation import rows_of
+from visuohaptic.report.figures import draw_lines, finish, whole_percent
+from visuohaptic.report.section import Reads, ReportContext, Section, Values
+from visuohaptic.tables.schema import read_table
+
+TABLE, FIGURES = STUDY.shown
+
+
+def trust_figures(table: Path, figures: Path) -> Row:
+    """Read `TRUST`, and the figures beside it as ``rows`` by strategy and number of views.
+
+    Below ``least`` training objects the ``stated`` coverage leaves nothing out; ``enough`` says whether it did.
+    """
+    way_out = "run `snakemake -j2 trust_all` again"
+    rows = read_json(figures, rows_of, "holds no figures of study trust", way_out)
+    measured = read_table(TRUST, table)
+    classes = len(measured.column("left_out").unique())
+    return {
+        "table": measured,
+        "rows": rows,
+        "views": max(row["views"] for row in rows),
+        "stated": rows[0]["stated"],
+        "least": least_objects(rows[0]["stated"]),
+        "classes": classes,
+        "enough": any(row["set_size"] < classes - 1 for row in rows),
+    }
+
+
+def trust_values(context: ReportContext) -> Values | None:
+    """Read how sure answers are; None where it was not measured."""
+    table, figures = context.run.made(TABLE), context.run.made(FIGURES)
+    if not table or not figures:
+        return None
+    return {"trust": trust_figures(table, figures), "draw_coverage": coverage}
+
+
+@style()
+def coverage(table: pa.Table) -> Figure:
+    """Draw the share of known objects whose class is in the set, against the stated coverage.
+
+    Of rows of `TRUST`, those of the largest number of views are drawn.
+    """
+    most = select(table, views=max(table.column("views").to_pylist()), known=True)
+    stated = np.array(STATED_COVERAGES) / 100
+    lines = {}
+    for strategy in dict.fromkeys(most.column("strategy").to_pylist()):
+        held = select(most, strategy=strategy).column("covered_at").to_pylist()
+        lines[strategy] = (
+            stated,
+            [np.mean([one in sets for sets in held]) for one in STATED_COVERAGES],
+        )
+    chart, axes = draw_lines(lines, 190, "as stated")
+    ends = [stated[0], 1]
+    axes.plot(ends, ends, color=COLOURS["ink"], linestyle="--", linewidth=1, label="as stated")
+    axes.set_ylim(0, 1.02)
+    return finish(
+        chart,
+        "stated coverage",
+        "share of the objects",
+        across_as=whole_percent,
+        up_as=whole_percent,
+    )
+
+
+SECTION = Section(
+    STUDY.name, STUDY.title, trust_values, (Reads("Known and unknown objects", TRUST, TABLE),)
+)

@@ -1,0 +1,30 @@
+"""One variant by itself, file to file."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+from variants.tables import VARIANTS
+from variants.weighing import variant_figures
+from visuohaptic.studies.measuring import make_study_block
+from visuohaptic.studies.study import Given
+from visuohaptic.whole_files import write_whole
+
+
+def make_variant(given: Given) -> None:
+    """Measure one variant as the whole study does, and write its rows of `VARIANTS`, without seconds, as JSON.
+
+    Numbers have all their digits.
+    """
+    run = given.run
+    with tempfile.TemporaryDirectory() as folder:
+        block = Path(folder, "variant.parquet")
+        make_study_block(
+            given.study, [given.condition or {}], given.inputs["features"], given.made, block, run
+        )
+        table = variant_figures([block], run.recognition.intervals, run.seed)
+    ordered = table.sort_by([(key, "ascending") for key in VARIANTS.keys])
+    rows = ordered.drop_columns("seconds").to_pylist()
+    write_whole(given.outputs[0], json.dumps(rows, indent=2, ensure_ascii=False) + "\n")

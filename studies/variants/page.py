@@ -1,0 +1,326 @@
+"""The paper in all its variants: one sentence, the specification curve, and what choices explain.
+
+The curve follows U. Simonsohn, J. Simmons and L. Nelson, "Specification curve analysis", Nature
+Human Behaviour 4, 2020: variants sorted by their result, and below them the options of each.
+
+`python -m variants.page FILE` writes the page of the kept variants.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from jinja2 import ChoiceLoader, PackageLoader
+from markupsafe import Markup
+
+from variants.choices import BY_NAME, CHOICES
+from variants.design import is_default
+from variants.kept import OUTSIDE, MeasuredVariants, kept_variants, read_variants
+from variants.leads import PairLead, against_main, leads_by_option, strongest_pair, sum_up
+from variants.weighing import summarise_variants
+from visuohaptic.errors import ReportError
+from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.page import content_policy, make_environment
+from visuohaptic.report.questions import BEST_OF_PAPER
+from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
+from visuohaptic.studies.figures import Row
+from visuohaptic.studies.study import Given
+from visuohaptic.whole_files import write_whole
+
+COMMAND = "snakemake -j2 results/variant/{}.json"
+"""Measures one variant again."""
+
+WIDTH = 1000
+_LEFT = 190
+_TOP, _CURVE_HEIGHT = 16, 300
+_ROW, _GAP = 13, 7
+_MOST_SHARES = 12
+
+
+Figures = dict[str, Any]
+"""What a template shows, by name."""
+
+
+def make_variants_page(given: Given) -> None:
+    """Write the page of `VARIANTS`, completely or not at all."""
+    (table,) = given.inputs["tables"]
+    write_whole(given.outputs[0], render_variants_page(table))
+
+
+def render_variants_page(table: str | Path | None) -> str:
+    """Give a page of the variants, those that are kept without a table, with the curves of all classifiers.
+
+    Raises `ReportError` if the table holds no variant that could be run.
+    """
+    found = variants_figures(read_variants(table), kept_variants(OUTSIDE))
+    if found is None:
+        raise ReportError(f"{table} has no variant that could be run; one at least is needed.")
+    environment = make_environment()
+    environment.loader = ChoiceLoader(
+        [PackageLoader("visuohaptic.report"), PackageLoader("variants")]
+    )
+    script = _text("variants", "variants.js")
+    return environment.get_template("frame.html.jinja").render(
+        policy=content_policy(script),
+        variants=found,
+        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        style=_text("visuohaptic.report", "style.css") + _text("variants", "variants.css"),
+        script=script,
+    )
+
+
+def _text(package: str, name: str) -> str:
+    return files(package).joinpath("templates", name).read_text("utf-8")
+
+
+def variants_figures(
+    measured: MeasuredVariants,
+    outside: MeasuredVariants | None = None,
+    classifiers: Sequence[str] = tuple(TABLE_1),
+) -> Figures | None:
+    """Give what the page shows, with the curves of some classifiers; None if no variant could be run.
+
+    `outside` holds the variants on objects outside the paper's set. Charts and shares, what
+    explains most of the spread, are by classifier.
+    """
+    summary = summarise_variants(measured.rows)
+    shown = [name for name in classifiers if name in summary["classifiers"]]
+    if not shown:
+        return None
+    best = BEST_OF_PAPER if BEST_OF_PAPER in shown else shown[0]
+    return {
+        "sentences": _sentences(summary, best),
+        "summary": summary,
+        "charts": {name: curve_chart(measured.rows, name) for name in shown},
+        "shares": {name: _largest(summary["classifiers"][name]["choices"]) for name in shown},
+        "choices": CHOICES,
+        "source": measured.source,
+        "outside": outside_figures(measured.rows, outside) if outside else None,
+    }
+
+
+def outside_figures(rows: Sequence[Row], outside: MeasuredVariants) -> Figures:
+    """Hold the leads of fixation on the paper's set, `rows`, beside those on other objects.
+
+    An option ``turns`` where other options of its choice have a median lead of another sign there.
+    """
+    here, there = leads_by_option(rows), leads_by_option(outside.rows)
+    turning = {
+        choice
+        for choice, _ in there
+        if len({lead.middle > 0 for (name, _), lead in there.items() if name == choice}) > 1
+    }
+    options = [
+        {
+            "choice": BY_NAME[choice].label,
+            "option": spaced(option),
+            "here": here.get((choice, option)),
+            "outside": lead,
+            "turns": choice in turning,
+        }
+        for (choice, option), lead in there.items()
+    ]
+    objects = max(row["objects"] or 0 for row in outside.rows)
+    return {
+        "sentences": list(_outside_sentences(outside.rows, objects)),
+        "options": options,
+        "objects": objects,
+        "source": outside.source,
+    }
+
+
+def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
+    found = sum_up([row for row in against_main(rows) if row["ahead"] is not None])
+    yield (
+        f"On {objects} objects outside the paper's set, fixation is ahead of random probing in "
+        f"{found.ahead} of {found.cases} cases (a variant with one classifier), in "
+        f"{found.ahead_significantly} significantly; it is significantly behind in "
+        f"{found.behind_significantly}. The median lead is {points(found.middle)} points."
+    )
+    pair = strongest_pair(rows)
+    if pair is None:
+        return
+    ahead, behind = (
+        [key for key, lead in pair.leads.items() if sign * lead.middle > 0] for sign in (1, -1)
+    )
+    first, second = (BY_NAME[name].label for name in pair.choices)
+    yield (
+        f"Who leads there depends on two choices, which explain {percent(pair.share, 0)} of how leads "
+        f"differ: “{first}” and “{second}”. Fixation leads with {_with_leads(pair, ahead)}; random "
+        f"probing leads with {_with_leads(pair, behind)} (medians)."
+    )
+
+
+def _with_leads(pair: PairLead, options: Sequence[tuple[str, str]]) -> str:
+    """Name combinations of two options with their median leads, the largest first."""
+    ordered = sorted(options, key=lambda key: -abs(pair.leads[key].middle))
+    named = [
+        f"{spaced(first)} and {spaced(second)} ({points(pair.leads[first, second].middle)})"
+        for first, second in ordered
+    ]
+    return listed(named) if named else "none"
+
+
+def curve_chart(rows: Sequence[Row], classifier: str) -> Figures:
+    """Place the specification curve of one classifier: variants sorted by accuracy by fixation.
+
+    Gives places down the chart with texts, dots, and paths in SVG: the ``whiskers`` are intervals of
+    fixation, ``random`` marks random probing, and each option has a tick at each of its variants.
+    """
+    run = _of_the_papers_question(rows, classifier)
+    run.sort(key=lambda row: (row["fixation"], row["place"]))
+    step = (WIDTH - _LEFT - 10) / len(run)
+    placed = [(_LEFT + (place + 0.5) * step, row) for place, row in enumerate(run)]
+    base = _TOP + _CURVE_HEIGHT
+    labels, options, height = _panel(placed, base + 30)
+    return {
+        "height": height,
+        "base": base,
+        "ticks": [(_down(share), f"{share:.0%}") for share in (0, 0.25, 0.5, 0.75, 1)],
+        "variants": len(run),
+        # Thousands of them would take a template seconds.
+        "dots": Markup("".join(_dot(x, row) for x, row in placed)),  # noqa: S704 - texts are escaped
+        "whiskers": "".join(
+            f"M{x:.1f} {_down(row['fixation_high']):.0f}V{_down(row['fixation_low']):.0f}"
+            for x, row in placed
+        ),
+        "random": "".join(f"M{x - 1:.1f} {_down(row['random']):.1f}h2" for x, row in placed),
+        "published": [
+            (strategy, _down(value), f"published, {strategy}: {percent(value, 2)}")
+            for strategy, value in TABLE_1[classifier].items()
+        ],
+        "labels": labels,
+        "options": options,
+    }
+
+
+def _dot(x: float, row: Row) -> str:
+    """Draw one variant's accuracy by fixation, which says what it is when pointed at."""
+    place = f'cx="{round(x, 1)}" cy="{round(_down(row["fixation"]), 1)}"'
+    mark = 'r="4" class=own' if is_default(row) else 'r="2"'
+    name, label = escape(row["variant"]), escape(_label(row))
+    return f'<circle {place} {mark} data-variant="{name}"><title>{label}</title></circle>'
+
+
+def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
+    """Give one classifier's variants that could be run, without those of another question."""
+    return [
+        row
+        for row in against_main(rows)
+        if row["classifier"] == classifier and row["error"] is None and row["part"] != "protocol"
+    ]
+
+
+def describe_options(row: Row) -> str:
+    """Say how a variant differs from our default."""
+    changed = [
+        f"{choice.label.lower()}: {spaced(row[choice.name])}"
+        for choice in CHOICES
+        if row[choice.name] != choice.default
+    ]
+    return "; ".join(changed) or "our default"
+
+
+def _panel(
+    placed: Sequence[tuple[float, Row]], top: float
+) -> tuple[list[tuple[float, str]], list[tuple[float, str, str]], float]:
+    labels: list[tuple[float, str]] = []
+    options: list[tuple[float, str, str]] = []
+    for choice in CHOICES:
+        if len({row[choice.name] for _, row in placed}) < 2:
+            continue
+        labels.append((top + 10, choice.label))
+        top += _ROW + 2
+        for option in choice.options:
+            ticks = "".join(
+                f"M{x:.1f} {top:.0f}v{_ROW - 4}" for x, row in placed if row[choice.name] == option
+            )
+            options.append((top + 8, spaced(option), ticks))
+            top += _ROW
+        top += _GAP
+    return labels, options, top
+
+
+def _label(row: Row) -> str:
+    interval = f"{percent(row['fixation_low'])} to {percent(row['fixation_high'])}"
+    return (
+        f"{row['variant']}: fixation {percent(row['fixation'])} ({interval}), random "
+        f"{percent(row['random'])}. {describe_options(row)}. "
+        f"{COMMAND.format(row['variant'])}"
+    )
+
+
+def _down(share: float) -> float:
+    return _TOP + (1 - share) * _CURVE_HEIGHT
+
+
+def _largest(choices: Sequence[Row]) -> list[Row]:
+    named = [
+        {
+            **row,
+            "words": listed([BY_NAME[name].label for name in row["choices"]]),
+            "gains": _gains(row),
+        }
+        for row in choices
+    ]
+    return [
+        row
+        for part in ("recognition", "upstream")
+        for row in [one for one in named if one["part"] == part][:_MOST_SHARES]
+        if row["share"] >= 0.005
+    ]
+
+
+def _gains(row: Row) -> str:
+    if row["gains"] is None:
+        return ""
+    base = BY_NAME[row["choices"][0]].base
+    return ", ".join(
+        f"{spaced(option)} {points(gain)}"
+        for option, gain in row["gains"].items()
+        if option != base
+    )
+
+
+def _sentences(summary: Mapping[str, Any], classifier: str) -> list[str]:
+    found = summary["classifiers"][classifier]
+    count = found["variants"]
+    named = classifier_name(classifier)
+    ahead = sum(one["ahead"] for one in summary["classifiers"].values())
+    cells = sum(one["variants"] for one in summary["classifiers"].values())
+    reached = [
+        f"{classifier_name(name)} {one['variants_reaching']}"
+        for name, one in summary["classifiers"].items()
+    ]
+    own = "" if found["default"] is None else f"; our default {percent(found['default'])}"
+    spread = (
+        f"The paper can be read in many ways. Of {count} variants, its best classifier ({named}) has "
+        f"{percent(found['lowest'])} to {percent(found['highest'])} correctly classified by fixations "
+        f"(median {percent(found['median'])}{own}; published "
+        f"{percent(found['published']['fixation'], 2)})."
+    )
+    lead = (
+        f"Fixations are ahead of random probing in {percent(found['ahead'] / count, 0)} of the variants, "
+        f"significantly in {percent(found['ahead_significantly'] / count, 0)} (each tested by itself "
+        f"at 0.05, not adjusted for {count} variants). Half of the leads are above "
+        f"{points(found['ahead_median'])} points; the paper's is {points(found['published_ahead'])}. "
+        f"Over all five classifiers fixations are ahead in {ahead} of {cells} cases."
+    )
+    best = (
+        f"The published figure is reached by {found['variants_reaching']} of the {count} variants, if all "
+        f"splits are averaged as here. A single split is sometimes lucky: "
+        f"{percent(found['splits_reaching'])} of all splits reach it, the best with "
+        f"{percent(found['highest_split'])}, and {found['variants_with_a_split_reaching']} variants have "
+        f"such a split. Variants that reach the paper's figure, by classifier: {listed(reached)}."
+    )
+    return [spread, lead, best]
+
+
+if __name__ == "__main__":
+    write_whole(sys.argv[1], render_variants_page(None))

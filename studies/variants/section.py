@@ -1,0 +1,14 @@
+"""What the variants of the paper say together, of this run or as kept with the package."""
+
+from __future__ import annotations
+
+from variants.study import STUDY
+from visuohaptic.report.section import ReportContext, Section, Values
+
+
+def variants_values(context: ReportContext) -> Values:
+    """Give what the variants say."""
+    return {"variants": context.variants}
+
+
+SECTION = Section(STUDY.name, STUDY.title, variants_values)

@@ -1,0 +1,36 @@
+"""The paper in all its variants: what it leaves open, and what each choice does to its results."""
+
+from __future__ import annotations
+
+from variants.design import variant_conditions
+from visuohaptic.studies.study import NOT_OF_RESULTS, Step, Study
+
+STUDY = Study(
+    "variants",
+    "The paper in all its variants",
+    variant_conditions,
+    steps=(
+        Step(
+            "variants",
+            "variants.summary:make_variants",
+            ("results/variants.parquet", "reports/variants.json"),
+        ),
+        Step(
+            "variants_page",
+            "variants.page:make_variants_page",
+            ("reports/variants.html",),
+            takes=("results/variants.parquet",),
+            is_shown=False,
+        ),
+        # One dot of the page: `snakemake -j2 results/variant/r017.json`.
+        Step(
+            "variant",
+            "variants.one:make_variant",
+            ("results/variant/{condition}.json",),
+            needs={"exclude": NOT_OF_RESULTS},
+            is_shown=False,
+        ),
+    ),
+    has_figures=False,
+    is_on_request=True,
+)

@@ -1,0 +1,76 @@
+"""What the report needs of all variants: the verdict, counts and sentences.
+
+`python -m variants.summary` writes those of the kept tables into the package, where every report finds them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import visuohaptic.report
+from variants.design import is_literal
+from variants.kept import OUTSIDE, PAPER_SET, MeasuredVariants, kept_variants
+from variants.leads import sum_up
+from variants.page import variants_figures
+from variants.tables import VARIANTS
+from variants.verdicts import lead_evidence, of_papers_question, verdict
+from variants.weighing import summarise_variants, variant_figures
+from visuohaptic.report.questions import BEST_OF_PAPER
+from visuohaptic.report.variants import KEPT, Spread, VariantsSummary
+from visuohaptic.studies.figures import Row, write_json
+from visuohaptic.studies.study import Given
+from visuohaptic.tables.schema import write_table
+
+
+def make_variants(given: Given) -> None:
+    """Write `VARIANTS` from the study's blocks, and what they say together as JSON."""
+    output, summary = given.outputs
+    table = variant_figures(given.inputs["blocks"], given.run.recognition.intervals, given.run.seed)
+    write_table(VARIANTS, table, output)
+    measured = MeasuredVariants(table.to_pylist())
+    report = summarise(measured, kept_variants(OUTSIDE)).model_dump(mode="json")
+    write_json({**summarise_variants(measured.rows), "report": report}, summary)
+
+
+def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> VariantsSummary:
+    """Give what the variants on the paper's set and on objects outside it say together."""
+    tables = {"paper": measured.rows, **({"outside": outside.rows} if outside else {})}
+    figures = variants_figures(measured, outside, (BEST_OF_PAPER,))
+    shown = [one for one in (figures, figures and figures["outside"]) if one]
+    return VariantsSummary(
+        verdict=verdict(lead_evidence(tables, BEST_OF_PAPER)),
+        spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
+        sentences=tuple(sentence for one in shown for sentence in one["sentences"]),
+        literal=_literal(measured.rows),
+        source=measured.source,
+    )
+
+
+def _spread(rows: Sequence[Row]) -> list[Spread]:
+    found = of_papers_question(rows, BEST_OF_PAPER)
+    if not found:
+        return []
+    lead, objects = sum_up(found), max(row["objects"] for row in found)
+    counts = (lead.cases, lead.ahead_significantly, lead.behind_significantly)
+    names = ("variants", "ahead", "behind")
+    return [Spread(objects=objects, **dict(zip(names, counts, strict=True)))]
+
+
+def _literal(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
+    literal = [row for row in rows if is_literal(row) and row["error"] is None]
+    return {
+        strategy: {row["classifier"]: row[strategy] for row in literal}
+        for strategy in ("fixation", "random")
+    }
+
+
+def keep(path: Path) -> None:
+    """Write the summary of the kept tables."""
+    found = summarise(kept_variants(PAPER_SET), kept_variants(OUTSIDE)).model_dump(mode="json")
+    path.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    keep(Path(visuohaptic.report.__file__).with_name(KEPT))

@@ -1,0 +1,120 @@
+"""What the pages and the report say of the variants is what the kept tables say."""
+
+import json
+import re
+import runpy
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+from report.pages import read_page
+
+from variants.choosing import FORMER_DEFAULT
+from variants.design import all_variants, is_default
+from variants.kept import OUTSIDE, PAPER_SET, kept_variants
+from variants.page import COMMAND, render_variants_page, variants_figures
+from variants.summary import summarise
+from variants.tables import VARIANTS
+from variants.weighing import weigh_choices
+from visuohaptic.errors import ReportError
+from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.report.questions import BEST_OF_PAPER
+from visuohaptic.tables.schema import build_rows, write_table
+
+ROOT = Path(__file__).parents[3]
+CHOSEN = json.loads(files("variants").joinpath("chosen.json").read_text())
+ROWS = kept_variants(PAPER_SET).rows
+ASKED = [row for row in ROWS if row["error"] is None and row["part"] != "protocol"]
+
+
+def test_the_tables_of_the_pages_are_those_of_the_kept_variants(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    made = runpy.run_path(str(ROOT / "studies/variants/make_page.py"))
+    for page, blocks in made["blocks"]().items():
+        text = page.read_text(encoding="utf-8")
+        for name, table in blocks.items():
+            assert f"<!-- {name} -->\n{table}\n<!-- /{name} -->" in text
+
+
+def test_what_the_report_says_follows_from_the_kept_tables():
+    kept = json.loads(files("visuohaptic.report").joinpath("variants.json").read_text("utf-8"))
+    found = summarise(kept_variants(PAPER_SET), kept_variants(OUTSIDE))
+    assert found.model_dump(mode="json") == kept
+    assert {*found.literal["fixation"]} == {*found.literal["random"]} == {*TABLE_1}
+
+
+def test_choices_that_add_up_explain_all_of_the_spread_by_themselves():
+    def fixation(options):
+        scaled = options["touch_scaling"] == "none"
+        return 0.5 + 0.2 * (options["map_output"] == "lattice") + 0.1 * scaled
+
+    rows = [
+        {"part": one.part, **one.options, "fixation": fixation(one.options)}
+        for one in all_variants()
+        if one.part == "recognition"
+    ]
+    found = {tuple(row["choices"]): row for row in weigh_choices(rows)}
+    of_map, of_scaling = (found.pop((name,)) for name in ("map_output", "touch_scaling"))
+    assert of_map["share"] + of_scaling["share"] == pytest.approx(1)
+    assert of_map["gains"]["lattice"] == pytest.approx(0.2)
+    assert max(row["share"] for row in found.values()) < 1e-9
+
+
+def test_of_pairs_in_the_fraction_those_with_the_map_output_alone_are_shown():
+    rows = [row for row in ASKED if row["random_probing"] == "reachable"]
+    found = weigh_choices([row for row in rows if row["classifier"] == BEST_OF_PAPER])
+    pairs = [one["choices"] for one in found if one["part"] == "upstream" and not one["gains"]]
+    assert pairs
+    assert all("map_output" in pair for pair in pairs)
+
+
+def test_the_package_has_the_default_that_the_rules_chose():
+    (chosen,) = [one for one in all_variants() if one.name == CHOSEN["chosen"]["variant"]]
+    of_touches = {one["choice"]: one["chosen"] for one in CHOSEN["options"]}
+    assert is_default({**chosen.options, **of_touches})
+    options = chosen.options.items()
+    changed = {name: option for name, option in options if option != FORMER_DEFAULT[name]}
+    assert changed == CHOSEN["chosen"]["changed"]
+
+
+@pytest.mark.parametrize("name", ["chosen", "best", "former"])
+def test_the_kept_variants_give_the_scores_that_the_rule_saw(name):
+    own = [row for row in kept_variants(OUTSIDE).rows if row["variant"] == CHOSEN[name]["variant"]]
+    random = [row["random"] for row in own if row["random_probing"] != "anywhere"]
+    fixation = [row["fixation"] for row in own if row["random_probing"] == "reachable"]
+    assert (len(fixation), len(random)) == (5, 15)
+    assert np.mean(fixation + random) == pytest.approx(CHOSEN[name]["score"], abs=1e-3)
+
+
+def test_the_kept_variants_have_a_page_that_stands_alone_and_says_where_they_come_from():
+    html = render_variants_page(None)
+    text = read_page(html).text
+    assert f"not in this run: {kept_variants(PAPER_SET).source.date}" in text
+    assert "The same on 130 objects outside the paper's set" in text
+    assert "Another question: known objects" in text
+    failed = {row["variant"] for row in ROWS if row["error"] is not None}
+    assert f"{len(failed)} variants could not be run" in text
+    shown = {(row["variant"], row["classifier"]) for row in ASKED}
+    assert html.count("<circle cx") == len(shown)
+    assert "://" not in html
+
+
+def test_a_table_of_failures_alone_has_no_page(tmp_path):
+    path = tmp_path / "variants.parquet"
+    failed = [row for row in ROWS if row["error"] is not None]
+    write_table(VARIANTS, build_rows(VARIANTS, failed), path)
+    with pytest.raises(ReportError, match="no variant that could be run"):
+        render_variants_page(path)
+
+
+def test_sentences_and_dots_say_what_the_tables_hold():
+    found = variants_figures(kept_variants(PAPER_SET), kept_variants(OUTSIDE))
+    rows = [row for row in kept_variants(OUTSIDE).rows if row["random_probing"] == "reachable"]
+    ahead = sum(row["ahead"] > 1e-12 for row in rows)
+    sentence = f"ahead of random probing in {ahead} of {len(rows)} cases"
+    assert sentence in found["outside"]["sentences"][0]
+    dots = found["charts"][BEST_OF_PAPER]["dots"]
+    (default,) = re.findall(r'class=own data-variant="(\w+)"', dots)
+    assert default in {one.name for one in all_variants() if is_default(one.options)}
+    assert COMMAND.format("u100") in dots
