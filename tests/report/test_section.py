@@ -30,7 +30,6 @@ from visuohaptic.report.wording import duration
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.looking.figures import sum_up_looking
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
-from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import COST, EVALUATION, LOOKING
 
@@ -56,8 +55,6 @@ def folder(tmp_path_factory):
     looking = sum_up_looking(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)
     write_json(looking, folder / "reports/looking.json")
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
-    guards = {"guard": ["shuffled labels give chance"], "outcome": ["held"], "found": ["So."]}
-    write_table(GUARDS, build_table(GUARDS, guards), results / "guards.parquet")
     write_table(GAZE, GAZED, results / "gaze/measured.parquet")
     picture = {"object": ["new"], "rank": [0], "correlation": [0.5], "picture": [b"\x89PNG"]}
     pictures = build_table(GAZE_PICTURES, picture)

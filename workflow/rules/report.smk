@@ -17,7 +17,6 @@ rule metrics:
             "metrics",
             scores=files_of("scores", "{pipeline}/{strategy}"),
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
-            training="results/guards_of_training.parquet",
         ),
     output:
         metrics=report(
@@ -36,7 +35,6 @@ rule metrics:
             caption="../report/confusion.rst",
             category="Recognition",
         ),
-        guards="results/guards.parquet",
         record="results/records/metrics.json",
     log:
         "logs/metrics.log",
@@ -47,7 +45,7 @@ rule metrics:
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
-        "summing up the scores, and guarding the sums"
+        "summing up the scores"
     script:
         "../scripts/metrics.py"
 
@@ -67,7 +65,6 @@ rule report:
             studies=[file for study in STUDIES_OF_RUN for file in study.shown],
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
-            guards="results/guards.parquet",
             # Only where recordings are given.
             gaze=GAZE_TABLES if RECORDED_GAZE else [],
             # Not part of `all`; once present they are shown in the report.
@@ -99,6 +96,4 @@ rule report:
 rule report_all:
     input:
         rules.metrics.output,
-        rules.guards_of_training.output,
         rules.report.output,
-        rules.guards_hold.output,

@@ -50,7 +50,6 @@ _EXTRAS = {
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability",
-    "guards": "results/guards.parquet",
 }
 
 

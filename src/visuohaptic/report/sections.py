@@ -55,9 +55,8 @@ from visuohaptic.report.wording import CONTACT_STATES, percent, strategy_name, t
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.stability.stored import stored_hard_cases
 from visuohaptic.studies.evaluation.models import read_evaluation
-from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
-from visuohaptic.tables.schema import matrix, read_table
+from visuohaptic.tables.schema import matrix
 
 UNSEEN: Mapping[Protocol, str] = {
     "auto": "unseen objects",
@@ -281,13 +280,6 @@ def stability_values(context: ReportContext) -> Values:
         "anchors": {page.key: page.anchor for page in context.pages},
         "describe_checks": describe_checks,
     }
-
-
-def guards_values(context: ReportContext) -> Values | None:
-    """Give what the run's guards found."""
-    path, marks = context.run.file_of("guards"), {"failed": "exceeded"}
-    rows = read_table(GUARDS, [path]).to_pylist() if path else []
-    return given(rows=[{**row, "mark": marks.get(row["outcome"])} for row in rows])
 
 
 def confusion_values(context: ReportContext) -> Values | None:
