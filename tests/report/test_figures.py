@@ -57,7 +57,7 @@ def test_every_axis_has_a_name(metrics, curves):
         figures.touches_needed(curves),
         figures.coverage(certainty_table()),
         figures.cost(cost_table(POINTS)),
-        figures.stability(result_table([GRAZING, EXACT])),
+        figures.stability(result_table([GRAZING, EXACT], "cup/mug")),
         figures.gaze(summarise(GAZED, "training")),
         figures.bands([0.1, 0.4]),
     ):

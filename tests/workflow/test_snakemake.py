@@ -69,7 +69,7 @@ def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_
     assert reason in output
     assert "Pipeline paper, " in output
     assert "The report is at reports/report.html." in output
-    assert re.search(r"warning: \S+: objects, frames of touches: the worst", output)
+    assert re.search(r"warning: \S+: frames of touches: the worst", output)
     assert experiment.planned() == {}
     touches = pd.read_parquet(experiment.folder / "results/touches")
     assert "stool" in set(touches["object"])
@@ -77,7 +77,7 @@ def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_
     page = (experiment.folder / "reports/report.html").read_text()
     assert "stool" in page
     assert html.escape(reason, quote=True).replace("&#x27;", "&#39;") in page
-    assert "objects, frames of touches</a>: the worst error is" in page
+    assert ": frames of touches</a>: the worst error is" in page
     experiment.run("visuohaptic", "evaluate", *models)
     rows = pd.read_parquet(experiment.folder / "reports/evaluation.parquet")
     assert set(rows["object"]) == {"stool"}
