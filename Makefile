@@ -59,10 +59,9 @@ installed-alone:
 installed-dvc:
 	python -m pytest tests/installed/readme_commands.py -k under_dvc
 
-# Hard cases at their full counts, some three minutes on two cores; the result is kept with the package.
+# Hard cases at their full counts, some three minutes on two cores; what they find is a page of docs.
 test-hard: $(DEVELOP)
-	pytest tests/numerics -n 2 --dist worksteal --stability src/visuohaptic/stability/hard_cases.parquet
-	python -m benchmarks.precision reports/precision.json
+	pytest tests/numerics -n 2 --dist worksteal --stability docs/hard_cases.md
 
 # A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some ten minutes; with SET=benchmark two hours.
 test-slurm: $(DEVELOP)

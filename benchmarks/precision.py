@@ -1,17 +1,14 @@
 """What accuracy costs: for each kernel, settings against error and seconds.
 
-Run it as ``python -m benchmarks.precision [FILE]``; the file becomes a list of flat records. Errors
-are against closed forms, brute force in float64 or exact rationals, as `visuohaptic.stability` has
-them; seconds are medians of interleaved rounds on one core.
+Run it as ``python -m benchmarks.precision``. Errors are against closed forms, brute force in float64
+or exact rationals, as `visuohaptic.stability` has them; seconds are medians of interleaved rounds on
+one core.
 """
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -212,13 +209,8 @@ def _attention(rounds: int) -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    found = run()["work_precision"]
-    for row in found:
+    for row in run()["work_precision"]:
         print(
             f"{row['kernel']:11} {row['settings']:58} {row['worst_error']:9.2e} {row['rms_error']:9.2e} "
             f"{row['seconds']:9.2e} s a {row['per']}"
         )
-    if len(sys.argv) > 1:
-        target = Path(sys.argv[1])
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

@@ -10,6 +10,7 @@ ROOT = Path(__file__).parents[1]
 COPIED = (
     "Snakefile", "dvc.yaml", "params.yaml", "requirements.lock", ".dvc/config", ".dvc/.gitignore", ".dvcignore", ".gitignore",
     "workflow", "src", "packages", "meshes/paper", "meshes/own", "plug_ins", "profiles", "studies",
+    "docs/figures/hard_cases.json",
 )  # fmt: skip
 # A frontier of a few settings in one job.
 FEW_SETTINGS = {

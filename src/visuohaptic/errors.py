@@ -37,10 +37,6 @@ class RecognitionError(VisuohapticError):
     """The features at hand don't allow the experiment that was asked for."""
 
 
-class GuardError(VisuohapticError):
-    """A guard of the run failed: its figures can't be trusted."""
-
-
 class MissingPackageError(VisuohapticError):
     """A package that this command needs is not installed."""
 

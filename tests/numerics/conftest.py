@@ -1,4 +1,4 @@
-"""The suite in two sizes: some seconds by default; all of it where `--stability` names a file."""
+"""The suite in two sizes: some seconds by default; all of it where `--stability` names a page."""
 
 import functools
 import os
@@ -16,8 +16,8 @@ STARTED = time.perf_counter()
 def pytest_addoption(parser):
     parser.addoption(
         "--stability",
-        metavar="FILE",
-        help="run the numerical suite at its full counts and write what it finds",
+        metavar="PAGE",
+        help="run the numerical suite at its full counts, and write a Markdown page of what it finds",
     )
 
 

@@ -10,9 +10,14 @@ import pytest
 import trimesh
 from numerics.shapes import VIEWPOINTS, run_chain
 
-from visuohaptic.tables.guards import GUARDS
-from visuohaptic.tables.schema import build_table, read_table, write_table
+from visuohaptic.tables.schema import TEXT, Column, Schema, build_table, read_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS
+
+VERSIONS = Schema(
+    "versions",
+    (Column("row", TEXT, "its name"),),
+    (Column("version", TEXT, "of the whole table"),),
+)
 
 
 @pytest.mark.parametrize("rounds", [1, pytest.param(6, marks=pytest.mark.hard)])
@@ -38,7 +43,7 @@ def version(seed):
     """Give a table of a megabyte whose every value tells which version it is of."""
     chance = np.random.default_rng(seed)
     found = sorted(chance.bytes(25_000).hex() for _ in range(40))
-    return build_table(GUARDS, {"guard": found, "outcome": str(seed), "found": found})
+    return build_table(VERSIONS, {"row": found, "version": str(seed)})
 
 
 def kill_while_writing(versions, path, seconds):
@@ -46,7 +51,7 @@ def kill_while_writing(versions, path, seconds):
     child = os.fork()
     while child == 0:
         for table in versions:
-            write_table(GUARDS, table, path)
+            write_table(VERSIONS, table, path)
     time.sleep(seconds)
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
@@ -56,12 +61,12 @@ def kill_while_writing(versions, path, seconds):
 def test_a_writer_that_is_killed_leaves_the_old_table_or_the_new_one(recorder, tmp_path, kills):
     path = tmp_path / "table.parquet"
     versions = [version(seed) for seed in (1, 2)]
-    write_table(GUARDS, versions[0], path)
+    write_table(VERSIONS, versions[0], path)
     generator = np.random.default_rng(2)
     for kill in range(kills):
         kill_while_writing(versions, path, float(generator.uniform(0.002, 0.05)))
         for torn in tmp_path.glob(".table.parquet-*"):
             torn.unlink()
-        found = read_table(GUARDS, tmp_path)
+        found = read_table(VERSIONS, tmp_path)
         whole = any(found.equals(version) for version in versions)
         recorder.hold("determinism/kill -9 and restart", not whole, f"after kill {kill}")

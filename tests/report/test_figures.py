@@ -53,7 +53,7 @@ def test_every_axis_has_a_name(metrics, measured):
         figures.conditions(measured),
         figures.runs(["naive Bayes"], {"A": [Figure(0.5, 0.4, 0.6)]}),
         figures.cost(cost_table(POINTS)),
-        figures.stability(result_table([GRAZING, EXACT])),
+        figures.stability(result_table([GRAZING, EXACT], "cup/mug")),
         figures.gaze(summarise(GAZED, "training")),
         figures.bands([0.1, 0.4]),
     ):

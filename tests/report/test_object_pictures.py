@@ -50,11 +50,11 @@ def test_objects_that_are_not_shown_have_pictures_where_they_exceed_a_tolerance(
     files = write_run(tmp_path)
     shown, over, infinite, held = OBJECTS
     checks = {
-        "family": "objects", "requirement": "frames", "cases": 1, "tolerance": 1.0,
+        "requirement": "frames", "cases": 1, "tolerance": 1.0,
         "class": [key.split("/")[0] for key in (over, infinite, held)],
         "object": [key.split("/")[1] for key in (over, infinite, held)],
         "worst_error": [1.5, None, 1.0],
-        **dict.fromkeys(("unit", "reason", "hardest", "drawing"), ""),
+        **dict.fromkeys(("unit", "reason", "hardest"), ""),
     }  # fmt: skip
     write_table(STABILITY, build_table(STABILITY, checks), tmp_path / "checks.parquet")
     tables = files.views, files.touches, tmp_path / "checks.parquet"

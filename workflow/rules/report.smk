@@ -14,8 +14,8 @@ SECTION_TEMPLATES = in_clone(
     for section in SECTIONS.values()
     for template in sorted(section.parent.glob("templates/*.*"))
 )
-# What `make test-hard` and `visuohaptic evaluate` measured on this machine.
-MEASURED_BESIDE = ["reports/evaluation.parquet", "reports/precision.json"]
+# What `visuohaptic evaluate` and `make test-hard` measured.
+MEASURED_BESIDE = ["reports/evaluation.parquet", "docs/figures/hard_cases.json"]
 
 
 rule metrics:
@@ -24,7 +24,6 @@ rule metrics:
             "metrics",
             scores=files_of("scores", "{pipeline}/{strategy}"),
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
-            training="results/guards_of_training.parquet",
         ),
     output:
         metrics=report(
@@ -42,7 +41,6 @@ rule metrics:
             caption="../report/confusion.rst",
             category="Recognition",
         ),
-        guards="results/guards.parquet",
         record="results/records/metrics.json",
     log:
         "logs/metrics.log",
@@ -53,7 +51,7 @@ rule metrics:
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
     message:
-        "summing up the scores, and guarding the sums"
+        "summing up the scores"
     script:
         "../scripts/metrics.py"
 
@@ -75,7 +73,6 @@ rule report:
             frontier="results/frontier.parquet",
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
-            guards="results/guards.parquet",
             # Only where recordings are given.
             gaze=GAZE_TABLES if RECORDED_GAZE else [],
             # Not part of `all`; once present they are shown in the report.
@@ -110,6 +107,4 @@ rule report:
 rule report_all:
     input:
         rules.metrics.output,
-        rules.guards_of_training.output,
         rules.report.output,
-        rules.guards_hold.output,

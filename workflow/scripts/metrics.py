@@ -1,6 +1,5 @@
-"""Sum up the scores of all pipelines and strategies, and guard the sums."""
+"""Sum up the scores of all pipelines and strategies."""
 
-from visuohaptic.guards.figures import make_guards
 from visuohaptic.recognition.metrics import make_metrics
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic_workflow.jobs import job
@@ -13,13 +12,5 @@ with job(snakemake):
         accuracy=snakemake.output.accuracy,
         confusion=snakemake.output.confusion,
         intervals=IntervalParameters(**snakemake.params.intervals),
-        seed=snakemake.params.seed,
-    )
-    # In the same job: the report waits for both, and another start takes as long as the guards.
-    make_guards(
-        training=snakemake.input.training,
-        predictions=snakemake.input.predictions,
-        metrics=snakemake.output.metrics,
-        output=snakemake.output.guards,
         seed=snakemake.params.seed,
     )

@@ -38,9 +38,6 @@ class Strategy:
     chance : str, optional
         Name of its generators, also of the sensor's noise; without it its own name. Strategies
         with one name draw the same.
-    uniform : bool
-        Whether its places, those out of reach among them, are uniform over the surface, by area; a
-        guard of the run holds it to that.
     """
 
     name: str
@@ -50,7 +47,6 @@ class Strategy:
     looks: bool = True
     unreachable: Unreachable | None = None
     chance: str | None = None
-    uniform: bool = False
 
 
 STRATEGIES = Registry(
@@ -67,7 +63,6 @@ STRATEGIES = Registry(
         Function("visuohaptic.fixations.strategies.anywhere:choose"),
         looks=False,
         unreachable="replace",
-        uniform=True,
     ),
     Strategy(
         "random_anywhere",
@@ -76,7 +71,6 @@ STRATEGIES = Registry(
         looks=False,
         unreachable="keep",
         chance="random",
-        uniform=True,
     ),
     Strategy(
         "random_visible",

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from visuohaptic.guards.verdicts import failed_guards
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import study_anchor
@@ -23,16 +22,12 @@ _MOST_REASONS = 20
 
 def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
     """List in sentences what was left out, fell short or failed."""
-    guards, stability = run.file_of("guards"), run.stability
+    stability = run.stability
     broken = [describe_checks(stability.checks)] if stability and stability.broken else []
     unfinished = [log for phase in seconds for log in phase.unfinished]
     meshless = [key for key in run.objects if key not in run.meshes]
     no_mesh = f"No mesh was found of {listed_in_short(meshless)}: no model to turn is shown there."
     return [
-        *(
-            f"The figures can't be trusted. {one}"
-            for one in (failed_guards(guards) if guards else [])
-        ),
         *_objects_left_out(run),
         *_poor_views(run),
         *_short_sequences(run),

@@ -12,7 +12,6 @@ from visuohaptic.report.run import Run
 from visuohaptic.report.section import Reads, Section, figures_of, study_sections
 from visuohaptic.report.studies import names_of_own_studies
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
-from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
 from visuohaptic.tables.stability import STABILITY
 from visuohaptic.tables.studies import (
@@ -68,10 +67,6 @@ CHAPTERS = {
     "Hard cases": (
         Section(
             "stability", "Numerical stability in hard cases", sections.stability_values, (STABLE,),
-        ),
-        Section(
-            "guards", "Guards of this run's claim", sections.guards_values,
-            (Reads("The guards", GUARDS, "guards"),),
         ),
     ),
     "Effects": (

@@ -26,10 +26,8 @@ from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.estimates import estimate, figure_of
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
-    counted,
     duration,
     percent,
-    spaced,
     strategy_name,
     strategy_place,
     titled,
@@ -156,29 +154,26 @@ def parts_of_time(table: Rows) -> Figure:
 
 @style()
 def stability(table: pa.Table) -> Figure:
-    """Draw the worst error of each requirement in `tables.STABILITY` as a share of its tolerance, by family.
+    """Draw the errors of each requirement in `tables.STABILITY` as shares of its tolerance, a line per object.
 
     Those beyond their tolerance stand at the right end.
     """
-    families = stability_figures(table).families
-    chart, axes = new_chart(_AROUND + 26 * len(families))
-    for row, checks in enumerate(families.values()):
+    requirements = stability_figures(table).requirements
+    chart, axes = new_chart(_AROUND + 26 * len(requirements))
+    for row, checks in enumerate(requirements.values()):
         shares = [min(check.share, LARGEST_SHARE) for check in checks]
         held = all(check.held for check in checks)
         colour = look(0)[0] if held else COLOURS["bad"]
         axes.barh(row, max(shares), height=0.4, color=colour, alpha=0.3)
         axes.vlines(shares, row - 0.3, row + 0.3, colors=colour, linewidth=1.5)
     axes.axvline(1, color=COLOURS["bad"], linestyle="--", linewidth=1.2)
-    labels = [
-        f"{titled(spaced(family))},\n{counted(sum(check.cases for check in checks), 'case')}"
-        for family, checks in families.items()
-    ]
-    axes.set_yticks(range(len(families)), labels)
+    labels = [textwrap.fill(titled(name), 26) for name in requirements]
+    axes.set_yticks(range(len(requirements)), labels)
     axes.invert_yaxis()
     axes.set_xlim(0, LARGEST_SHARE)
-    axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "tolerance"])
+    axes.set_xticks([0, 0.5, 1], ["0 %", "50 %", "tolerance"])
     axes.grid(visible=False, axis="y")
-    return finish(chart, "worst error, as a share of its tolerance", "family")
+    return finish(chart, "worst error, share of tolerance", "requirement")
 
 
 @style()

@@ -44,7 +44,6 @@ _EXTRAS = {
     "gaze": "results/gaze/measured.parquet",
     "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability",
-    "guards": "results/guards.parquet",
 }
 
 
@@ -186,7 +185,7 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
 def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
     """Name the tables that not every run has, whether they are there or not; `checks` is where `make test-hard` ran."""
     found = {name: Path(run, path) for name, path in _EXTRAS.items()}
-    return found | {"precision": Path(checks, "reports/precision.json")}
+    return found | {"hard_cases": Path(checks, "docs/figures/hard_cases.json")}
 
 
 def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[str, ...]]:

@@ -45,21 +45,18 @@ from visuohaptic.report.questions import (
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import ReportContext, Values, narrowed, place_of
 from visuohaptic.report.stability import (
-    StabilityFigures,
     describe_checks,
-    read_precision,
+    describe_hard_cases,
+    read_hard_cases,
     stability_answer,
-    stability_figures,
 )
 from visuohaptic.report.studies import names_of_own_studies, read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
-from visuohaptic.stability.stored import stored_hard_cases
 from visuohaptic.studies.evaluation.models import read_evaluation
-from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
-from visuohaptic.tables.schema import matrix, read_table
+from visuohaptic.tables.schema import matrix
 
 UNSEEN: Mapping[Protocol, str] = {
     "auto": "unseen objects",
@@ -121,13 +118,8 @@ def answer_values(context: ReportContext) -> Values:
         "untested": not context.run.pipelines,
         "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
         "effects": effects_answer(context.influence["scenes"]) if context.influence else None,
-        "stability": stability_answer([found, *_hard_cases().values()]) if found else None,
+        "stability": stability_answer(found) if found else None,
     }
-
-
-def _hard_cases() -> dict[str, StabilityFigures]:
-    """Give the hard cases that are kept with the package, by their title."""
-    return {"Hard cases of the code": stability_figures(stored_hard_cases().table)}
 
 
 def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
@@ -247,24 +239,21 @@ def influence_values(context: ReportContext) -> Values:
     }
 
 
-def stability_values(context: ReportContext) -> Values:
-    """Give how exact numbers are: on this run's objects, and in hard cases as kept with the package."""
-    stored, found = stored_hard_cases(), context.run.stability
-    precision = context.run.file_of("precision")
+def stability_values(context: ReportContext) -> Values | None:
+    """Return how exact numbers are: on this run's objects, and in the hard cases of the code."""
+    found, totals = context.run.stability, context.run.file_of("hard_cases")
+    if found is None and totals is None:
+        return None
     return {
-        "parts": ({"Objects of this run": found} if found else {}) | _hard_cases(),
-        "made": stored.made,
-        "kernels": read_precision(precision) if precision else {},
+        "found": found,
+        "shares": "; ".join(
+            f"{name} {percent(max(check.share for check in checks), 1)}"
+            for name, checks in (found.requirements.items() if found else ())
+        ),
+        "hard_cases": describe_hard_cases(read_hard_cases(totals)) if totals else "",
         "anchors": {page.key: page.anchor for page in context.pages},
         "describe_checks": describe_checks,
     }
-
-
-def guards_values(context: ReportContext) -> Values | None:
-    """Give what the run's guards found."""
-    path, marks = context.run.file_of("guards"), {"failed": "exceeded"}
-    rows = read_table(GUARDS, [path]).to_pylist() if path else []
-    return given(rows=[{**row, "mark": marks.get(row["outcome"])} for row in rows])
 
 
 def confusion_values(context: ReportContext) -> Values | None:

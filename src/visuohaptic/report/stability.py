@@ -1,41 +1,29 @@
-"""How exact numbers are, on the run's objects and in hard cases, and what accuracy of each kernel costs."""
+"""How exact numbers are: on the run's objects, and in the hard cases of the code."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pyarrow as pa
-from markupsafe import Markup
 
 from visuohaptic.report.estimates import Row, read_json
 from visuohaptic.report.wording import counted, percent
 
-# Elements and attributes that a drawing may have; all others are removed.
-_DRAWING = re.compile(
-    r"<svg (?: ?(?:viewBox|width|height|role|aria-label)=\"[^\"<>]*\")*>"
-    r"(?:<(?:line|circle|rect|polygon|polyline)"
-    r"(?: (?:x1|x2|y1|y2|x|y|cx|cy|r|width|height|points|fill|fill-opacity|stroke|stroke-width)"
-    r"=\"[^\"<>]*\")*/>)*</svg>"
-)
-
 
 @dataclass(frozen=True)
 class Check:
-    """A row of `tables.STABILITY`; `key` is `class/name` of its object, or empty, and `drawing` safe to be shown."""
+    """A row of `tables.STABILITY`; `key` is `class/name` of its object."""
 
-    family: str
-    requirement: str
     key: str
+    requirement: str
     cases: int
     worst_error: float | None
     tolerance: float
     unit: str
-    reason: str
     hardest: str
-    drawing: str
 
     @property
     def held(self) -> bool:
@@ -52,49 +40,48 @@ class Check:
         return self.worst_error / self.tolerance
 
     @property
-    def kind(self) -> tuple[str, str]:
-        """What is required, of all objects."""
-        return self.family, self.requirement
-
-    @property
     def title(self) -> str:
-        """Its kind in words, and its object."""
-        return ": ".join(filter(None, (self.key, ", ".join(self.kind))))
+        """Its object and its requirement."""
+        return f"{self.key}: {self.requirement}"
 
 
 @dataclass(frozen=True)
 class StabilityFigures:
-    """Checks: one for each requirement, and for each object of those about objects; `table` has them as rows."""
+    """Checks, one per requirement and object; `table` has them as rows."""
 
     checks: tuple[Check, ...]
     table: pa.Table
 
     @property
-    def families(self) -> dict[str, list[Check]]:
-        """The worst check of each requirement over all objects, by family."""
-        found: dict[str, list[Check]] = {}
-        for kind in dict.fromkeys(check.kind for check in self.checks):
-            own = [check for check in self.checks if check.kind == kind]
-            worst = max(own, key=lambda check: check.share)
-            hardest = ": ".join(filter(None, (worst.key, worst.hardest)))
-            cases = sum(check.cases for check in own)
-            found.setdefault(kind[0], []).append(replace(worst, cases=cases, hardest=hardest))
-        return found
+    def requirements(self) -> dict[str, list[Check]]:
+        """The checks of all objects by requirement."""
+        names = dict.fromkeys(check.requirement for check in self.checks)
+        return {name: [one for one in self.checks if one.requirement == name] for name in names}
 
     @property
     def objects(self) -> dict[str, list[Check]]:
-        """Checks about an object, by `class/name`."""
-        keys = sorted({check.key for check in self.checks if check.key})
+        """The checks by object, `class/name`."""
+        keys = sorted({check.key for check in self.checks})
         return {key: [check for check in self.checks if check.key == key] for key in keys}
 
     @property
     def broken(self) -> list[Check]:
-        """Checks whose tolerance was exceeded, each with its object."""
+        """Checks whose tolerance was exceeded."""
         return [check for check in self.checks if not check.held]
 
 
+class HardCases(NamedTuple):
+    """What `make test-hard` found: numbers of cases and requirements, and the requirements that were exceeded."""
+
+    cases: int
+    requirements: int
+    exceeded: Sequence[str]
+    version: str
+    date: str
+
+
 def stability_figures(table: pa.Table) -> StabilityFigures:
-    """Give the figures of rows of `tables.STABILITY`."""
+    """Return the figures of rows of `tables.STABILITY`."""
     return StabilityFigures(tuple(map(_check, table.to_pylist())), table)
 
 
@@ -102,14 +89,13 @@ def describe_checks(checks: Iterable[Check]) -> str:
     """Say in a sentence or two how many cases were tried, and which came nearest to its tolerance."""
     found = list(checks)
     cases = counted(sum(check.cases for check in found), "hard case")
-    kinds = {check.kind for check in found}
+    kinds = {check.requirement for check in found}
     tried = f"{cases} of {counted(len(kinds), 'kind')}"
     broken = [check.title for check in found if not check.held]
     if broken:
-        names = "; ".join(dict.fromkeys(broken))
-        return f"{tried}: {counted(len(broken), 'tolerance')} exceeded ({names})."
+        return f"{tried}: {counted(len(broken), 'tolerance')} exceeded ({'; '.join(broken)})."
     worst = max(found, key=lambda check: check.share)
-    exact = len(kinds - {check.kind for check in found if check.share > 0})
+    exact = len(kinds - {check.requirement for check in found if check.share > 0})
     return (
         f"{tried} were tried, and every error is within its tolerance; {counted(exact, 'kind')} "
         f"{'has' if exact == 1 else 'have'} no error at all. The largest error, as a share of what "
@@ -117,28 +103,37 @@ def describe_checks(checks: Iterable[Check]) -> str:
     )
 
 
-def stability_answer(figures: Sequence[StabilityFigures]) -> str:
-    """Say how many cases were tried, on the run's objects and of the code, and what was exceeded."""
-    checks = [check for part in figures for check in part.checks]
-    if any(not check.held for check in checks):
-        return describe_checks(checks)
-    cases = counted(sum(check.cases for check in checks), "numerically hard case")
+def stability_answer(figures: StabilityFigures) -> str:
+    """Say how many cases were tried on the run's objects, and what was exceeded."""
+    if figures.broken:
+        return describe_checks(figures.checks)
+    cases = counted(sum(check.cases for check in figures.checks), "numerically hard case")
     return f"{cases} computed; every error is within its tolerance."
 
 
-def read_precision(path: Path) -> dict[str, list[Row]]:
-    """Read errors and seconds of each kernel's settings, ``reports/precision.json``, by kernel."""
+def read_hard_cases(path: Path) -> HardCases:
+    """Read the totals of the hard cases of the code, which `make test-hard` writes."""
 
-    def by_kernel(rows: Sequence[Row]) -> dict[str, list[Row]]:
-        kernels = dict.fromkeys(row["kernel"] for row in rows)
-        return {kernel: [row for row in rows if row["kernel"] == kernel] for kernel in kernels}
+    def totals(found: Any) -> HardCases:
+        return HardCases(**{name: found[name] for name in HardCases._fields})
 
-    return read_json(path, by_kernel, "holds no rows of kernels", "run make test-hard again")
+    return read_json(path, totals, "holds no totals of hard cases", "run make test-hard again")
+
+
+def describe_hard_cases(found: HardCases) -> str:
+    """Say how many hard cases of the code were tried, and what was exceeded."""
+    tried = (
+        f"The code itself was tried on {counted(found.cases, 'hard case')} of "
+        f"{counted(found.requirements, 'kind')} with known answers ({found.date}, version {found.version})"
+    )
+    if not found.exceeded:
+        return f"{tried}: every error is within its tolerance."
+    return (
+        f"{tried}: {counted(len(found.exceeded), 'tolerance')} exceeded "
+        f"({'; '.join(found.exceeded)})."
+    )
 
 
 def _check(row: Row) -> Check:
-    names = set(Check.__dataclass_fields__) - {"key", "drawing"}
-    # The file may be anyone's, so a drawing comes onto the page only if it is plain shapes.
-    safe = Markup(row["drawing"]) if _DRAWING.fullmatch(row["drawing"]) else ""  # noqa: S704
-    key = f"{row['class']}/{row['object']}" if row["object"] else ""
-    return Check(key=key, drawing=safe, **{name: row[name] for name in names})
+    names = set(Check.__dataclass_fields__) - {"key"}
+    return Check(key=f"{row['class']}/{row['object']}", **{name: row[name] for name in names})

@@ -13,24 +13,22 @@ from visuohaptic.stability.tolerances import Tolerance
 
 @dataclass(frozen=True)
 class Finding:
-    """The error of each of some cases, by the tolerance's name, `family/requirement`.
+    """The error of each of some cases, by the tolerance's name.
 
     `errors` have any shape and the tolerance's unit; True is an error of 1, and NaN is infinite.
-    `hardest` is the case in words and `drawing` the same as SVG, or empty; a function takes its place
-    among the flat errors.
+    `hardest` is the case in words, or a function that returns these words for an index of the flat errors.
     """
 
     tolerance: str
     errors: ArrayLike
     hardest: str | Callable[[int], str] = ""
-    drawing: str | Callable[[int], str] = ""
 
 
 @dataclass(frozen=True)
 class Result:
-    """The worst error of all cases that share a tolerance, with that case in words and as SVG.
+    """The worst error of all cases that share a tolerance, with that case in words.
 
-    `name` is `family/requirement`; `worst_error` has the tolerance's unit and may be infinite.
+    `name` is the tolerance's; `worst_error` has the tolerance's unit and may be infinite.
     """
 
     name: str
@@ -38,7 +36,6 @@ class Result:
     cases: int
     worst_error: float
     hardest: str
-    drawing: str
 
     @property
     def held(self) -> bool:
@@ -56,13 +53,9 @@ def results_of(
             continue
         errors = np.where(np.isnan(errors), np.inf, errors)
         place = int(np.argmax(errors))
-        hardest, drawing = (
-            made(place) if callable(made) else made for made in (finding.hardest, finding.drawing)
-        )
+        hardest = finding.hardest(place) if callable(finding.hardest) else finding.hardest
         allowed = tolerances[finding.tolerance]
-        yield Result(
-            finding.tolerance, allowed, errors.size, float(errors[place]), hardest, drawing
-        )
+        yield Result(finding.tolerance, allowed, errors.size, float(errors[place]), hardest)
 
 
 def measure(
@@ -74,7 +67,7 @@ def measure(
     except Exception as error:  # noqa: BLE001 - the failure is the finding, and the table names it
         sentence = f"ended in {type(error).__name__}: {error}"
         return [
-            Result(name, tolerance, 1, float("inf"), sentence, "")
+            Result(name, tolerance, 1, float("inf"), sentence)
             for name, tolerance in tolerances.items()
         ]
 

@@ -18,9 +18,9 @@ from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.stability import drawings, oracles
+from visuohaptic.stability import oracles
 from visuohaptic.stability.findings import Finding, Result, measure, merge_results
-from visuohaptic.stability.rays import Floats, aim, draw_ray, everything, plane_errors
+from visuohaptic.stability.rays import Floats, aim, everything, plane_errors
 from visuohaptic.stability.rows import result_table
 from visuohaptic.stability.tolerances import TOLERANCES
 from visuohaptic.tables.phases import FIXATIONS, TOUCHES, by_object
@@ -98,24 +98,19 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
         aside = np.einsum("fd,fd->f", offset, offset) - along**2
         return np.flatnonzero(aside <= (radii + 1e-6) ** 2)
 
-    def draw(row: int) -> str:
-        near = faces_near(row)
-        part = Surface(surface.vertices, surface.faces[near], surface.face_colours[near])
-        return draw_ray(part, origins, directions, "a ray and the faces near it")(row)
-
     def describe(row: int) -> str:
         return f"ray from {origins[row]} along {directions[row]}"
 
     for some in (hits, caster.first_hits(origins, directions)):
         errors = plane_errors(surface, origins, directions, some)
-        yield Finding("objects/hits lie on their face's plane", errors, describe, draw)
+        yield Finding("hits lie on their face's plane", errors, describe)
     wrong = []
     for row in range(RAYS_BY_BRUTE_FORCE):
         ray = origins[row, None], directions[row, None]
         (right,), (unsure,) = oracles.first_hits(surface.triangles[faces_near(row)], *ray)
         same = hits.distance[row] == right or abs(hits.distance[row] - right) <= 1e-9
         wrong.append(not same and not unsure)
-    yield Finding("objects/rays against brute force in float64", wrong, describe, draw)
+    yield Finding("rays against brute force in float64", wrong, describe)
 
 
 def probing_locations(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
@@ -125,10 +120,9 @@ def probing_locations(sensed: SensedObject, _: np.random.Generator) -> Iterator[
     corners = sensed.surface.triangles[faces]
     apart = points - corners[:, 0]
     yield Finding(
-        "objects/probing locations lie on their face's plane",
+        "probing locations lie on their face's plane",
         np.abs(np.einsum("nd,nd->n", apart, sensed.surface.face_normals[faces])),
         lambda row: _describe_row(sensed.fixations, row),
-        lambda row: drawings.triangles(corners[row][None], "the face"),
     )
 
 
@@ -141,10 +135,9 @@ def frames(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
     errors = [np.abs(np.linalg.norm(vectors, axis=1) - 1) for vectors in (normal, tangent)]
     errors.append(np.abs(np.einsum("nd,nd->n", normal, tangent)))
     yield Finding(
-        "objects/frames of touches",
+        "frames of touches",
         np.max(errors, axis=0),
         lambda row: _describe_row(sensed.touches, row),
-        lambda row: drawings.image(images(sensed.touches.slice(row, 1))[0], "the imprint"),
     )
 
 
@@ -164,7 +157,7 @@ def fixations(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]
         apart = np.linalg.norm(places[:, None] - places[None], axis=2)
         apart[np.diag_indices(len(apart))] = np.inf
         yield Finding(
-            "objects/fixations of a view are a focus apart",
+            "fixations of a view are a focus apart",
             apart.min(axis=1, initial=np.inf) < nearest,
             f"viewpoint {viewpoint:.0f}",
         )
@@ -174,10 +167,9 @@ def imprints(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
     """Decompose the imprints into contourlets and put them together again."""
     felt = images(sensed.touches).astype(np.float64)
     yield Finding(
-        "objects/contourlet reconstruction of imprints",
+        "contourlet reconstruction of imprints",
         reconstruction_errors(felt),
         lambda row: _describe_row(sensed.touches, row),
-        lambda row: drawings.image(felt[row], "the imprint"),
     )
 
 
@@ -201,10 +193,9 @@ def repeated_touches(sensed: SensedObject, generator: np.random.Generator) -> It
     ranks = before.column("rank").to_numpy()
     again, _ = touch_tables(caster, located, sensed.sensor, sensed.scene, sensed.seed, ranks)
     yield Finding(
-        "objects/touches by themselves",
+        "touches by themselves",
         [not again.slice(row, 1).equals(before.slice(row, 1)) for row in range(count)],
         lambda row: _describe_row(before, row),
-        lambda row: drawings.image(images(before.slice(row, 1))[0], "the imprint"),
     )
 
 
@@ -216,11 +207,11 @@ def _describe_row(table: pa.Table, row: int) -> str:
 _CHECKS = (
     (
         rays,
-        ("objects/hits lie on their face's plane", "objects/rays against brute force in float64"),
+        ("hits lie on their face's plane", "rays against brute force in float64"),
     ),
-    (probing_locations, ("objects/probing locations lie on their face's plane",)),
-    (frames, ("objects/frames of touches",)),
-    (fixations, ("objects/fixations of a view are a focus apart",)),
-    (imprints, ("objects/contourlet reconstruction of imprints",)),
-    (repeated_touches, ("objects/touches by themselves",)),
+    (probing_locations, ("probing locations lie on their face's plane",)),
+    (frames, ("frames of touches",)),
+    (fixations, ("fixations of a view are a focus apart",)),
+    (imprints, ("contourlet reconstruction of imprints",)),
+    (repeated_touches, ("touches by themselves",)),
 )

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.geometry.raycasting import Hits
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.stability import drawings
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -28,18 +25,6 @@ def plane_errors(surface: Surface, origins: Floats, directions: Floats, hits: Hi
     offsets = points - surface.triangles[faces, 0]
     errors[met] = np.abs((offsets * surface.face_normals[faces]).sum(axis=1))
     return errors
-
-
-def draw_ray(
-    surface: Surface, origins: Floats, directions: Floats, label: str
-) -> Callable[[int], str]:
-    """Give what draws a surface and one of the rays."""
-
-    def draw(row: int) -> str:
-        ray = np.stack([origins[row], origins[row] + 3 * directions[row]])
-        return drawings.triangles(surface.triangles, label, ray)
-
-    return draw
 
 
 def aim(surface: Surface, generator: np.random.Generator, count: int) -> Floats:

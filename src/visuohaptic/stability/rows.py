@@ -1,4 +1,4 @@
-"""Results as rows of the table of hard cases, and the sentences that name what was exceeded."""
+"""Results as rows of the table of checks, and the sentences that name what was exceeded."""
 
 from __future__ import annotations
 
@@ -16,25 +16,21 @@ from visuohaptic.tables.schema import build_rows
 from visuohaptic.tables.stability import STABILITY
 
 
-def result_table(results: Iterable[Result], key: str = "/") -> pa.Table:
-    """Give results, one for each tolerance, about an object, `class/name`, as rows of `tables.STABILITY`."""
-    rows = []
-    for result in results:
-        family, _, requirement = result.name.partition("/")
-        rows.append(
-            {
-                **owner_columns(key),
-                "family": family,
-                "requirement": requirement,
-                "cases": result.cases,
-                "worst_error": result.worst_error if np.isfinite(result.worst_error) else None,
-                "tolerance": result.tolerance.bound,
-                "unit": result.tolerance.unit,
-                "reason": result.tolerance.reason,
-                "hardest": result.hardest,
-                "drawing": result.drawing,
-            }
-        )
+def result_table(results: Iterable[Result], key: str) -> pa.Table:
+    """Return results, one per tolerance, of an object, `class/name`, as rows of `tables.STABILITY`."""
+    rows = [
+        {
+            **owner_columns(key),
+            "requirement": result.name,
+            "cases": result.cases,
+            "worst_error": result.worst_error if np.isfinite(result.worst_error) else None,
+            "tolerance": result.tolerance.bound,
+            "unit": result.tolerance.unit,
+            "reason": result.tolerance.reason,
+            "hardest": result.hardest,
+        }
+        for result in results
+    ]
     return build_rows(STABILITY, rows)
 
 
@@ -46,11 +42,11 @@ def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
     sentences = []
     for path in paths:
         try:
-            rows = pq.ParquetFile(path).read().drop_columns(["drawing"]).to_pylist()
+            rows = pq.ParquetFile(path).read().to_pylist()
         except (OSError, KeyError, pa.ArrowInvalid) as error:
             rows = []
             sentences.append(
-                f"{path} can't be read as a table of hard cases ({error}); delete it and run again."
+                f"{path} can't be read as a table of checks ({error}); delete it and run again."
             )
         sentences += [_sentence(row) for row in rows if not _held(row)]
     return sentences
@@ -61,9 +57,8 @@ def _held(row: Mapping[str, Any]) -> bool:
 
 
 def _sentence(row: Mapping[str, Any]) -> str:
-    owner = f"{row['class']}/{row['object']}: " if row["object"] else ""
     error = "not finite" if row["worst_error"] is None else f"{row['worst_error']:.2g}"
     return (
-        f"{owner}{row['family']}, {row['requirement']}: the worst error is {error}, and "
+        f"{row['class']}/{row['object']}: {row['requirement']}: the worst error is {error}, and "
         f"{row['tolerance']:.2g} is allowed ({row['unit']}); hardest case: {row['hardest']}."
     )

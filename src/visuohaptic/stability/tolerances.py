@@ -24,23 +24,23 @@ class Tolerance:
 BITS = "the same arithmetic on the same numbers: any other bit is a dependence that must not be"
 
 TOLERANCES = {
-    "objects/hits lie on their face's plane": Tolerance(
+    "hits lie on their face's plane": Tolerance(
         64 * U64, "object radii", "as for rays at random triangles: measured along the normal"
     ),
-    "objects/rays against brute force in float64": Tolerance(
+    "rays against brute force in float64": Tolerance(
         0, "rays", "as for rays at random triangles; rays that the oracle is unsure of are left out"
     ),
-    "objects/probing locations lie on their face's plane": Tolerance(
+    "probing locations lie on their face's plane": Tolerance(
         64 * U64, "object radii", "a hit's rounding, as above, or that of a mean of three corners"
     ),
-    "objects/frames of touches": Tolerance(
+    "frames of touches": Tolerance(
         32 * U64, "1", "two vectors made square by one projection and one cross product"
     ),
-    "objects/fixations of a view are a focus apart": Tolerance(
+    "fixations of a view are a focus apart": Tolerance(
         0, "fixations", "inhibition of return closes a focus around each; 1e-6 of it is rounding"
     ),
-    "objects/contourlet reconstruction of imprints": Tolerance(
+    "contourlet reconstruction of imprints": Tolerance(
         3 * 2000 * U64, "of the largest pixel", "as for hard images"
     ),
-    "objects/touches by themselves": Tolerance(0, "touches", BITS),
+    "touches by themselves": Tolerance(0, "touches", BITS),
 }

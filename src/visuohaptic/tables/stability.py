@@ -1,4 +1,4 @@
-"""The table of hard cases: what was tried, and the worst error beside its tolerance."""
+"""The table of numerical checks on each object of a run: the worst error beside its tolerance."""
 
 from __future__ import annotations
 
@@ -10,16 +10,8 @@ from visuohaptic.tables.schema import REAL, TEXT, Column, Schema
 STABILITY = Schema(
     "stability",
     (
-        Column("family", TEXT, "what the check is about"),
+        *OBJECT_KEYS,
         Column("requirement", TEXT, "what is required"),
-        *(
-            Column(
-                column.name,
-                TEXT,
-                f"{column.description}; empty for a check on no object of the run",
-            )
-            for column in OBJECT_KEYS
-        ),
     ),
     (
         Column("cases", pa.int64(), "cases that were tried", minimum=1),
@@ -34,6 +26,5 @@ STABILITY = Schema(
         Column("unit", TEXT, "unit of error and tolerance"),
         Column("reason", TEXT, "why the tolerance is what it is"),
         Column("hardest", TEXT, "the case with the largest error"),
-        Column("drawing", TEXT, "the same as SVG; may be empty"),
     ),
 )

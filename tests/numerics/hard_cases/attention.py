@@ -14,7 +14,6 @@ from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.curvature import CREASE_WIDTH, measure_shape
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
 SIZE = 64
@@ -45,19 +44,18 @@ def look(surface, cameras, resolution):
 
 def judge(found, mask, label, parameters):
     """Want maps within 0 and 1, and fixations on the object, a focus apart."""
-    picture = drawings.image(found.saliency, label)
     maps = np.stack([found.saliency, *found.conspicuity.values()])
     wrong = not np.isfinite(maps).all() or maps.min() < 0 or bool((maps[:, ~mask] != 0).any())
     wrong |= found.saliency.max() > 1 or (0 < found.saliency.max() < 1)
     name = "attention/maps are finite, within 0 and 1, zero beside the object"
-    yield Finding(name, wrong, label, picture)
+    yield Finding(name, wrong, label)
     path = found.scanpath
     apart = np.linalg.norm(path.points[:, None] - path.points[None], axis=2)
     apart[np.diag_indices(len(apart))] = np.inf
     wrong = (apart < parameters.focus_radius * (1 - 1e-6)).any(axis=1)
     wrong |= ~mask[path.rows, path.columns]
     name = "attention/fixations: distinct, on the object, a focus apart"
-    yield Finding(name, wrong if path.distinct else mask.any(), label, picture)
+    yield Finding(name, wrong if path.distinct else mask.any(), label)
 
 
 def hard_masks(generator):
@@ -131,10 +129,7 @@ def brightness(generator):
     (plain,), (scaled,) = (attend(**view, parameters=AttentionParameters()) for view in views)
     wrong = (plain.saliency != scaled.saliency).any()
     wrong |= (plain.scanpath.rows != scaled.scanpath.rows).any()
-    picture = drawings.image(plain.saliency, "the saliency map")
-    yield Finding(
-        "attention/brightness by a power of two", wrong, f"noise times 2^{power}", picture
-    )
+    yield Finding("attention/brightness by a power of two", wrong, f"noise times 2^{power}")
 
 
 def way_of_the_eye(saliency, mask, places, parameters):
@@ -189,7 +184,6 @@ def inhibition(generator):
         "attention/way of the eye against its definition in float64",
         [place != right for place, right in zip(found, wanted, strict=True)],
         lambda row: f"fixation {row + 1} on random levels, inhibition on the {kind}",
-        lambda _: drawings.image(saliency, "a saliency map of random levels"),
     )
 
 
@@ -202,15 +196,14 @@ def pyramids(generator):
     grid = np.meshgrid(steps, steps, indexing="ij")
     larger = ndimage.map_coordinates(exact, grid, order=1, mode="nearest")
     name, label = "attention/pyramid against scipy.ndimage", f"noise of {side}² pixels"
-    picture = drawings.image(plane, "noise")
-    yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger).max(), label, picture)
+    yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger).max(), label)
     for border, mode in ((GOES_ON, "nearest"), (NOTHING_BEYOND, "constant")):
         blurred = exact
         for axis in (0, 1):
             blurred = ndimage.correlate1d(blurred, [0.25, 0.5, 0.25], axis=axis, mode=mode)
         half = blurred.reshape(side // 2, 2, side // 2, 2).mean(axis=(1, 3))
-        yield Finding(name, np.abs(blur(plane, border) - blurred).max(), label, picture)
-        yield Finding(name, np.abs(reduce(plane, border) - half).max(), label, picture)
+        yield Finding(name, np.abs(blur(plane, border) - blurred).max(), label)
+        yield Finding(name, np.abs(reduce(plane, border) - half).max(), label)
 
 
 def sphere_curvature(generator):
@@ -221,5 +214,4 @@ def sphere_curvature(generator):
     shape = measure_shape(surface, CREASE_WIDTH * radius)
     error = np.abs(shape.corner_curvature * radius - 1).max()
     label = f"a sphere of radius {radius:g}"
-    picture = drawings.triangles(surface.triangles / radius, "a sphere")
-    yield Finding("attention/a uniform sphere's curvature", error, label, picture)
+    yield Finding("attention/a uniform sphere's curvature", error, label)

@@ -14,7 +14,6 @@ from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import summarise_signals, wavelet_levels
 from visuohaptic.sensor.touching import stretch
-from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 from visuohaptic.stability.objects import reconstruction_errors
 
@@ -80,14 +79,14 @@ def bands(_):
     """Compare bands and their deviations with the transform's definition in exact rationals."""
     for name, image in hard_images(16).items():
         exact = exact_bands(image)
-        largest, picture = np.abs(image).max(), drawings.image(image, name)
+        largest = np.abs(image).max()
         found = Contourlet(levels=(4,)).forward(image).ravel()
         errors = off(found, np.concatenate(exact)) / largest
-        yield Finding("images/contourlet bands against exact rationals", errors, name, picture)
+        yield Finding("images/contourlet bands against exact rationals", errors, name)
         deviations = [exact_deviation(band) for band in exact[1:]]
         errors = np.abs(directional_deviations(image[None])[0] - deviations) / largest
         label = f"{name}, deviations of the bands"
-        yield Finding("images/deviations against exact rationals", errors, label, picture)
+        yield Finding("images/deviations against exact rationals", errors, label)
 
 
 def off(found, wanted):
@@ -103,7 +102,6 @@ def reconstruction(_):
         "images/contourlet reconstruction",
         reconstruction_errors(np.stack(list(images.values()))),
         lambda row: names[row],
-        lambda row: drawings.image(images[names[row]], names[row]),
     )
 
 
@@ -114,21 +112,20 @@ def flat_images(generator):
     image = np.full((1, side, side), value)
     error = directional_deviations(image).max() / (value or 1.0)
     label = f"{side} × {side} pixels of {value:g}"
-    picture = drawings.image(image[0], "a flat image")
-    yield Finding("images/deviations of flat images", error, label, picture)
+    yield Finding("images/deviations of flat images", error, label)
 
 
 def images_in_other_units(generator):
     """Scale an image by powers of two, to the bit, and of ten."""
     image = generator.random((1, SIDE, SIDE))
-    plain, picture = directional_deviations(image), drawings.image(image[0], "noise")
+    plain = directional_deviations(image)
     power = int(generator.integers(-900, 901))
     wrong = np.ldexp(plain, power) != directional_deviations(np.ldexp(image, power))
-    yield Finding("images/scale by a power of two", wrong.any(), f"noise times 2^{power}", picture)
+    yield Finding("images/scale by a power of two", wrong.any(), f"noise times 2^{power}")
     exponent = int(generator.choice([-150, -40, -8, 8, 40, 150]))
     factor = 10.0**exponent
     error = np.abs(directional_deviations(image * factor) / factor / plain - 1).max()
-    yield Finding("images/scale by 1e±150", error, f"noise times 1e{exponent}", picture)
+    yield Finding("images/scale by 1e±150", error, f"noise times 1e{exponent}")
 
 
 def draw_sequence(generator):
@@ -153,21 +150,20 @@ def sequence_moments(generator):
     rms = oracles.root((oracles.exact(signal) ** 2).sum() / count)
     deviation = oracles.root(second * count / max(count - 1, 1))
     label = f"{count} values, root mean square {rms:.3g}, deviation {deviation:.3g}"
-    picture = drawings.image(signal[None], "the sequence")
     # What counts as constant may lose its deviation, which is 1e-12 of the rms or less.
     constant = deviation <= 1.01e-12 * rms * np.sqrt(count / max(count - 1, 1))
     wanted = 0.0 if constant and found[0] == 0 else deviation
     error = np.abs([found[0] - wanted, found[1] - rms]).max() / (rms or 1.0)
-    yield Finding("images/moments of sequences against exact rationals", error, label, picture)
+    yield Finding("images/moments of sequences against exact rationals", error, label)
     if constant or deviation <= 2e-12 * rms:
         # A deviation of half of what counts as constant must be without skewness.
         near = deviation > 0.5e-12 * rms and abs(found[2]) <= np.sqrt(count)
         error = 0.0 if found[2] == 0 or near else np.inf
     else:
         error = abs(found[2] - oracles.skewness(signal))
-    yield Finding("images/skewness against exact rationals", error, label, picture)
+    yield Finding("images/skewness against exact rationals", error, label)
     if deviation > 0.01 * np.abs(signal).max():
-        yield Finding("images/skewness of well spread sequences", error, label, picture)
+        yield Finding("images/skewness of well spread sequences", error, label)
 
 
 def wavelets(generator):
@@ -178,11 +174,11 @@ def wavelets(generator):
     extension = "zero" if generator.random() < 0.5 else "symmetric"
     wanted = oracles.exact_detail_levels(signal, wavelet.dec_lo, wavelet.dec_hi, 3, extension)
     found = wavelet_levels(signal[None], SequenceParameters(extension=extension))
-    largest, picture = np.abs(signal).max() or 1.0, drawings.image(signal[None], "the sequence")
+    largest = np.abs(signal).max() or 1.0
     for level, (exact, computed) in enumerate(zip(wanted, found, strict=True), 1):
         error = off(computed[0], exact).max() / largest
         label = f"{len(signal)} values, db2, {extension}, level {level}, scale 1e{exponent}"
-        yield Finding("images/wavelet levels against exact rationals", error, label, picture)
+        yield Finding("images/wavelet levels against exact rationals", error, label)
 
 
 def imprint_shapes(generator):
@@ -197,8 +193,8 @@ def imprint_shapes(generator):
     errors = [abs(found[0] - float(mean)), abs(found[1] - deviation)]
     if deviation > 1e-6:
         errors.append(abs(found[2] - oracles.skewness(image.ravel())))
-    label, picture = f"{side} × {side}, relief 1e{relief:.1f}", drawings.image(image, "an imprint")
-    yield Finding("images/shape of imprints against exact rationals", max(errors), label, picture)
+    label = f"{side} × {side}, relief 1e{relief:.1f}"
+    yield Finding("images/shape of imprints against exact rationals", max(errors), label)
 
 
 def stretched_imprints(generator):
@@ -217,5 +213,5 @@ def stretched_imprints(generator):
         wrong = not np.isfinite(image).all() or image.min() < 0 or image.max() > 1
         wrong |= bool(signal.max() > 0) != bool(image.max() == 1.0)
         wrong |= kind in ("flat", "saturated") and bool((image != 1).any())
-        label, picture = f"{kind}, least span {span:.2g}", drawings.image(signal, kind)
-        yield Finding("images/stretched imprints", wrong, label, picture)
+        label = f"{kind}, least span {span:.2g}"
+        yield Finding("images/stretched imprints", wrong, label)

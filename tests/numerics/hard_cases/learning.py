@@ -11,7 +11,6 @@ from visuohaptic.recognition.classifiers import CLASSIFIERS, ClassifierParameter
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
-from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
 DEFAULT = RecognitionParameters()
@@ -69,8 +68,8 @@ def classifiers(generator):
         else:
             wrong = not set(found.tolist()) <= set(labels.tolist()) or len(found) != len(labels)
             wrong |= samples == "well behaved" and bool((found == labels).mean() <= 0.25)
-        label, picture = f"{name} on {samples}", drawings.image(scaled, samples)
-        yield Finding("learning/every classifier ends in labels", wrong, label, picture)
+        label = f"{name} on {samples}"
+        yield Finding("learning/every classifier ends in labels", wrong, label)
 
 
 def draw_sequences(generator, classes=3, each=6, touches=5):
@@ -112,10 +111,9 @@ def feature_units(generator):
             predict_sequences(train, labels, test, classifier, parameters)
             for train, test in ((training, tested), in_other_units, by_powers)
         )
-        yield _label_changes(f"{what} rescaled by 1e±8", predicted != renamed, classifier, tested)
+        yield _label_changes(f"{what} rescaled by 1e±8", predicted != renamed, classifier)
         name = f"learning/{what} rescaled by powers of two"
-        picture = drawings.image(np.atleast_2d(power), "the powers of two")
-        yield Finding(name, (plain != scaled).any(), classifier, picture)
+        yield Finding(name, (plain != scaled).any(), classifier)
 
 
 def degenerate_sequences(generator):
@@ -141,15 +139,14 @@ def rounding(generator):
         _, predicted = predict_sequences(training[::2], labels[::2], training[1::2], classifier)
         _, renamed = predict_sequences(changed[::2], labels[::2], changed[1::2], classifier)
         name, label = "features changed by 1e-15", f"{classifier}, {samples}"
-        yield _label_changes(name, predicted != renamed, label, training[1::2])
+        yield _label_changes(name, predicted != renamed, label)
 
 
-def _label_changes(requirement, changed, label, sequences):
+def _label_changes(requirement, changed, label):
     return Finding(
         f"learning/{requirement}",
         changed,
         lambda row: f"{label}, sequence {row}",
-        lambda row: drawings.image(sequences[row], "its features, a row for each touch"),
     )
 
 
@@ -164,7 +161,7 @@ def standardised_columns(generator):
     name = "learning/standardised columns against exact rationals"
     error = np.abs(found - wanted).max()
     label = f"mean 1e{exponent:.1f} deviations, scale 1e{scale}"
-    yield Finding(name, error, label, drawings.image(values[None], "the column"))
+    yield Finding(name, error, label)
 
 
 def maps(generator):
@@ -187,5 +184,4 @@ def maps(generator):
         outside = np.maximum(np.maximum(low - fitted.weights, fitted.weights - high) / extent, 0)
         error = outside.max() if np.isfinite(fitted.distances(touches)).all() else np.inf
         label = f"{kind}, {len(places)} units, scale 1e{exponent}"
-        picture = drawings.image(touches[:, 0][None], "the touches' first feature")
-        yield Finding("learning/map units stay within their touches", error, label, picture)
+        yield Finding("learning/map units stay within their touches", error, label)

@@ -11,7 +11,6 @@ from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.gallery import sheet
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
-from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 
 ABSOLUTE = SensorParameters(normalisation="absolute", normal="given", largest_size=0.2)
@@ -47,9 +46,9 @@ def tilted_walls(generator):
     expected = height(across, down)
     gaps = np.clip(expected, 0, 0.1).max() - expected
     wanted = 1 - np.clip(gaps / ABSOLUTE.depth_range, 0, 1)
-    error, picture = np.abs(felt.images[0] - wanted).max(), drawings.image(wanted, "a tilted wall")
+    error = np.abs(felt.images[0] - wanted).max()
     label = f"a wall of slopes {right:.2f} to the right and {up:.2f} upwards"
-    yield Finding("precision/imprint of a plane in closed form", error, label, picture)
+    yield Finding("precision/imprint of a plane in closed form", error, label)
 
 
 def frames(generator):
@@ -77,9 +76,7 @@ def tessellated_spheres(generator):
     # The middle of an even triangle of edge e with its corners on the unit sphere.
     deepest = 1 - np.sqrt(1 - edge**2 / 3)
     errors = (np.abs(hits.distance - 1) - 4 * U32) / deepest
-    half = corners[corners[:, :, 2].mean(axis=1) > 0]
-    picture = drawings.triangles(half, "half a ball", most=200)
-    yield Finding("precision/tessellated sphere", errors, f"{len(surface.faces)} faces", picture)
+    yield Finding("precision/tessellated sphere", errors, f"{len(surface.faces)} faces")
 
 
 def pressed_spheres(generator):
@@ -91,9 +88,8 @@ def pressed_spheres(generator):
     felt, across, down = press(surface, corner, normal, resolution=resolution)
     depth = 1 - np.sqrt(1 - np.hypot(across, down) ** 2)
     error = np.abs(felt.gaps[0] - depth).max()
-    picture = drawings.image(felt.images[0], "a ball's imprint")
     label = f"{resolution} × {resolution} sensing points, {len(surface.faces):,} faces"
-    yield Finding("precision/sphere under the sensor", error, label, picture)
+    yield Finding("precision/sphere under the sensor", error, label)
 
 
 def out_of_reach(generator):
@@ -106,5 +102,4 @@ def out_of_reach(generator):
     image = felt.images[0]
     wrong = np.where(beyond, image != 0, ~((image >= 0) & (image <= 1))).any()
     label = f"a ball of radius {radius:.3f} under a square of {felt.size[0]:.2f}"
-    picture = drawings.image(np.nan_to_num(image, posinf=1, neginf=0), "a small ball's imprint")
-    yield Finding("precision/values out of reach and beyond full scale", wrong, label, picture)
+    yield Finding("precision/values out of reach and beyond full scale", wrong, label)

@@ -16,10 +16,9 @@ from numerics.surfaces import (
 
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.meshes.preparing import normalise
-from visuohaptic.stability import drawings
 from visuohaptic.stability.findings import Finding
 from visuohaptic.stability.oracles import first_hits
-from visuohaptic.stability.rays import aim, draw_ray, everything, plane_errors
+from visuohaptic.stability.rays import aim, everything, plane_errors
 
 
 def lost(distances):
@@ -45,17 +44,16 @@ def random_triangles(generator):
     # Coplanar hits may name either face; what must agree is whether and where something is met.
     wanted = np.where(np.isfinite(distance), distance, 9)
     wrong = (np.abs(np.where(hits.hit, hits.distance, 9) - wanted) > 1e-9) & ~unsure
-    draw = draw_ray(surface, origins, directions, "random triangles and a ray")
 
     def describe(row):
         return f"{count} random triangles, slivers among them, ray {row}"
 
-    yield Finding("rays/face chosen against brute force in float64", wrong, describe, draw)
+    yield Finding("rays/face chosen against brute force in float64", wrong, describe)
     for some in (hits, caster.first_hits(origins, directions)):
         # A sliver's plane is as uncertain as its corners' rounding over its height.
         sliver = surface.face_areas[some.face] <= 1e-6
         errors = np.where(sliver, 0, plane_errors(surface, origins, directions, some))
-        yield Finding("rays/hits lie on their face's plane", errors, describe, draw)
+        yield Finding("rays/hits lie on their face's plane", errors, describe)
 
 
 def vertices_and_edges(generator):
@@ -79,13 +77,11 @@ def vertices_and_edges(generator):
         "rays/against exact rationals, aimed at vertices and edges",
         error * cosine,
         lambda row: f"{shape}, ray {row} from {origins[row]}",
-        draw_ray(surface, origins, directions, f"{shape} and a ray at a vertex or edge"),
     )
     yield Finding(
         "rays/leaks out of closed surfaces",
         np.isfinite(expected) & ~hits.hit,
         lambda row: f"{shape}: rationals meet it, the caster does not (ray {row})",
-        draw_ray(surface, origins, directions, f"{shape} and a lost ray"),
     )
 
 
@@ -107,7 +103,6 @@ def leaks(generator):
         "rays/leaks out of closed surfaces",
         ~caster.first_hits(origins, directions, lost).hit,
         lambda row: f"{shape}, from {origins[row]} along {directions[row]}; {without}",
-        draw_ray(surface, origins, directions, f"a ray from within: {shape}"),
     )
 
 
@@ -125,8 +120,7 @@ def grazing(generator):
     expected = height / slope
     errors = np.where(hits.hit, np.abs(hits.distance - expected) * slope, np.inf)
     label = f"slope {slope:.2g}, met at {expected:.6f}"
-    draw = draw_ray(plate, origins, directions, "a plate and a grazing ray")
-    yield Finding("rays/grazing", errors, label, draw)
+    yield Finding("rays/grazing", errors, label)
 
 
 def within_a_plane(generator):
@@ -146,7 +140,6 @@ def within_a_plane(generator):
             "rays/within a face's plane",
             ~np.where(hits.hit, at_rim, may_miss),
             lambda row: f"box, height {height}, {np.degrees(angles[row]):.1f} degrees",
-            draw_ray(surface, origins, directions, "a box and a ray within a plane"),
         )
 
 
@@ -167,7 +160,6 @@ def slivers(generator):
         "rays/through slivers of 1e-12 area",
         np.where(hits.hit, np.abs(hits.distance - 1.0), np.inf),
         lambda row: f"{label}, ray at {x[row] - edge:.3g} from it",
-        drawings.triangles(surface.triangles[:, :, [0, 2, 1]], label),
     )
 
 
@@ -191,7 +183,6 @@ def coplanar(generator):
         "rays/coplanar faces on top of each other",
         wrong,
         lambda row: f"three squares in one plane, ray at {origins[row, [0, 2]]}",
-        drawings.triangles(surface.triangles[:, :, [0, 2, 1]], "three squares in one plane"),
     )
 
 
@@ -205,5 +196,4 @@ def off_centre(generator):
     apart = np.abs(near.distance - far.distance) * 0.8
     errors = np.where(near.hit & far.hit, apart, np.inf)
     label = f"a ball of size 1e{size:.1f}, 1e{offset:.1f} sizes off"
-    picture = drawings.triangles(home.triangles, "a ball")
-    yield Finding("rays/meshes far off centre", errors, label, picture)
+    yield Finding("rays/meshes far off centre", errors, label)
