@@ -9,10 +9,10 @@ from report.test_certainty import certainty_table
 from report.test_gaze import TABLE as GAZED
 from report.test_stability import EXACT, GRAZING
 from studies.cost.test_front import cost_rows, cost_table
+from visuohaptic.gaze.summary import summarise
 
 from visuohaptic.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.gaze.summary import summarise
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import look
 from visuohaptic.report.estimates import Figure

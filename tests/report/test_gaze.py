@@ -2,13 +2,13 @@
 
 import numpy as np
 from gaze.made_up import made_up_object
-
 from visuohaptic.gaze.measuring import measure_all
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.stored import MeasuredGaze, read_measured
+from visuohaptic.tables.gaze import GAZE_PICTURES
+
 from visuohaptic.report.gaze import gaze_figures
 from visuohaptic.report.page import make_environment
-from visuohaptic.tables.gaze import GAZE_PICTURES
 from visuohaptic.tables.schema import build_table, write_table
 
 OBJECTS = [

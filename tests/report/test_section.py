@@ -19,6 +19,7 @@ from report.test_touches_needed import write_tables
 from studies.cost.test_front import cost_table
 from studies.looking.test_figures import COST as PRICES
 from studies.looking.test_figures import INTERVALS, TOUCHES, poor_sight, table_of
+from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.chapters import CHAPTERS
@@ -29,7 +30,6 @@ from visuohaptic.report.sections import answer_values, recount_cost
 from visuohaptic.report.wording import duration
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.looking.figures import sum_up_looking
-from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.schema import build_table, write_table
 from visuohaptic.tables.studies import COST, EVALUATION, LOOKING

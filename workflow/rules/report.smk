@@ -7,6 +7,10 @@ reports/metrics.json and reports/plots/.
 TEMPLATES = in_clone(
     sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
 )
+# Of study human_gaze, which is no part of the workflow.
+AGREEMENT_WITH_GAZE = in_clone(
+    filter(os.path.exists, [shipped("studies/human_gaze/agreement.parquet")])
+)
 # What `make test-hard` and `visuohaptic evaluate` measured on this machine.
 MEASURED_BESIDE = ["reports/evaluation.parquet", "reports/precision.json"]
 
@@ -68,8 +72,7 @@ rule report:
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
             guards="results/guards.parquet",
-            # Only where recordings are given.
-            gaze=GAZE_TABLES if RECORDED_GAZE else [],
+            gaze=AGREEMENT_WITH_GAZE,
             # Not part of `all`; once present they are shown in the report.
             measured=[
                 *SHOWN_FILES,

@@ -11,7 +11,6 @@ from visuohaptic.report.glossary import WORDS
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import Reads, Section
 from visuohaptic.report.studies import names_of_own_studies
-from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.guards import GUARDS
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
 from visuohaptic.tables.stability import STABILITY
@@ -128,13 +127,6 @@ CHAPTERS = {
         Section(
             "readings", "The paper under all its readings",
             lambda context: {"readings": context.readings},
-        ),
-        Section(
-            "gaze", "Attention compared with human gaze", sections.gaze_values,
-            (
-                Reads("Predictions against people", GAZE, "gaze"),
-                Reads("Pictures", GAZE_PICTURES, "gaze_pictures"),
-            ),
         ),
         Section("ablations", "Ablations", sections.ablations_values, (_of_study("ablations"),)),
         Section("studies", "Own studies", sections.own_studies_values, _of_own_studies),

@@ -18,13 +18,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from visuohaptic.errors import ReportError
-from visuohaptic.gaze.summary import PredictorRow
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.estimates import Figure as Estimate
-from visuohaptic.report.estimates import estimate, figure_of
+from visuohaptic.report.estimates import figure_of
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
     counted,
@@ -247,20 +246,6 @@ def stability(table: pa.Table) -> Figure:
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0 %", "25 %", "50 %", "75 %", "tolerance"])
     axes.grid(visible=False, axis="y")
     return _finish(chart, "worst error, as a share of its tolerance", "family")
-
-
-@style()
-def gaze(rows: Sequence[PredictorRow]) -> Figure:
-    """Draw the correlation of predictions with where people looked: what `gaze.summary.summarise` gives."""
-    found = [row.measures["correlation"] for row in rows]
-    chart = _draw_intervals(
-        [row.predictor.label for row in rows], "prediction", [Series("", 0, [*map(estimate, found)])],
-        across="correlation with looking time",
-    )  # fmt: skip
-    (axes,) = chart.axes
-    axes.set_xlim(min(0.0, *(one.mean for one in found)), 1)
-    axes.xaxis.set_major_formatter("{x:.1f}")
-    return chart
 
 
 @style()

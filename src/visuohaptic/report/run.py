@@ -47,8 +47,6 @@ _EXTRAS = {
     "looking_figures": "reports/looking.json",
     "evaluation": "reports/evaluation.parquet",
     "readings": "reports/readings.json",
-    "gaze": "results/gaze/measured.parquet",
-    "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability",
     "guards": "results/guards.parquet",
 }
@@ -60,7 +58,8 @@ class RunFiles:
 
     `meshes` are ``<class>/<block>/<object>.ply``; later `credits` add to earlier ones; the page names files from
     `folder` on; `extras` are tables that not every run has; `earlier_studies` have the date of the state that they
-    belong to; `key` is the digest of all that the page was made from.
+    belong to; `gaze` is a table of `gaze.gaze_sentence`, measured once; `key` is the digest of all that the page was
+    made from.
     """
 
     metrics: str | Path
@@ -77,6 +76,7 @@ class RunFiles:
     folder: str | Path = "."
     extras: Mapping[str, str | Path] = field(default_factory=dict)
     earlier_studies: Mapping[str, str] = field(default_factory=dict)
+    gaze: str | Path | None = None
     key: str = ""
 
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.gaze.stored import read_measured
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
@@ -28,7 +27,7 @@ from visuohaptic.report.effects import (
     sum_channels,
     sum_effects,
 )
-from visuohaptic.report.gaze import gaze_figures
+from visuohaptic.report.gaze import gaze_sentence
 from visuohaptic.report.looking import ANSWERS, looking_figures
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
@@ -156,6 +155,7 @@ def method_values(context: ReportContext) -> Values:
         "page": page,
         "bands": matrix(shown, CONTOURLET_FEATURES)[0].tolist() if shown.num_rows else [],
         "pipelines_text": " ".join(_pipeline_texts(context.run)),
+        "gaze": gaze_sentence(context.run.files.gaze),
     }
 
 
@@ -209,12 +209,6 @@ def looking_values(context: ReportContext) -> Values | None:
     """Give what looking and touching reach, or None where it was not measured."""
     path = context.run.file_of("looking_figures")
     return {"looking": looking_figures(path), "answers": ANSWERS} if path else None
-
-
-def gaze_values(context: ReportContext) -> Values:
-    """Give attention beside where people looked, of this run or as kept with the package."""
-    measured = read_measured(context.run.file_of("gaze"))
-    return {"gaze": gaze_figures(measured, context.run.file_of("gaze_pictures"))}
 
 
 def ablations_values(context: ReportContext) -> Values | None:

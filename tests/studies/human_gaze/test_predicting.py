@@ -1,9 +1,6 @@
 import numpy as np
 import pytest
 from gaze.made_up import made_up_object
-
-from visuohaptic.attention import CHANNELS, MEASURES
-from visuohaptic.errors import GazeError
 from visuohaptic.gaze.looking import FEATURES
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import (
@@ -16,6 +13,9 @@ from visuohaptic.gaze.predicting import (
     predict,
     weights_of,
 )
+
+from visuohaptic.attention import CHANNELS, MEASURES
+from visuohaptic.errors import GazeError
 
 HUMAN = BY_NAME["human"]
 GAZE = GazeParameters(folds=4)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import trimesh
+from visuohaptic.gaze.peers import find_peer, read_peer
 
 from visuohaptic.errors import GazeError
-from visuohaptic.gaze.peers import find_peer, read_peer
 
 # Of Matplotlib's `jet`, as 8-bit levels: its ends, and its middle.
 JET = np.array([[0, 0, 127], [127, 0, 0], [124, 255, 121]], dtype=np.uint8)

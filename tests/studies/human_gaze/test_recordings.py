@@ -2,10 +2,10 @@ from zipfile import ZipFile
 
 import numpy as np
 import pytest
-
-from visuohaptic.errors import GazeError
 from visuohaptic.gaze import recordings
 from visuohaptic.gaze.recordings import find_recordings, read_recording
+
+from visuohaptic.errors import GazeError
 
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]])
 NORMALS = np.array([[0.0, 0, 2], [0, 3, 0], [1, 0, 0]])

@@ -3,7 +3,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gaze.made_up import made_up_object
-
 from visuohaptic.gaze.measuring import human_weights, measure_all
 from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import PREDICTORS

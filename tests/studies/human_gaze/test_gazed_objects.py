@@ -6,10 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gaze.made_up import made_up_object, write_object
-
-from visuohaptic.attention import CHANNELS, TERMS, AttentionParameters
-from visuohaptic.errors import GazeError
-from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.gaze import looking
 from visuohaptic.gaze.files import look_at_folder, make_gaze
 from visuohaptic.gaze.looking import COLUMNS, look_at
@@ -18,6 +14,10 @@ from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.gaze.predicting import PREDICTORS
 from visuohaptic.gaze.recordings import find_recordings
 from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
+
+from visuohaptic.attention import CHANNELS, TERMS, AttentionParameters
+from visuohaptic.errors import GazeError
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.tables.schema import read_table
 
 LOOKING = {
