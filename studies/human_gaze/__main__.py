@@ -123,12 +123,12 @@ def _words(value: Interval) -> str:
     return f"{value.mean:.3f}{ends}"
 
 
-def main() -> None:
-    """Run the command; an error is one sentence."""
+def main(arguments: list[str] | None = None) -> None:
+    """Run the command, by default with the arguments of this process; an error is one sentence."""
     app = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False, add_completion=False)
     app.command()(measure)
     try:
-        app(prog_name="python -m human_gaze")
+        app(arguments, prog_name="python -m human_gaze")
     except VisuohapticError as error:
         say_error(error)
         raise SystemExit(1) from None

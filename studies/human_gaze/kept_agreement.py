@@ -19,7 +19,7 @@ from visuohaptic.tables.schema import read_table
 KEPT = Path(__file__).with_name("agreement.parquet")
 
 
-def keep(path: str | Path, command: str, source: str, kept: Path = KEPT) -> None:
+def keep(path: str | Path, command: str, source: str, kept: str | Path = KEPT) -> None:
     """Keep a table with today's date, the command that made it and the source of its recordings."""
     table = read_table(AGREEMENT, path)
     date = datetime.now(UTC).date().isoformat()

@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from report.synthetic import write_run, write_study
 from report.test_certainty import certainty_table
-from report.test_gaze import TABLE as GAZED
 from report.test_stability import EXACT, GRAZING
 from studies.cost.test_front import cost_rows, cost_table
-from visuohaptic.gaze.summary import summarise
 
 from visuohaptic.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
@@ -58,7 +56,6 @@ def test_every_axis_has_a_name(metrics, curves):
         figures.coverage(certainty_table()),
         figures.cost(cost_table(POINTS)),
         figures.stability(result_table([GRAZING, EXACT])),
-        figures.gaze(summarise(GAZED, "training")),
         figures.bands([0.1, 0.4]),
     ):
         (axes,) = figure.axes

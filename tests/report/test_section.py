@@ -11,7 +11,6 @@ from report.pages import plain, read_page
 from report.synthetic import lay_out, write_study
 from report.test_certainty import evaluation_table, write_certainty
 from report.test_effects import write_influence
-from report.test_gaze import TABLE as GAZED
 from report.test_readings import MADE
 from report.test_stability import ON_OBJECT, written
 from report.test_studies import ROWS as ABLATIONS
@@ -19,7 +18,6 @@ from report.test_touches_needed import write_tables
 from studies.cost.test_front import cost_table
 from studies.looking.test_figures import COST as PRICES
 from studies.looking.test_figures import INTERVALS, TOUCHES, poor_sight, table_of
-from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 
 from visuohaptic.recognition.summary import select
 from visuohaptic.report.chapters import CHAPTERS
@@ -58,10 +56,6 @@ def folder(tmp_path_factory):
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
     guards = {"guard": ["shuffled labels give chance"], "outcome": ["held"], "found": ["So."]}
     write_table(GUARDS, build_table(GUARDS, guards), results / "guards.parquet")
-    write_table(GAZE, GAZED, results / "gaze/measured.parquet")
-    picture = {"object": ["new"], "rank": [0], "correlation": [0.5], "picture": [b"\x89PNG"]}
-    pictures = build_table(GAZE_PICTURES, picture)
-    write_table(GAZE_PICTURES, pictures, results / "gaze/pictures.parquet")
     (results / "stability").mkdir()
     written(results / "stability", [ON_OBJECT], "cup/mug")
     (results / "studies").mkdir()

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import trimesh
-from visuohaptic.gaze.alignment import grey_surface
-from visuohaptic.gaze.looking import COLUMNS, GazedObject
 
-from visuohaptic.attention import GazedSurface
+from human_gaze.alignment import grey_surface
+from human_gaze.gazed_objects import COLUMNS, GazedObject
+from human_gaze.surface_measures import GazedSurface
 
 SIZE, VIEWS, POINTS = 12, 4, 300
 

@@ -1,10 +1,9 @@
 import numpy as np
 import pytest
 import trimesh
-from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
-from visuohaptic.gaze.recordings import Recording
 
-from visuohaptic.errors import GazeError
+from human_gaze.alignment import align, grey_surface, reconstruct
+from human_gaze.recordings import GazeError, Recording
 from visuohaptic.fixations.places import draw_by_area
 from visuohaptic.geometry.raycasting import RayCaster
 
