@@ -20,7 +20,7 @@ from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
 from visuohaptic.recognition.support_vectors import SupportVectorMachine
 from visuohaptic.whole_files import whole_file
 
-FORMAT = "visuohaptic recognition model 7"
+FORMAT = "visuohaptic recognition model 8"
 
 LARGEST_BYTES = 2**30
 """A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
