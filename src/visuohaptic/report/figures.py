@@ -294,7 +294,6 @@ def _draw_intervals(
     series: Sequence[Series],
     *,
     chance: float | None = None,
-    across: str = "correctly classified",
 ) -> Figure:
     """Draw a row a name, in it the marks of all series below each other with their intervals."""
     shown = [one for part in series for one in part.estimates if one is not None]
@@ -320,7 +319,7 @@ def _draw_intervals(
     axes.set_ylim(len(names) - 0.5, -0.5)
     begins = f" (axis from {_whole(start)})" if start else ""
     axes.grid(visible=False, axis="y")
-    return _finish(chart, f"{across}{begins}", rows_are, across_as=_whole)
+    return _finish(chart, f"correctly classified{begins}", rows_are, across_as=_whole)
 
 
 def _draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
