@@ -2,12 +2,15 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes bench wheels readme params format lock clean
+.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze bench wheels readme params format lock clean
 .PHONY: lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
 JOBS ?= all
 SET ?= paper
+# Of `make gaze`: recordings of people's gaze, and predictions of others.
+FOLDER ?=
+PEER ?=
 export VENV := .venv
 PACKAGES := $(VENV)/.packages
 PROJECTS := pyproject.toml packages/contourlets/pyproject.toml
@@ -70,6 +73,10 @@ test-slurm: $(DEVELOP)
 
 meshes: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- downloads_all
+
+# How well attention predicts where people looked (studies/human_gaze/README.md): make gaze FOLDER=gaze_data
+gaze: $(READY)
+	@python -m human_gaze "$(FOLDER)" $(if $(PEER),--peer "$(PEER)")
 
 bench: $(DEVELOP)
 	python -m benchmarks

@@ -56,7 +56,7 @@ made = as_parameters({{
 }})
 print(made.attention.weights.redness, made.scene.zero_offset, made.scene.effects.zero_offset)
 print(as_parameters(made.model_dump()) == made, as_parameters(None).attention.weights.redness)
-print(as_parameters({{"attention.weights": "human"}}).attention.weights.redness)
+print(as_parameters({{"attention.weights": "human_channels"}}).attention.weights.redness)
 contact = np.full((1, 2, 2), 0.5)
 for scene in (made.scene, before.scene):
     readings, _ = simulate(Situation(scene, contact, np.ones(1), None), contact)

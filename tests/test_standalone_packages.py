@@ -40,8 +40,6 @@ found = package.attend(
     parameters=package.AttentionParameters(fixations=2, focus_radius=0.1),
 )
 assert found[0].scanpath.distinct == 2
-gazed = package.GazedSurface(flat[0] + 1, flat[0] + 1, flat[0] == 0)
-assert package.MEASURES["similarity"](rows[0] + 1, gazed) == 1
 """,
     "contourlets": """
 images = np.random.default_rng(0).random((2, 32, 32))

@@ -47,7 +47,3 @@ class ReportError(VisuohapticError):
 
 class ExportError(VisuohapticError):
     """The touches can't be exported, or the folder is not free for them."""
-
-
-class GazeError(VisuohapticError):
-    """A recording of gaze can't be used, or does not belong to its mesh."""

@@ -21,7 +21,6 @@ from visuohaptic.fixations.parameters import (
     RenderingParameters,
     ViewpointParameters,
 )
-from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.plugins import load_files, load_installed
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -160,7 +159,6 @@ class ExperimentParameters(BaseModel):
     features: FeatureParameters = FeatureParameters()
     recognition: RecognitionParameters = RecognitionParameters()
     cost: CostParameters = CostParameters()
-    gaze: GazeParameters = GazeParameters()
 
     @model_validator(mode="after")
     def _sections_agree(self) -> Self:

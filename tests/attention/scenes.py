@@ -50,9 +50,9 @@ def mirrored(surface):
     return replace(surface, vertices=surface.vertices * across, faces=surface.faces[:, ::-1])
 
 
-def look(surface, cameras, attention=None, modes=None, background=0.85, **eye):
+def look(surface, cameras, attention=None, modes=None, background=0.85, **further):
     """Render a surface and compute its fixations."""
     attention = AttentionParameters() if attention is None else attention
     rendering = RenderingParameters(background=background)
     views = render_views(RayCaster(surface), cameras, rendering, modes)
-    return views, attend(**views.arrays(), parameters=attention, **eye)
+    return views, attend(**views.arrays(), parameters=attention, **further)

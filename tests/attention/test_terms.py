@@ -11,9 +11,7 @@ from visuohaptic.attention import (
     AttentionError,
     AttentionParameters,
     ChannelWeights,
-    TermWeights,
     attend,
-    feature_planes,
 )
 from visuohaptic.attention.model import term_planes
 from visuohaptic.attention.parameters import read_learnt
@@ -98,8 +96,8 @@ def test_without_weights_of_terms_an_eye_changes_no_bit():
 def test_a_term_of_large_weight_decides_where_the_eye_rests_first():
     surface = scenes.sphere_with_bump([0, 0, 1])
     for weight in (40.0, -40.0):
-        parameters = AttentionParameters(terms=TermWeights(height=weight))
-        views, (found,) = scenes.look(surface, [CAMERA], parameters, eye=CAMERA.eye[None])
+        terms = {"height": weight}
+        views, (found,) = scenes.look(surface, [CAMERA], eye=CAMERA.eye[None], terms=terms)
         heights = views.point[0][views.mask[0]][:, 1]
         first = found.scanpath.points[0, 1]
         assert weight * (first - np.median(heights)) > 0
@@ -107,21 +105,14 @@ def test_a_term_of_large_weight_decides_where_the_eye_rests_first():
         assert not found.saliency[~views.mask[0]].any()
 
 
-def test_terms_without_an_eye_are_refused():
-    parameters = AttentionParameters(terms=TermWeights(centre=1.0))
+def test_terms_without_an_eye_and_unknown_terms_are_refused():
+    terms = {"centre": 1.0}
     with pytest.raises(AttentionError, match="terms need the eye"):
-        scenes.look(scenes.sphere(), [CAMERA], parameters)
+        scenes.look(scenes.sphere(), [CAMERA], terms=terms)
     with pytest.raises(AttentionError, match="eye has shape"):
-        scenes.look(scenes.sphere(), [CAMERA], parameters, eye=CAMERA.eye)
-
-
-def test_features_are_all_channels_and_terms():
-    views, _ = scenes.look(scenes.sphere(), [CAMERA])
-    parts = [views.colour, views.mask, views.point, views.normal, views.curvature]
-    arrays = [part[0] for part in parts]
-    planes, certainty = feature_planes(*arrays, CAMERA.eye, AttentionParameters())
-    assert tuple(planes) == (*CHANNELS, *TERMS)
-    assert {plane.shape for plane in planes.values()} == {certainty.shape}
+        scenes.look(scenes.sphere(), [CAMERA], eye=CAMERA.eye, terms=terms)
+    with pytest.raises(AttentionError, match="'glare' is no term; centre, middle, "):
+        scenes.look(scenes.sphere(), [CAMERA], eye=CAMERA.eye[None], terms={"glare": 0.0})
 
 
 def test_equal_is_1_for_every_channel_and_the_default_for_the_five_that_the_paper_names():
@@ -131,26 +122,17 @@ def test_equal_is_1_for_every_channel_and_the_default_for_the_five_that_the_pape
     assert set(equal.weights.model_dump().values()) == {1.0}
 
 
-def test_human_stands_for_the_learnt_weights_which_say_where_they_come_from():
-    human, learnt = AttentionParameters(weights="human"), read_learnt()
+def test_the_learnt_weights_say_where_they_come_from_and_name_every_channel_and_term():
+    learnt = read_learnt()
     assert set(learnt) == {"source", "date", "command", "channels", "terms", "objects", "sha256"}
-    assert human.weights == ChannelWeights(**learnt["channels"])
-    assert human.terms == TermWeights(**learnt["terms"])
-    assert human.is_exponential
-    assert AttentionParameters(**human.model_dump()) == human
-    assert AttentionParameters(weights="human", terms=TermWeights().model_dump()) == human
     assert (set(learnt["channels"]), set(learnt["terms"])) == (set(CHANNELS), set(TERMS))
-    channels = AttentionParameters(weights="human_channels")
-    assert channels.weights == human.weights
-    assert not channels.is_exponential
-    assert sum(weight > 0 for weight in channels.weights.model_dump().values()) == 5
-    assert AttentionParameters(weights="human_channels", terms={"centre": 1.0}).is_exponential
+    weights = AttentionParameters(weights="human_channels").weights
+    assert weights == ChannelWeights(**learnt["channels"])
+    assert sum(weight > 0 for weight in weights.model_dump().values()) == 5
 
 
 def test_other_names_of_weights_are_refused():
-    with pytest.raises(ValidationError, match="equal, human, human_channels or a number a channel"):
+    with pytest.raises(ValidationError, match="equal, human_channels or a number a channel"):
         AttentionParameters(weights="animal")
-    with pytest.raises(ValidationError, match="leave terms out"):
-        AttentionParameters(weights="human", terms={"centre": 1.0})
     with pytest.raises(ValidationError, match="all channel weights are 0"):
         ChannelWeights(**dict.fromkeys(CHANNELS, 0.0))

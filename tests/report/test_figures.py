@@ -4,13 +4,11 @@ import json
 
 import pytest
 from report.synthetic import write_run, write_study
-from report.test_gaze import TABLE as GAZED
 from report.test_stability import EXACT, GRAZING
 from studies.cost.test_front import cost_rows, cost_table
 
 from visuohaptic.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.gaze.summary import summarise
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import look
 from visuohaptic.report.estimates import Figure
@@ -54,7 +52,6 @@ def test_every_axis_has_a_name(metrics, measured):
         figures.runs(["naive Bayes"], {"A": [Figure(0.5, 0.4, 0.6)]}),
         figures.cost(cost_table(POINTS)),
         figures.stability(result_table([GRAZING, EXACT], "cup/mug")),
-        figures.gaze(summarise(GAZED, "training")),
         figures.bands([0.1, 0.4]),
     ):
         (axes,) = figure.axes

@@ -11,7 +11,6 @@ from report.pages import plain, read_page
 from report.synthetic import lay_out, write_study
 from report.test_effects import write_influence
 from report.test_evaluation import evaluation_table
-from report.test_gaze import TABLE as GAZED
 from report.test_stability import ON_OBJECT, write_totals, written
 from report.test_studies import ROWS as ABLATIONS
 from report.test_variants import MADE
@@ -31,8 +30,7 @@ from visuohaptic.report.section import ReportContext, find_sources, narrowed
 from visuohaptic.report.sections import answer_values, recount_cost
 from visuohaptic.report.wording import duration
 from visuohaptic.studies.figures import write_json
-from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
-from visuohaptic.tables.schema import build_table, write_table
+from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST, EVALUATION
 
 SHOWN = SimpleNamespace(
@@ -57,10 +55,6 @@ def folder(tmp_path_factory):
     senses = sum_up_senses(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)
     write_json(senses, folder / "reports/eye_and_touch.json")
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
-    write_table(GAZE, GAZED, results / "gaze/measured.parquet")
-    picture = {"object": ["new"], "rank": [0], "correlation": [0.5], "picture": [b"\x89PNG"]}
-    pictures = build_table(GAZE_PICTURES, picture)
-    write_table(GAZE_PICTURES, pictures, results / "gaze/pictures.parquet")
     (results / "stability").mkdir()
     written(results / "stability", [ON_OBJECT], "cup/mug")
     (results / "studies").mkdir()

@@ -41,7 +41,7 @@ rule model:
             exclude={"pipelines", "protocol", "intervals"}
         ),
         touching=PARAMETERS.model_dump(
-            mode="json", exclude={"workflow", "recognition", "cost", "gaze"}
+            mode="json", exclude={"workflow", "recognition", "cost"}
         ),
         seed=PARAMETERS.seed,
     message:

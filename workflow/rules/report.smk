@@ -14,6 +14,10 @@ SECTION_TEMPLATES = in_clone(
     for section in SECTIONS.values()
     for template in sorted(section.parent.glob("templates/*.*"))
 )
+# Of study human_gaze, which is no part of the workflow.
+AGREEMENT_WITH_GAZE = in_clone(
+    filter(os.path.exists, [shipped("studies/human_gaze/agreement.parquet")])
+)
 # What `visuohaptic evaluate` and `make test-hard` measured.
 MEASURED_BESIDE = ["reports/evaluation.parquet", "docs/figures/hard_cases.json"]
 
@@ -73,8 +77,7 @@ rule report:
             frontier="results/frontier.parquet",
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
-            # Only where recordings are given.
-            gaze=GAZE_TABLES if RECORDED_GAZE else [],
+            gaze=AGREEMENT_WITH_GAZE,
             # Not part of `all`; once present they are shown in the report.
             measured=[
                 *SHOWN_FILES,

@@ -126,7 +126,7 @@ def needed_by_recomputation(table):
 def recomputation_parameters(wildcards):
     """Give the parameters with which a job recomputes features."""
     return recomputation_of(wildcards).parameters.model_dump(
-        exclude={"workflow", "meshes", "cost", "gaze", "recognition"}
+        exclude={"workflow", "meshes", "cost", "recognition"}
     )
 
 

@@ -30,6 +30,7 @@ with job(snakemake):
             effects=snakemake.input.effects,
             meshes=list(meshes_in(snakemake.input.meshes).values()),
             credits=snakemake.input.credits,
+            gaze=next(iter(snakemake.input.gaze), None),
             earlier_studies=find_earlier_studies(snakemake.params.studies),
             studies=STUDY_FOLDERS,
             logs="logs",

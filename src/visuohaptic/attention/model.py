@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,6 +50,7 @@ def attend(
     curvature: Plane,
     parameters: AttentionParameters,
     eye: Floats | None = None,
+    terms: Mapping[str, float] | None = None,
 ) -> list[Attention]:
     """Compute saliency and fixations for each of n views; each depends on its own view only.
 
@@ -57,40 +58,18 @@ def attend(
     the object is. `point` and `normal` (n, h, w, 3), float64, are visible points of the surface and
     their unit normals, `face` (n, h, w), int64, their faces, and `curvature` (n, h, w), float32,
     the curvedness there, at least 0, per unit of the points. `eye` (n, 3), float64, is where the
-    eye is, in the points' frame; terms need it.
+    eye is, in the points' frame. `terms` are weights by names of `TERMS`: where one is not 0, the
+    saliency map is the exponential of channels and terms together, and `eye` is needed.
 
     Raises `AttentionError` if shapes differ, a view is too small, a value is not finite or below
-    its range, or a term has a weight and no eye is given.
+    its range, a term is unknown, or a term has a weight and no eye is given.
     """
     _check_views(colour, mask, point, normal, face, curvature)
-    _check_eyes(eye, len(mask), parameters)
+    weights = _weights_of(terms or {})
+    _check_eyes(eye, len(mask), weights)
     eyes = [None] * len(mask) if eye is None else eye
     views = zip(colour, mask, point, normal, face, curvature, eyes, strict=True)
-    return [_attend_view(parameters, *view) for view in views]
-
-
-@plain_filters()
-def feature_planes(
-    colour: Plane,
-    mask: Booleans,
-    point: Floats,
-    normal: Floats,
-    curvature: Plane,
-    eye: Floats,
-    parameters: AttentionParameters,
-) -> tuple[dict[str, Plane], Plane]:
-    """Give all that saliency is a weighted sum of, for one view as `attend` takes it, to fit weights to.
-
-    These are planes (MAP_SIZE, MAP_SIZE), float32, of every channel, zero without weight, then every term;
-    and the share of each cell that shows the object.
-    """
-    skipped = reasons_to_skip(colour, mask, curvature, parameters)
-    ran = tuple(name for name in CHANNELS if name not in skipped)
-    maps = conspicuity_maps(prepare_view(colour, mask, curvature), ran, parameters)
-    seen = prepare_surface(mask, point, normal, eye)
-    nothing = np.zeros_like(seen.certainty)
-    planes = {name: maps.get(name, nothing) for name in CHANNELS}
-    return planes | term_planes(seen, TERMS), seen.certainty
+    return [_attend_view(parameters, weights, *view) for view in views]
 
 
 def reasons_to_skip(
@@ -134,9 +113,8 @@ def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
     return lowest == highest
 
 
-def _exponential(total: Plane, seen: SeenSurface, parameters: AttentionParameters) -> Plane:
+def _exponential(total: Plane, seen: SeenSurface, weights: Mapping[str, float]) -> Plane:
     """Give the exponential of channels and terms together, 1 at its largest; beyond the outline it goes on."""
-    weights = {name: weight for name, weight in parameters.terms.model_dump().items() if weight}
     terms = np.zeros_like(seen.certainty)
     for name, plane in term_planes(seen, weights).items():
         terms += np.float32(weights[name]) * plane
@@ -150,6 +128,7 @@ def _exponential(total: Plane, seen: SeenSurface, parameters: AttentionParameter
 
 def _attend_view(
     parameters: AttentionParameters,
+    terms: Mapping[str, float],
     colour: Plane,
     mask: Booleans,
     point: Floats,
@@ -162,8 +141,8 @@ def _attend_view(
     channels = tuple(name for name in CHANNELS if name not in skipped)
     maps = conspicuity_maps(prepare_view(colour, mask, curvature), channels, parameters)
     total = saliency_map(maps, parameters)
-    if parameters.is_exponential and eye is not None:
-        total = _exponential(total, prepare_surface(mask, point, normal, eye), parameters)
+    if terms and eye is not None:
+        total = _exponential(total, prepare_surface(mask, point, normal, eye), terms)
     saliency = on_view(total, mask, cv2.INTER_CUBIC)
     saliency /= np.float32(max(float(saliency.max()), SMALLEST_PEAK))
     return Attention(
@@ -174,9 +153,16 @@ def _attend_view(
     )
 
 
-def _check_eyes(eye: Floats | None, views: int, parameters: AttentionParameters) -> None:
+def _weights_of(terms: Mapping[str, float]) -> dict[str, float]:
+    """Give the weights that are not 0, in the order of `TERMS`."""
+    if unknown := sorted({*terms} - {*TERMS}):
+        raise AttentionError(f"{unknown[0]!r} is no term; {', '.join(TERMS)} are allowed.")
+    return {name: terms[name] for name in TERMS if terms.get(name)}
+
+
+def _check_eyes(eye: Floats | None, views: int, terms: Mapping[str, float]) -> None:
     if eye is None:
-        if parameters.is_exponential:
+        if terms:
             raise AttentionError("a term has a weight and no eye is given; terms need the eye.")
     elif eye.shape != (views, 3) or not np.isfinite(eye).all():
         raise AttentionError(

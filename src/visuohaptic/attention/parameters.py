@@ -12,9 +12,9 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
 from .errors import AttentionError
-from .registry import CHANNELS, TERMS, Channel, channel
+from .registry import CHANNELS, Channel, channel
 
-NAMED_WEIGHTS = ("equal", "human", "human_channels")
+NAMED_WEIGHTS = ("equal", "human_channels")
 """Names that stand for a set of weights, see `AttentionParameters`."""
 
 
@@ -26,22 +26,15 @@ def read_learnt() -> dict[str, Any]:
     return found
 
 
-class _Weights(BaseModel):
-    """Weights by name: a field for each entry of a registry, so that the entry is all there is to write."""
+class ChannelWeights(BaseModel):
+    """How much each channel adds to the saliency map; a channel of weight 0 is not computed."""
 
+    # Each entry of the registry has a field, so that the entry is all there is to write.
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     if TYPE_CHECKING:
 
         def __init__(self, **weights: float) -> None: ...
-
-    @classmethod
-    def _add(cls, name: str, weight: Any) -> None:
-        cls.__pydantic_fields__[name] = FieldInfo.from_annotated_attribute(float, weight)
-
-
-class ChannelWeights(_Weights):
-    """How much each channel adds to the saliency map; a channel of weight 0 is not computed."""
 
     @model_validator(mode="after")
     def _one_above_zero(self) -> Self:
@@ -52,7 +45,8 @@ class ChannelWeights(_Weights):
     @classmethod
     def add(cls, entry: Channel) -> None:
         """Add the weight of a channel."""
-        cls._add(entry.name, Field(entry.weight, ge=0.0, description=entry.description))
+        weight: Any = Field(entry.weight, ge=0.0, description=entry.description)
+        cls.__pydantic_fields__[entry.name] = FieldInfo.from_annotated_attribute(float, weight)
         cls.model_rebuild(force=True)
 
     @classmethod
@@ -62,15 +56,8 @@ class ChannelWeights(_Weights):
         return cls.model_validate({name: float(name in chosen) for name in CHANNELS})
 
 
-class TermWeights(_Weights):
-    """How much each term adds to the exponent of the saliency map; none by default."""
-
-
 for _channel in CHANNELS.values():
     ChannelWeights.add(_channel)
-for _term in TERMS.values():
-    TermWeights._add(_term.name, Field(0.0, description=_term.description))
-TermWeights.model_rebuild(force=True)
 
 _SOURCES: dict[str, str] = {}
 
@@ -96,25 +83,18 @@ def _or_a_name(schema: dict[str, Any]) -> None:
     schema["anyOf"] = [{"$ref": schema.pop("$ref")}, {"enum": list(NAMED_WEIGHTS)}]
 
 
-def _learnt_weights() -> dict[str, float]:
-    """Give the fitted weight of each channel; one that was not there has none."""
-    return dict.fromkeys(CHANNELS, 0.0) | read_learnt()["channels"]
-
-
 class AttentionParameters(BaseModel):
     """Channels, their combination, and the choice of fixations.
 
     The default is 1 for the five channels that the paper names, and 0 for the others. `weights` may
-    be a name. ``equal``: 1 for every channel. ``human``: the channels and the terms as
-    they were fitted together to where people looked (docs/gaze.md). ``human_channels``: the eight
-    channel weights of that fit alone, three of which are 0, without its terms; they were not fitted
-    again without terms, for the recordings are not part of this package.
+    be a name. ``equal``: 1 for every channel. ``human_channels``: the eight channel weights that were
+    fitted to where people looked (`read_learnt`), three of which are 0, without the terms that were
+    fitted with them.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     weights: ChannelWeights = Field(default_factory=ChannelWeights, json_schema_extra=_or_a_name)
-    terms: TermWeights = TermWeights()
     normalisation: Literal["local_maxima", "iterative", "none"] = Field(
         "local_maxima",
         description="How a map with one strong peak is promoted over one with many: the operator N",
@@ -155,13 +135,5 @@ class AttentionParameters(BaseModel):
             )
         if name == "equal":
             return {**values, "weights": dict.fromkeys(CHANNELS, 1.0)}
-        if name == "human_channels":
-            return {**values, "weights": _learnt_weights()}
-        if any(dict(values.get("terms") or {}).values()):
-            raise ValueError("weights is 'human', which sets the terms too; leave terms out.")
-        return {**values, "weights": _learnt_weights(), "terms": read_learnt()["terms"]}
-
-    @property
-    def is_exponential(self) -> bool:
-        """Whether a term has a weight, so that the weighted sum is an exponent."""
-        return any(self.terms.model_dump().values())
+        # A channel that was not there has no fitted weight.
+        return {**values, "weights": dict.fromkeys(CHANNELS, 0.0) | read_learnt()["channels"]}

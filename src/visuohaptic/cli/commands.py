@@ -13,7 +13,6 @@ from visuohaptic.cli import (
     evaluate,
     explore,
     export,
-    gaze,
     images,
     meshes,
     press,
@@ -30,7 +29,7 @@ app = typer.Typer(
 )
 for command in (
     *(explore.touch, explore.recognise, press.press, evaluate.evaluate, report.report),
-    *(compare.compare, export.export, images.images, gaze.gaze, tables.tables),
+    *(compare.compare, export.export, images.images, tables.tables),
 ):
     app.command()(command)
 app.add_typer(meshes.app, name="meshes")

@@ -53,7 +53,7 @@ class Views:
     def __len__(self) -> int:
         return len(self.mask)
 
-    def arrays(self, places: slice = slice(None)) -> dict[str, NDArray[Any]]:
+    def arrays(self, places: slice = slice(None)) -> dict[str, Any]:
         """Give what `attention.attend` takes of some of the views, by its names."""
         names = ("colour", "mask", "point", "normal", "face", "curvature")
         return {name: getattr(self, name)[places] for name in names}

@@ -59,8 +59,7 @@ class Sight:
     def looks(self) -> list[Look]:
         """Saliency and fixations of each view."""
         key, caster = self.subject.key, self.subject.caster
-        eyes = np.stack([camera.eye for camera in self.cameras.values()])
-        attended = attend(**self.seen.arrays(), parameters=self.attention, eye=eyes)
+        attended = attend(**self.seen.arrays(), parameters=self.attention)
         return [
             Look(key, number, caster, camera, self.seen, place, attended[place])
             for place, (number, camera) in enumerate(self.cameras.items())

@@ -11,7 +11,6 @@ from visuohaptic.report.glossary import WORDS
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import Reads, Section, figures_of, study_sections
 from visuohaptic.report.studies import names_of_own_studies
-from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
 from visuohaptic.tables.stability import STABILITY
 from visuohaptic.tables.studies import (
@@ -95,13 +94,6 @@ CHAPTERS = {
         ),
     ),
     "Studies": (
-        Section(
-            "gaze", "Attention compared with human gaze", sections.gaze_values,
-            (
-                Reads("Predictions against people", GAZE, "gaze"),
-                Reads("Pictures", GAZE_PICTURES, "gaze_pictures"),
-            ),
-        ),
         Section("studies", "Own studies", sections.own_studies_values, _of_own_studies),
     ),
     "Methods": (

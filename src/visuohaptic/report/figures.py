@@ -18,12 +18,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from visuohaptic.errors import ReportError
-from visuohaptic.gaze.summary import PredictorRow
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.estimates import Figure as Estimate
-from visuohaptic.report.estimates import estimate, figure_of
+from visuohaptic.report.estimates import figure_of
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
     duration,
@@ -177,20 +176,6 @@ def stability(table: pa.Table) -> Figure:
 
 
 @style()
-def gaze(rows: Sequence[PredictorRow]) -> Figure:
-    """Draw the correlation of predictions with where people looked: what `gaze.summary.summarise` gives."""
-    found = [row.measures["correlation"] for row in rows]
-    chart = _draw_intervals(
-        [row.predictor.label for row in rows], "prediction", [Series("", 0, [*map(estimate, found)])],
-        across="correlation with looking time",
-    )  # fmt: skip
-    (axes,) = chart.axes
-    axes.set_xlim(min(0.0, *(one.mean for one in found)), 1)
-    axes.xaxis.set_major_formatter("{x:.1f}")
-    return chart
-
-
-@style()
 def bands(deviations: Sequence[float]) -> Figure:
     """Draw the deviations of the sub-bands of an imprint's contourlet transform."""
     chart, axes = new_chart(105, width=150)
@@ -236,7 +221,6 @@ def _draw_intervals(
     series: Sequence[Series],
     *,
     chance: float | None = None,
-    across: str = "correctly classified",
 ) -> Figure:
     """Draw a row a name, in it the marks of all series below each other with their intervals."""
     shown = [one for part in series for one in part.estimates if one is not None]
@@ -262,7 +246,7 @@ def _draw_intervals(
     axes.set_ylim(len(names) - 0.5, -0.5)
     begins = f" (axis from {whole_percent(start)})" if start else ""
     axes.grid(visible=False, axis="y")
-    return finish(chart, f"{across}{begins}", rows_are, across_as=whole_percent)
+    return finish(chart, f"correctly classified{begins}", rows_are, across_as=whole_percent)
 
 
 def draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:

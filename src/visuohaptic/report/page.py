@@ -127,10 +127,17 @@ def make_environment(sections: Iterable[Section] = ()) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    words = ("percent", "points", "probability", "listed", "counted", "spaced", "titled")
-    environment.filters |= {
-        name: getattr(wording, name) for name in (*words, "decimal", "duration")
-    }
+    words = (
+        "percent",
+        "points",
+        "probability",
+        "listed",
+        "counted",
+        "spaced",
+        "titled",
+        "duration",
+    )
+    environment.filters |= {name: getattr(wording, name) for name in words}
     environment.filters |= {
         "anchor": wording.anchor_of,
         "classifier": wording.classifier_name,

@@ -41,8 +41,6 @@ _EXTRAS = {
     "frontier": "results/frontier.parquet",
     "effect_influence": "results/effect_influence.parquet",
     "evaluation": "reports/evaluation.parquet",
-    "gaze": "results/gaze/measured.parquet",
-    "gaze_pictures": "results/gaze/pictures.parquet",
     "stability": "results/stability",
 }
 
@@ -53,8 +51,8 @@ class RunFiles:
 
     `meshes` are ``<class>/<block>/<object>.ply``; later `credits` add to earlier ones; the page names files from
     `folder` on; `extras` are tables that not every run has; `earlier_studies` have the date of the state that they
-    belong to; `studies` are folders whose studies may bring sections of their own; `key` is the digest of all that the page
-    was made from.
+    belong to; `studies` are folders whose studies may bring sections of their own; `gaze` is a table of
+    `gaze.gaze_sentence`, measured once; `key` is the digest of all that the page was made from.
     """
 
     metrics: str | Path
@@ -72,6 +70,7 @@ class RunFiles:
     extras: Mapping[str, str | Path] = field(default_factory=dict)
     earlier_studies: Mapping[str, str] = field(default_factory=dict)
     studies: Sequence[str | Path] = (REPOSITORY,)
+    gaze: str | Path | None = None
     key: str = ""
 
 

@@ -10,7 +10,6 @@ from typing import Any
 
 from visuohaptic.attention.pyramid import CENTRE_LEVELS, SURROUND_OFFSETS
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
-from visuohaptic.gaze.stored import read_measured
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
@@ -30,7 +29,7 @@ from visuohaptic.report.effects import (
     sum_effects,
 )
 from visuohaptic.report.evaluation import evaluation_figures
-from visuohaptic.report.gaze import gaze_figures
+from visuohaptic.report.gaze import gaze_sentence
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
@@ -150,6 +149,7 @@ def method_values(context: ReportContext) -> Values:
         "page": page,
         "bands": matrix(shown, CONTOURLET_FEATURES)[0].tolist() if shown.num_rows else [],
         "pipelines_text": " ".join(_pipeline_texts(context.run)),
+        "gaze": gaze_sentence(context.run.files.gaze),
     }
 
 
@@ -184,12 +184,6 @@ def evaluation_values(context: ReportContext) -> Values:
     measured = read_evaluation(run.file_of("evaluation"))
     found = evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
     return {"evaluation": found}
-
-
-def gaze_values(context: ReportContext) -> Values:
-    """Give attention beside where people looked, of this run or as kept with the package."""
-    measured = read_measured(context.run.file_of("gaze"))
-    return {"gaze": gaze_figures(measured, context.run.file_of("gaze_pictures"))}
 
 
 def own_studies_values(context: ReportContext) -> Values | None:

@@ -21,7 +21,7 @@ from visuohaptic.parameters import ExperimentParameters
 Changes = Mapping[str, Any]
 """New values by the parameters' dotted names; a whole section may be named."""
 
-NOT_OF_RESULTS = {"workflow": True, "meshes": True, "cost": True, "gaze": True}
+NOT_OF_RESULTS = {"workflow": True, "meshes": True, "cost": True}
 """Parameters that no condition depends on, as `pydantic.BaseModel.model_dump` excludes them."""
 
 OF_CONDITIONS = {"exclude": {**NOT_OF_RESULTS, "recognition": {"intervals"}}}

@@ -1,11 +1,8 @@
 """Every table by its name."""
 
-from visuohaptic.tables.gaze import GAZE, GAZE_PICTURES
 from visuohaptic.tables.phases import PHASES
 from visuohaptic.tables.pictures import PICTURES
 from visuohaptic.tables.stability import STABILITY
 from visuohaptic.tables.studies import STUDIES
 
-SCHEMAS = {
-    schema.name: schema for schema in (*PHASES, GAZE, GAZE_PICTURES, STABILITY, PICTURES, *STUDIES)
-}
+SCHEMAS = {schema.name: schema for schema in (*PHASES, STABILITY, PICTURES, *STUDIES)}

@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from visuohaptic.attention.model import attend
-from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.parameters import AttentionParameters, read_learnt
 from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.fixations.looking import Look
 
 
 def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
     """Let the eye follow channels and terms by the weights that were fitted to people's gaze."""
-    human = AttentionParameters.model_validate({"weights": "human"})
+    fitted = AttentionParameters.model_validate({"weights": "human_channels"}).weights
     (found,) = attend(
         **one.seen.arrays(slice(one.place, one.place + 1)),
-        parameters=attention.model_copy(update={"weights": human.weights, "terms": human.terms}),
+        parameters=attention.model_copy(update={"weights": fitted}),
         eye=np.array([one.camera.eye]),
+        terms=read_learnt()["terms"],
     )
     return found.scanpath

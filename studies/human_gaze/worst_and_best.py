@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 
+from human_gaze.gazed_objects import GazedObject, GazeSettings
+from human_gaze.predicting import BY_NAME, predict, weights_of
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
-from visuohaptic.gaze.looking import GazedObject
-from visuohaptic.gaze.parameters import GazeParameters
-from visuohaptic.gaze.predicting import BY_NAME, predict, weights_of
 from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.tables.gaze import GAZE_PICTURES
-from visuohaptic.tables.schema import build_table
+from visuohaptic.whole_files import whole_file
 
 WORST, BEST = 6, 3
 RESOLUTION = 192
@@ -29,10 +28,18 @@ PANELS = ("human", "centre")
 _TOP_QUANTILE = 0.98
 
 
-def picture_table(
-    objects: Sequence[GazedObject], table: pa.Table, gaze: GazeParameters
-) -> pa.Table:
-    """Draw the objects on which predictor ``human`` is worst and best: rows of `GAZE_PICTURES`."""
+def draw_worst_and_best(
+    objects: Sequence[GazedObject],
+    table: pa.Table,
+    viewpoints: ViewpointParameters,
+    settings: GazeSettings,
+    folder: str | Path,
+) -> None:
+    """Draw the objects on which predictor ``human`` is worst and best, as ``<rank>_<object>.png`` in a folder.
+
+    From left to right: people's time, the prediction, and nearness to the middle of the view; yellow is most.
+    Rank 0 is the object with the lowest correlation.
+    """
     found = {
         row["object"]: row["correlation"]
         for row in table.to_pylist()
@@ -41,33 +48,26 @@ def picture_table(
     order = sorted(found, key=lambda name: (found[name], name))
     ranks = dict.fromkeys([*range(len(order))[:WORST], *range(len(order))[-BEST:]])
     by_name = {one.name: one for one in objects}
-    weights = {name: weights_of(objects, BY_NAME[name], gaze) for name in PANELS}
-    pictures = []
+    weights = {name: weights_of(objects, BY_NAME[name], settings) for name in PANELS}
     for rank in ranks:
         one = by_name[order[rank]]
         values = [predict(one, BY_NAME[name], weights[name][one.name]) for name in PANELS]
-        pictures.append(draw_values(one, [one.gazed.density, *values]))
-    return build_table(
-        GAZE_PICTURES,
-        {
-            "object": [order[rank] for rank in ranks],
-            "rank": np.array(list(ranks), dtype=np.int32),
-            "correlation": [found[order[rank]] for rank in ranks],
-            "picture": pictures,
-        },
-    )
+        drawn = draw_values(one, [one.gazed.density, *values], viewpoints)
+        with whole_file(Path(folder, f"{rank:03d}_{one.name}.png")) as unfinished:
+            unfinished.write_bytes(drawn)
 
 
-def draw_values(one: GazedObject, values: Sequence[Floats]) -> bytes:
+def draw_values(
+    one: GazedObject, values: Sequence[Floats], viewpoints: ViewpointParameters
+) -> bytes:
     """Draw an object once for each array of values at its points, side by side, as PNG.
 
-    It is seen from the viewpoint of the default ring that shows most of people's time.
+    It is seen from the viewpoint that shows most of people's time.
     """
     import cv2
     from scipy.spatial import cKDTree
 
     time = one.gazed.density * one.gazed.area
-    viewpoints = ViewpointParameters(count=len(one.visible))
     camera = place_cameras(viewpoints)[int((one.visible @ time).argmax())]
     _, nearest = cKDTree(one.points).query(one.surface.triangles.mean(axis=1))
     panels = []

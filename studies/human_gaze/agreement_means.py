@@ -1,4 +1,4 @@
-"""What the table of gaze says: means over objects with intervals, and how predictors differ."""
+"""Means of agreement over objects, with intervals, and how predictors differ."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from visuohaptic.gaze.predicting import PREDICTORS, Predictor
+from human_gaze.predicting import PREDICTORS, Predictor
 from visuohaptic.geometry.arrays import Floats
 from visuohaptic.recognition.intervals import Interval, object_intervals
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -33,7 +33,7 @@ class PredictorRow:
 
 
 def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
-    """Sum up rows of `tables.GAZE` of one part but the peer's, by `PREDICTORS`, with gains over ``equal``."""
+    """Sum up rows of `AGREEMENT` of one part but the peer's, by `PREDICTORS`, with gains over ``equal``."""
     rows = [row for row in table.to_pylist() if row["part"] == part]
     return _summed([row for row in rows if row["predictor"] != "peer"], "equal")
 

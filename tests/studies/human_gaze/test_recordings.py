@@ -3,9 +3,8 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 
-from visuohaptic.errors import GazeError
-from visuohaptic.gaze import recordings
-from visuohaptic.gaze.recordings import find_recordings, read_recording
+from human_gaze import recordings
+from human_gaze.recordings import GazeError, find_recordings, read_recording
 
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 2, 0]])
 NORMALS = np.array([[0.0, 0, 2], [0, 3, 0], [1, 0, 0]])

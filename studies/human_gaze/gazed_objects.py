@@ -1,32 +1,44 @@
-"""One recorded object as the eye sees it: features in every view, and people's time on its points."""
+"""Recorded objects as the eye sees them: features in every view, and people's time on its points."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.attention.model import feature_planes, term_planes
+from human_gaze.alignment import align, grey_surface, reconstruct
+from human_gaze.peers import find_peer, read_peer
+from human_gaze.recordings import (
+    GazeError,
+    Recording,
+    RecordingFile,
+    find_recordings,
+    read_recording,
+)
+from human_gaze.surface_measures import GazedSurface
+from visuohaptic.attention.arrays import Plane
+from visuohaptic.attention.channels import prepare_view
+from visuohaptic.attention.model import reasons_to_skip, term_planes
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.attention.plain_filters import plain_filters
 from visuohaptic.attention.registry import CHANNELS, TERMS
-from visuohaptic.attention.surface_measures import GazedSurface
+from visuohaptic.attention.saliency import conspicuity_maps
 from visuohaptic.attention.terms import SEEN, prepare_surface
-from visuohaptic.errors import GazeError
-from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.places import draw_by_area, sees
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
-from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
-from visuohaptic.gaze.parameters import GazeParameters
-from visuohaptic.gaze.peers import find_peer, read_peer
-from visuohaptic.gaze.recordings import Recording, RecordingFile, read_recording
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.model_files import read_model
 from visuohaptic.meshes.preparing import normalise
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.seeds import spawn_generator
 
 FEATURES = (*CHANNELS, *TERMS)
@@ -44,6 +56,27 @@ MOST_EVALUATED = 4000
 AREA_SAMPLES = 100_000
 REACH = 3.0
 """Standard deviations at which the Gaussian that spreads time ends."""
+
+Track = Callable[[list[Any]], Iterable[Any]]
+
+
+@dataclass(frozen=True)
+class GazeSettings:
+    """How recordings are read and spread over the surface, and how weights are fitted to them.
+
+    Files above `largest_megabytes` (10⁶ bytes) are refused, and recordings of which a twentieth of the points
+    lies more than `largest_error` object radii off the mesh. `spread`, object radii, is the standard deviation
+    of the Gaussian that spreads time over the surface. Weights are fitted over `folds` parts of the objects,
+    held out in turn, with `penalty` on squared weights of standardised features. `peer` is a folder with
+    predictions of others.
+    """
+
+    peer: Path | None = None
+    largest_megabytes: float = 64.0
+    spread: float = 0.04
+    largest_error: float = 0.03
+    folds: int = 6
+    penalty: float = 0.001
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,38 +122,68 @@ class GazedObject:
         return total / np.maximum(self.visible.sum(axis=0), 1)[:, None]
 
 
+def look_at_folder(
+    folder: str | Path,
+    parameters: ExperimentParameters,
+    settings: GazeSettings,
+    processes: int = 1,
+    track: Track = iter,
+    *,
+    tests: bool = True,
+) -> list[GazedObject]:
+    """Look at every recorded object in a folder, by name; those for tests only if asked for.
+
+    Raises `GazeError` or `MeshError` for the first recording or mesh that can't be used.
+    """
+    from joblib import Parallel, delayed, parallel_config
+
+    files = [file for file in find_recordings(folder) if tests or not file.is_test]
+    if not files:
+        raise GazeError(f"{folder} has recordings for tests alone; others are needed.")
+    if settings.peer and not any(find_peer(settings.peer, file.name) for file in files):
+        raise GazeError(
+            f"{settings.peer} has no prediction for any recorded object; files such as {files[0].name}.ply "
+            "are."
+        )
+    # Each process would otherwise compute with as many threads as the caller's environment names.
+    with parallel_config(backend="loky", inner_max_num_threads=1):
+        jobs = Parallel(processes)(
+            delayed(look_at)(file, parameters, settings) for file in track(files)
+        )
+    return list(jobs)
+
+
 def look_at(
-    file: RecordingFile,
-    viewpoints: ViewpointParameters,
-    rendering: RenderingParameters,
-    attention: AttentionParameters,
-    gaze: GazeParameters,
-    seed: int,
+    file: RecordingFile, parameters: ExperimentParameters, settings: GazeSettings
 ) -> GazedObject:
     """Read a recording and its mesh, and look at the object from every viewpoint.
 
-    Raises `GazeError` where the recording can't be read or does not fit, and `MeshError` for the mesh.
+    Every channel runs, as its weight is what is fitted. Raises `GazeError` where the recording can't be read or
+    does not fit, and `MeshError` for the mesh.
     """
-    recording = read_recording(file.gaze, gaze.largest_megabytes)
+    seed = parameters.seed
+    recording = read_recording(file.gaze, settings.largest_megabytes)
     if file.mesh is None:
         raw = reconstruct(recording)
     else:
-        mesh = read_model(str(file.mesh), gaze.largest_megabytes)
+        mesh = read_model(str(file.mesh), settings.largest_megabytes)
         raw = grey_surface(mesh.vertices, mesh.faces)
     points = _recorded_points(recording, raw)
     surface = normalise(raw, file.name)
     caster = RayCaster(surface)
-    placed, error = align(points, caster, file.name, gaze.largest_error)
-    area, density = _spread(placed, recording.seconds, surface, gaze.spread, seed)
+    placed, error = align(points, caster, file.name, settings.largest_error)
+    area, density = _spread(placed, recording.seconds, surface, settings.spread, seed)
     generator = spawn_generator(seed, "gaze", file.name)
     count = min(MOST_EVALUATED, len(points))
     chosen = np.sort(generator.choice(len(points), count, replace=False))
-    cameras = place_cameras(viewpoints)
+    cameras = place_cameras(parameters.viewpoints)
     at = placed[chosen]
     sighted = np.stack([sees(caster, camera, placed) for camera in cameras])
     visible = sighted[:, chosen]
     front = spawn_generator(seed, "gaze front", file.name)
-    planes, shown = _feature_planes(caster, cameras, rendering, attention, front)
+    every = AttentionParameters.model_validate({"weights": "equal"}).weights
+    attention = parameters.attention.model_copy(update={"weights": every})
+    planes, shown = _planes_of_views(caster, cameras, parameters.rendering, attention, front)
     seen: Booleans = np.asarray(visible.any(axis=0))
     if not (density[chosen] * area[chosen])[seen].sum() > 0:
         raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
@@ -139,7 +202,7 @@ def look_at(
         is_reconstructed=file.mesh is None,
         seconds=float(recording.seconds.sum()),
         seen_share=float(recording.seconds[sighted.any(axis=0)].sum() / recording.seconds.sum()),
-        peer=_predicted_by_peer(at, caster, file.name, gaze),
+        peer=_predicted_by_peer(at, caster, file.name, settings),
     )
 
 
@@ -176,20 +239,20 @@ def _spread(
 
 
 def _predicted_by_peer(
-    points: Floats, caster: RayCaster, name: str, gaze: GazeParameters
+    points: Floats, caster: RayCaster, name: str, settings: GazeSettings
 ) -> Floats | None:
     from scipy.spatial import cKDTree
 
-    file = find_peer(gaze.peer, name) if gaze.peer else None
+    file = find_peer(settings.peer, name) if settings.peer else None
     if file is None:
         return None
-    theirs, values = read_peer(file, gaze.largest_megabytes)
-    placed, _ = align(theirs, caster, str(file), gaze.largest_error)
+    theirs, values = read_peer(file, settings.largest_megabytes)
+    placed, _ = align(theirs, caster, str(file), settings.largest_error)
     found: Floats = values[cKDTree(placed).query(points)[1]]
     return found
 
 
-def _feature_planes(
+def _planes_of_views(
     caster: RayCaster,
     cameras: list[Camera],
     rendering: RenderingParameters,
@@ -219,6 +282,29 @@ def _feature_planes(
         planes.append(np.stack([found[name] for name in COLUMNS]))
         shown.append(certainty > SEEN)
     return np.stack(planes), np.stack(shown)
+
+
+@plain_filters()
+def feature_planes(
+    colour: Plane,
+    mask: Booleans,
+    point: Floats,
+    normal: Floats,
+    curvature: Plane,
+    eye: Floats,
+    parameters: AttentionParameters,
+) -> tuple[dict[str, Plane], Plane]:
+    """Give `FEATURES` of one view, as `attend` takes it, and the share of each cell that shows the object.
+
+    These are planes (MAP_SIZE, MAP_SIZE), float32: every channel, zero where it has no weight, then every term.
+    """
+    skipped = reasons_to_skip(colour, mask, curvature, parameters)
+    ran = tuple(name for name in CHANNELS if name not in skipped)
+    maps = conspicuity_maps(prepare_view(colour, mask, curvature), ran, parameters)
+    seen = prepare_surface(mask, point, normal, eye)
+    nothing = np.zeros_like(seen.certainty)
+    planes = {name: maps.get(name, nothing) for name in CHANNELS}
+    return planes | term_planes(seen, TERMS), seen.certainty
 
 
 def _cells(camera: Camera, points: Floats, size: int) -> Integers:

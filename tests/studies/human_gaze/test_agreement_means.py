@@ -2,14 +2,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gaze.made_up import made_up_object
+from studies.human_gaze.made_up import made_up_object
 
-from visuohaptic.gaze.measuring import human_weights, measure_all
-from visuohaptic.gaze.parameters import GazeParameters
-from visuohaptic.gaze.predicting import PREDICTORS
-from visuohaptic.gaze.summary import beside_peer, summarise
+from human_gaze.agreement import human_weights, measure_all
+from human_gaze.agreement_means import beside_peer, summarise
+from human_gaze.gazed_objects import GazeSettings
+from human_gaze.predicting import PREDICTORS
 
-GAZE = GazeParameters(folds=2)
+SETTINGS = GazeSettings(folds=2)
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def objects():
 
 @pytest.fixture(scope="module")
 def table(objects):
-    return measure_all(objects, GAZE)
+    return measure_all(objects, SETTINGS)
 
 
 def test_a_planted_term_is_ahead_of_equal_weights_in_both_parts(table):
@@ -56,6 +56,6 @@ def test_means_are_those_of_the_rows_within_their_intervals_which_one_object_has
 
 def test_weights_are_fitted_to_training_objects_alone(objects):
     changed = [*objects[:-1], made_up_object("new", "edge", 3, is_test=True)]
-    first, second = human_weights(objects, GAZE), human_weights(changed, GAZE)
+    first, second = human_weights(objects, SETTINGS), human_weights(changed, SETTINGS)
     assert first == second
     assert "new" not in first["objects"]

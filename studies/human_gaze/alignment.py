@@ -6,8 +6,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from visuohaptic.errors import GazeError
-from visuohaptic.gaze.recordings import Recording
+from human_gaze.recordings import GazeError, Recording
 from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface

@@ -17,10 +17,12 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from visuohaptic.errors import GazeError
-from visuohaptic.gaze.parameters import GAZE_SUFFIXES
+from visuohaptic.errors import VisuohapticError
 from visuohaptic.geometry.arrays import Floats
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
+
+GAZE_SUFFIXES = (".txt", ".npz")
+"""How files of recorded gaze end."""
 
 MOST_POINTS = 1_000_000
 MOST_FILES = 10_000
@@ -32,6 +34,10 @@ _COLUMNS: dict[int, dict[str, int | slice]] = {
     7: {"points": _PLACE, "normals": _NORMAL, "seconds": 6},
     8: {"points": _PLACE, "normals": _NORMAL, "seconds": 6},
 }
+
+
+class GazeError(VisuohapticError):
+    """A recording of gaze can't be used, or does not belong to its mesh."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +73,7 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
     """
     folder = Path(folder)
     if not folder.is_dir():
-        raise GazeError(f"gaze.folder is {folder}, which is no folder.")
+        raise GazeError(f"{folder} is no folder; one with recordings of gaze is needed.")
     endings = (*GAZE_SUFFIXES, *MODEL_SUFFIXES)
     paths = (path for path in folder.rglob("*") if path.suffix.lower() in endings)
     files = sorted(islice(filter(Path.is_file, paths), MOST_FILES + 1))

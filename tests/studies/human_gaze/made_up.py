@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import trimesh
 
-from visuohaptic.attention import GazedSurface
-from visuohaptic.gaze.alignment import grey_surface
-from visuohaptic.gaze.looking import COLUMNS, GazedObject
+from human_gaze.alignment import grey_surface
+from human_gaze.gazed_objects import COLUMNS, GazedObject
+from human_gaze.surface_measures import GazedSurface
 
 SIZE, VIEWS, POINTS = 12, 4, 300
 

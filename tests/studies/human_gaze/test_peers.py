@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from visuohaptic.errors import GazeError
-from visuohaptic.gaze.peers import find_peer, read_peer
+from human_gaze.peers import find_peer, read_peer
+from human_gaze.recordings import GazeError
 
 # Of Matplotlib's `jet`, as 8-bit levels: its ends, and its middle.
 JET = np.array([[0, 0, 127], [127, 0, 0], [124, 255, 121]], dtype=np.uint8)
@@ -36,7 +36,7 @@ def test_a_prediction_is_found_by_the_object_s_name(tmp_path):
     assert find_peer(tmp_path, "egg") == tmp_path / "egg_pred.ply"
     assert find_peer(tmp_path, "cat") is None
 
-    with pytest.raises(GazeError, match=r"gaze\.peer is .*none"):
+    with pytest.raises(GazeError, match="none is no folder; one with a peer"):
         find_peer(tmp_path / "none", "egg")
 
 

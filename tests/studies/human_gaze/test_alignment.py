@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from visuohaptic.errors import GazeError
+from human_gaze.alignment import align, grey_surface, reconstruct
+from human_gaze.recordings import GazeError, Recording
 from visuohaptic.fixations.places import draw_by_area
-from visuohaptic.gaze.alignment import align, grey_surface, reconstruct
-from visuohaptic.gaze.recordings import Recording
 from visuohaptic.geometry.raycasting import RayCaster
 
 BOX = trimesh.creation.box(extents=(1.0, 0.6, 0.3)).subdivide().subdivide().subdivide()

@@ -10,9 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from visuohaptic.errors import GazeError
-from visuohaptic.gaze.parameters import GAZE_SUFFIXES
-from visuohaptic.gaze.recordings import MOST_POINTS, read_bounded, read_recording
+from human_gaze.recordings import (
+    GAZE_SUFFIXES,
+    MOST_POINTS,
+    GazeError,
+    read_bounded,
+    read_recording,
+)
 from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 
@@ -33,7 +37,7 @@ def find_peer(folder: str | Path, name: str) -> Path | None:
     """Give the file with the prediction for an object, None without; `GazeError` if there is no such folder."""
     folder = Path(folder)
     if not folder.is_dir():
-        raise GazeError(f"gaze.peer is {folder}, which is no folder.")
+        raise GazeError(f"{folder} is no folder; one with a peer's predictions is needed.")
     files = (
         folder / f"{name}{end}{suffix}" for end in ENDINGS for suffix in (".ply", *GAZE_SUFFIXES)
     )

@@ -5,8 +5,9 @@ import pytest
 from scipy.stats import entropy
 from sklearn.metrics import roc_auc_score
 
-from visuohaptic.attention import MEASURES, AttentionError, GazedSurface
-from visuohaptic.attention import surface_measures as measures
+from human_gaze import surface_measures as measures
+from human_gaze.recordings import GazeError
+from human_gaze.surface_measures import MEASURES, GazedSurface
 
 
 def drawn(seed, points=400, even=False):
@@ -83,7 +84,7 @@ def test_a_point_cut_in_two_of_half_the_area_changes_nothing_and_points_left_out
     expected = MEASURES[name](predicted, gazed)
     tolerance = 0.01 if name == "auc_top" else 1e-9  # the fifth may end within a pair
     assert MEASURES[name](np.tile(predicted, 2), halves) == pytest.approx(expected, abs=tolerance)
-    with pytest.raises(AttentionError, match="the prediction has shape"):
+    with pytest.raises(GazeError, match="the prediction has shape"):
         MEASURES[name](predicted, halves)
 
 
@@ -97,5 +98,5 @@ def test_a_point_cut_in_two_of_half_the_area_changes_nothing_and_points_left_out
     ],
 )
 def test_a_surface_that_can_not_be_measured_is_refused(density, area, seen, culprit):
-    with pytest.raises(AttentionError, match=culprit):
+    with pytest.raises(GazeError, match=culprit):
         GazedSurface(np.array(density), np.array(area), np.array(seen))

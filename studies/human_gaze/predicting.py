@@ -8,11 +8,10 @@ from typing import Literal
 
 import numpy as np
 
+from human_gaze.gazed_objects import COLUMNS, FEATURES, TURNING, GazedObject, GazeSettings
+from human_gaze.recordings import GazeError
+from human_gaze.surface_measures import correlation
 from visuohaptic.attention.registry import CHANNELS, TERMS
-from visuohaptic.attention.surface_measures import correlation
-from visuohaptic.errors import GazeError
-from visuohaptic.gaze.looking import COLUMNS, FEATURES, TURNING, GazedObject
-from visuohaptic.gaze.parameters import GazeParameters
 from visuohaptic.geometry.arrays import Floats
 
 MOST_FITTED = 1500
@@ -213,13 +212,13 @@ def assign_folds(objects: Sequence[GazedObject], folds: int) -> dict[str, int]:
 
 
 def weights_of(
-    objects: Sequence[GazedObject], predictor: Predictor, gaze: GazeParameters
+    objects: Sequence[GazedObject], predictor: Predictor, settings: GazeSettings
 ) -> dict[str, dict[str, float]]:
     """Give a predictor's weights by object: without the fold of a training object, of all for a test object."""
     if not predictor.is_fitted:
         return {one.name: dict.fromkeys(predictor.features, 1.0) for one in objects}
     training = [one for one in objects if not one.is_test]
-    fold_of = assign_folds(training, gaze.folds)
+    fold_of = assign_folds(training, settings.folds)
     held = {one.name: -1 if one.is_test else fold_of[one.family] for one in objects}
     found: dict[str, dict[str, float]] = {}
     for fold in sorted(set(held.values())):
@@ -227,8 +226,8 @@ def weights_of(
         others = [one for one in training if held[one.name] != fold]
         features = predictor.features
         if predictor.kind == "chosen":
-            features = choose_features(others, features, gaze.folds, gaze.penalty)
-        weights = fit_predictor(others, features, tested, gaze.penalty)
+            features = choose_features(others, features, settings.folds, settings.penalty)
+        weights = fit_predictor(others, features, tested, settings.penalty)
         found |= {one.name: weights for one in objects if held[one.name] == fold}
     return found
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Booleans, Floats
-from .errors import AttentionError
+from human_gaze.recordings import GazeError
+from visuohaptic.geometry.arrays import Booleans, Floats
 
 TOP_SHARE = 0.2
 """Share of the surface that counts as looked at in `area_under_curve_of_top`."""
@@ -25,7 +25,7 @@ SMALLEST_SHARE = 2.2204e-16
 class GazedSurface:
     """Points of a surface, shape (n,): time per area that people looked at each, its area, whether it is seen.
 
-    Raises `AttentionError` if shapes differ, a value is negative or not finite, or no time or area is seen.
+    Raises `GazeError` if shapes differ, a value is negative or not finite, or no time or area is seen.
     """
 
     density: Floats
@@ -34,15 +34,15 @@ class GazedSurface:
 
     def __post_init__(self) -> None:
         if not self.density.shape == self.area.shape == self.seen.shape or self.seen.ndim != 1:
-            raise AttentionError(
+            raise GazeError(
                 f"density, area and seen have shapes {self.density.shape}, {self.area.shape} and "
                 f"{self.seen.shape}; one (n,) is allowed."
             )
         for name, values in (("density", self.density), ("area", self.area)):
             if not (np.isfinite(values).all() and (values >= 0).all()):
-                raise AttentionError(f"{name} has values that are negative or not finite.")
+                raise GazeError(f"{name} has values that are negative or not finite.")
         if not (self.density * self.area)[self.seen].sum() > 0:
-            raise AttentionError("no seen point was looked at; at least one is needed.")
+            raise GazeError("no seen point was looked at; at least one is needed.")
 
     def weights(self) -> Floats:
         """Share of the seen area at each seen point, shape (k,)."""
@@ -55,9 +55,9 @@ class GazedSurface:
         return time / time.sum()
 
     def of_seen(self, predicted: NDArray[np.floating]) -> Floats:
-        """Give the prediction at the seen points; `AttentionError` if it does not fit them."""
+        """Give the prediction at the seen points; `GazeError` if it does not fit them."""
         if predicted.shape != self.density.shape or not np.isfinite(predicted).all():
-            raise AttentionError(
+            raise GazeError(
                 f"the prediction has shape {predicted.shape}; {self.density.shape} of finite "
                 "numbers is allowed."
             )

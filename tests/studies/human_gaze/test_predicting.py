@@ -1,12 +1,9 @@
 import numpy as np
 import pytest
-from gaze.made_up import made_up_object
+from studies.human_gaze.made_up import made_up_object
 
-from visuohaptic.attention import CHANNELS, MEASURES
-from visuohaptic.errors import GazeError
-from visuohaptic.gaze.looking import FEATURES
-from visuohaptic.gaze.parameters import GazeParameters
-from visuohaptic.gaze.predicting import (
+from human_gaze.gazed_objects import FEATURES, GazeSettings
+from human_gaze.predicting import (
     BY_NAME,
     PREDICTORS,
     Predictor,
@@ -16,10 +13,13 @@ from visuohaptic.gaze.predicting import (
     predict,
     weights_of,
 )
+from human_gaze.recordings import GazeError
+from human_gaze.surface_measures import MEASURES
+from visuohaptic.attention import CHANNELS
 
 HUMAN = BY_NAME["human"]
-GAZE = GazeParameters(folds=4)
-PENALTY = GAZE.penalty
+SETTINGS = GazeSettings(folds=4)
+PENALTY = SETTINGS.penalty
 
 
 def objects(planted, count=12, **settings):
@@ -34,7 +34,7 @@ def scores(made, weights, measure):
 @pytest.mark.parametrize("planted", ["curvature", "symmetry", "height", "relief_fine"])
 def test_a_planted_feature_is_found_on_objects_held_out(planted):
     made = objects(planted)
-    weights = weights_of(made, HUMAN, GAZE)
+    weights = weights_of(made, HUMAN, SETTINGS)
     for one in made:
         assert max(weights[one.name], key=weights[one.name].get) == planted
     assert min(scores(made, weights, "correlation")) > 0.8
@@ -56,7 +56,7 @@ def test_a_feature_that_people_avoid_gets_a_weight_below_zero_and_a_channel_none
 def test_shuffled_gaze_gives_chance():
     made = objects("curvature", 24, shuffled=True)
     # Where a point is seen from more views it has more of the prediction; gaze here does not.
-    weights = weights_of(made, HUMAN, GAZE)
+    weights = weights_of(made, HUMAN, SETTINGS)
     by_chance = scores(made, weights, "auc_top")
     error = np.std(by_chance) / np.sqrt(len(by_chance))
     assert abs(np.mean(by_chance) - 0.5) < 3 * error
@@ -67,7 +67,7 @@ def test_weights_do_not_depend_on_the_object_held_out(name, folds):
     made = objects("curvature", 6)
     other = [*made[:-1], made_up_object(made[-1].name, "height", 99)]
     first, second = (
-        weights_of(some, BY_NAME[name], GazeParameters(folds=folds))[made[-1].name]
+        weights_of(some, BY_NAME[name], GazeSettings(folds=folds))[made[-1].name]
         for some in (made, other)
     )
     assert first == second

@@ -1,1 +1,0 @@
-"""Gaze: recordings of where people looked on objects → how well attention predicts it."""

@@ -1,0 +1,1 @@
+"""Recordings of where people looked on objects → how well the attention model predicts it."""

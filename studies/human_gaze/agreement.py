@@ -1,0 +1,112 @@
+"""The table of agreement: every prediction compared with people on every object."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from human_gaze.gazed_objects import GazedObject, GazeSettings
+from human_gaze.predicting import BY_NAME, PREDICTORS, fit_predictor, predict, weights_of
+from human_gaze.recordings import GazeError
+from human_gaze.surface_measures import MEASURES
+from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.tables.schema import REAL, TEXT, Column, Schema, build_rows
+from visuohaptic.whole_files import write_whole
+
+AGREEMENT = Schema(
+    "gaze",
+    (
+        Column("object", TEXT, "name of the recorded object"),
+        Column("predictor", TEXT, "what predicts where people look"),
+    ),
+    (
+        Column("part", TEXT, "training: weights were fitted without the object's fold; test: on training"),
+        Column("correlation", REAL, "Pearson's correlation over the seen area (CC)", "1", -1.0001, 1.0001),
+        Column("auc_top", REAL, "area under the curve, most looked at fifth against the rest", "1", 0, 1.0001),
+        Column("auc_gaze", REAL, "area under the curve, by time against by area (Judd)", "1", 0, 1.0001),
+        Column("normalised_saliency", REAL, "mean where people looked, in deviations (NSS)", "1"),
+        Column("divergence", REAL, "Kullback-Leibler divergence (KL)", "nats", -0.001),
+        Column("similarity", REAL, "time that prediction and people share (SIM)", "1", 0, 1.0001),
+        Column("alignment_error", REAL, "distance off the mesh within which 95 % of the points lie", "object radii", 0),
+        Column("reconstructed", pa.bool_(), "whether the surface was made from the recorded points"),
+        Column("gaze_seconds", REAL, "time that people looked at the object", "s", 0),
+        Column("seen_share", REAL, "share of that time on what a viewpoint sees", "1", 0, 1.0001),
+        Column("digest", TEXT, "SHA-256 of the recording"),
+    ),
+)  # fmt: skip
+
+
+def measure_all(objects: Sequence[GazedObject], settings: GazeSettings) -> pa.Table:
+    """Compare every predictor with people on every object: rows of `AGREEMENT`.
+
+    Raises `GazeError` where too few objects are there to hold some of them out.
+    """
+    families = {one.family for one in objects if not one.is_test}
+    if len(families) < settings.folds:
+        raise GazeError(
+            f"{len(families)} different objects are there to fit weights to; for {settings.folds} folds, "
+            "as many are needed."
+        )
+    rows: list[dict[str, object]] = []
+    for predictor in PREDICTORS:
+        weights = weights_of(objects, predictor, settings)
+        for one in objects:
+            if predictor.kind == "peer" and one.peer is None:
+                continue
+            values = predict(one, predictor, weights[one.name])
+            rows.append(
+                {
+                    "object": one.name,
+                    "predictor": predictor.name,
+                    "part": "test" if one.is_test else "training",
+                    **{name: measure(values, one.gazed) for name, measure in MEASURES.items()},
+                    "alignment_error": one.error,
+                    "reconstructed": one.is_reconstructed,
+                    "gaze_seconds": one.seconds,
+                    "seen_share": one.seen_share,
+                    "digest": one.digest,
+                }
+            )
+    return build_rows(AGREEMENT, rows)
+
+
+def human_weights(objects: Sequence[GazedObject], settings: GazeSettings) -> dict[str, Any]:
+    """Fit all channels and terms to all training objects, as strategy ``human`` takes them.
+
+    Beside ``channels`` and ``terms`` are the ``objects`` fitted to, and ``sha256`` of their recordings.
+    """
+    training = sorted((one for one in objects if not one.is_test), key=lambda one: one.name)
+    tested = {one.family for one in objects if one.is_test}
+    weights = fit_predictor(training, BY_NAME["human"].features, tested, settings.penalty)
+    rounded = {name: float(np.round(weight, 4)) for name, weight in weights.items()}
+    digest = hashlib.sha256("".join(one.digest for one in training).encode()).hexdigest()
+    return {
+        "channels": {name: rounded[name] for name in CHANNELS},
+        "terms": {name: value for name, value in rounded.items() if name not in CHANNELS},
+        "objects": [one.name for one in training],
+        "sha256": digest,
+    }
+
+
+def write_weights(
+    objects: Sequence[GazedObject],
+    settings: GazeSettings,
+    path: str | Path,
+    command: str,
+    source: str,
+) -> None:
+    """Write what `human_weights` fits, with its origin, as JSON: the form of ``attention/human_weights.json``."""
+    found: dict[str, Any] = {
+        "source": source,
+        "date": datetime.now(UTC).date().isoformat(),
+        "command": command,
+        **human_weights(objects, settings),
+    }
+    write_whole(path, json.dumps(found, indent=2) + "\n")
