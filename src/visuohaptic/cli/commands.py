@@ -14,7 +14,6 @@ from visuohaptic.cli import (
     explore,
     export,
     gaze,
-    images,
     meshes,
     press,
     report,
@@ -29,7 +28,7 @@ app = typer.Typer(
 )
 for command in (
     *(explore.touch, explore.recognise, press.press, evaluate.evaluate, report.report),
-    *(compare.compare, export.export, images.images, gaze.gaze),
+    *(compare.compare, export.export, gaze.gaze),
 ):
     app.command()(command)
 app.add_typer(meshes.app, name="meshes")
