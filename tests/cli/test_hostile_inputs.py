@@ -82,7 +82,6 @@ WRONG = [
     ((*RING, "--strategy", "guess"), "'guess' is no strategy of touch; fixation, random"),
     ((*RING, "--strategy", "adaptive"), "for it is for curves only"),
     ((*RING, "--viewpoints", "0"), "--viewpoints"),
-    ((*RING, "--budget", "fast", "--viewpoints", "2"), "--viewpoints 2 is another"),
     (("touch", "one/a.obj", "two/a.obj"), "would both be written to touched/a"),
     ((*RING, "--out", ""), "the name is empty; a folder is needed"),
     ((*RING, "--out", "ring.obj/x"), "is a file; a folder is needed"),
