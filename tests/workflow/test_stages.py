@@ -58,8 +58,6 @@ def test_a_stage_names_the_parameters_and_tables_of_its_phase(phase):
 
 # Other studies are made on request; studies/dvc.yaml has their stages.
 ASIDE = {
-    "workflow/scripts/export.py",
-    "workflow/scripts/crate.py",
     "workflow/scripts/gaze.py",
     "workflow/scripts/figures_of_study.py",
 }
