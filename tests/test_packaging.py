@@ -31,7 +31,7 @@ OF_AN_EXTRA = {
     for folder, start, extra, refusing in (
         ("src/visuohaptic", "geometry/compiled_open3d.py", "open3d", "geometry/compiled_open3d.py"),
         ("src/visuohaptic", "report/", "report", "cli/report.py"),
-        ("src/visuohaptic", "report/measured_runs.py", "workflow", "report/measured_runs.py"),
+        ("src/visuohaptic", "report/compare_runs.py", "workflow", "report/compare_runs.py"),
         ("src/visuohaptic", "meshes/collada.py", "formats", "meshes/catalogue.py"),
         ("src/visuohaptic", "meshes/claims.py", "formats", "meshes/catalogue.py"),
     )

@@ -87,7 +87,6 @@ WRONG = [
     ((*RING, "--out", "ring.obj/x"), "is a file; a folder is needed"),
     ((*RING, "--out", "/proc/x"), "/proc/x can't be written"),
     (("report", "gone", "--out", "ring.obj"), "is a file; a folder is needed"),
-    (("compare", "a", "b", "--out", "ring.obj"), "is a file; a folder is needed"),
 ]
 
 

@@ -15,7 +15,6 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.gaze.summary import summarise
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import look
-from visuohaptic.report.estimates import Figure
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import strategy_place
 from visuohaptic.stability.rows import result_table
@@ -53,7 +52,6 @@ def test_every_axis_has_a_name(metrics, curves):
     for figure in (
         figures.comparison(metrics),
         figures.conditions(curves),
-        figures.runs(["naive Bayes"], {"A": [Figure(0.5, 0.4, 0.6)]}),
         figures.touches_needed(curves),
         figures.coverage(certainty_table()),
         figures.cost(cost_table(POINTS)),

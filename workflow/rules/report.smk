@@ -46,6 +46,10 @@ rule metrics:
         key=key_of_job,
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
+        # Those that no accuracy depends on are left out.
+        parameters=PARAMETERS.model_dump(
+            mode="json", exclude={"workflow", "cost", "gaze"}
+        ),
     message:
         "summing up the scores, and guarding the sums"
     script:

@@ -15,6 +15,7 @@ with job(snakemake):
         confusion=snakemake.output.confusion,
         intervals=IntervalParameters(**snakemake.params.intervals),
         seed=snakemake.params.seed,
+        parameters=snakemake.params.parameters,
     )
     # In the same job: the report waits for both, and another start takes as long as the guards.
     make_guards(

@@ -210,10 +210,7 @@ def _each(
     *remarks: str,
     as_json: bool,
 ) -> None:
-    """Work on one mesh after the other, and print its lines, or all values as JSON; one of several may fail.
-
-    After the lines come the remarks, and the number of touches with the seconds of all phases.
-    """
+    """Print each mesh's lines, the remarks and the seconds, or all values as JSON; one of several may fail."""
     from visuohaptic.errors import VisuohapticError
     from visuohaptic.optional_packages import keep_pandas_out
 

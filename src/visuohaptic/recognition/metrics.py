@@ -29,12 +29,17 @@ def make_metrics(
     confusion: str | Path,
     intervals: IntervalParameters,
     seed: int,
+    parameters: Mapping[str, Any],
 ) -> None:
-    """Write the metrics file, its headline and two plot tables; they hold no seconds, so a rerun gives the same bytes."""
+    """Write the metrics file, its headline and two plot tables; they hold no seconds, so a rerun gives the same bytes.
+
+    The metrics file names the `parameters` of the run, so that it can be compared with others.
+    """
     predicted = read_table(PREDICTIONS, predictions)
     summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, seed))
     Path(metrics).parent.mkdir(parents=True, exist_ok=True)
-    for path, values in ((metrics, summary), (headline, headline_of(summary))):
+    held = {**summary, "parameters": parameters}
+    for path, values in ((metrics, held), (headline, headline_of(summary))):
         Path(path).write_text(json.dumps(values, indent=2, sort_keys=True) + "\n", encoding="utf-8")
     _write_csv(accuracy, _accuracy_rows(summary))
     _write_csv(confusion, _confusion_rows(predicted))

@@ -98,13 +98,6 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
 
 
 @style()
-def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]]) -> Figure:
-    """Draw figures of several runs side by side: `names` of the rows, and a run's estimates by its label."""
-    series = [Series(label, place, row) for place, (label, row) in enumerate(estimates.items())]
-    return _draw_intervals(names, "classifier", series)
-
-
-@style()
 def touches_needed(table: Rows) -> Figure:
     """Draw accuracy against touches by strategy: rows of study ``curves``, of one pipeline and classifier."""
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
