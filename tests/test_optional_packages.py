@@ -13,7 +13,7 @@ from source_folders import PYTHONPATH, link_installed
 
 from visuohaptic import optional_packages
 from visuohaptic.errors import MissingPackageError
-from visuohaptic.report.measured_runs import read_measured_run
+from visuohaptic.report.compare_runs import read_metrics
 
 ROOT = Path(__file__).parents[1]
 
@@ -70,17 +70,20 @@ for module in pkgutil.walk_packages(visuohaptic.__path__, "visuohaptic."):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("arguments", [("report", "."), ("compare", "a.json", "b.json")])
-def test_a_command_of_the_report_says_which_extra_to_install(run_in_core, arguments):
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("report", "."), "jinja2, matplotlib and plotly are not installed; `{}` brings them.\n"),
+        (("compare", "a.json", "b.json"), "pandas is not installed; `{}` brings it.\n"),
+    ],
+)
+def test_a_command_of_the_report_says_which_extra_to_install(run_in_core, arguments, sentence):
     done = run_in_core(COMMAND, *arguments)
     assert (done.returncode, done.stdout) == (1, "")
-    sentence = (
-        "error: jinja2, matplotlib and plotly are not installed; `pip install '{}'` brings them.\n"
-    )
-    assert done.stderr == sentence.format("visuohaptic[report]")
+    assert done.stderr == "error: " + sentence.format("pip install 'visuohaptic[report]'")
 
 
 def test_an_experiment_of_dvc_says_which_extra_to_install(monkeypatch):
     monkeypatch.setattr(optional_packages, "find_spec", lambda name: None)
     with pytest.raises(MissingPackageError, match=r"^dvc is not .*visuohaptic\[workflow\]"):
-        read_measured_run(Path("experiment"))
+        read_metrics("experiment")

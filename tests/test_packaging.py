@@ -22,7 +22,7 @@ TO_RUN = [
 ]
 TO_DEVELOP = [
     *TO_RUN,
-    *(wanted for name in ("crate", "s3", "dev") for wanted in EXTRAS[name]),
+    *(wanted for name in ("s3", "dev") for wanted in EXTRAS[name]),
 ]
 OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.
@@ -31,10 +31,9 @@ OF_AN_EXTRA = {
     for folder, start, extra, refusing in (
         ("src/visuohaptic", "geometry/compiled_open3d.py", "open3d", "geometry/compiled_open3d.py"),
         ("src/visuohaptic", "report/", "report", "cli/report.py"),
-        ("src/visuohaptic", "report/measured_runs.py", "workflow", "report/measured_runs.py"),
+        ("src/visuohaptic", "report/compare_runs.py", "workflow", "report/compare_runs.py"),
         ("src/visuohaptic", "meshes/collada.py", "formats", "meshes/catalogue.py"),
         ("src/visuohaptic", "meshes/claims.py", "formats", "meshes/catalogue.py"),
-        ("workflow/lib/visuohaptic_workflow", "crate.py", "crate", "crate.py"),
     )
 }
 # What comes with a package that is asked for and is imported beside it: versions that fit are its business.
@@ -115,7 +114,7 @@ def imports_without_a_requirement():
         extras = extras_of(path)
         of_extras = (one for extra in extras for one in EXTRAS[extra])
         allowed = names_of([*PROJECT["project"]["dependencies"], *of_extras])
-        if not extras & {"crate", "formats"}:
+        if "formats" not in extras:
             allowed &= locked
         for name in imported_packages(path):
             # What isn't installed can only be looked for by the name imported.

@@ -1,13 +1,11 @@
-"""The report and the comparison in a real browser, as different readers meet them."""
+"""The report in a real browser, as different readers meet them."""
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from browser.conftest import DESK, PHONE, SCREENSHOTS
 from report.synthetic import PARAMETERS, write_run
 
-from visuohaptic.report.measured_runs import read_measured_run
 from visuohaptic.report.page import make_report
-from visuohaptic.report.run_comparison import compare_runs, render_comparison
 
 pytestmark = pytest.mark.slow
 EVIL = "cup/../../<script>alert(1)</script>"
@@ -27,17 +25,10 @@ EVERY_READER = pytest.mark.parametrize(
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A report with everything on it, names that mean harm among them, and a comparison."""
+    """A report with everything on it, names that mean harm among them."""
     folder = tmp_path_factory.mktemp("pages")
     files = write_run(folder, NAMES, pipelines=("paper", "best"))
     make_report(files, folder / "report.html", PARAMETERS, [*NAMES, "cup/lost"])
-    before = folder / "before"
-    sensor = PARAMETERS.sensor.model_copy(update={"largest_size": 0.2})
-    other = PARAMETERS.model_copy(update={"sensor": sensor})
-    make_report(write_run(before, NAMES[:2]), before / "report.html", other, NAMES[:2])
-    runs = [read_measured_run(place / "report.html") for place in (before, folder)]
-    (folder / "comparison.html").write_text(render_comparison(compare_runs(runs)))
-    assert {file.name for file in folder.glob("*.html")} == {"report.html", "comparison.html"}
     return folder
 
 
@@ -57,12 +48,11 @@ def sideways(page):
     return page.evaluate("document.documentElement.scrollWidth - innerWidth")
 
 
-@pytest.mark.parametrize("name", ["report", "comparison"])
 @EVERY_READER
-def test_every_reader_finds_a_page_without_barriers(visit, keep, folder, name, reader):
+def test_every_reader_finds_a_page_without_barriers(visit, keep, folder, reader):
     scheme, viewport, rules = READERS[reader]
-    page = visit(folder / f"{name}.html", scheme, viewport)
-    keep(page, f"{name}_{reader}", full_page=name == "comparison")
+    page = visit(folder / "report.html", scheme, viewport)
+    keep(page, f"report_{reader}")
     assert sideways(page) <= 0
     unfold(page)
     assert sideways(page) <= 0

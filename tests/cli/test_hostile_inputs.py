@@ -82,13 +82,11 @@ WRONG = [
     ((*RING, "--strategy", "guess"), "'guess' is no strategy of touch; fixation, random"),
     ((*RING, "--strategy", "adaptive"), "for only study touch_curves can use it"),
     ((*RING, "--viewpoints", "0"), "--viewpoints"),
-    ((*RING, "--budget", "fast", "--viewpoints", "2"), "--viewpoints 2 is another"),
     (("touch", "one/a.obj", "two/a.obj"), "would both be written to touched/a"),
     ((*RING, "--out", ""), "the name is empty; a folder is needed"),
     ((*RING, "--out", "ring.obj/x"), "is a file; a folder is needed"),
     ((*RING, "--out", "/proc/x"), "/proc/x can't be written"),
     (("report", "gone", "--out", "ring.obj"), "is a file; a folder is needed"),
-    (("compare", "a", "b", "--out", "ring.obj"), "is a file; a folder is needed"),
 ]
 
 

@@ -56,8 +56,16 @@ def digest_run(folder: Path) -> Digests:
     for name in METRICS:
         path = folder / "reports" / name
         if path.is_file():
-            found[f"reports/{name}"] = {"bytes": hashlib.sha256(path.read_bytes()).hexdigest()}
+            found[f"reports/{name}"] = {"bytes": hashlib.sha256(_figures(path)).hexdigest()}
     return found
+
+
+def _figures(path: Path) -> bytes:
+    """Read a file of figures without the parameters that it names, which may be others for the same figures."""
+    held = json.loads(path.read_bytes())
+    if held.pop("parameters", None) is None:
+        return path.read_bytes()
+    return (json.dumps(held, indent=2, sort_keys=True) + "\n").encode()
 
 
 def read_tables(results: Path) -> dict[str, pa.Table]:

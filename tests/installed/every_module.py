@@ -12,7 +12,6 @@ import visuohaptic_workflow
 # What needs an extra that `make` does not bring refuses in a sentence before it imports these.
 OF_AN_EXTRA = {
     "visuohaptic.meshes.collada",
-    "visuohaptic_workflow.crate",
 }
 
 

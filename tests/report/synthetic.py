@@ -61,7 +61,8 @@ def write_run(
     make_pictures(by_object, *tables, paths["pictures"], shown=objects, faces=4000)
     metrics = folder / "reports/metrics.json"
     metrics.parent.mkdir()
-    metrics.write_text(json.dumps(summarise(scores, predictions)))
+    parameters = PARAMETERS.model_dump(mode="json")
+    metrics.write_text(json.dumps({**summarise(scores, predictions), "parameters": parameters}))
     return RunFiles(
         metrics=metrics,
         **{name: [path] for name, path in paths.items()},

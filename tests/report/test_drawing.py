@@ -9,7 +9,6 @@ import pytest
 
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import COLOURS, inline_svg, write_svg
-from visuohaptic.report.estimates import Figure
 
 STYLE = files("visuohaptic.report").joinpath("templates", "style.css").read_text("utf-8")
 LIGHT, DARK = (
@@ -19,7 +18,11 @@ LIGHT, DARK = (
 
 
 def chart():
-    return figures.runs(["a"], {"A": [Figure(0.5, 0.4, 0.6)], "B": [Figure(1.0, 0.7, 1.0)]})
+    names = ("strategy", "accuracy", "low", "high")
+    found = ("fixation", 0.5, 0.4, 0.6), ("random", 1.0, 0.7, 1.0)
+    return figures.conditions(
+        [{"condition": "a", **dict(zip(names, row, strict=True))} for row in found]
+    )
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,6 @@ from visuohaptic.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import look
-from visuohaptic.report.estimates import Figure
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import strategy_place
 from visuohaptic.stability.rows import result_table
@@ -49,7 +48,6 @@ def test_every_axis_has_a_name(metrics, measured):
     for figure in (
         figures.comparison(metrics),
         figures.conditions(measured),
-        figures.runs(["naive Bayes"], {"A": [Figure(0.5, 0.4, 0.6)]}),
         figures.cost(cost_table(POINTS)),
         figures.stability(result_table([GRAZING, EXACT], "cup/mug")),
         figures.bands([0.1, 0.4]),

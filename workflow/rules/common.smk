@@ -30,7 +30,6 @@ from visuohaptic.parameters import (
 )
 from visuohaptic.pipeline import OF_OBJECT, needed_from, phase as phase_of
 from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
-from visuohaptic.report.provenance import find_commit
 from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end, put_aside

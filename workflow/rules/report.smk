@@ -54,6 +54,8 @@ rule metrics:
         key=key_of_job,
         intervals=PARAMETERS.recognition.intervals.model_dump(),
         seed=PARAMETERS.seed,
+        # Those that no accuracy depends on are left out.
+        parameters=PARAMETERS.model_dump(mode="json", exclude={"workflow", "cost"}),
     message:
         "summing up the scores"
     script:

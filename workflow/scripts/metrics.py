@@ -13,4 +13,5 @@ with job(snakemake):
         confusion=snakemake.output.confusion,
         intervals=IntervalParameters(**snakemake.params.intervals),
         seed=snakemake.params.seed,
+        parameters=snakemake.params.parameters,
     )

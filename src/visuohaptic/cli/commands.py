@@ -13,7 +13,6 @@ from visuohaptic.cli import (
     evaluate,
     explore,
     export,
-    images,
     meshes,
     press,
     report,
@@ -29,7 +28,7 @@ app = typer.Typer(
 )
 for command in (
     *(explore.touch, explore.recognise, press.press, evaluate.evaluate, report.report),
-    *(compare.compare, export.export, images.images, tables.tables),
+    *(compare.compare, export.export, tables.tables),
 ):
     app.command()(command)
 app.add_typer(meshes.app, name="meshes")

@@ -1,4 +1,4 @@
-"""`visuohaptic compare`: one page of what differs between runs."""
+"""`visuohaptic compare`: parameters and accuracies in which runs differ, as a table."""
 
 from __future__ import annotations
 
@@ -7,47 +7,45 @@ from typing import Annotated
 
 import typer
 
-from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
+from visuohaptic.cli.printing import JsonOption, say, say_json
 from visuohaptic.optional_packages import require
-from visuohaptic.whole_files import write_whole
 
-PAGE = "comparison.html"
+RunsArgument = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="A B...", help="Metrics, runs' folders, DVC experiments, Git revisions."
+    ),
+]
 
 
 def compare(
-    runs: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="A B...", help="Metrics files, reports, folders of runs, or DVC experiments."
-        ),
-    ] = None,
+    runs: RunsArgument = None,
     experiments: Annotated[  # noqa: FBT002
         bool, typer.Option("--experiments", help="Add all experiments that DVC keeps.")
     ] = False,
-    out: Annotated[Path, typer.Option(parser=folder_to_write, help="Folder for the page.")] = Path(
-        "comparison"
-    ),
+    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table to a file.")] = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Write one page of what differs between runs: each is compared with the first.
+    """Compare runs with the first: changed parameters, accuracies, and paired differences over objects.
 
-    It shows parameters, code, packages, machine, seconds, and accuracies with intervals. All but
-    the accuracies come from the report.html beside the metrics; without one, parameters come from a
-    params.yaml beside them or a folder above.
-
-    Example: visuohaptic compare before/reports/metrics.json reports/metrics.json --out comparison
+    Example: visuohaptic compare before.json reports/metrics.json --csv runs.csv
     """
-    require("report", "jinja2", "matplotlib", "plotly")
-    from visuohaptic.report.measured_runs import list_experiments, read_measured_run
-    from visuohaptic.report.run_comparison import compare_runs, render_comparison
+    require("report", "pandas")
+    from visuohaptic.report.compare_runs import (
+        compare_runs,
+        list_experiments,
+        read_metrics,
+        write_lines,
+    )
+    from visuohaptic.whole_files import write_whole
 
     sources = [*(runs or ()), *(list_experiments() if experiments else ())]
-    found = compare_runs([read_measured_run(source) for source in sources])
-    page = out / PAGE
-    write_whole(page, render_comparison(found))
+    table = compare_runs([read_metrics(source) for source in sources])
+    table["source"] = [sources[ord(run) - ord("A")] for run in table.run]
+    if csv is not None:
+        write_whole(csv, table.to_csv(index=False))
     if as_json:
-        say_json(vars(found) | {"page": page})
+        say_json(table.astype(object).where(table.notna(), None).to_dict("records"))
         return
-    for sentence in found.verdicts:
-        say(sentence)
-    say(f"  {page}")
+    for line in write_lines(table):
+        say(line.rstrip())

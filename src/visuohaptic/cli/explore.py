@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
@@ -21,7 +22,6 @@ from visuohaptic.cli.printing import (
 )
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.studies.cost.budgets import BudgetName
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, Recognition
@@ -63,18 +63,11 @@ UnitOption = Annotated[
         "--unit", help="The files' unit of length: effects then know the objects' real size."
     ),
 ]
-BudgetOption = Annotated[
-    BudgetName | None,
-    typer.Option(
-        "--budget", help="Viewpoints for the time that you have, instead of --viewpoints."
-    ),
-]
 
 
 def touch(
     meshes: MeshesArgument,
     viewpoints: ViewpointsOption = None,
-    budget: BudgetOption = None,
     strategy: StrategyOption = "fixation",
     up: UpOption = None,
     unit: UnitOption = None,
@@ -102,9 +95,8 @@ def touch(
     folders = _folders(meshes, out)
     chosen = as_parameters(None) if parameters is None else read_parameters(parameters)
     _check_strategy(strategy)
-    viewpoints = _viewpoints(viewpoints, budget)
 
-    def touch_one(mesh: Path) -> tuple[Mapping[str, object], list[str]]:
+    def touch_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
         found = _explore(mesh, up, unit, viewpoints, strategy, chosen)
         files = found.save(folders[mesh])
         touches, views = found.touches.num_rows, found.views.num_rows
@@ -119,9 +111,8 @@ def touch(
             "out": folders[mesh],
             "files": files,
         }
-        said = f"{mesh}: {touches} touches from {views} viewpoints by {found.strategy}"
         return values, [
-            f"{said}, {_seconds(found.seconds)}",
+            f"{mesh}: {touches} touches from {views} viewpoints by {found.strategy}",
             *_line_on_up(up, found),
             *(f"  {file}" for file in files),
         ]
@@ -140,7 +131,6 @@ def recognise(
         ),
     ] = None,
     viewpoints: ViewpointsOption = None,
-    budget: BudgetOption = None,
     up: UpOption = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
@@ -153,12 +143,11 @@ def recognise(
     """
     from visuohaptic.exploration.recognising import read_recogniser
 
-    viewpoints = _viewpoints(viewpoints, budget)
     chosen_model = model or default_model()
     recogniser = read_recogniser(chosen_model)
     strategy, chosen = recogniser.model.strategy, recogniser.parameters
 
-    def recognise_one(mesh: Path) -> tuple[Mapping[str, object], list[str]]:
+    def recognise_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
         made = _explore(mesh, up, None, viewpoints, strategy, chosen)
         found, views = made.recognise(recogniser), made.views.num_rows
         values = {
@@ -176,27 +165,23 @@ def recognise(
             "touched": made.touches.select(_TOUCH_COLUMNS).to_pylist(),
             "seconds": dict(found.seconds),
         }
-        said = f"{found.touches} touches from {views} viewpoints by {strategy}"
         return values, [
             _answer_line(mesh, found),
             *(f"  {name:<20} {100 * value:5.1f} %" for name, value in found.probabilities.items()),
             *_line_on_up(up, made),
-            f"{said}, {_seconds(found.seconds)}",
+            f"  {found.touches} touches from {views} viewpoints by {strategy}",
         ]
 
-    _each(meshes, recognise_one, as_json=as_json)
-    if not as_json:
-        learnt, classes = len(recogniser.model.objects), len(recogniser.model.classes)
-        classifier = recogniser.model.classifier.replace("_", " ")
-        limits = (
-            "an object of another class is classified as one of these all the same"
-            if recogniser.model.calibration is None
-            else "an object that is stranger than nearly all of these is called unknown, and sets "
-            "hold the class as often as stated for objects like these"
-        )
-        say(
-            f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; {limits}"
-        )
+    learnt, classes = len(recogniser.model.objects), len(recogniser.model.classes)
+    classifier = recogniser.model.classifier.replace("_", " ")
+    limits = (
+        "an object of another class is classified as one of these all the same"
+        if recogniser.model.calibration is None
+        else "an object that is stranger than nearly all of these is called unknown, and sets "
+        "hold the class as often as stated for objects like these"
+    )
+    of_model = f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; {limits}"
+    _each(meshes, recognise_one, of_model, as_json=as_json)
 
 
 def _line_on_up(up: str | None, found: Exploration) -> list[str]:
@@ -221,16 +206,16 @@ def _answer_line(mesh: Path, found: Recognition) -> str:
 
 def _each(
     meshes: list[Path],
-    work: Callable[[Path], tuple[Mapping[str, object], list[str]]],
-    *,
+    work: Callable[[Path], tuple[Mapping[str, Any], list[str]]],
+    *remarks: str,
     as_json: bool,
 ) -> None:
-    """Work on one mesh after the other, and print its lines, or all values as JSON; one of several may fail."""
+    """Print each mesh's lines, the remarks and the seconds, or all values as JSON; one of several may fail."""
     from visuohaptic.errors import VisuohapticError
     from visuohaptic.optional_packages import keep_pandas_out
 
     keep_pandas_out()
-    found: list[Mapping[str, object]] = []
+    found: list[Mapping[str, Any]] = []
     for mesh in meshes:
         try:
             values, lines = work(mesh)
@@ -244,6 +229,9 @@ def _each(
             say(line)
     if as_json:
         say_json(found[0] if len(meshes) == 1 else found)
+    elif found:
+        for line in (*remarks, _touches_and_seconds(found)):
+            say(line)
     if len(found) < len(meshes):
         raise typer.Exit(1)
 
@@ -279,20 +267,6 @@ def _check_strategy(name: str) -> None:
         )
 
 
-def _viewpoints(viewpoints: int | None, budget: BudgetName | None) -> int | None:
-    """Give the number of viewpoints that was asked for, in one way or the other."""
-    if budget is None:
-        return viewpoints
-    if viewpoints is not None:
-        raise typer.BadParameter(
-            f"it stands for a number of viewpoints, and --viewpoints {viewpoints} is another.",
-            param_hint="--budget",
-        )
-    from visuohaptic.studies.cost.budgets import budgets
-
-    return budgets()[budget]["viewpoints"]
-
-
 def _explore(
     mesh: Path,
     up: str | None,
@@ -309,6 +283,9 @@ def _explore(
     return ready.touch(viewpoints, strategy, parameters, track)
 
 
-def _seconds(seconds: Mapping[str, float]) -> str:
-    parts = ", ".join(f"{phase} {value:.2f}" for phase, value in seconds.items())
-    return f"{sum(seconds.values()):.2f} s ({parts})"
+def _touches_and_seconds(found: list[Mapping[str, Any]]) -> str:
+    touches, seconds = sum(one["touches"] for one in found), Counter[str]()
+    for one in found:
+        seconds.update(one["seconds"])
+    phases = ", ".join(f"{phase} {value:.2f}" for phase, value in seconds.items())
+    return f"{touches} touches in {seconds.total():.1f} s ({phases})"

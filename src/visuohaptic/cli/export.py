@@ -1,59 +1,146 @@
-"""`visuohaptic export`: a finished run's touches as a data set that other tools read."""
+"""`visuohaptic export`: the touches and features of a finished run as a data set for Hugging Face `datasets`."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
 
+if TYPE_CHECKING:
+    from visuohaptic.meshes.catalogue import Credit
+
+ROWS = 1024
+"""Touches in memory at a time, and in a row group: 4 MB of imprints of 32 × 32."""
+
+CREDITS = ("meshes/catalogue.csv", "meshes/paper/credits.csv")
+
+_KNOWN = ("cc0-1.0", "cc-by-3.0", "cc-by-4.0", "unknown")  # to the Hub
+
+_CARD = """
+# Touches of 3D objects
+
+{touches} simulated tactile imprints of {objects} objects in {classes} classes, made by visuohaptic: objects were looked at
+and touched where the eye would fixate, after G. Rouhafzay and A.-M. Cretu, *A Visuo-Haptic Framework for Object
+Recognition Inspired from Human Tactile Perception*, Proceedings 4(1):47, 2018.
+
+```python
+from datasets import load_dataset
+
+touches = load_dataset("FOLDER", "touches", split="train").with_format("numpy")
+features = load_dataset("FOLDER", "features", split="train").to_pandas()
+```
+
+One row per touch in both; `class`, `object`, `viewpoint`, `strategy` and `touch` identify it. `imprint` is 1 in
+contact and 0 out of reach. Lengths are in object radii. Hold out whole objects: touches of one object are alike.
+
+## Credits
+
+An imprint derives from its object's model. The models are by:
+
+| object | author | licence | address |
+|---|---|---|---|
+"""
+
 
 def export(
     folder: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FOLDER",
-            parser=folder_to_write,
-            help="New, empty, or an earlier export, which is replaced.",
-        ),
+        Path, typer.Argument(metavar="FOLDER", parser=folder_to_write, help="New or empty.")
     ],
-    run: Annotated[Path, typer.Option(help="Folder of a finished run.", show_default=".")] = Path(),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Write a finished run's touches as a data set for Hugging Face `datasets`.
+    """Write the finished run in the working folder as a data set for Hugging Face `datasets`.
 
-    It holds tactile images with class labels and poses, split by object, a lite version, licences and
-    authors, the experiment's features, divisions and results, a card and a Croissant description.
+    It has touches.parquet with the imprints, features.parquet, and README.md with licences and authors.
 
     Example: visuohaptic export touches
     """
-    from visuohaptic.export.files import export_run
-    from visuohaptic.report.provenance import find_commit
+    from visuohaptic.errors import ExportError
+    from visuohaptic.meshes.catalogue import read_credits
+    from visuohaptic.tables.phases import FEATURES, keys_of
+    from visuohaptic.tables.schema import read_table, write_table
+    from visuohaptic.whole_files import whole_file, write_whole
 
-    contents = export_run(run, folder, find_commit())
-    sizes = {
-        name: sum(file.stat().st_size for file in (folder / name).iterdir())
-        for name in ("data", "lite")
-    }
-    values = {
-        "folder": folder,
-        "touches": sum(contents.touches.values()),
-        "objects": len(contents.touches),
-        "classes": len(contents.classes),
-        "test_objects": sorted(contents.tested),
-        "licences": contents.licences,
-        "bytes": sizes,
-    }
+    files = sorted(Path("results/touches").rglob("*.parquet"))
+    if not files:
+        raise ExportError("results/touches holds no touches; run `snakemake -j2` here first.")
+    held = sorted(folder.iterdir()) if folder.is_dir() else []
+    if held:
+        raise ExportError(f"{held[0]} is there already; name a new or an empty folder.")
+    features = read_table(FEATURES, "results/features")
+    objects = sorted(keys_of(features).unique().to_pylist())
+    with whole_file(folder / "touches.parquet") as unfinished:
+        touches = _write_touches(files, unfinished)
+        if touches != features.num_rows:
+            rows = f"{touches} touches and {features.num_rows} rows of features"
+            raise ExportError(f"The run has {rows}; run `snakemake -j2` first.")
+    write_table(FEATURES, features, folder / "features.parquet")
+    write_whole(folder / "README.md", _card(objects, read_credits(CREDITS), touches))
+    size = sum(file.stat().st_size for file in folder.iterdir())
     if as_json:
-        say_json(values)
-        return
-    say(
-        f"{folder}: {values['touches']} touches of {values['objects']} objects in {values['classes']} "
-        f"classes, {len(contents.tested)} objects to test; {sizes['data'] / 1e6:.1f} MB, lite "
-        f"{sizes['lite'] / 1e6:.1f} MB"
-    )
-    unknown = contents.licences.get("", 0)
-    if unknown:
-        say(f"  no licence is known for {unknown} objects: ask before you pass their touches on")
+        say_json({"folder": folder, "touches": touches, "objects": len(objects), "bytes": size})
+    else:
+        say(f"{folder}: {touches} touches of {len(objects)} objects, {size / 1e6:.1f} MB")
+
+
+def _write_touches(files: Sequence[Path], path: Path) -> int:
+    """Write touches with imprints (rows, columns) as nested lists; return their number."""
+    import numpy as np
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    from visuohaptic.errors import ExportError
+    from visuohaptic.tables.phases import TOUCHES
+    from visuohaptic.tables.schema import check_table, images
+
+    index = TOUCHES.arrow.get_field_index("image")
+    imprint = pa.field("imprint", pa.list_(pa.list_(pa.float32())), nullable=False)
+    schema = TOUCHES.arrow.set(index, imprint.with_metadata(TOUCHES.arrow.field(index).metadata))
+    written, edge = 0, 0
+    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+        for file in files:
+            for batch in pq.ParquetFile(file).iter_batches(ROWS):
+                table = pa.Table.from_batches([batch])
+                check_table(TOUCHES, table)
+                found = images(table)
+                edge = edge or found.shape[1]
+                if found.shape[1] != edge:
+                    sizes = f"{found.shape[1]} rows, and others have {edge}"
+                    raise ExportError(f"{file} has imprints of {sizes}; run `snakemake -j2` first.")
+                ends = np.arange(len(found) * edge + 1, dtype=np.int32)
+                lines = pa.ListArray.from_arrays(ends * edge, found.ravel())
+                nested = pa.ListArray.from_arrays(ends[: len(found) + 1] * edge, lines)
+                writer.write_table(table.set_column(index, imprint, nested).cast(schema))
+                written += len(found)
+    return written
+
+
+def _card(objects: Sequence[str], credited: Mapping[str, Credit], touches: int) -> str:
+    """Compose the card: the header that `datasets` and the Hub read, and the models' authors."""
+    import yaml
+
+    rows = [(key, credited.get(key)) for key in objects]
+    names = {one.licence.lower().removesuffix("-us") if one else "unknown" for _, one in rows}
+    header = {
+        "pretty_name": "Touches of 3D objects",
+        "license": sorted({name if name in _KNOWN else "other" for name in names}),
+        "configs": [
+            {"config_name": "touches", "data_files": "touches.parquet"},
+            {"config_name": "features", "data_files": "features.parquet"},
+        ],
+    }
+    classes = len({key.partition("/")[0] for key in objects})
+    text = _CARD.format(touches=touches, objects=len(objects), classes=classes)
+    for key, one in rows:
+        known = (one.author, one.licence, one.source_url) if one else ("not known",) * 3
+        text += f"| {' | '.join(map(_escaped, (key, *known)))} |\n"
+    return f"---\n{yaml.safe_dump(header, sort_keys=False)}---\n{text}"
+
+
+def _escaped(text: str) -> str:
+    """Escape what Markdown would read as markup in a name, line breaks among it."""
+    return re.sub(r"([\\`*\[\]<>|~$]|\b_|_\b)", r"\\\1", " ".join(text.split()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,12 +26,16 @@ def make_metrics(
     confusion: str | Path,
     intervals: IntervalParameters,
     seed: int,
+    parameters: Mapping[str, Any],
 ) -> None:
-    """Write the metrics file and two plot tables; they hold no seconds, so a rerun gives the same bytes."""
+    """Write the metrics file and two plot tables; they hold no seconds, so a rerun gives the same bytes.
+
+    The metrics file names the `parameters` of the run, so that it can be compared with others.
+    """
     predicted = read_table(PREDICTIONS, predictions)
     summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, seed))
     Path(metrics).parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(summary, indent=2, sort_keys=True) + "\n"
+    text = json.dumps({**summary, "parameters": parameters}, indent=2, sort_keys=True) + "\n"
     Path(metrics).write_text(text, encoding="utf-8")
     _write_csv(accuracy, _accuracy_rows(summary))
     _write_csv(confusion, _confusion_rows(predicted))

@@ -92,12 +92,6 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
 
 
 @style()
-def runs(names: Sequence[str], estimates: Mapping[str, Sequence[Estimate | None]]) -> Figure:
-    """Draw figures of several runs side by side: `names` of the rows, and a run's estimates by its label."""
-    series = [Series(label, place, row) for place, (label, row) in enumerate(estimates.items())]
-    return _draw_intervals(names, "classifier", series)
-
-
 @style()
 def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes: rows of `tables.COST`.

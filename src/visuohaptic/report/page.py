@@ -26,7 +26,6 @@ from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
-from visuohaptic.report.measured_runs import summarise_run
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import describe_objects
 from visuohaptic.report.provenance import phase_seconds
@@ -79,7 +78,6 @@ def render_page(run: Run) -> str:
             for sections in found.values()
             for section in sections
         },
-        summary=summarise_run(run, seconds),
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("style.css"),
         script=script,

@@ -1,0 +1,170 @@
+"""What differs between runs: parameters, and accuracies in pairs over objects, as `reports/metrics.json` has them."""
+
+from __future__ import annotations
+
+import json
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from string import ascii_uppercase
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import BaseModel, Field, PositiveFloat, ValidationError
+
+from visuohaptic.errors import ReportError
+from visuohaptic.optional_packages import require
+from visuohaptic.parameters import leaves
+from visuohaptic.recognition.intervals import compare_paired
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.report.estimates import Figure
+from visuohaptic.report.run import METRICS
+from visuohaptic.seeds import spawn_generator
+
+CELL = ["pipeline", "strategy", "classifier"]
+VALUE = ["value", "low", "high"]
+DIFFERENCE = ["difference", "difference_low", "difference_high"]
+COLUMNS = ["parameter", *CELL, "run", *VALUE, *DIFFERENCE, "p_value", "objects"]
+
+
+class Measured(BaseModel):
+    """The accuracy of one classifier; `by_object` has each object's accuracy and its weight."""
+
+    accuracy: Figure
+    by_object: dict[str, tuple[Annotated[float, Field(ge=0, le=1)], PositiveFloat]]
+
+
+class Metrics(BaseModel):
+    """What is read of a run's metrics; results are by pipeline, strategy and classifier."""
+
+    parameters: dict[str, Any]
+    results: dict[str, dict[str, dict[str, Measured]]]
+
+
+def read_metrics(source: str) -> Metrics:
+    """Read the metrics of a file, a run's folder, or else a DVC experiment or Git revision of this repository."""
+    path = Path(source)
+    try:
+        if path.exists() or path.suffix == ".json":
+            text = (path / METRICS if path.is_dir() else path).read_text(encoding="utf-8")
+        else:
+            text = _ask_dvc("read", METRICS, rev=source)
+        return Metrics.model_validate_json(text)
+    except OSError as error:
+        raise ReportError(f"{error.filename} can't be read: {error.strerror}.") from error
+    except (UnicodeDecodeError, ValidationError):
+        raise ReportError(f"{source} is no {METRICS} of this version.") from None
+
+
+def list_experiments() -> list[str]:
+    """Name the experiments that DVC keeps of this repository; `ReportError` if there are none."""
+    names = [row["Experiment"] for row in _ask_dvc("exp_show") if row.get("Experiment")]
+    if not names:
+        raise ReportError("DVC keeps no experiment here; `dvc exp run` makes one.")
+    return names
+
+
+def _ask_dvc(function: str, *arguments: str, **named: str) -> Any:
+    require("workflow", "dvc")
+    import dvc.api  # type: ignore[import-untyped]
+    from dvc.exceptions import DvcException  # type: ignore[import-untyped]
+
+    try:
+        return getattr(dvc.api, function)(*arguments, **named)
+    # DVC and the Git libraries below it raise many types; the cause is a wrong name.
+    except (DvcException, OSError, ValueError, KeyError) as error:
+        what = f"{named['rev']} is no file, and DVC" if named else "DVC"
+        raise ReportError(f"{what} can't read it here ({error}); see `dvc exp show`.") from error
+
+
+def compare_runs(runs: Sequence[Metrics]) -> pd.DataFrame:
+    """Compare runs A, B, … with A: a row per run for each parameter that differs, and for each accuracy.
+
+    `value` is a parameter as JSON, or an accuracy with its interval. `difference` is the run's accuracy
+    minus A's over the `objects` that both tested, with its interval and the p value of the sign-change
+    test. Raises `ReportError` if runs are fewer than 2 or more than 26, or share no classifier with A.
+    """
+    if not 2 <= len(runs) <= len(ascii_uppercase):
+        raise ReportError(f"Runs named: {len(runs)}; 2 to {len(ascii_uppercase)} are allowed.")
+    rows = [*_parameter_rows(runs), *_accuracy_rows(runs)]
+    return pd.DataFrame(rows, columns=COLUMNS).astype({"objects": "Int64"})
+
+
+def _parameter_rows(runs: Sequence[Metrics]) -> Iterator[dict[str, object]]:
+    written = [dict(leaves(run.parameters)) for run in runs]
+    for name in dict.fromkeys(name for values in written for name in values):
+        texts = [json.dumps(values.get(name), ensure_ascii=False) for values in written]
+        if len({*texts}) > 1:
+            for run, text in zip(ascii_uppercase, texts, strict=False):
+                yield {"parameter": name, "run": run, "value": text}
+
+
+def _accuracy_rows(runs: Sequence[Metrics]) -> Iterator[dict[str, object]]:
+    by_cell = [
+        {
+            (pipeline, strategy, classifier): measured
+            for pipeline, strategies in run.results.items()
+            for strategy, classifiers in strategies.items()
+            for classifier, measured in classifiers.items()
+        }
+        for run in runs
+    ]
+    for run, own in zip(ascii_uppercase, by_cell, strict=False):
+        if not own.keys() & by_cell[0].keys():
+            raise ReportError(f"Run {run} has no pipeline, strategy and classifier that A has.")
+    for cell in dict.fromkeys(cell for own in by_cell for cell in own):
+        for run, own in zip(ascii_uppercase, by_cell, strict=False):
+            if cell not in own:
+                continue
+            accuracy = vars(own[cell].accuracy).values()
+            row = dict(zip([*CELL, "run", *VALUE], [*cell, run, *accuracy], strict=True))
+            if own is not by_cell[0] and cell in by_cell[0]:
+                row |= _difference(own[cell].by_object, by_cell[0][cell].by_object)
+            yield row
+
+
+def _difference(
+    own: dict[str, tuple[float, float]], first: dict[str, tuple[float, float]]
+) -> dict[str, object]:
+    """Compare over the objects of both; where all are equal, the interval is 0 to 0."""
+    objects = sorted(own.keys() & first.keys())
+    if not objects:
+        return {"objects": 0}
+    before, weights = np.array([first[name] for name in objects]).T
+    after = np.array([own[name][0] for name in objects])
+    generator = spawn_generator(0, "compared runs")
+    found = compare_paired(after, before, weights, IntervalParameters(), generator)
+    figures = [0.0] * 3 if np.array_equal(before, after) else vars(found.difference).values()
+    p_value, count = found.p_value, len(objects)
+    return {**dict(zip(DIFFERENCE, figures, strict=True)), "p_value": p_value, "objects": count}
+
+
+def write_lines(table: pd.DataFrame) -> Iterator[str]:
+    """Write a line per run, per run's value of a parameter that differs, and per run's accuracy."""
+    runs = table.drop_duplicates("run")
+    yield from (f"{run}  {source}" for run, source in zip(runs.run, runs.source, strict=True))
+    changed = table[table.parameter.notna()]
+    yield from ("", "Parameters that differ:" if len(changed) else "No parameter differs.")
+    for name, run, value in zip(changed.parameter, changed.run, changed.value, strict=True):
+        line = f"{name}  {run}  {value}"
+        yield from textwrap.wrap(line, 80, subsequent_indent="  ", break_long_words=False)
+    yield from ("", "Correctly classified (%), with 95 % intervals over objects:")
+    for (pipeline, strategy), rows in table.groupby(["pipeline", "strategy"], sort=False):
+        yield from ("", f"pipeline {pipeline}, strategy {strategy}")
+        shown = rows[["classifier", "run"]].assign(accuracy=_written(rows[VALUE], ".1f"))
+        shown["minus A"] = _written(rows[DIFFERENCE], "+.1f")
+        shown["objects"] = rows.objects.astype("string").fillna("")
+        yield from shown.to_string(index=False).splitlines()
+
+
+def _written(figures: pd.DataFrame, form: str) -> list[str]:
+    """Write each figure with its interval, in percent; none where it is missing."""
+    texts = []
+    for mean, low, high in (100 * figures.astype(float)).itertuples(index=False):
+        ends = "" if math.isnan(low) else f" ({low:{form}} to {high:{form}})"
+        # Runs that are equal on every object have an interval without width.
+        text = "equal" if low == high == 0 else f"{mean:{form}}{ends}"
+        texts.append("" if math.isnan(mean) else text)
+    return texts
