@@ -121,29 +121,42 @@ def test_a_commit_that_fails_ends_in_a_sentence_and_the_next_one_locks(locked):
     assert "largest_size: 0.25" in lock_of(experiment)
 
 
-def test_a_lock_is_put_back_if_a_file_changes_while_dvc_reads(tmp_path, monkeypatch):
+class Keys:
+    """Keys of one job, which fits; `unchanged` says whether it still does after the commit."""
+
+    def __init__(self, *, unchanged):
+        self.unchanged = unchanged
+
+    def needed_for(self, targets):
+        return ["record"]
+
+    def why(self, record):
+        return None
+
+    def is_unchanged(self, record):
+        return self.unchanged
+
+
+@pytest.mark.parametrize(
+    ("are_files_unchanged", "are_parameters_current"), [(False, True), (True, False)]
+)
+def test_a_lock_is_put_back_if_a_file_changes_while_dvc_reads(
+    tmp_path, monkeypatch, are_files_unchanged, are_parameters_current
+):
     monkeypatch.chdir(tmp_path)
     Path("dvc.lock").write_text("before")
 
-    class Keys:
-        def needed_for(self, targets):
-            return ["record"]
-
-        def why(self, record):
-            return None
-
-        def files_of(self, records):
-            return ["source"]
-
     def commit(*_, **__):
         Path("dvc.lock").write_text("after")
-        Path("source").write_text("edited")
         return subprocess.CompletedProcess([], 0, "", "")
 
     monkeypatch.setattr(dvc_lock.subprocess, "run", commit)
+    keys = Keys(unchanged=are_files_unchanged)
     with pytest.raises(LockError, match="a file changed while DVC read the results"):
-        dvc_lock.write_lock(Keys(), ["all"])
+        dvc_lock.write_lock(keys, ["all"], lambda: are_parameters_current)
     assert Path("dvc.lock").read_text() == "before"
+    dvc_lock.write_lock(Keys(unchanged=True), ["all"], lambda: True)
+    assert Path("dvc.lock").read_text() == "after"
 
 
 def test_an_experiment_elsewhere_is_refused_in_a_shallow_clone(tmp_path, monkeypatch):

@@ -133,6 +133,14 @@ def test_a_job_refuses_what_was_made_in_another_state_or_edited(run):
         check_inputs(given)
 
 
+@pytest.mark.parametrize("file", ["look.py", "model.obj", "mesh.ply"])
+def test_a_file_that_changes_after_keys_are_fixed_is_seen(run, file):
+    keys = run.keys()
+    assert keys.is_unchanged("mesh.json")
+    Path(file).write_text("edited")
+    assert not keys.is_unchanged("mesh.json")
+
+
 def test_a_kept_study_is_taken_as_it_is_and_has_another_key(run):
     run.versions = {"numpy": "2.1"}
     keys = run.keys()

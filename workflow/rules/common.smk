@@ -71,7 +71,7 @@ from visuohaptic_workflow.termination import (
 )
 from visuohaptic_workflow.why import ASKED, verify, why
 
-# As it was when the run was called, for a process that is to know nothing of this one.
+# The environment in which the run was called, for the process that writes DVC's lock.
 ENVIRONMENT = {
     name: value
     for name, value in os.environ.items()
@@ -331,7 +331,7 @@ def answer():
     targets, is_fine = [*map(str, rules.all.input)], True
     if os.environ[ASKED] == "lock":
         or_stop(claim_results)
-        or_stop(write_lock, keys(), targets)
+        or_stop(write_lock, keys(), targets, are_parameters_current)
         sys.exit()
     lines = why(keys(), targets)
     if os.environ[ASKED] == "verify":
@@ -374,9 +374,14 @@ def close_run():
         lock({*stale})
 
 
+def are_parameters_current():
+    """Return whether params.yaml alone, read again, says what this process works with."""
+    return read_parameters("params.yaml") == PARAMETERS
+
+
 def lock(stale):
     """Let DVC lock a whole run by the parameters of params.yaml; some records are stale."""
-    if or_stop(read_parameters, "params.yaml") != PARAMETERS:
+    if not or_stop(are_parameters_current):
         print(
             "dvc.lock stays as it was: this run's parameters are not those of params.yaml.",
             file=sys.stderr,

@@ -5,14 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.whole_files import whole_file
-from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.keys import Keys
 
 LOCK = Path("dvc.lock")
@@ -67,11 +65,14 @@ def lock_in_new_process(environment: Mapping[str, str]) -> None:
     subprocess.run(command, env=environment, check=False, stdout=sys.stderr)  # noqa: S603 - our own words
 
 
-def write_lock(keys: Keys, targets: Iterable[str]) -> None:
+def write_lock(
+    keys: Keys, targets: Iterable[str], are_parameters_current: Callable[[], bool]
+) -> None:
     """Let DVC write its lock for the results behind `targets`.
 
-    Raises `LockError` with a sentence if a record does not fit today's key, if an input or result changes
-    meanwhile, or if DVC refuses; the lock is then as it was before.
+    `are_parameters_current` reads ``params.yaml`` again, and returns whether it says what the keys are made of. Raises
+    `LockError` if a record does not fit today's key, if an input or result changes meanwhile, or if DVC refuses; the
+    lock is then as it was before.
     """
     records = keys.needed_for(targets)
     if stale := [record for record in records if keys.why(record)]:
@@ -80,18 +81,17 @@ def write_lock(keys: Keys, targets: Iterable[str]) -> None:
             f"such as {stale[0]}; `make why` lists the reasons."
         )
     make_empty_outputs()
-    files = ["params.yaml", *keys.files_of(records)]
-    before, old = _digests(files), LOCK.read_bytes() if LOCK.exists() else None
+    old = LOCK.read_bytes() if LOCK.exists() else None
     command = [sys.executable, "-m", "dvc", "commit", "--force", "--quiet"]
     done = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
-    if done.returncode == 0 and _digests(files) == before:
-        return
-    _restore(old)
-    if done.returncode == 0:
+    if done.returncode:
+        _restore(old)
+        said = [line for line in done.stderr.splitlines() if line.startswith("ERROR: ")]
+        reason = said[0].removeprefix("ERROR: ") if said else f"status {done.returncode}"
+        raise LockError(f"{_KEPT_AS_IT_WAS}: `dvc commit` ended with: {reason}.")
+    if not (are_parameters_current() and all(map(keys.is_unchanged, records))):
+        _restore(old)
         raise LockError(f"{_KEPT_AS_IT_WAS}: a file changed while DVC read the results; run again.")
-    said = [line for line in done.stderr.splitlines() if line.startswith("ERROR: ")]
-    reason = said[0].removeprefix("ERROR: ") if said else f"status {done.returncode}"
-    raise LockError(f"{_KEPT_AS_IT_WAS}: `dvc commit` ended with: {reason}.")
 
 
 def check_clone() -> None:
@@ -115,15 +115,6 @@ def is_tracked() -> bool:
     """Return whether Git knows the lock, so that queued experiments start with its results."""
     command = ["git", "ls-files", "--error-unmatch", str(LOCK)]
     return subprocess.run(command, check=False, capture_output=True).returncode == 0  # noqa: S603 - our own words
-
-
-def _digests(files: Iterable[str]) -> dict[str, str | None]:
-    digests, found = Digests(), dict[str, str | None]()
-    for file in files:
-        found[file] = None
-        with suppress(OSError):
-            found[file] = digests.of(file)
-    return found
 
 
 def _restore(content: bytes | None) -> None:

@@ -150,14 +150,13 @@ class Keys:
                 waiting += self._makers_of(record)
         return list(found)
 
-    def files_of(self, records: Iterable[str]) -> list[str]:
-        """Name all files that some jobs run, take and make, each once."""
-        found: dict[str, None] = {}
-        for record in records:
-            job = self.jobs[record]
-            code = map(os.path.relpath, self._find_code(job.start).files)
-            found.update(dict.fromkeys((*code, *job.inputs, *job.outputs)))
-        return list(found)
+    def is_unchanged(self, record: str) -> bool:
+        """Return whether code, sources and tables of a job that fits still have the digests of its key and record."""
+        parts, tables = self.parts(record), read_record(record).get("tables", {})
+        code = self._digests_of(self._find_code(self.jobs[record].start).files)
+        sources = self._digests_of(self._sources(record))
+        found = {file: self._digest(file) for file in tables}
+        return (code, sources, found) == (parts["code"], parts["sources"], tables)
 
     def _makers_of(self, record: str) -> dict[str, None]:
         return self.makers(self.jobs[record].inputs)
