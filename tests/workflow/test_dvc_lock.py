@@ -92,7 +92,7 @@ def test_other_parameters_and_parts_of_a_run_leave_the_lock_as_it_was(locked):
 @pytest.mark.long
 def test_a_source_edited_in_the_last_job_leaves_the_lock_as_it_was(locked):
     experiment, before = locked
-    script = experiment.folder / "workflow/scripts/guards_hold.py"
+    script = experiment.folder / "workflow/scripts/report.py"
     script.write_text(
         f"{script.read_text()}\nwith open('meshes/paper/chair/bsby_chair3.ply.gz', 'ab') as file:\n    file.write(b' ')\n"
     )

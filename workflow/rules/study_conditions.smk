@@ -265,5 +265,5 @@ def shown_studies(wildcards):
 
 
 def report_of_study(wildcards):
-    """List the report, which shows a study; in DVC it has a stage of its own."""
+    """List the report, which shows a study; a stage of DVC for a study leaves it alone."""
     return [] if "DVC_STAGE" in os.environ else rules.report_all.input
