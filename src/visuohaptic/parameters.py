@@ -22,6 +22,7 @@ from visuohaptic.fixations.parameters import (
     ViewpointParameters,
 )
 from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.moved import unknown_parameter
 from visuohaptic.plugins import load_files, load_installed
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import Scene
@@ -368,7 +369,7 @@ def _sentence(problem: Mapping[str, object]) -> str:
     location = problem["loc"]
     path = ".".join(str(part) for part in location) if isinstance(location, tuple) else ""
     if problem["type"] == "extra_forbidden":
-        return f"{path} is no parameter"
+        return unknown_parameter(path)
     message = str(problem["msg"]).removeprefix("Value error, ").rstrip(".")
     if problem["type"] == "value_error":
         return f"{path}: {message}" if path else message

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from visuohaptic.errors import PlugInError, VisuohapticError
+from visuohaptic.moved import FOLDERS
 
 if TYPE_CHECKING:
     from types import CodeType
@@ -179,7 +180,12 @@ class _Unkept(SourceFileLoader):
 
 def _load_file(path: str, name: str) -> None:
     if not Path(path).is_file():
-        raise PlugInError(f"plugins names {name}, which is not there; a file of Python is needed.")
+        moved = [
+            f"; folder {old} is now {new}" for old, new in FOLDERS.items() if name.startswith(old)
+        ]
+        raise PlugInError(
+            f"plugins names {name}, which is not there{''.join(moved)}; a file of Python is needed."
+        )
     with _loading(path, name):
         module = f"visuohaptic_plug_in_{len(_loaded)}_{Path(path).stem}"
         spec = spec_from_file_location(module, path, loader=_Unkept(module, path))

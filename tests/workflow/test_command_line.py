@@ -52,6 +52,7 @@ def test_the_callers_python_path_is_kept(monkeypatch):
     [
         ({"largest_size": -1, "shape": "round"}, [], "sensor.shape is no parameter"),
         ({}, ["--rerun-triggers", "params"], "leave out --rerun-triggers"),
+        ({}, ["gaze_all"], "error: gaze_all is no target: it is now `make gaze FOLDER=...`."),
     ],
 )
 def test_what_can_not_be_planned_is_one_sentence(fresh_stand_in, sensor, options, sentence):

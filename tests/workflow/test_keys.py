@@ -181,6 +181,18 @@ def test_only_what_records_name_and_no_job_of_today_makes_is_put_aside(run):
     assert not list(put_aside(["results/now.parquet"]))
 
 
+def test_a_log_that_a_record_of_today_names_stays_where_an_earlier_record_names_it_too(run):
+    record = {"key": "", "parts": {}, "tables": {}, "log": "logs/frontier.log"}
+    today, earlier = "results/study_records/frontier.json", "results/records/frontier.json"
+    for name in (today, earlier, "logs/frontier.log"):
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).write_text(json.dumps(record))
+    (sentence,) = put_aside([today])
+    assert sentence.startswith("1 files")
+    assert Path("logs/frontier.log").exists()
+    assert not Path(earlier).exists()
+
+
 @pytest.mark.parametrize("is_known", [True, False])
 def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_path, is_known):
     import importlib.util

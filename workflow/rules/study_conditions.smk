@@ -13,6 +13,7 @@ from visuohaptic.studies.registry import find_studies, section_files
 from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import OF_CONDITIONS
 from visuohaptic_workflow.studies_asked import (
+    find_moved,
     is_asked_for,
     names_rules_of,
     studies_to_plan,
@@ -23,6 +24,10 @@ if IS_PLANNER:
     os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
 ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
 STUDIES = or_stop(find_studies, PARAMETERS, STUDY_FOLDERS)
+if IS_MAIN and IS_PLANNER:
+    moved = find_moved(sys.argv[1:], STUDIES)
+    if moved:
+        stop(moved)
 # Hundreds of conditions take time to plan. Which rules another workflow takes of its module is not known.
 if IS_MAIN:
     STUDIES = studies_to_plan([*ARGUMENTS, *sys.argv[1:]], STUDIES)
@@ -260,5 +265,5 @@ def shown_studies(wildcards):
 
 
 def report_of_study(wildcards):
-    """List the report, which shows a study; in DVC it has a stage of its own."""
+    """List the report, which shows a study; a stage of DVC for a study leaves it alone."""
     return [] if "DVC_STAGE" in os.environ else rules.report_all.input

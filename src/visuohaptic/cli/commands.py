@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from visuohaptic import __version__
 from visuohaptic.cli import (
@@ -19,8 +20,26 @@ from visuohaptic.cli import (
     tables,
 )
 from visuohaptic.cli.printing import say
+from visuohaptic.moved import COMMANDS
+
+
+class _Commands(TyperGroup):
+    """The sub-commands; an old name of a command or an option is refused with where it is now."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command that the first argument names."""
+        name, *others = args
+        options = others[: others.index("--")] if "--" in others else others
+        for option in ("", *(one.partition("=")[0] for one in options)):
+            where = COMMANDS.get(f"{name} {option}".strip())
+            if where and not ctx.resilient_parsing:
+                kind = f"option {option} of {name}" if option else f"command {name}"
+                ctx.fail(f"there is no {kind}: {where}.")
+        return super().resolve_command(ctx, args)
+
 
 app = typer.Typer(
+    cls=_Commands,
     help="Look at a 3D object, touch it where the eye would rest, and recognise it from touch alone.",
     no_args_is_help=True,
     rich_markup_mode=None,

@@ -16,6 +16,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from visuohaptic.errors import ParameterError
+from visuohaptic.moved import unknown_parameter
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT
 from visuohaptic.studies.study import Changes, Condition, Study
@@ -208,7 +209,7 @@ def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
         if not isinstance(section, dict) or part not in section:
             above = ".".join(parts[:place]) or "an experiment"
             allowed = ", ".join(section) if isinstance(section, dict) else "no parts"
-            raise ParameterError(f"{source}: {path} is no parameter; {above} has {allowed}.")
+            raise ParameterError(f"{source}: {unknown_parameter(path)}; {above} has {allowed}.")
         whole, section = section, section[part]
     whole[part] = new
 

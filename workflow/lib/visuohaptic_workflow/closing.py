@@ -75,6 +75,9 @@ def put_aside(named: Collection[str]) -> Iterator[str]:
     """
     stale = []
     records = {str(record) for folder in RECORDS for record in folder.rglob("*.json")}
+    # A job whose record has another place than before writes the log of before.
+    of_today = map(read_record, records.intersection(named))
+    named = {*named, *(kept["log"] for kept in of_today if kept)}
     for record in sorted(records.difference(named)):
         kept = read_record(record)
         stale += [record, *(kept["tables"] if kept else ()), *([kept["log"]] if kept else ())]

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from visuohaptic import moved
 from visuohaptic_workflow.keys import read_record
 
 if TYPE_CHECKING:
@@ -47,6 +50,33 @@ def studies_to_plan(arguments: Sequence[str], studies: Mapping[str, Study]) -> d
             if other.name not in chosen and any(map(other.owns, study.taken))
         ]
     return {name: study for name, study in studies.items() if name in chosen}
+
+
+def find_moved(arguments: Sequence[str], studies: Mapping[str, Study]) -> str | None:
+    """Say of the first old name of a target on a command line where it is now.
+
+    What a study of today has is no old name.
+    """
+    for option, argument in pairwise(("", *arguments)):
+        if _PATHS_FOLLOW.fullmatch(option) or _is_of_any(argument, studies):
+            continue
+        if argument in moved.TARGETS:
+            return f"{argument} is no target: {moved.TARGETS[argument]}."
+        renamed = _OLD_WORD.sub(lambda found: moved.STUDIES[found[0]], argument)
+        if renamed != argument and _is_of_any(renamed, studies):
+            return f"{argument} is no target: it is now {renamed}."
+    return None
+
+
+_PATHS_FOLLOW = re.compile("-[ds]|--.*(directory|prefix|profile|snakefile|configfiles?)")
+_OLD_WORD = re.compile(rf"(?<![a-z])({'|'.join(moved.STUDIES)})(?![a-z])")
+
+
+def _is_of_any(argument: str, studies: Mapping[str, Study]) -> bool:
+    return any(
+        is_asked_for([argument], study) or _names_step(argument, study)
+        for study in studies.values()
+    )
 
 
 def _names_step(argument: str, study: Study) -> bool:
