@@ -9,6 +9,7 @@ import io
 from pathlib import Path
 
 import numpy as np
+from plyfile import PlyData, PlyParseError
 
 from human_gaze.recordings import (
     GAZE_SUFFIXES,
@@ -58,7 +59,6 @@ def read_peer(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
 
 
 def _read_coloured(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
-    from plyfile import PlyData, PlyParseError
     from scipy.spatial import cKDTree
 
     data = read_bounded(path, largest_megabytes)

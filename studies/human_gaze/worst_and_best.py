@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pyarrow as pa
 
@@ -64,7 +65,6 @@ def draw_values(
 
     It is seen from the viewpoint that shows most of people's time.
     """
-    import cv2
     from scipy.spatial import cKDTree
 
     time = one.gazed.density * one.gazed.area
