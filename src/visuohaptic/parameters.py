@@ -11,6 +11,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, Self
 
+import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from visuohaptic.attention.parameters import AttentionParameters
@@ -243,8 +244,6 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     PlugInError
         If a plug-in that it names can't be loaded.
     """
-    import yaml
-
     try:
         check_spelling(path)
         values = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
@@ -263,16 +262,12 @@ def check_spelling(path: str | Path) -> None:
     ``yes`` would be a truth value, ``010`` be 8, ``1:30`` be 90, ``1e400`` be infinite, and the last of two
     equal names would count. Raises `ParameterError`, which gives the line.
     """
-    import yaml
-
     text = Path(path).read_text(encoding="utf-8")
     _check_node(yaml.compose(text, Loader=yaml.SafeLoader), str(path), "")
 
 
 def check_config(given: str) -> None:
     """Refuse ``section=value``, as Snakemake's ``--config`` takes it, as `check_spelling` does."""
-    import yaml
-
     section, _, value = given.partition("=")
     # What is no YAML is text for Snakemake, and refused as the section's value.
     with suppress(yaml.YAMLError):

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib.machinery import SourceFileLoader
+from importlib.metadata import entry_points
 from importlib.util import module_from_spec, spec_from_file_location
 from operator import attrgetter
 from pathlib import Path
@@ -111,8 +112,6 @@ def load_files(files: object, folder: str | Path = ".") -> None:
 @cache
 def load_installed() -> None:
     """Import the plug-ins of installed packages, once; a process that was handed its plug-ins has them."""
-    from importlib.metadata import entry_points
-
     for one in () if GIVEN in os.environ else entry_points(group=GROUP):
         if one.module not in _loaded:
             _import_module(one.module, one.dist.name if one.dist else one.module)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
+
+from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 
 from visuohaptic.errors import RegistryError
-
-if TYPE_CHECKING:
-    from pydantic_core import CoreSchema
 
 
 class Named(Protocol):
@@ -79,15 +78,11 @@ class Registry(Generic[Entry]):
     def _check(self, value: object) -> object:
         if value in self.names:
             return value
-        from pydantic_core import PydanticKnownError
-
         *most, last = map(repr, self.names)
         expected = f"{', '.join(most)} or {last}" if most else last
         raise PydanticKnownError("literal_error", {"expected": expected})
 
     def __get_pydantic_core_schema__(self, *_: object) -> CoreSchema:
-        from pydantic_core import core_schema
-
         return core_schema.no_info_plain_validator_function(self._check)
 
     def __get_pydantic_json_schema__(self, *_: object) -> dict[str, object]:

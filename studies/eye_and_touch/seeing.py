@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -86,8 +87,6 @@ def _occluded(view: Seen, generator: np.random.Generator) -> NDArray[np.float64]
 
 
 def _blurred(view: Seen, _: np.random.Generator) -> NDArray[np.float64]:
-    import cv2
-
     return cv2.GaussianBlur(view.colour, (0, 0), BLUR * view.colour.shape[1])
 
 
@@ -145,8 +144,6 @@ def cut_out(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     The background's colour is the median along the picture's border, its noise four times the
     median deviation there; single pixels are dropped by a median over 3 × 3.
     """
-    import cv2
-
     border = np.concatenate([picture[0], picture[-1], picture[:, 0], picture[:, -1]])
     background = np.median(border, axis=0)
     noise = 4 * np.median(np.abs(border - background), axis=0)
@@ -160,8 +157,6 @@ def gradient_histograms(picture: NDArray[np.uint8]) -> NDArray[np.float32]:
     As N. Dalal and B. Triggs (CVPR 2005): cells of 8 × 8 pixels, 9 directions, blocks of 2 × 2
     cells, on the square root of the grey picture at 64 × 64 pixels. Shape (1764,), float32.
     """
-    import cv2
-
     if picture.ndim == 3:
         picture = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)
     small = cv2.resize(picture, (WINDOW, WINDOW), interpolation=cv2.INTER_AREA)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
+from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from eye_and_touch.seeing import SIGHTS, describe_views
@@ -102,8 +103,6 @@ def sense_all(
     Viewpoints from which a strategy has no place to touch are left out for all, and classes with a
     single object. `candidates` are as `make_candidates` writes them.
     """
-    from joblib import Parallel, delayed
-
     usable, touches = usable_meshes(meshes), most_touches(run)
     sensed = Parallel(processes)(delayed(sense_object)(mesh, run) for mesh in usable)
     views = {object_of(mesh): one[1] for mesh, one in zip(usable, sensed, strict=True)}

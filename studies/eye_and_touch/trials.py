@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
+from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from eye_and_touch.answers import (
@@ -100,8 +101,6 @@ def _answer_all(
     sensed: Sensed, trials: Sequence[Trial], run: ExperimentParameters, processes: int
 ) -> dict[object, list[Answered]]:
     """Train and test every cue, both senses side by side, and every strategy by number of touches."""
-    from joblib import Parallel, delayed
-
     touched = {name: [features] * len(trials) for name, features in sensed.touched.items()}
     if sensed.candidates is not None:
         touched[ADAPTIVE] = Parallel(processes)(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from operator import itemgetter
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from human_gaze.recordings import GazeError, Recording
 from visuohaptic.geometry.arrays import Floats, Integers
@@ -77,8 +78,6 @@ def reconstruct(recording: Recording) -> Surface:
         cloud, depth=RECONSTRUCTION_DEPTH, n_threads=1
     )
     vertices, faces = np.asarray(made.vertices), np.asarray(made.triangles).astype(np.int64)
-    from scipy.spatial import cKDTree
-
     tree = cKDTree(points)
     distance, _ = tree.query(vertices)
     spacing = float(np.median(tree.query(points, 2)[0][:, 1]))

@@ -9,7 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from joblib import Parallel, delayed, parallel_config
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from scipy.spatial import cKDTree
 
 from human_gaze.alignment import align, grey_surface, reconstruct
 from human_gaze.peers import find_peer, read_peer
@@ -135,8 +138,6 @@ def look_at_folder(
 
     Raises `GazeError` or `MeshError` for the first recording or mesh that can't be used.
     """
-    from joblib import Parallel, delayed, parallel_config
-
     files = [file for file in find_recordings(folder) if tests or not file.is_test]
     if not files:
         raise GazeError(f"{folder} has recordings for tests alone; others are needed.")
@@ -221,9 +222,6 @@ def _spread(
     points: Floats, seconds: Floats, surface: Surface, spread: float, seed: int
 ) -> tuple[Floats, Floats]:
     """Give each recorded point its area and, by a Gaussian, the time per area around it."""
-    from scipy.sparse import csr_matrix
-    from scipy.spatial import cKDTree
-
     tree = cKDTree(points)
     drawn = draw_by_area(surface, AREA_SAMPLES, spawn_generator(seed, "gaze area"))
     nearest = tree.query(drawn.points)[1]
@@ -241,8 +239,6 @@ def _spread(
 def _predicted_by_peer(
     points: Floats, caster: RayCaster, name: str, settings: GazeSettings
 ) -> Floats | None:
-    from scipy.spatial import cKDTree
-
     file = find_peer(settings.peer, name) if settings.peer else None
     if file is None:
         return None

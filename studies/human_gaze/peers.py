@@ -9,6 +9,8 @@ import io
 from pathlib import Path
 
 import numpy as np
+from plyfile import PlyData, PlyParseError
+from scipy.spatial import cKDTree
 
 from human_gaze.recordings import (
     GAZE_SUFFIXES,
@@ -58,9 +60,6 @@ def read_peer(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
 
 
 def _read_coloured(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
-    from plyfile import PlyData, PlyParseError
-    from scipy.spatial import cKDTree
-
     data = read_bounded(path, largest_megabytes)
     try:
         check_ply_size(read_ply_header(data[:LONGEST]), len(data))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.optimize import minimize
 
 from human_gaze.gazed_objects import COLUMNS, FEATURES, TURNING, GazedObject, GazeSettings
 from human_gaze.recordings import GazeError
@@ -166,8 +167,6 @@ def _fit(
     start: Mapping[str, float],
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Give the weights of `fit_predictor`, and the same in standard deviations, as `start` has them."""
-    from scipy.optimize import minimize
-
     chosen = tuple(name for name in COLUMNS if name in set(features))
     columns = [COLUMNS.index(name) for name in chosen]
     parts = [_example(one, columns) for one in objects]

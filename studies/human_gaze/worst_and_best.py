@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pyarrow as pa
+from scipy.spatial import cKDTree
 
 from human_gaze.gazed_objects import GazedObject, GazeSettings
 from human_gaze.predicting import BY_NAME, predict, weights_of
@@ -64,9 +66,6 @@ def draw_values(
 
     It is seen from the viewpoint that shows most of people's time.
     """
-    import cv2
-    from scipy.spatial import cKDTree
-
     time = one.gazed.density * one.gazed.area
     camera = place_cameras(viewpoints)[int((one.visible @ time).argmax())]
     _, nearest = cKDTree(one.points).query(one.surface.triangles.mean(axis=1))

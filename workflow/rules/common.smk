@@ -90,11 +90,6 @@ IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is Non
 DECIDES = IS_KEYED and IS_PLANNER
 DIGESTS = Digests(".cache/digests.json")
 
-# Snakemake imports pandas, for half a second, to look for data frames among parameters; here are
-# none. A workflow that uses this one as a module may have some.
-if IS_MAIN:
-    sys.modules.setdefault("pandas", None)
-
 
 def stop(sentence):
     """End with a sentence; as a module of another workflow, leave the end to that."""

@@ -9,6 +9,7 @@ import typer
 
 from visuohaptic.cli.printing import JsonOption, say, say_json
 from visuohaptic.optional_packages import require
+from visuohaptic.whole_files import write_whole
 
 RunsArgument = Annotated[
     list[str] | None,
@@ -37,7 +38,6 @@ def compare(
         read_metrics,
         write_lines,
     )
-    from visuohaptic.whole_files import write_whole
 
     sources = [*(runs or ()), *(list_experiments() if experiments else ())]
     table = compare_runs([read_metrics(source) for source in sources])

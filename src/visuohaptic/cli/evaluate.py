@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from visuohaptic.cli.printing import JsonOption, file_to_read, say, say_json
-from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
+from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, read_recogniser
 
 TABLE = "reports/evaluation.parquet"
 
@@ -40,7 +40,6 @@ def evaluate(
     """
     import pyarrow as pa
 
-    from visuohaptic.exploration.recognising import read_recogniser
     from visuohaptic.studies.evaluation.models import evaluate_model, summarise_evaluation
     from visuohaptic.tables.phases import FEATURES
     from visuohaptic.tables.schema import read_table, write_table

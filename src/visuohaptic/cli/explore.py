@@ -20,8 +20,10 @@ from visuohaptic.cli.printing import (
     say_json,
     show_progress,
 )
-from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model
+from visuohaptic.errors import VisuohapticError
+from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, read_recogniser
 from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.optional_packages import keep_pandas_out
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, Recognition
@@ -141,8 +143,6 @@ def recognise(
 
     Example: visuohaptic recognise mug.obj --model results/models/best.skops
     """
-    from visuohaptic.exploration.recognising import read_recogniser
-
     chosen_model = model or default_model()
     recogniser = read_recogniser(chosen_model)
     strategy, chosen = recogniser.model.strategy, recogniser.parameters
@@ -211,9 +211,6 @@ def _each(
     as_json: bool,
 ) -> None:
     """Print each mesh's lines, the remarks and the seconds, or all values as JSON; one of several may fail."""
-    from visuohaptic.errors import VisuohapticError
-    from visuohaptic.optional_packages import keep_pandas_out
-
     keep_pandas_out()
     found: list[Mapping[str, Any]] = []
     for mesh in meshes:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
+import yaml
 
 from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
-
-if TYPE_CHECKING:
-    from visuohaptic.meshes.catalogue import Credit
+from visuohaptic.errors import ExportError
+from visuohaptic.meshes.catalogue import Credit, read_credits
+from visuohaptic.whole_files import whole_file, write_whole
 
 ROWS = 1024
 """Touches in memory at a time, and in a row group: 4 MB of imprints of 32 × 32."""
@@ -59,11 +60,8 @@ def export(
 
     Example: visuohaptic export touches
     """
-    from visuohaptic.errors import ExportError
-    from visuohaptic.meshes.catalogue import read_credits
     from visuohaptic.tables.phases import FEATURES, keys_of
     from visuohaptic.tables.schema import read_table, write_table
-    from visuohaptic.whole_files import whole_file, write_whole
 
     files = sorted(Path("results/touches").rglob("*.parquet"))
     if not files:
@@ -93,7 +91,6 @@ def _write_touches(files: Sequence[Path], path: Path) -> int:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    from visuohaptic.errors import ExportError
     from visuohaptic.tables.phases import TOUCHES
     from visuohaptic.tables.schema import check_table, images
 
@@ -121,8 +118,6 @@ def _write_touches(files: Sequence[Path], path: Path) -> int:
 
 def _card(objects: Sequence[str], credited: Mapping[str, Credit], touches: int) -> str:
     """Compose the card: the header that `datasets` and the Hub read, and the models' authors."""
-    import yaml
-
     rows = [(key, credited.get(key)) for key in objects]
     names = {one.licence.lower().removesuffix("-us") if one else "unknown" for _, one in rows}
     header = {

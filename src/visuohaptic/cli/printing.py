@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated, TypeVar
 
 import typer
+from tqdm import tqdm
 
 from visuohaptic.errors import VisuohapticError
 
@@ -40,8 +41,6 @@ def say_error(error: Exception) -> None:
 
 def show_progress(steps: list[Item], doing: str) -> Iterable[Item]:
     """Go through steps with a bar on standard error; without one where nobody is looking."""
-    from tqdm import tqdm
-
     return tqdm(steps, desc=printable(doing), leave=False, disable=None, file=sys.stderr)
 
 

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
+from tqdm.auto import tqdm
 
 from visuohaptic.errors import MeshError, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
+from visuohaptic.exploration.picture import draw_exploration
 from visuohaptic.exploration.pose_files import write_poses
 from visuohaptic.exploration.recognising import UNKNOWN, Recogniser, check_alike, read_recogniser
 from visuohaptic.exploration.showing import (
@@ -192,8 +194,6 @@ class Exploration:
         return f"<Exploration of {self.key}: {touches} touches {how}, {seconds:.2f} s>"
 
     def _repr_png_(self) -> bytes:
-        from visuohaptic.exploration.picture import draw_exploration
-
         views = self.views.slice(0, VIEWS_SHOWN)
         return png_of(draw_exploration(self.surface, self.parameters, views, self.touches))
 
@@ -279,8 +279,6 @@ class Exploration:
         PIL.Image.Image
             The picture.
         """
-        from visuohaptic.exploration.picture import draw_exploration
-
         return draw_exploration(self.surface, self.parameters, self.views, self.touches)
 
     def save(self, folder: str | Path) -> list[Path]:
@@ -445,8 +443,6 @@ def touch(
         one if isinstance(one, TouchableObject) else load(one, parameters=chosen) for one in several
     ]
     if track is None:
-        from tqdm.auto import tqdm
-
         # A bar for work that takes long enough to wait for.
         track = partial(tqdm, desc="touching", unit="object", delay=1, leave=False)
     return [one.touch(viewpoints, strategy, chosen) for one in track(ready)]

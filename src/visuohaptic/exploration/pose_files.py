@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike
+from pyarrow.csv import ConvertOptions, ReadOptions, open_csv
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.geometry.arrays import Floats
@@ -106,8 +107,6 @@ def matrices(stands: Poses) -> Floats:
 
 
 def _read_numbers(path: str | Path) -> pa.Table:
-    from pyarrow.csv import ConvertOptions, ReadOptions, open_csv
-
     try:
         with Path(path).open(newline="", encoding="utf-8-sig") as stream:
             # Arrow passes over empty lines, too.

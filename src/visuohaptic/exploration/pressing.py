@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from PIL import Image
 
 from visuohaptic.errors import MeshError, ParameterError
 from visuohaptic.exploration.checking import point_rows, unit_rows
@@ -27,7 +28,6 @@ from visuohaptic.sensor.planner import Situation
 from visuohaptic.sensor.random_fields import RandomFields
 
 if TYPE_CHECKING:
-    from PIL.Image import Image
     from trimesh import Trimesh
 
     Mesh: TypeAlias = Trimesh | tuple[ArrayLike, ArrayLike]
@@ -87,7 +87,7 @@ class Pressed:
         )
         return found
 
-    def picture(self) -> Image:
+    def picture(self) -> Image.Image:
         """Draw the imprints side by side, white where they touch; of many the first 64.
 
         Returns
@@ -95,8 +95,6 @@ class Pressed:
         PIL.Image.Image
             The picture.
         """
-        from PIL import Image
-
         shown = self.images[:_MOST_PICTURED]
         across = max(1, int(np.ceil(np.sqrt(len(shown)))))
         down = max(1, -(-len(shown) // across))

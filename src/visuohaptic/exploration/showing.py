@@ -5,18 +5,16 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
+from PIL import Image
 
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import EffectModes
-
-if TYPE_CHECKING:
-    from PIL.Image import Image
 
 VIEWS_SHOWN = 4
 """Views of an exploration that a notebook shows; `picture` has them all."""
@@ -44,7 +42,7 @@ def probability_table(key: str, probabilities: Mapping[str, float], touches: int
     return f"<table><caption>{escape(key)}, {touches} touches</caption>{rows}</table>"
 
 
-def png_of(picture: Image) -> bytes:
+def png_of(picture: Image.Image) -> bytes:
     """Encode a picture as PNG."""
     stored = io.BytesIO()
     picture.save(stored, "png")
@@ -53,10 +51,6 @@ def png_of(picture: Image) -> bytes:
 
 def view_of(surface: Surface) -> bytes:
     """Render an object from the first viewpoint of the defaults, as PNG."""
-    from PIL import Image
-
-    from visuohaptic.fixations.rendering import render_views
-
     cameras = place_cameras(ViewpointParameters())[:1]
     seen = render_views(RayCaster(surface), cameras, RenderingParameters(), EffectModes())
     return png_of(Image.fromarray(np.rint(255.0 * seen.colour[0]).astype(np.uint8)))

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 
 from visuohaptic.errors import ParameterError
 from visuohaptic.exploration.checking import point_rows, unit_rows
+from visuohaptic.fixations.locations import location_table
+from visuohaptic.fixations.places import ProbingLocations
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
@@ -57,9 +59,6 @@ def touch_given_points(
 
     Raises `ParameterError` if points or normals are none, or a point is too far off the surface.
     """
-    from visuohaptic.fixations.locations import location_table
-    from visuohaptic.fixations.places import ProbingLocations
-
     subject = Subject(key, lambda: RayCaster(surface))
     points = point_rows(at, "at")
     if not len(points):

@@ -1,21 +1,24 @@
-"""Descriptors: the numbers that describe an imprint, one entry each.
-
-Heavy libraries are imported by the functions that use them, so that the descriptors' names can be
-checked without.
-"""
+"""Descriptors: the numbers that describe an imprint, one entry each."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from contourlets import (
+    Contourlet,
+    LevelsError,
+    NonsubsampledContourlet,
+    band_deviations,
+    wavelet_deviations,
+)
 from visuohaptic.errors import ParameterError
+from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.registry import Registry
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -39,8 +42,6 @@ class Descriptor:
 
 
 def _contourlet_deviations(imprints: NDArray[np.float32], parameters: Any) -> NDArray[np.float64]:
-    from contourlets import Contourlet, LevelsError, band_deviations
-
     try:
         transform = Contourlet(
             parameters.levels,
@@ -60,23 +61,15 @@ def _contourlet_deviations(imprints: NDArray[np.float32], parameters: Any) -> ND
 
 def _nonsubsampled_deviations(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
     """Give the deviations (N - 1) of a nonsubsampled contourlet's 16 bands."""
-    import numpy as np
-
-    from contourlets import NonsubsampledContourlet
-
     bands = NonsubsampledContourlet(levels=(4,)).forward(imprints.astype(np.float64)).levels[0]
     return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
 
 
 def _wavelet_deviations(imprints: NDArray[np.float32], parameters: Any) -> NDArray[np.float64]:
-    from contourlets import wavelet_deviations
-
     return wavelet_deviations(imprints, "db2", parameters.wavelet_levels)
 
 
 def _image_statistics(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
-    from visuohaptic.features.imprint_shape import describe_imprint_shape
-
     return describe_imprint_shape(imprints)
 
 

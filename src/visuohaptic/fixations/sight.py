@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import cv2
 import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
@@ -118,8 +119,6 @@ class Sight:
 
 def _encode_map(plane: NDArray[np.float32]) -> bytes:
     """Encode a conspicuity map small, its own maximum white."""
-    import cv2
-
     scale = MAP_PIXELS / max(plane.shape)
     small = cv2.resize(plane, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     peak = float(small.max())
@@ -128,8 +127,6 @@ def _encode_map(plane: NDArray[np.float32]) -> bytes:
 
 def _encode_png(image: NDArray[np.floating]) -> bytes:
     """Encode grey (h, w) or colour (h, w, 3) values of 0 to 255 as PNG."""
-    import cv2
-
     pixels = np.clip(image, 0, 255).astype(np.uint8)
     if pixels.ndim == 3:
         pixels = pixels[..., ::-1]

@@ -16,6 +16,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
+from plyfile import PlyData, PlyElement, PlyParseError
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.arrays import Floats, Integers
@@ -136,8 +137,6 @@ def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None
     image and its corners' places there, and elements `image` and `texel` follow, which other
     programs pass over. The bytes depend on the surface and the comment, a line of the header, alone.
     """
-    from plyfile import PlyData, PlyElement
-
     vertex = np.zeros(len(surface.vertices), dtype=[("x", "<f4"), ("y", "<f4"), ("z", "<f4")])
     for axis, name in enumerate("xyz"):
         vertex[name] = surface.vertices[:, axis]
@@ -171,8 +170,6 @@ def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     Raises `MeshError` if the file is no coloured triangle mesh, holds less than its header says, or
     unpacks to more than `largest_megabytes`, of 10⁶ bytes.
     """
-    from plyfile import PlyData, PlyParseError
-
     try:
         with _plain_file(Path(path), largest_megabytes) as stream:
             _check_header(stream)

@@ -19,6 +19,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import astuple
 from pathlib import Path
 
+import pooch
+import requests
+from joblib import Parallel, delayed
+from tqdm import tqdm
+
 from visuohaptic.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
@@ -45,9 +50,6 @@ def fetch_models(
 
     Raises `DownloadError` if an archive can't be had or a model is not the one that is pinned.
     """
-    from joblib import Parallel, delayed
-    from tqdm import tqdm
-
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     missing = [model for model in models if not (folder / f"{model.key}.ply.gz").exists()]
@@ -81,9 +83,6 @@ def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Pa
 
 def download(address: str, path: Path, sha256: str | None = None) -> Path:
     """Download a file unless it is there already; it appears only when whole and of the given hash."""
-    import pooch
-    import requests
-
     pooch.get_logger().setLevel(logging.WARNING)
     known = f"sha256:{sha256}" if sha256 else None
     try:
@@ -99,9 +98,6 @@ def download(address: str, path: Path, sha256: str | None = None) -> Path:
 
 def _download_bounded(address: str, path: str, _: object) -> None:
     """Download no more than the largest archive that is expected."""
-    import requests
-    from tqdm import tqdm
-
     with requests.get(address, stream=True, timeout=60) as answer, Path(path).open("wb") as stream:
         answer.raise_for_status()
         for block in tqdm(answer.iter_content(_BLOCK_BYTES), unit="MB", disable=None):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from plyfile import PlyData, PlyElement, PlyElementParseError, PlyListProperty
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.arrays import Integers
@@ -27,8 +28,6 @@ def checked_ply(data: bytes) -> bytes:
     Raises `MeshError` with the reason alone, if it holds less than its header promises or a face
     names no vertex; `ValueError` or ``plyfile.PlyParseError`` if it can't be read.
     """
-    from plyfile import PlyElement, PlyListProperty
-
     header = read_ply_header(data[:LONGEST])
     check_ply_size(header, len(data))
     if header.ascii:
@@ -66,8 +65,6 @@ def checked_ply(data: bytes) -> bytes:
 
 
 def _read(data: bytes, *, text: bool) -> Any:
-    from plyfile import PlyData, PlyElementParseError
-
     if not text:
         known = dict.fromkeys(_CORNERS, 3) | {_TEXTURE: 6}
         with suppress(PlyElementParseError), tempfile.TemporaryFile() as file:

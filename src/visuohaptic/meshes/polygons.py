@@ -7,6 +7,7 @@ covers more than the polygon, a file's reader puts the triangles of `cuts` in it
 from __future__ import annotations
 
 import numpy as np
+from mapbox_earcut import triangulate_float64
 
 from visuohaptic.errors import MeshError
 from visuohaptic.geometry.arrays import Floats, Integers
@@ -87,8 +88,6 @@ def _projected(polygons: Floats, normals: Floats) -> Floats:
 
 def _ear_clipped(flat: Floats) -> Integers | None:
     """Give triangles, if they cover a polygon (n, 2), whose first corner is 0, better than its fan does."""
-    from mapbox_earcut import triangulate_float64
-
     if len(flat) > MOST_CORNERS_CUT:
         raise MeshError(
             f"a polygon that is not convex has {len(flat)} corners; {MOST_CORNERS_CUT} are allowed: cut "

@@ -9,14 +9,19 @@ from pathlib import Path
 import pyarrow as pa
 
 from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.surface import read_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import counted, listed, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
+from visuohaptic.sensor.gallery import touch_gallery
+from visuohaptic.studies.effects.influence import measured_scenes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
+from visuohaptic.touches.touching import touch_locations
 
 _SAME = {True: "bit for bit", False: "no", None: "effects are off"}
 
@@ -70,11 +75,6 @@ def scene_strips(
     mesh: str | Path, locations: pa.Table, parameters: ExperimentParameters
 ) -> dict[str, str]:
     """Touch an object's places, rows of `tables.FIXATIONS`, in every scene: a picture's address by scene."""
-    from visuohaptic.geometry.raycasting import RayCaster
-    from visuohaptic.geometry.surface import read_surface
-    from visuohaptic.studies.effects.influence import measured_scenes
-    from visuohaptic.touches.touching import touch_locations
-
     caster = RayCaster(read_surface(mesh))
     return {
         name: webp_address(
@@ -88,8 +88,6 @@ def scene_strips(
 
 def hard_places(parameters: ExperimentParameters) -> list[Row]:
     """Touch the hard places with the run's sensor: ``name``, ``size``, ``state``, ``imprint``'s address."""
-    from visuohaptic.sensor.gallery import touch_gallery
-
     return [
         {
             "name": probe.name,

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from visuohaptic.errors import ParameterError
@@ -91,8 +92,6 @@ def read_study(path: str | Path, run: ExperimentParameters) -> Study:
 
 
 def _read(path: Path) -> StudyFile:
-    import yaml
-
     try:
         values = yaml.safe_load(path.read_text(encoding="utf-8"))
         return StudyFile.model_validate(values)

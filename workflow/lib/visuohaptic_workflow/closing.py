@@ -11,6 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.geometry.surface import object_of, set_aside_reason
+from visuohaptic.report.comparison import read_tables
+from visuohaptic.report.wording import percent, strategy_name
+from visuohaptic.stability.rows import broken_tolerances
 from visuohaptic_workflow.keys import read_record
 
 METRICS = "reports/metrics.json"
@@ -22,8 +25,6 @@ ASIDE = Path(".cache/aside")
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
     """Give all that a run says at its end; figures only of a current report, as others are another run's."""
-    from visuohaptic.stability.rows import broken_tolerances
-
     meshes = sorted(Path("results/meshes").glob("*/*/*.ply"), key=object_of)
     reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
     exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
@@ -48,9 +49,6 @@ def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT)
 
 
 def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
-    from visuohaptic.report.comparison import read_tables
-    from visuohaptic.report.wording import percent, strategy_name
-
     lines = []
     for table in read_tables(metrics):
         figures = (

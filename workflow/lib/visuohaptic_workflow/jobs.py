@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import psutil
+
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.interrupts import STOPPED
 from visuohaptic.job_logs import SECONDS
@@ -84,6 +86,4 @@ def _seconds_since_start() -> float:
         # Field 22 of 52; the name in field 2 may hold spaces and brackets.
         fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
         return time.clock_gettime(time.CLOCK_BOOTTIME) - int(fields[19]) / os.sysconf("SC_CLK_TCK")
-    import psutil
-
     return time.time() - psutil.Process().create_time()

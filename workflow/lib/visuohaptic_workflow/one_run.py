@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import sys
 import time
@@ -107,8 +108,6 @@ def hold_job_lock() -> None:
 
 def _lock(stream: IO[str], seconds: float = 0, *, shared: bool = False) -> bool:
     """Lock a file for this process; False where others have it locked for so long."""
-    import fcntl
-
     limit = time.monotonic() + seconds
     while True:
         try:

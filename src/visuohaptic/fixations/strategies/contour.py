@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from skimage.measure import find_contours
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
@@ -60,8 +61,6 @@ def follow_outline(
 
 def outline_pixels(mask: Booleans) -> tuple[Integers, Integers]:
     """Give the object's pixels along its longest outline, in order, each once: rows and columns."""
-    from skimage.measure import find_contours
-
     curves = find_contours(np.pad(mask, 1).astype(np.float64), _BETWEEN_PIXELS)
     if not curves:
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from scipy.special import stdtrit
 
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
@@ -116,8 +117,6 @@ def slower_settings(logarithms: Floats, confidence: float) -> Flags:
     An object's ratio of two times is the mean over the turns in which both were taken. Student's
     interval of the objects' ratios is above 1; with fewer than two objects none is.
     """
-    from scipy.special import stdtrit
-
     ratios = np.ma.masked_invalid(logarithms[None] - logarithms[:, None]).mean(axis=3)
     objects, spread = ratios.count(axis=2), ratios.std(axis=2, ddof=1)
     reach = stdtrit(objects - 1, (1 + confidence) / 2) * spread / np.sqrt(objects)

@@ -10,8 +10,10 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
 
+import cv2
 import numpy as np
 import pyarrow as pa
+from threadpoolctl import threadpool_limits
 
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
@@ -98,9 +100,6 @@ def measure_seconds(
     The settings take turns, so other work on the machine affects all equally. Where a setting finds
     too few places to touch there is no row.
     """
-    import cv2
-    from threadpoolctl import threadpool_limits
-
     distinct = {one.setting.written_changes: one for one in settings}.values()
     rows: list[Row] = []
     with threadpool_limits(limits=1), ExitStack() as afterwards:
