@@ -8,7 +8,7 @@ from typing import Any
 
 from filling import DOCS, fill_page, read_json, share, table
 
-from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.questions import fixation_answer, recognition_answer, variants_sentence
 from visuohaptic.report.variants import read_variants

@@ -9,7 +9,7 @@ vh.register(vh.Classifier.of("extra_trees", ExtraTreesClassifier(50)))
 if __name__ == "__main__":
     import numpy as np
 
-    from visuohaptic.recognition import TouchClassifier
+    from visuohaptic.recognition.touch_classifier import TouchClassifier
 
     rows = np.random.default_rng(0).normal(size=(40, 6)) + np.repeat([[0.0], [3.0]], 20, axis=0)
     fitted = TouchClassifier("extra_trees", random_state=0).fit(

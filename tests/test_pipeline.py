@@ -13,6 +13,7 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.one_phase import check_arguments
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, needed_from, run
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
@@ -93,8 +94,8 @@ def test_every_probing_location_is_touched_where_everywhere_is_asked_for(folder,
 def test_what_a_job_is_given_says_what_a_run_in_memory_takes():
     parameters = ring(scene={"preset": "worn_fsr"})
     for phase in OF_OBJECT:
-        written = phase.work.checked(phase.written_values(parameters))
-        assert written == phase.work.checked(phase.values(parameters))
+        written = check_arguments(phase.work, phase.written_values(parameters))
+        assert written == check_arguments(phase.work, phase.values(parameters))
 
 
 def test_every_viewpoint_and_strategy_gives_its_sequence_of_places_with_some_to_spare(tables):

@@ -1,5 +1,7 @@
 from .attention.registry import Channel as Channel
 from .errors import VisuohapticError as VisuohapticError
+from .evaluation.evaluating import Evaluation as Evaluation
+from .evaluation.evaluating import evaluate as evaluate
 from .exploration.examples import example as example
 from .exploration.exploring import Exploration as Exploration
 from .exploration.exploring import Recognition as Recognition
@@ -18,8 +20,6 @@ from .fixations.probing import Strategy as Strategy
 from .parameters import read_parameters as read_parameters
 from .plugins import register as register
 from .recognition.classifiers import Classifier as Classifier
-from .recognition.evaluating import Evaluation as Evaluation
-from .recognition.evaluating import evaluate as evaluate
 from .recognition.maps import Map as Map
 from .sensor.planner import Effect as Effect
 

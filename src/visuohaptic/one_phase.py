@@ -1,17 +1,18 @@
 """One phase from tables to tables, an object in memory at a time.
 
-It knows no phase, so that a job depends on its own phase alone.
+It imports no phase: a job's script brings its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import pyarrow as pa
+from pydantic import TypeAdapter
 
-from visuohaptic.functions import Function
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import set_aside_reason
 from visuohaptic.tables.phases import PHASES, by_object, of_objects
@@ -21,10 +22,11 @@ SCHEMAS = {schema.name: schema for schema in PHASES}
 
 Files = Mapping[str, str | Path]
 Tables = dict[str, pa.Table]
+Work = Callable[..., Any]
 
 
 def run_files(
-    work: Function,
+    work: Work,
     arguments: Mapping[str, Any],
     meshes: Files,
     inputs: Files,
@@ -37,16 +39,26 @@ def run_files(
     with a table for each output. `meshes` are files by `class/name`. Without inputs each object has its mesh
     alone, and one that was set aside has no rows. `viewpoints` are numbers, for a phase that looks.
     """
-    checked = work.checked(arguments)
+    arguments = check_arguments(work, arguments)
     parts = {name: [SCHEMAS[name].arrow.empty_table()] for name in outputs}
     read = {name: read_table(SCHEMAS[name], path) for name, path in inputs.items()}
     for key, tables in objects_of(read, meshes):
         subject = Subject.of_mesh(key, meshes.get(key, ""), viewpoints)
-        found = work(subject, *tables.values(), **checked)
+        found = work(subject, *tables.values(), **arguments)
         for name, part in parts.items():
             part.append(getattr(found, name))
     for name, path in outputs.items():
         write_table(SCHEMAS[name], pa.concat_tables(parts[name]), path)
+
+
+def check_arguments(work: Work, arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Turn arguments of built-in types into what the annotations of a function say."""
+    return {name: _check(work, name).validate_python(value) for name, value in arguments.items()}
+
+
+@cache
+def _check(work: Work, name: str) -> TypeAdapter[Any]:
+    return TypeAdapter(get_type_hints(work)[name])
 
 
 def objects_of(tables: Tables, meshes: Files) -> Iterator[tuple[str, Tables]]:

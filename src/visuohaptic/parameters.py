@@ -18,10 +18,10 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.errors import ParameterError
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import (
-    ProbingParameters,
     RenderingParameters,
     ViewpointParameters,
 )
+from visuohaptic.fixations.probing_parameters import ProbingParameters
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.moved import unknown_parameter
 from visuohaptic.plugins import load_files, load_installed

@@ -6,21 +6,25 @@ one object at a time is here, in its folder and in no other place.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
 import pyarrow as pa
 from pydantic import BaseModel
 
-from visuohaptic.functions import Function
+from visuohaptic.features.describing import describe
+from visuohaptic.fixations.sight import Sight
 from visuohaptic.geometry.subject import Subject
+from visuohaptic.meshes.files import make_meshes
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.one_phase import Tables
+from visuohaptic.one_phase import Tables, Work, check_arguments
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
+from visuohaptic.touches.touching import acquire_touches
 
 Sources = str | Mapping[str, str]
 """The dotted name of a parameter, or of several that make one argument, by their names there."""
@@ -36,17 +40,16 @@ class Phase:
     `work` does it: for a phase with a `verb`, which takes one object at a time, it takes a `Subject`, one
     table for each that is read, and the `arguments`, which are parameters, and gives an object with a table
     for each that is written. `reads` are tables of the run; ``meshes`` are files. `writes` are folders below
-    results/, by table. `chooses` are registries: code of entries not chosen by parameters is none of its.
+    results/, by table.
     """
 
     name: str
     doing: str
-    work: Function
+    work: Work
     arguments: Mapping[str, Sources]
     reads: tuple[str, ...]
     writes: Mapping[str, str]
     verb: str | None = None
-    chooses: Mapping[str, Function] = field(default_factory=dict)
 
     @property
     def takes(self) -> tuple[str, ...]:
@@ -67,16 +70,9 @@ class Phase:
         names = (one.values() if isinstance(one, Mapping) else [one] for one in found)
         return sorted({name for some in names for name in some})
 
-    def chosen_modules(self, parameters: ExperimentParameters) -> dict[str, frozenset[str]]:
-        """Give the modules of the chosen entries by that of their registry."""
-        return {
-            registry.module: frozenset(_modules(registry.load(), attrgetter(name)(parameters)))
-            for name, registry in self.chooses.items()
-        }
-
     def run(self, subject: Subject, tables: Tables, parameters: ExperimentParameters) -> Any:
         """Take one object through it; gives an object with a table for each that is written."""
-        arguments = self.work.checked(self.values(parameters))
+        arguments = check_arguments(self.work, self.values(parameters))
         return self.work(subject, *(tables[name] for name in self.takes), **arguments)
 
 
@@ -92,11 +88,6 @@ def _plain(value: Any) -> Any:
     return value.model_dump() if isinstance(value, BaseModel) else value
 
 
-def _modules(registry: Any, chosen: str | Sequence[str]) -> Iterator[str]:
-    for name in [chosen] if isinstance(chosen, str) else chosen:
-        yield from (one.module for one in vars(registry[name]).values() if type(one) is Function)
-
-
 def _all_but(model: type[BaseModel], section: str, *left_out: str) -> dict[str, str]:
     return {name: f"{section}.{name}" for name in model.model_fields if name not in left_out}
 
@@ -105,7 +96,7 @@ PHASES = (
     Phase(
         "meshes",
         "preparing",
-        Function("visuohaptic.meshes.files:make_meshes"),
+        make_meshes,
         arguments={"meshes": _all_but(MeshParameters, "meshes", "set")},
         reads=(),
         writes={"meshes": "meshes"},
@@ -113,7 +104,7 @@ PHASES = (
     Phase(
         "fixations",
         "looking at",
-        Function("visuohaptic.fixations.sight:Sight"),
+        Sight,
         arguments={
             "viewpoints": "viewpoints",
             "rendering": "rendering",
@@ -126,12 +117,11 @@ PHASES = (
         reads=("meshes",),
         writes={"views": "views", "fixations": "fixations", "effects": "effects/views"},
         verb="look",
-        chooses={"probing.strategies": Function("visuohaptic.fixations.probing:STRATEGIES")},
     ),
     Phase(
         "touches",
         "touching",
-        Function("visuohaptic.touches.touching:acquire_touches"),
+        acquire_touches,
         arguments={
             "sensor": "sensor",
             "scene": "scene",
@@ -149,7 +139,7 @@ PHASES = (
     Phase(
         "features",
         "describing the imprints of",
-        Function("visuohaptic.features.describing:describe"),
+        describe,
         arguments={"features": "features"},
         reads=("touches",),
         writes={"features": "features"},
@@ -158,7 +148,7 @@ PHASES = (
     Phase(
         "recognition",
         "training and testing",
-        Function("visuohaptic.recognition.files:make_scores"),
+        make_scores,
         arguments={
             "recognition": _all_but(RecognitionParameters, "recognition", "pipelines", "intervals"),
             "seed": "seed",

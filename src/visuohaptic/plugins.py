@@ -33,7 +33,7 @@ GROUP = "visuohaptic.plugins"
 GIVEN = "VISUOHAPTIC_PLUGINS"
 """The variable of the environment by which a process hands its plug-ins to those that it starts."""
 
-# By name: what follows imports to find which code a job runs would find all of them behind each.
+# By name: a job that loads a plug-in imports the registries that this registers with, and no others.
 _KINDS = {
     "Strategy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
     "Channel": ("visuohaptic.attention.parameters", "add_channel"),

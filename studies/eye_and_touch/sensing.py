@@ -16,6 +16,7 @@ from eye_and_touch.seeing import SIGHTS, describe_views
 from eye_and_touch.study import CUES
 from touch_curves.choosing import gather_candidates
 from touch_curves.study import LONGEST_SEQUENCE
+from visuohaptic.evaluation.summary import select
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import CostParameters, ExperimentParameters
@@ -23,7 +24,6 @@ from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, passed_on, phase
 from visuohaptic.pipeline import run as run_phases
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, whole_sequences
-from visuohaptic.recognition.summary import select
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import touches_of_run, with_changes
 

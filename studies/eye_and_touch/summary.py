@@ -20,8 +20,8 @@ from eye_and_touch.study import (
     STOPPING,
     TOUCH,
 )
+from visuohaptic.evaluation.intervals import compare_paired, rate_interval
 from visuohaptic.parameters import CostParameters
-from visuohaptic.recognition.intervals import compare_paired, rate_interval
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import Cell, Row, average_objects, ends, rows_by

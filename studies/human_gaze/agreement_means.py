@@ -11,8 +11,8 @@ import numpy as np
 import pyarrow as pa
 
 from human_gaze.predicting import PREDICTORS, Predictor
+from visuohaptic.evaluation.intervals import Interval, object_intervals
 from visuohaptic.geometry.arrays import Floats
-from visuohaptic.recognition.intervals import Interval, object_intervals
 from visuohaptic.recognition.parameters import IntervalParameters
 
 SHOWN = ("correlation", "auc_top", "auc_gaze", "normalised_saliency", "divergence", "similarity")

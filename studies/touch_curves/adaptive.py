@@ -12,6 +12,7 @@ import pyarrow as pa
 
 from touch_curves.choosing import choose_features, gather_candidates
 from touch_curves.study import STUDY as TOUCH_CURVES
+from visuohaptic.evaluation.summary import select
 from visuohaptic.fixations.locations import candidate_table
 from visuohaptic.fixations.looking import Standpoint
 from visuohaptic.fixations.places import ProbingLocations
@@ -24,7 +25,6 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import run
 from visuohaptic.recognition.experiment import gather_pipeline, split_runner
 from visuohaptic.recognition.sequences import classes_of_two
-from visuohaptic.recognition.summary import select
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import CLASSIFIER, Planned, plan_study
 from visuohaptic.studies.measuring import (

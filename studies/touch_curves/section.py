@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from touch_curves.study import STUDY
 from touch_curves.tables import TOUCHES_NEEDED
-from visuohaptic.recognition.intervals import holm
+from visuohaptic.evaluation.intervals import holm
 from visuohaptic.report.comparison import REFERENCE, SIGNIFICANCE
 from visuohaptic.report.drawing import look, style
 from visuohaptic.report.estimates import Row

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.tables import TOUCHES_NEEDED
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.intervals import Interval, compare_paired, object_interval
+from visuohaptic.evaluation.intervals import Interval, compare_paired, object_interval
+from visuohaptic.evaluation.summary import REFERENCE_STRATEGY
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.recognition.summary import REFERENCE_STRATEGY
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import (
     Cell,

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from trust.tables import STATED_COVERAGES, TRUST
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.certainty import fit_calibration, one_classifier
 from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.experiment import fitting, gather_pipeline
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
-from visuohaptic.recognition.summary import select
 from visuohaptic.recognition.tuning import fit_best_classifiers
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import CLASSIFIER

@@ -36,10 +36,10 @@ from variants.kept import OUTSIDE
 from variants.leads import SIGNIFICANT
 from variants.study import STUDY
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, holm
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.intervals import PairedComparison, compare_paired, holm
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import Cell, CellKey, Row, read_cells, write_json

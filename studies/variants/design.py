@@ -29,8 +29,8 @@ from operator import attrgetter
 from typing import Any, Literal
 
 from variants.choices import BY_NAME, CHOICES, OPPONENTS
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.study import Changes, Condition
 
 Part = Literal[

@@ -25,7 +25,7 @@ from variants.kept import OUTSIDE, MeasuredVariants, kept_variants, read_variant
 from variants.leads import PairLead, against_main, leads_by_option, strongest_pair, sum_up
 from variants.weighing import summarise_variants
 from visuohaptic.errors import ReportError
-from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.page import content_policy, make_environment
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced

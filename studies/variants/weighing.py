@@ -22,8 +22,8 @@ from variants.design import (
 )
 from variants.leads import MAIN_OPPONENT, SAME, against_main, sum_up
 from variants.tables import VARIANTS
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.figures import (
     CELL,
     Cell,

@@ -13,7 +13,7 @@ import yaml
 from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
-from visuohaptic.recognition.summary import select
+from visuohaptic.evaluation.summary import select
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import write_table
 

@@ -12,10 +12,10 @@ from phases_by_files import run_phases
 
 import visuohaptic as vh
 from visuohaptic.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.evaluation.summary import select
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition import select
 from visuohaptic.recognition.stored_models import load_model, save_model
 
 ROOT = Path(__file__).parents[2]

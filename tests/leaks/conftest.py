@@ -3,7 +3,7 @@
 import pytest
 from workflow.conftest import finished, fresh, once
 
-from visuohaptic.recognition.summary import select
+from visuohaptic.evaluation.summary import select
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 

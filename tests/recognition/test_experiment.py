@@ -12,6 +12,7 @@ from sklearn.naive_bayes import GaussianNB
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
 from visuohaptic.recognition.experiment import (
     gather_pipeline,
@@ -72,7 +73,7 @@ def test_every_reading_of_the_map_runs_or_says_why_not(output, training):
 
 def test_singular_covariance_is_regularised_and_said():
     scores, _ = recognition.run_pipeline(features_table(), SMALL, 1)
-    notes = recognition.select(scores, classifier="quadratic_discriminant").column("note")
+    notes = select(scores, classifier="quadratic_discriminant").column("note")
     assert set(notes.to_pylist()) == {"singular covariance: Ledoit-Wolf shrinkage of every class"}
     others = scores.filter(pc.not_equal(scores["classifier"], "quadratic_discriminant"))
     assert set(others.column("note").to_pylist()) == {None}
@@ -106,7 +107,7 @@ def test_a_classifier_that_can_not_be_fitted_is_a_gap_and_said(pipeline, caplog)
     names = ("k_nearest_neighbours", "quadratic_discriminant", "naive_bayes")
     scores, predictions = run_few_sequences(names, pipeline)
     if pipeline == "paper":
-        notes = recognition.select(scores, classifier="k_nearest_neighbours").column("note")
+        notes = select(scores, classifier="k_nearest_neighbours").column("note")
         assert set(notes.to_pylist()) == {"2 neighbours, for there are no more training sequences"}
     for found in (scores, predictions):
         assert set(found["classifier"].to_pylist()) == {"k_nearest_neighbours", "naive_bayes"}
@@ -155,7 +156,7 @@ def test_class_that_is_one_and_the_same_touch_is_answered_by_all():
     frozen = pc.equal(table["class"], "class0")
     for name in PAPER_FEATURES:
         table = with_column(table, name, pc.if_else(frozen, 0.25, table[name]))
-    predictions = recognition.select(predictions_of(table), **{"class": "class0"})
+    predictions = select(predictions_of(table), **{"class": "class0"})
     assert set(predictions["predicted"].to_pylist()) == {"class0"}
 
 
@@ -176,7 +177,7 @@ def test_every_repeat_draws_splits_of_its_own():
     scores, predictions = recognition.run_pipeline(table, parameters, 1)
     assert scores.num_rows == 4
     check_table(PREDICTIONS, predictions)
-    first, second = (recognition.select(predictions, seed=seed, split=0) for seed in (0, 1))
+    first, second = (select(predictions, seed=seed, split=0) for seed in (0, 1))
     assert first.column("object") != second.column("object")
 
 

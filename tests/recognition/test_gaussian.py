@@ -11,7 +11,7 @@ from sklearn.discriminant_analysis import (
 from sklearn.naive_bayes import GaussianNB
 
 from visuohaptic.recognition import gaussian
-from visuohaptic.recognition.classifiers import ClassifierParameters
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.gaussian import regularised_covariance, variance_floor
 
 

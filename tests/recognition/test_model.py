@@ -11,6 +11,7 @@ from recognition.synthetic import features_table, with_column
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition import stored_models
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -30,7 +31,7 @@ def fit(table, classifier, pipeline="best"):
 
 
 def rows_of(table, category, name):
-    return recognition.select(table, **{"class": category, "object": name})
+    return select(table, **{"class": category, "object": name})
 
 
 @pytest.mark.parametrize("pipeline", ["paper", "best"])
@@ -121,7 +122,7 @@ def test_any_number_of_touches_of_an_object_that_was_not_learnt_gets_an_answer(t
     model = fit(TABLE, "linear_discriminant")
     assert ("class1", "object3") not in model.objects
     unseen = rows_of(longer, "class1", "object3")
-    for rows in (unseen, recognition.select(unseen, viewpoint=0)):
+    for rows in (unseen, select(unseen, viewpoint=0)):
         found = model.answer(rows)
         chances = list(found.probabilities.values())
         assert next(iter(found.probabilities)) == "class1"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sklearn.neighbors import KNeighborsClassifier
 
-from visuohaptic.recognition.classifiers import ClassifierParameters
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.neighbours import fit_nearest_neighbours
 
 

@@ -9,6 +9,7 @@ import pytest
 from recognition.synthetic import features_table
 
 from visuohaptic import recognition
+from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 pytestmark = pytest.mark.slow
@@ -26,12 +27,11 @@ def model():
 
 def one_view(table, touches, viewpoint=2):
     """Give each object's first touches from one view."""
-    shown = recognition.select(table, viewpoint=viewpoint)
+    shown = select(table, viewpoint=viewpoint)
     shown = shown.filter(pc.less(shown["touch"], touches))
     names = sorted(set(zip(shown["class"].to_pylist(), shown["object"].to_pylist(), strict=True)))
     return [
-        (category, recognition.select(shown, **{"class": category, "object": name}))
-        for category, name in names
+        (category, select(shown, **{"class": category, "object": name})) for category, name in names
     ]
 
 
@@ -85,7 +85,7 @@ def test_an_object_is_compared_with_known_ones_by_the_first_touches_of_a_view(mo
 
 def test_views_of_several_lengths_have_one_answer_no_surer_than_those_of_each(model):
     _, rows = one_view(NEW, 5)[0]
-    other = recognition.select(NEW, viewpoint=0, object="object3", **{"class": "class0"})
+    other = select(NEW, viewpoint=0, object="object3", **{"class": "class0"})
     short = other.filter(pc.less(other["touch"], 2))
     parts = [model.answer(part).probabilities for part in (rows, short)]
     found = model.answer(pa.concat_tables([rows, short])).probabilities

@@ -6,11 +6,11 @@ import trimesh
 
 import visuohaptic as vh
 from visuohaptic.errors import MeshError, RecognitionError
+from visuohaptic.evaluation.summary import select, summarise
 from visuohaptic.recognition import files
 from visuohaptic.recognition.model import fit_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import whole_sequences
-from visuohaptic.recognition.summary import select, summarise
 from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
 from visuohaptic.tables.schema import read_table, write_table
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from sklearn.svm import SVC
 
-from visuohaptic.recognition.classifiers import ClassifierParameters
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.support_vectors import fit_support_vector_machine
 
 

@@ -22,7 +22,7 @@ from studies.trust.test_section import write_trust
 
 from eye_and_touch.summary import sum_up_senses
 from eye_and_touch.tables import EYE_AND_TOUCH
-from visuohaptic.recognition.summary import select
+from visuohaptic.evaluation.summary import select
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import find_run, read_run

@@ -2,7 +2,7 @@
 
 from report.pages import plain, read_page
 
-from visuohaptic.recognition.intervals import Interval
+from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.report.estimates import (
     Figure,
     estimate,

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from visuohaptic.recognition.intervals import compare_paired, holm
+from visuohaptic.evaluation.intervals import compare_paired, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import Cell, cells_of, make_study_figures, study_figures

@@ -14,6 +14,7 @@ from studies.surfaces import RUN, small_surfaces, surface_of, write_sources
 from ablations.study import STUDY as ABLATIONS
 from visuohaptic import recognition
 from visuohaptic.errors import ParameterError
+from visuohaptic.evaluation.summary import summarise
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences
 from visuohaptic.studies import measuring
@@ -140,7 +141,7 @@ def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
     changes = {**FIXATION_ONLY, "recognition.pipelines": [pipeline]}
     one, every = mine(Condition("1", changes, votes=1), Condition("4", changes, votes=4)).conditions
     tables = recognition.run_pipeline(SYNTHETIC, one.parameters.recognition, RUN.seed, pipeline)
-    (figures,) = recognition.summarise(*tables)["results"][pipeline]["fixation"].values()
+    (figures,) = summarise(*tables)["results"][pipeline]["fixation"].values()
     for planned, figure in ((one, "accuracy"), (every, "object_accuracy")):
         (cell,) = cells(SYNTHETIC, planned).values()
         mean = np.average(cell.accuracy, weights=cell.weights)

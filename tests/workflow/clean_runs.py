@@ -61,7 +61,7 @@ def make(record, keys, made):
     given = {}
     for file in job.inputs:
         given |= made[file] if file in made else {file: Path(file).read_bytes()}
-    version = number_in(job.start.script, "VERSION")
+    version = number_in(job.runs.script, "VERSION")
     found = hash_given(job.rule, version, value_of(job.rule), job.find_params(), given)
     for file in job.tables:
         part = f"{file}/{Path(file).name}.ply" if job.rule == "meshes" else file

@@ -87,7 +87,7 @@ CHANGES = {
         jobs=0,
         files=dict.fromkeys(
             ("params.yaml", OTHER_MESH, CATALOGUE, "Snakefile", "workflow/rules/common.smk",
-             "workflow/scripts/phase.py", "src/visuohaptic/features/describing.py"),
+             "workflow/scripts/features.py", "src/visuohaptic/features/describing.py"),
             same,
         ),
     ),
@@ -119,7 +119,8 @@ CHANGES = {
         "features", "packages/contourlets/src/contourlets/directional.py"
     ),
     "recognition/classifiers": file("recognition", "src/visuohaptic/recognition/classifiers.py"),
-    "recognition/metrics": file("metrics", "src/visuohaptic/recognition/metrics.py", jobs=1),
+    "evaluation/metrics": file("metrics", "src/visuohaptic/evaluation/metrics.py", jobs=1),
+    "evaluation/intervals": file("metrics", "src/visuohaptic/evaluation/intervals.py", jobs=1),
     "an edited table": alone("features", f"results/features/{OBJECT}", edited),
     "no mesh": alone("meshes", "results/meshes/chair/bs0_chair2/bs0_chair2.ply"),
     "no views": alone("fixations", f"results/views/{OBJECT}"),
@@ -148,9 +149,6 @@ def made(change):
 
 def plan(change):
     """Count the jobs of each rule that would run."""
-    from visuohaptic_workflow.closure import code_of
-
-    code_of.cache_clear()
     with made(change), names_of_snakefile(change.config) as names:
         keys = names["keys"]()
         needed = list(keys.needed_for(map(str, names["rules"].all.input)))

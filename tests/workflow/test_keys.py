@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from visuohaptic_workflow.closing import put_aside
-from visuohaptic_workflow.closure import Code, Start
+from visuohaptic_workflow.code_of_jobs import Code, Runs
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.keys import Job, Keys, read_record
 from visuohaptic_workflow.markers import mark_stale
@@ -33,7 +33,7 @@ class Run:
             self.job("mesh", "look.py", ("model.obj",), ("mesh.ply",), {}),
             self.job("touch", "touch.py", ("mesh.ply",), ("touch.parquet",), self.parameters),
         ]
-        find_code = lambda start: Code((start.script,), self.versions)  # noqa: E731
+        find_code = lambda runs: Code((runs.script,), self.versions)  # noqa: E731
         return Keys(jobs, find_code, Digests(), Path.cwd())
 
     @staticmethod
@@ -41,7 +41,7 @@ class Run:
         record = f"{rule}.json"
         outputs = (*tables, record)
         return Job(
-            rule, {}, Start(Path(script).absolute()), inputs, outputs, record, lambda: parameters
+            rule, {}, Runs(Path(script).absolute(), ()), inputs, outputs, record, lambda: parameters
         )
 
     def make(self, *rules):

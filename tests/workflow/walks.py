@@ -20,7 +20,7 @@ from workflow.clean_runs import clean_digests
 from workflow.conftest import Experiment
 from workflow.stand_ins import MODULES, digests, stand_in
 
-SCRIPTS = ("phase", "recognition")
+SCRIPTS = ("touches", "recognition")
 OWN_MODEL = "meshes/own/chair/stool.stl"
 LONG_AGO = (946_000_000, 946_000_000)
 PARAMETERS = (

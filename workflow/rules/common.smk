@@ -33,7 +33,7 @@ from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
 from visuohaptic.whole_files import write_whole
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end, put_aside
-from visuohaptic_workflow.closure import Start, code_of, with_plug_ins
+from visuohaptic_workflow.code_of_jobs import CODE, STEP, Runs, code_of
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.dvc_lock import (
     IN_STAGE,
@@ -247,20 +247,19 @@ GIVEN_FILE = Path("logs/given.json")
 GIVEN = {}
 
 
-def takes(name, script=None, runs=(), chosen=(), **inputs):
+def takes(name, script=None, own=(), **inputs):
     """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits.
 
-    The script, which has the rule's name, `runs` modules of which it does not know; of registries the entries count that
-    are `chosen`.
+    The script has the rule's name, unless another one is given; it also runs `own` files, which lie outside of the library.
     """
     path = ROOT / "workflow/scripts" / (script or f"{name}.py")
-    start = Start(path, tuple(runs), tuple(chosen))
-    DECLARED[name] = Declared(start, inputs)
+    runs = Runs(path, CODE.get(name, STEP), tuple(own))
+    DECLARED[name] = Declared(runs, inputs)
 
     def found(wildcards):
         files = DECLARED[name].files(wildcards)
         if not IS_KEYED:
-            code = in_clone(map(os.path.relpath, find_code(start).files))
+            code = in_clone(map(os.path.relpath, find_code(runs).files))
             return {**files, "code": code}
         if not IS_PLANNER:
             return files
@@ -308,10 +307,9 @@ def keys():
 
 
 @cache
-def find_code(start):
-    """Find what a job runs, plug-ins among it."""
-    sources = (*SOURCES, *(folder for folder in STUDY_FOLDERS if folder.is_dir()))
-    return with_plug_ins(code_of(start, sources), loaded(), sources)
+def find_code(runs):
+    """Find the code of a job, plug-ins among it."""
+    return code_of(runs, SOURCES, STUDY_FOLDERS, loaded())
 
 
 def all_cores(wildcards):

@@ -26,13 +26,7 @@ for one in OF_OBJECT:
         name:
             one.name
         input:
-            takes(
-                one.name,
-                "phase.py",
-                runs=[one.work.module],
-                chosen=one.chosen_modules(PARAMETERS).items(),
-                **reads_of(one),
-            ),
+            takes(one.name, **reads_of(one)),
         output:
             **{table: PART.format(folder) for table, folder in one.writes.items()},
             record=f"results/records/{one.name}/{{objects}}/{{views}}.json",
@@ -43,9 +37,9 @@ for one in OF_OBJECT:
         params:
             **one.written_values(PARAMETERS),
             key=key_of_job,
-            work=one.work.name,
+            phase=one.name,
             viewpoints_of_block=lambda wildcards: VIEW_BLOCKS[wildcards.views],
         message:
             f"{one.doing} {{wildcards.objects}} and others, viewpoints {{wildcards.views}}"
         script:
-            "../scripts/phase.py"
+            "../scripts/{params.phase}.py"

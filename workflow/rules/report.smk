@@ -66,7 +66,7 @@ rule report:
     input:
         takes(
             "report",
-            runs=[f"{study}.section" for study in SECTIONS],
+            own=SECTIONS.values(),
             metrics="reports/metrics.json",
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
             views=files_of("views"),

@@ -117,9 +117,9 @@ for study, step in STEPS:
         input:
             takes(
                 step.name,
-                code_of_step(step),
+                "study_step.py",
+                own=own_code_of(step),
                 **inputs_of_step(study, step),
-                sources=sources_of_step(step),
             ),
         output:
             *step.files,

@@ -171,17 +171,10 @@ def features_for(study=None):
     return {"features": own, "made": made}
 
 
-def code_of_step(step):
-    """Give the file that holds what a step does; with what it imports, it is the code of its job."""
-    return Path(find_spec(step.work.partition(":")[0]).origin)
-
-
-def sources_of_step(step):
-    """List what a step's job runs beside its module: the script, and templates in a folder beside the module."""
-    templates = sorted((code_of_step(step).parent / "templates").glob("*.*"))
-    return in_clone(
-        [shipped("workflow/scripts/study_step.py"), *map(os.path.relpath, templates)]
-    )
+def own_code_of(step):
+    """List the file that holds what a step does, where it lies outside of the library."""
+    file = Path(find_spec(step.work.partition(":")[0]).origin)
+    return [] if file.is_relative_to(SOURCES[0]) else [file]
 
 
 def measured_objects(study, step):

@@ -1,6 +1,6 @@
 """Sum up the scores of all pipelines and strategies."""
 
-from visuohaptic.recognition.metrics import make_metrics
+from visuohaptic.evaluation.metrics import make_metrics
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic_workflow.jobs import job
 

@@ -1,12 +1,10 @@
-"""Sections `viewpoints`, `rendering` and `probing` of `params.yaml`; `attention` has its own package."""
+"""Sections `viewpoints` and `rendering` of `params.yaml`; `attention` has its own package."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
-
-from visuohaptic.fixations.probing import StrategyName, Unreachable
 
 
 class ViewpointParameters(BaseModel):
@@ -73,25 +71,4 @@ class RenderingParameters(BaseModel):
     )
     background: float = Field(
         0.85, ge=0.0, le=1.0, description="Grey level where no surface is; no channel looks at it"
-    )
-
-
-class ProbingParameters(BaseModel):
-    """How probing locations are chosen."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    strategies: tuple[StrategyName, ...] = Field(
-        ("fixation", "random"), min_length=1, description="Strategies to compare"
-    )
-    unreachable: Unreachable = Field(
-        "replace",
-        description="What is done with a place that the sensor can't reach: the view's next one is touched "
-        "instead, with at most 16 passed over (`replace`), or it is touched as far as it goes (`keep`); "
-        "`random` always replaces, `random_anywhere` never",
-    )
-    when_exhausted: Literal["stop", "begin_again"] = Field(
-        "stop",
-        description="What a sequence does where a view has no further place: it stays shorter, or it starts "
-        "again at its first place",
     )

@@ -1,4 +1,4 @@
-"""Strategies: the ways to choose where to touch; their code is imported when it is used."""
+"""Strategies: the ways to choose where to touch."""
 
 from __future__ import annotations
 
@@ -6,7 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from visuohaptic.functions import Function
+from visuohaptic.fixations.strategies import (
+    anywhere,
+    contour,
+    curvature,
+    farthest_point,
+    fixation,
+    human,
+    random_walk,
+    visible,
+)
 from visuohaptic.registry import Registry
 
 Unreachable = Literal["replace", "keep"]
@@ -54,20 +63,20 @@ STRATEGIES = Registry(
     Strategy(
         "fixation",
         "eye fixations",
-        Function("visuohaptic.fixations.strategies.fixation:choose"),
+        fixation.choose,
         random=False,
     ),
     Strategy(
         "random",
         "random probing",
-        Function("visuohaptic.fixations.strategies.anywhere:choose"),
+        anywhere.choose,
         looks=False,
         unreachable="replace",
     ),
     Strategy(
         "random_anywhere",
         "random probing, out of reach too",
-        Function("visuohaptic.fixations.strategies.anywhere:choose"),
+        anywhere.choose,
         looks=False,
         unreachable="keep",
         chance="random",
@@ -75,37 +84,37 @@ STRATEGIES = Registry(
     Strategy(
         "random_visible",
         "random probing of what is seen",
-        Function("visuohaptic.fixations.strategies.visible:choose"),
+        visible.choose,
         looks=False,
     ),
     Strategy(
         "random_walk",
         "a random walk over the surface",
-        Function("visuohaptic.fixations.strategies.random_walk:choose"),
+        random_walk.choose,
         looks=False,
     ),
     Strategy(
         "farthest_point",
         "farthest points",
-        Function("visuohaptic.fixations.strategies.farthest_point:choose"),
+        farthest_point.choose,
         looks=False,
     ),
     Strategy(
         "curvature",
         "the most curved places",
-        Function("visuohaptic.fixations.strategies.curvature:choose"),
+        curvature.choose,
         random=False,
     ),
     Strategy(
         "contour",
         "places along the outline",
-        Function("visuohaptic.fixations.strategies.contour:choose"),
+        contour.choose,
         random=False,
     ),
     Strategy(
         "human",
         "where people are predicted to look",
-        Function("visuohaptic.fixations.strategies.human:choose"),
+        human.choose,
         random=False,
     ),
 )

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.elementary import arc_tangent
@@ -205,6 +203,10 @@ def corner_groups(faces: Integers, adjacency: FaceAdjacency, smooth: Booleans) -
 
 def _components(starts: Integers, ends: Integers, count: int) -> Integers:
     """Give the number of each node's part, (count,), in a graph of links from starts to ends."""
+    # Parameters import this module, and SciPy's graphs take 0.3 s.
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     graph = coo_array((np.ones(len(starts), np.int8), (starts, ends)), shape=(count, count))
     return connected_components(graph, directed=False)[1]
 

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.geometry.cast_rays import Crossings, FirstFaces, Rays
 from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.overlaps import in_parts
 from visuohaptic.geometry.vectors import dot
-
-if TYPE_CHECKING:
-    from visuohaptic.geometry.scenes import Crossings, FirstFaces, Rays
 
 # Pairs of a ray or a point and a face that are compared at once, for the memory that they take.
 _PAIRS = 1 << 18
 
 
 class EmbreexScene:
-    """Triangles in a scene of Embree; see `scenes.Scene`."""
+    """Triangles in a scene of Embree; see `cast_rays.Scene`."""
 
     def __init__(self, corners: Floats, faces: Integers) -> None:
         self._triangles = corners[faces]

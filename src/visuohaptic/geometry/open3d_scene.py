@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.geometry.cast_rays import Crossings, FirstFaces, Rays
 from visuohaptic.geometry.compiled_open3d import open3d
-
-if TYPE_CHECKING:
-    from visuohaptic.geometry.scenes import Crossings, FirstFaces, Rays
 
 
 class Open3DScene:
-    """Triangles in a scene of Open3D; see `scenes.Scene`."""
+    """Triangles in a scene of Open3D; see `cast_rays.Scene`."""
 
     def __init__(self, corners: Floats, faces: Integers) -> None:
         self._tensor = open3d.core.Tensor

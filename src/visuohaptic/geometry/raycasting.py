@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.geometry.cast_rays import Scene
 from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.overlaps import in_parts, overlapping_faces, paired
-from visuohaptic.geometry.scenes import SCENES, Scene, installed_package
+from visuohaptic.geometry.scenes import SCENES, installed_package
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot
 

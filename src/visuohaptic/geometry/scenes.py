@@ -6,49 +6,29 @@ docs/decisions.md says how often not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib.util import find_spec
-from typing import Protocol
-
-import numpy as np
-from numpy.typing import NDArray
 
 from visuohaptic.errors import MissingPackageError
-from visuohaptic.functions import Function
 from visuohaptic.geometry.arrays import Floats, Integers
-
-Rays = NDArray[np.float32]
-FirstFaces = tuple[Integers, NDArray[np.float32], NDArray[np.float32]]
-Crossings = tuple[Integers, Integers]
+from visuohaptic.geometry.cast_rays import Scene
 
 
-class Scene(Protocol):
-    """Triangles that rays are cast at, in float32. It is made of corners, shape (v, 3), and faces, shape (f, 3)."""
+def _open3d_scene(corners: Floats, faces: Integers) -> Scene:
+    from visuohaptic.geometry.open3d_scene import Open3DScene
 
-    def first_faces(self, rays: Rays) -> FirstFaces:
-        """Give the face that each ray (n, 6), origin and direction, meets first, and where on it.
-
-        The face is int64, -1 for a miss; then come the weights, float32, of its second and third
-        corner.
-        """
-        ...
-
-    def crossings(self, rays: Rays) -> Crossings:
-        """Give every face that rays, shape (n, 6), meet: a ray and a face for each, in any order."""
-        ...
-
-    def count_crossings(self, rays: Rays) -> Integers:
-        """Count the faces that rays, shape (n, 6), meet: shape (n,)."""
-        ...
-
-    def nearest_faces(self, points: Floats) -> Integers:
-        """Give the faces, shape (n,), nearest to points, shape (n, 3)."""
-        ...
+    return Open3DScene(corners, faces)
 
 
-SCENES: Mapping[str, Function] = {
-    "open3d": Function("visuohaptic.geometry.open3d_scene:Open3DScene"),
-    "embreex": Function("visuohaptic.geometry.embreex_scene:EmbreexScene"),
+def _embreex_scene(corners: Floats, faces: Integers) -> Scene:
+    from visuohaptic.geometry.embreex_scene import EmbreexScene
+
+    return EmbreexScene(corners, faces)
+
+
+SCENES: Mapping[str, Callable[[Floats, Integers], Scene]] = {
+    "open3d": _open3d_scene,
+    "embreex": _embreex_scene,
 }
 """Packages that cast rays; the first that is installed does, unless another one is asked for."""
 

@@ -1,5 +1,15 @@
 """Classify objects from sequences of touches: pipelines, protocols, scores and their intervals."""
 
-import lazy_loader
+from visuohaptic.recognition.experiment import run_pipeline
+from visuohaptic.recognition.model import RecognitionModel, fit_model
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.stored_models import load_model, save_model
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__ = [
+    "RecognitionModel",
+    "RecognitionParameters",
+    "fit_model",
+    "load_model",
+    "run_pipeline",
+    "save_model",
+]

@@ -10,12 +10,17 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
-
-from pydantic import BaseModel, ConfigDict, Field
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.functions import Function
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters, Fit
+from visuohaptic.recognition.gaussian import (
+    fit_linear_discriminant,
+    fit_naive_bayes,
+    fit_quadratic_discriminant,
+)
+from visuohaptic.recognition.neighbours import fit_nearest_neighbours
+from visuohaptic.recognition.support_vectors import fit_support_vector_machine
 from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
@@ -26,8 +31,6 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 Fitted = TypeVar("Fitted")
-Fit = tuple[Any, str | None]
-"""A fitted classifier, and a note on its fit, such as another setting."""
 
 
 @dataclass(frozen=True)
@@ -87,47 +90,6 @@ class Classifier:
             return found.fit(features, labels), None
 
         return cls(name, label or name.replace("_", " "), fit, {})
-
-
-class ClassifierParameters(BaseModel):
-    """Settings of the classifiers.
-
-    The defaults of the paper's five are scikit-learn's, for the paper names none. The
-    pipeline `best` varies some of them inside the training objects.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    neighbours: int = Field(5, ge=1, description="Neighbours that vote (kNN)")
-    svm_kernel: Literal["linear", "poly", "rbf"] = Field("rbf", description="Kernel (SVM)")
-    svm_penalty: float = Field(1.0, gt=0, description="Penalty C of a margin violation (SVM)")
-    tree_leaf_sequences: int = Field(
-        1, ge=1, description="Fewest sequences in a leaf (decision tree)"
-    )
-    discriminant_shrinkage: Literal["ledoit_wolf"] | Annotated[float, Field(gt=0, le=1)] = Field(
-        "ledoit_wolf",
-        description="Shrinkage of the classes' covariances, `ledoit_wolf` or a number up to 1 (quadratic discriminant)",
-    )
-    discriminant_regularisation: Literal["where_singular", "always", "pseudo_inverse"] = Field(
-        "where_singular",
-        description="Whether covariances are shrunk only `where_singular`, which the score's note then "
-        "says, or `always`; `pseudo_inverse` shrinks none and leaves out directions without variance, "
-        "as Matlab's `pseudoquadratic` does (quadratic discriminant)",
-    )
-    discriminant_target: Literal["own_variances", "mean_variance"] = Field(
-        "own_variances",
-        description="What a covariance is shrunk towards: uncorrelated features of their "
-        "`own_variances`, or all of the `mean_variance` (quadratic discriminant)",
-    )
-    linear_shrinkage: float = Field(
-        0.1, gt=0, le=1, description="Shrinkage of the common covariance (linear discriminant)"
-    )
-    logistic_penalty: float = Field(
-        0.1, gt=0, description="Inverse strength of the penalty (logistic regression)"
-    )
-    bayes_smoothing: float = Field(
-        1e-9, gt=0, description="Share of the largest variance added to each (naive Bayes)"
-    )
 
 
 def fit_classifier(
@@ -196,12 +158,12 @@ CLASSIFIERS = Registry(
     "classifier",
     Classifier(
         "k_nearest_neighbours", "k nearest neighbours",
-        Function("visuohaptic.recognition.neighbours:fit_nearest_neighbours"),
+        fit_nearest_neighbours,
         {"neighbours": (5, 15)}, deterministic=True,
     ),
     Classifier(
         "support_vector_machine", "support vector machine",
-        Function("visuohaptic.recognition.support_vectors:fit_support_vector_machine"),
+        fit_support_vector_machine,
         {"svm_penalty": (1.0, 10.0)}, deterministic=True,
     ),
     Classifier(
@@ -209,17 +171,17 @@ CLASSIFIERS = Registry(
     ),
     Classifier(
         "quadratic_discriminant", "quadratic discriminant",
-        Function("visuohaptic.recognition.gaussian:fit_quadratic_discriminant"),
+        fit_quadratic_discriminant,
         {"discriminant_shrinkage": (0.9, 0.6, 0.3)}, deterministic=True,
     ),
     Classifier(
         "naive_bayes", "naïve Bayes",
-        Function("visuohaptic.recognition.gaussian:fit_naive_bayes"),
+        fit_naive_bayes,
         {"bayes_smoothing": (0.1, 0.01)}, deterministic=True,
     ),
     Classifier(
         "linear_discriminant", "linear discriminant",
-        Function("visuohaptic.recognition.gaussian:fit_linear_discriminant"),
+        fit_linear_discriminant,
         {"linear_shrinkage": (0.5, 0.1)}, deterministic=True,
     ),
     Classifier(

@@ -14,7 +14,7 @@ import numpy as np
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats, Integers
-from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters, Fit
 
 VARIANCE_FLOOR = 1e-6
 """Least variance of a regularised covariance, as a share of the features' mean variance."""

@@ -1,8 +1,4 @@
-"""Maps: what is left of a touch's features before they become a sequence, one entry each.
-
-Heavy libraries are imported by the functions that use them, so that the maps' names can be checked
-without.
-"""
+"""Maps: what is left of a touch's features before they become a sequence, one entry each."""
 
 from __future__ import annotations
 
@@ -10,7 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from visuohaptic.functions import Function
+from visuohaptic.recognition.self_organising_map import (
+    SelfOrganisingMap,
+    fit_map,
+    lattice,
+    line,
+)
 from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
@@ -58,6 +59,17 @@ class FeatureGroups:
     weights: Floats
 
 
+def _fit_line(touches: Floats, settings: Any, generator: np.random.Generator) -> SelfOrganisingMap:
+    return fit_map(touches, line(settings.outputs), settings.training, generator)
+
+
+def _fit_lattice(
+    touches: Floats, settings: Any, generator: np.random.Generator
+) -> SelfOrganisingMap:
+    positions = lattice(settings.outputs, settings.lattice_levels)
+    return fit_map(touches, positions, settings.training, generator)
+
+
 def _fit_groups(touches: Floats, settings: Any, generator: np.random.Generator) -> FeatureGroups:
     import numpy as np
 
@@ -93,9 +105,6 @@ def _one_hot(fitted: Any, touches: Floats) -> Floats:
 
     return np.eye(len(fitted.weights))[fitted.nearest(touches)]
 
-
-_fit_lattice = Function("visuohaptic.recognition.self_organising_map:fit_lattice")
-_fit_line = Function("visuohaptic.recognition.self_organising_map:fit_line")
 
 MAPS = Registry(
     "map of touches",

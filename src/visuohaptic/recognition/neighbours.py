@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
-from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters, Fit
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from visuohaptic.recognition.classifiers import ClassifierName, ClassifierParameters
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters
+from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.maps import MAPS
 
 Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding", "azimuth_free"]

@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
-from visuohaptic.recognition.classifiers import ClassifierParameters
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.encoding import ROUNDING
 from visuohaptic.recognition.gaussian import common_covariance
 from visuohaptic.recognition.parameters import BestParameters

@@ -13,7 +13,6 @@ import numpy as np
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Floats, Integers
-from visuohaptic.recognition.parameters import SelfOrganisingMapParameters
 
 # The paper says nothing of how its map was trained; these are our choices.
 RADII = (2.0, 0.5)
@@ -49,27 +48,11 @@ class SelfOrganisingMap:
         return _nearest(touches, self.weights)
 
 
-def fit_line(
-    rows: Floats, settings: SelfOrganisingMapParameters, generator: np.random.Generator
+def fit_map(
+    rows: Floats, positions: Floats, training: str, generator: np.random.Generator
 ) -> SelfOrganisingMap:
-    """Fit a map whose units lie on a line."""
-    return _fit_map(rows, line(settings.outputs), settings, generator)
-
-
-def fit_lattice(
-    rows: Floats, settings: SelfOrganisingMapParameters, generator: np.random.Generator
-) -> SelfOrganisingMap:
-    """Fit a map whose units lie on a lattice, an axis an output."""
-    return _fit_map(rows, lattice(settings.outputs, settings.lattice_levels), settings, generator)
-
-
-def _fit_map(
-    rows: Floats,
-    positions: Floats,
-    parameters: SelfOrganisingMapParameters,
-    generator: np.random.Generator,
-) -> SelfOrganisingMap:
-    if parameters.training == "batch":
+    """Fit a map on rows (n, k), by ``batch`` or ``online`` training; `positions` (u, a) are the lattice."""
+    if training == "batch":
         return fit_batch_map(rows, positions)
     return fit_online_map(rows, positions, generator)
 

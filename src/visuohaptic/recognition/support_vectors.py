@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from visuohaptic.recognition.arrays import Floats, Integers
-from visuohaptic.recognition.classifiers import ClassifierParameters, Fit
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters, Fit
 
 
 @dataclass(frozen=True)

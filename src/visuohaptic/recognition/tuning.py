@@ -12,10 +12,10 @@ import numpy as np
 
 from visuohaptic.errors import RecognitionError
 from visuohaptic.recognition.arrays import Flags, Floats, Integers
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import (
     CLASSIFIERS,
     ClassifierName,
-    ClassifierParameters,
     draw_seed,
     fit_classifier,
     fit_each,

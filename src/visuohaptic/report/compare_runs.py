@@ -15,9 +15,9 @@ import pandas as pd
 from pydantic import BaseModel, Field, PositiveFloat, ValidationError
 
 from visuohaptic.errors import ReportError
+from visuohaptic.evaluation.intervals import compare_paired
 from visuohaptic.optional_packages import require
 from visuohaptic.parameters import leaves
-from visuohaptic.recognition.intervals import compare_paired
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.run import METRICS

@@ -6,8 +6,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from visuohaptic.recognition.intervals import holm
-from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.wording import (
     classifier_name,

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 from markupsafe import Markup
 
 from visuohaptic.errors import ReportError
-from visuohaptic.recognition.intervals import Interval
+from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.report.wording import percent, points
 
 LIMIT = "†"

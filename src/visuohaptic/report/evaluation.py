@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
+from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.recognition.summary import select
 from visuohaptic.report.estimates import Figure, Row
 from visuohaptic.report.wording import counted, percent, strategy_name
 from visuohaptic.studies.evaluation.models import MeasuredEvaluation, summarise_evaluation

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from visuohaptic.errors import ReportError
-from visuohaptic.recognition.intervals import object_intervals
+from visuohaptic.evaluation.intervals import object_intervals
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.wording import decimal

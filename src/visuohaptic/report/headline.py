@@ -33,7 +33,7 @@ def headline_of(
     Parameters
     ----------
     summary : mapping
-        As `recognition.summary.summarise` returns it.
+        As `evaluation.summary.summarise` returns it.
     rows : sequence of mappings
         The frontier, `tables.COST`; without a timed row of the run's own setting there are no seconds.
     cost : CostParameters

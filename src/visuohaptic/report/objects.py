@@ -12,8 +12,8 @@ import numpy as np
 import pyarrow as pa
 from markupsafe import Markup
 
+from visuohaptic.evaluation.summary import select
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
-from visuohaptic.recognition.summary import select
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.object_pictures import MODEL
 from visuohaptic.report.pictures import data_uri, picture_size, webp_address

@@ -19,8 +19,8 @@ from jinja2 import (
 )
 from markupsafe import Markup
 
+from visuohaptic.evaluation.published import PAPER
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.published import PAPER
 from visuohaptic.report import figures, wording
 from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.chapters import chapters_of

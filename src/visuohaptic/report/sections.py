@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.attention.pyramid import CENTRE_LEVELS, SURROUND_OFFSETS
+from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.splits import settled_protocol
-from visuohaptic.recognition.summary import confusion, select
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
 from visuohaptic.report.cost import cost_verdict, cue_sentences
 from visuohaptic.report.effects import (

@@ -8,7 +8,7 @@ from typing import Any
 from jinja2 import Environment, pass_environment
 from markupsafe import Markup
 
-from visuohaptic.recognition.intervals import Interval
+from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.report.estimates import (
     Figure,
     above_interval,

@@ -14,7 +14,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.recognition.intervals import (
+from visuohaptic.evaluation.intervals import (
     Interval,
     PairedComparison,
     compare_paired,
@@ -22,7 +22,7 @@ from visuohaptic.recognition.intervals import (
     plain_interval,
     rate_interval,
 )
-from visuohaptic.recognition.metrics import round_numbers
+from visuohaptic.evaluation.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import owners_of

@@ -84,8 +84,8 @@ class Step:
     name : str
         What its rule, log and record are called.
     work : str
-        The function that does it, as ``module:function``: it takes `Given` and writes the outputs. Its
-        module, and what this imports, is the code of the job's key.
+        The function that does it, as ``module:function``, imported by its job only: it takes `Given` and
+        writes the outputs. Its module is part of the job's key.
     files : tuple of str
         What it makes; with ``{condition}`` or ``{pipeline}`` in them there is a job for each.
     takes : tuple of str

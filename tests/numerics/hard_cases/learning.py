@@ -7,7 +7,8 @@ from numerics import oracles
 from numerics.surfaces import pick
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.classifiers import CLASSIFIERS, ClassifierParameters, fit_classifier
+from visuohaptic.recognition.classifier_parameters import ClassifierParameters
+from visuohaptic.recognition.classifiers import CLASSIFIERS, fit_classifier
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
-from visuohaptic.recognition.intervals import exact_limit
+from visuohaptic.evaluation.intervals import exact_limit
 from visuohaptic.studies.cost.front import (
     error_rate,
     make_frontier,

@@ -9,9 +9,9 @@ import pytest
 from recognition.synthetic import features_table, with_column
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.model import fit_model
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
-from visuohaptic.recognition.summary import select
 from visuohaptic.studies.evaluation.models import (
     evaluate_model,
     read_evaluation,

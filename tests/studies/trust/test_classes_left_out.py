@@ -10,8 +10,8 @@ from recognition.synthetic import features_table
 from trust.classes_left_out import make_trust, measure_trust, summarise_trust
 from trust.tables import TRUST
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import select
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition import select
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.studies.study import Given
 from visuohaptic.tables.phases import FEATURES

@@ -13,8 +13,8 @@ from variants.choosing import (
     scored_variants,
 )
 from variants.design import BASE, PARTS_ON_OTHERS, STRATEGIES, all_variants
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.figures import Cell
 
 VARIANTS = [variant for variant in all_variants() if variant.part == "recognition"]

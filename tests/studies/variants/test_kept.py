@@ -18,7 +18,7 @@ from variants.summary import summarise
 from variants.tables import VARIANTS
 from variants.weighing import weigh_choices
 from visuohaptic.errors import ReportError
-from visuohaptic.recognition.published import TABLE_1
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.tables.schema import build_rows, write_table
 

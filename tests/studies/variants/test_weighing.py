@@ -16,8 +16,8 @@ from variants.one import make_variant
 from variants.study import STUDY as STUDY_OF_VARIANTS
 from variants.summary import make_variants
 from variants.tables import VARIANTS
+from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.published import TABLE_1
 from visuohaptic.studies.conditions import describe_conditions, plan_study
 from visuohaptic.studies.measuring import make_study_block
 from visuohaptic.studies.study import Given

@@ -1,6 +1,6 @@
 """Keys: what made a job's files, in one digest, and whether the same would be made today.
 
-A key is the digest of a job's code, the versions of the packages that this imports, its parameters, the content of its
+A key is the digest of a job's code (`code_of_jobs.CODE`), the versions of the packages that this imports, its parameters, the content of its
 sources, and the keys of the jobs that it takes from. A job's record is the last of its files: the parts of its key, and
 the digests of its tables. The record fits if its key is today's and each table has its digest. Times say nothing.
 """
@@ -16,7 +16,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from visuohaptic_workflow.closure import Code, Start
+from visuohaptic_workflow.code_of_jobs import Code, Runs
 from visuohaptic_workflow.digests import Digests, stamps_of
 
 Parts = dict[str, Any]
@@ -35,7 +35,7 @@ class Job:
 
     rule: str
     wildcards: Mapping[str, str]
-    start: Start
+    runs: Runs
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     record: str
@@ -71,7 +71,7 @@ class Keys:
     def __init__(
         self,
         jobs: Iterable[Job],
-        find_code: Callable[[Start], Code],
+        find_code: Callable[[Runs], Code],
         digests: Digests,
         root: Path,
         kept: Collection[str] = (),
@@ -94,8 +94,8 @@ class Keys:
         """
         job = self.jobs[record]
         return {
-            "code": self._code_of(job.start),
-            "packages": self._find_code(job.start).versions,
+            "code": self._code_of(job.runs),
+            "packages": self._find_code(job.runs).versions,
             "parameters": json.loads(json.dumps({**job.find_params(), **job.wildcards})),
             "sources": self._digests_of(self._sources(record)),
             "from": {maker: self._key_taken(maker, record) for maker in self.makers(job.inputs)},
@@ -108,7 +108,7 @@ class Keys:
 
     def given(self, record: str) -> Parts:
         """Give what a job checks itself by: its key's parts, its files of code and sources, and what marks these today."""
-        code = [os.path.relpath(file) for file in self._find_code(self.jobs[record].start).files]
+        code = [os.path.relpath(file) for file in self._find_code(self.jobs[record].runs).files]
         files = {"code": code, "sources": self._sources(record)}
         stamps = stamps_of([*code, *files["sources"]])
         return {"parts": self.parts(record), "files": files, "stamps": stamps}
@@ -153,7 +153,7 @@ class Keys:
     def is_unchanged(self, record: str) -> bool:
         """Return whether code, sources and tables of a job that fits still have the digests of its key and record."""
         parts, tables = self.parts(record), read_record(record).get("tables", {})
-        code = self._digests_of(self._find_code(self.jobs[record].start).files)
+        code = self._digests_of(self._find_code(self.jobs[record].runs).files)
         sources = self._digests_of(self._sources(record))
         found = {file: self._digest(file) for file in tables}
         return (code, sources, found) == (parts["code"], parts["sources"], tables)
@@ -181,8 +181,8 @@ class Keys:
         return self.key(maker)
 
     @cache  # noqa: B019
-    def _code_of(self, start: Start) -> dict[str, str]:
-        return self._digests_of(self._find_code(start).files)
+    def _code_of(self, runs: Runs) -> dict[str, str]:
+        return self._digests_of(self._find_code(runs).files)
 
     def _sources(self, record: str) -> list[str]:
         return [file for file in self.jobs[record].inputs if file not in self._makers]

@@ -10,7 +10,7 @@ from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
-from visuohaptic_workflow.closure import Start
+from visuohaptic_workflow.code_of_jobs import Runs
 from visuohaptic_workflow.keys import Job
 
 _WILDCARD = re.compile(r"{(\w+)}")
@@ -22,7 +22,7 @@ Values = Mapping[str, Iterable[str]]
 class Declared:
     """What a rule's job runs and takes: patterns of files, or functions of wildcards that list them, by name."""
 
-    start: Start
+    runs: Runs
     inputs: Mapping[str, Any]
 
     def files(self, wildcards: Any) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def plan_jobs(
         yield Job(
             rule=rule,
             wildcards=wildcards,
-            start=declared.start,
+            runs=declared.runs,
             inputs=tuple(str(file) for files in listed for file in files),
             outputs=tuple(fill(str(file), asked) for file in made.output),
             record=fill(record, asked),

@@ -11,7 +11,7 @@ from typing import Any
 
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.whole_files import write_whole
-from visuohaptic_workflow.closure import version_of
+from visuohaptic_workflow.code_of_jobs import version_of
 from visuohaptic_workflow.digests import Digests, stamps_of
 from visuohaptic_workflow.keys import key_of, read_record
 

@@ -11,10 +11,10 @@ import numpy as np
 import pyarrow as pa
 from scipy.special import stdtrit
 
+from visuohaptic.evaluation.intervals import Interval, PairedComparison, holm
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.arrays import Flags, Floats
-from visuohaptic.recognition.intervals import Interval, PairedComparison, holm
 from visuohaptic.studies.cost.settings import ORDER, Setting, frontier_settings
 from visuohaptic.studies.figures import Cell, compare, condition_interval, ends, paired, read_cells
 from visuohaptic.studies.study import Given

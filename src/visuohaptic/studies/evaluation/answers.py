@@ -9,8 +9,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.recognition.intervals import plain_interval, rate_interval
-from visuohaptic.recognition.summary import select
+from visuohaptic.evaluation.intervals import plain_interval, rate_interval
+from visuohaptic.evaluation.summary import select
 from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import rows_by
 

@@ -18,8 +18,8 @@ import numpy as np
 import pyarrow as pa
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.pooling import spread_choices
-from visuohaptic.recognition.summary import select
 from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
 from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.phases import owners_of

@@ -6,10 +6,10 @@ from sklearn.svm import SVC
 
 import visuohaptic as vh
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import summarise
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.summary import summarise
 
 FEW = RecognitionParameters(protocol={"maximum_splits": 3}, intervals={"bootstrap_samples": 200})
 SVM = "support_vector_machine"

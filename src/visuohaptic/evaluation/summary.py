@@ -11,13 +11,13 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats, Integers
-from visuohaptic.recognition.intervals import (
+from visuohaptic.evaluation.intervals import (
     balanced_interval,
     compare_paired,
     plain_interval,
     rate_interval,
 )
+from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.voting import vote_credit
 from visuohaptic.seeds import spawn_generator

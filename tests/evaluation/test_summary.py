@@ -9,6 +9,7 @@ from recognition.synthetic import features_table
 
 from visuohaptic import recognition
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import confusion, select, summarise
 from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
 from visuohaptic.tables.phases import PREDICTIONS, SCORES
 from visuohaptic.tables.schema import build_rows
@@ -52,11 +53,11 @@ def test_means_are_the_means_over_splits_whatever_the_classes_and_the_vote(
         for seed, strategy in enumerate(("fixation", "random"))
     ]
     scores, predictions = both(*runs)
-    results = recognition.summarise(scores, predictions)["results"][pipeline]
+    results = summarise(scores, predictions)["results"][pipeline]
     assert set(results) == {"fixation", "random"}
     for strategy, cells in results.items():
         for classifier, cell in cells.items():
-            rows = recognition.select(scores, strategy=strategy, classifier=classifier)
+            rows = select(scores, strategy=strategy, classifier=classifier)
             for figure in ("accuracy", "object_accuracy"):
                 mean = rows.column(figure).to_numpy().mean()
                 assert cell[figure]["mean"] == pytest.approx(mean)
@@ -72,14 +73,14 @@ def test_figures_counted_by_hand():
             ("car", "c"): ["car", "car", "car", "cup"],
         }
     )
-    cell = recognition.summarise(scores, predictions)["results"]["paper"]["fixation"]["naive_bayes"]
+    cell = summarise(scores, predictions)["results"]["paper"]["fixation"]["naive_bayes"]
     assert cell["accuracy"]["mean"] == pytest.approx(7 / 12)
     assert cell["object_accuracy"]["mean"] == pytest.approx((1 + 0 + 1) / 3)
     assert cell["class_accuracy"]["cup"]["mean"] == pytest.approx(4 / 8)
     assert cell["class_accuracy"]["car"]["mean"] == pytest.approx(3 / 4)
     assert cell["balanced_accuracy"]["mean"] == pytest.approx((4 / 8 + 3 / 4) / 2)
     assert cell["class_accuracy"]["car"]["low"] is None
-    counted = recognition.confusion(predictions)
+    counted = confusion(predictions)
     assert counted.classes == ("car", "cup")
     assert counted.counts.tolist() == [[3, 1], [4, 4]]
 
@@ -90,7 +91,7 @@ def test_comparison_is_fixation_minus_the_other_strategy():
         {("cup", "a"): ["cup", "cup", "car", "car"], ("car", "c"): ["car"] * 3 + ["cup"]},
         strategy="random",
     )
-    compared = recognition.summarise(*both(good, bad))["comparisons"]["paper"]["naive_bayes"]
+    compared = summarise(*both(good, bad))["comparisons"]["paper"]["naive_bayes"]
     assert compared["random"]["difference"]["mean"] == pytest.approx(3 / 8)
     assert compared["random"]["p_value"] == 0.5
     assert compared["random"]["objects"] == 2
@@ -104,7 +105,7 @@ def test_order_of_rows_changes_nothing_and_all_of_it_is_json():
     other = answers({("cup", "a"): ["car"], ("cup", "d"): ["cup"], ("car", "c"): ["car"]}, "random")
     tables = both(FIRST, other)
     first, second = (
-        json.dumps(recognition.summarise(*rows), sort_keys=True, allow_nan=False)
+        json.dumps(summarise(*rows), sort_keys=True, allow_nan=False)
         for rows in (tables, [table[::-1] for table in tables])
     )
     assert first == second
@@ -112,6 +113,6 @@ def test_order_of_rows_changes_nothing_and_all_of_it_is_json():
 
 def test_tables_of_different_runs_and_of_strategies_tested_on_other_objects_are_refused():
     with pytest.raises(RecognitionError, match="must come from one run"):
-        recognition.summarise(SECOND[0], FIRST[1])
+        summarise(SECOND[0], FIRST[1])
     with pytest.raises(RecognitionError, match="same objects"):
-        recognition.summarise(*both(FIRST, SECOND))
+        summarise(*both(FIRST, SECOND))

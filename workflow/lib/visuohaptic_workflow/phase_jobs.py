@@ -1,17 +1,21 @@
-"""Take a block of objects and of viewpoints through one phase."""
+"""The jobs of phases that take one object at a time."""
 
-from visuohaptic.functions import Function
+from __future__ import annotations
+
+from typing import Any
+
 from visuohaptic.geometry.surface import meshes_in
-from visuohaptic.one_phase import run_files
-from visuohaptic_workflow.jobs import job
+from visuohaptic.one_phase import Work, run_files
 
-with job(snakemake):
+
+def run_block(snakemake: Any, work: Work) -> None:
+    """Take a block of objects and of viewpoints through one phase."""
     params, inputs, outputs = (
         dict(part.items()) for part in (snakemake.params, snakemake.input, snakemake.output)
     )
-    del params["key"], outputs["record"]
+    del params["key"], params["phase"], outputs["record"]
     run_files(
-        work=Function(params.pop("work")),
+        work=work,
         viewpoints=params.pop("viewpoints_of_block"),
         arguments=params,
         meshes=meshes_in(filter(None, [inputs.pop("meshes", None)])),

@@ -11,11 +11,11 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.errors import RecognitionError
+from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
 from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split, run_sequences
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import take_strategy
-from visuohaptic.recognition.summary import summarise
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table
 

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from visuohaptic.recognition.intervals import (
+from visuohaptic.evaluation.intervals import (
     balanced_interval,
     compare_paired,
     expanded_tail,

@@ -10,8 +10,8 @@ from typing import Any
 
 import pyarrow as pa
 
+from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.recognition.summary import summarise
 from visuohaptic.tables.phases import PREDICTIONS, SCORES
 from visuohaptic.tables.schema import read_table
 

@@ -1,0 +1,30 @@
+"""Section `probing` of `params.yaml`. It knows the strategies, which know the section `rendering`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from visuohaptic.fixations.probing import StrategyName, Unreachable
+
+
+class ProbingParameters(BaseModel):
+    """How probing locations are chosen."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    strategies: tuple[StrategyName, ...] = Field(
+        ("fixation", "random"), min_length=1, description="Strategies to compare"
+    )
+    unreachable: Unreachable = Field(
+        "replace",
+        description="What is done with a place that the sensor can't reach: the view's next one is touched "
+        "instead, with at most 16 passed over (`replace`), or it is touched as far as it goes (`keep`); "
+        "`random` always replaces, `random_anywhere` never",
+    )
+    when_exhausted: Literal["stop", "begin_again"] = Field(
+        "stop",
+        description="What a sequence does where a view has no further place: it stays shorter, or it starts "
+        "again at its first place",
+    )

@@ -1,0 +1,179 @@
+"""A job's key holds the folders that a table names for its rule; whatever its script imports lies there."""
+
+import ast
+import tomllib
+from importlib.metadata import version
+from pathlib import Path
+
+import grimp
+import pytest
+
+from visuohaptic.pipeline import PHASES
+from visuohaptic.plugins import PlugIn
+from visuohaptic.studies.registry import STUDIES
+from visuohaptic_workflow.code_of_jobs import ALWAYS, CODE, STEP, Runs, code_of, module_of
+
+ROOT = Path(__file__).parents[2]
+SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
+LIBRARY = ROOT / "src/visuohaptic"
+SCRIPTS = ROOT / "workflow/scripts"
+SCRIPT = SCRIPTS / "features.py"
+# What every job has around its work.
+MACHINERY = "visuohaptic_workflow.jobs"
+
+
+@pytest.fixture(scope="module")
+def graph():
+    packages = ("visuohaptic", "contourlets", "visuohaptic_workflow")
+    return grimp.build_graph(*packages, exclude_type_checking_imports=True, cache_dir=None)
+
+
+def names_of(code):
+    return {str(Path(file).resolve().relative_to(ROOT)) for file in code.files}
+
+
+def is_named(module, row):
+    places = map(module_of, (*ALWAYS, *row))
+    parents = [module_of(place).rpartition(".")[0] for place in row]
+    return any(f"{module}.".startswith(f"{place}.") for place in places) or module in parents
+
+
+def start_of(rule):
+    """Name the modules at which a rule's own code begins: what its script imports, or the module of a study's step."""
+    script = SCRIPTS / f"{rule}.py"
+    if not script.exists():
+        steps = {step.name: step for study in STUDIES for step in study.steps}
+        return {steps[rule].work.partition(":")[0]}
+    nodes = [
+        node for node in ast.parse(script.read_text()).body if isinstance(node, ast.ImportFrom)
+    ]
+    return {node.module for node in nodes} - {MACHINERY}
+
+
+@pytest.mark.parametrize("rule", CODE)
+def test_what_a_script_imports_lies_in_the_places_of_its_rule(graph, rule):
+    start = start_of(rule) & graph.modules
+    found = start.union(*(graph.find_upstream_modules(module) for module in start))
+    library = {name for name in found if name.startswith(("visuohaptic.", "contourlets"))}
+    assert [name for name in sorted(library) if not is_named(name, CODE[rule])] == []
+
+
+def test_every_place_of_the_table_is_there():
+    for row in (*CODE.values(), STEP):
+        assert names_of(code_of(Runs(SCRIPT, row), SOURCES))
+
+
+def forbidden_for(row):
+    """Name what a row leaves out: of a folder of which it names a part, the other parts."""
+    named = {*ALWAYS, *row}
+    heads = {
+        path.stem
+        for path in LIBRARY.iterdir()
+        if path.suffix == ".py" or (path / "__init__.py").exists()
+    }
+    found = set()
+    for head in heads - {"__init__"} - named:
+        parts = {place for place in named if place.startswith(f"{head}.")}
+        files = LIBRARY.joinpath(head).glob("*.py") if parts else ()
+        modules = {f"{head}.{file.stem}" for file in files if file.stem != "__init__"}
+        found |= modules - parts or {head}
+    return {f"visuohaptic.{name}" for name in found} | {"contourlets"} - named
+
+
+@pytest.mark.parametrize("phase", [phase.name for phase in PHASES])
+def test_a_contract_forbids_a_phase_all_that_its_row_does_not_name(phase):
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    (contract,) = [
+        one for one in contracts if one.get("source_modules") == [f"visuohaptic.{phase}"]
+    ]
+    assert contract["type"] == "forbidden"
+    assert set(contract["forbidden_modules"]) == forbidden_for(CODE[phase])
+
+
+def test_a_folder_counts_with_its_data_and_a_module_alone(tmp_path):
+    files = names_of(code_of(Runs(SCRIPT, CODE["fixations"]), SOURCES))
+    assert {"src/visuohaptic/attention/human_weights.json", "workflow/scripts/features.py"} < files
+    assert {file for file in files if "/tables/" in file} == {
+        f"src/visuohaptic/tables/{name}.py" for name in ("__init__", "phases", "schema")
+    }
+    assert "src/visuohaptic/__init__.py" not in files
+
+
+def test_versions_are_those_of_the_packages_that_the_folders_import():
+    versions = code_of(Runs(SCRIPT, CODE["features"]), SOURCES).versions
+    assert versions["pywt"] == version("PyWavelets")
+    assert "cv2" not in versions
+    assert not {"os", "visuohaptic", "contourlets"} & {*versions}
+
+
+TOY = {
+    "toy/__init__.py": "",
+    "toy/steps.py": "import yaml\ndef work():\n    from toy import helper\n",
+    "toy/helper.py": "from importlib.resources import files\nimport other\n",
+    "toy/section.py": "import jinja2\n",
+    "toy/templates/page.html": "",
+    "toy/templates/section.html.jinja": "",
+    "toy/measured.json": "{}",
+    "other.py": "",
+    "unused.py": "",
+}
+
+
+UNUSED = {"toy/section.py", "toy/templates/section.html.jinja", "unused.py"}
+
+
+@pytest.fixture
+def toy(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in TOY.items():
+        path = tmp_path / "studies" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path / "studies"
+
+
+def test_of_a_study_counts_what_its_step_imports_and_not_its_section(toy):
+    row = CODE["recognition"]
+    plain = code_of(Runs(SCRIPT, row), SOURCES)
+    found = code_of(Runs(SCRIPT, row, (toy / "toy/steps.py",)), SOURCES, [toy])
+    names = {str(file) for file in set(found.files) - set(plain.files)}
+    assert names == {f"studies/{name}" for name in TOY if name not in UNUSED}
+    added = {name: found.versions[name] for name in set(found.versions) - set(plain.versions)}
+    assert added == {"yaml": version("PyYAML")}
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "is_whole"),
+    [
+        ("import visuohaptic as vh\n", "sensor", False),
+        ("from visuohaptic.sensor.frames import row_axes\n", "sensor", True),
+        ("from visuohaptic.report.drawing import style\n", "report", True),
+    ],
+)
+def test_a_file_of_the_user_brings_the_places_that_it_imports(toy, text, place, is_whole):
+    (toy / "other.py").write_text(text)
+    found = names_of_library(
+        code_of(Runs(SCRIPT, CODE["recognition"], (toy / "other.py",)), SOURCES)
+    )
+    whole = {str(file.relative_to(ROOT)) for file in (LIBRARY / place).rglob("*.py")}
+    assert whole <= found if is_whole else whole.isdisjoint(found)
+
+
+def names_of_library(code):
+    return {str(file.relative_to(ROOT)) for file in code.files if file.is_absolute()}
+
+
+@pytest.mark.parametrize(("rule", "homes"), [("recognition", 2), ("fixations", 1), ("meshes", 0)])
+def test_a_plug_in_is_code_of_the_jobs_that_run_what_it_registered_with(toy, rule, homes):
+    Path("mine.py").write_text("import tqdm\nimport other\n")
+    strategies, maps = "visuohaptic.fixations.probing", "visuohaptic.recognition.maps"
+    mine = PlugIn(str(Path("mine.py").absolute()), frozenset({strategies, maps}))
+    installed = PlugIn("mine.installed", frozenset({maps}), "pytest")
+    plain = code_of(Runs(SCRIPT, CODE[rule]), SOURCES)
+    found = code_of(Runs(SCRIPT, CODE[rule]), SOURCES, [toy], [mine, installed])
+    added = {str(file) for file in set(found.files) - set(plain.files)}
+    assert added == ({"mine.py", "studies/other.py"} if homes else set())
+    if homes:
+        assert found.versions["tqdm"] == version("tqdm")
+    assert found.versions.get("pytest") == (version("pytest") if homes == 2 else None)

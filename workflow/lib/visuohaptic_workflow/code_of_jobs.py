@@ -1,0 +1,239 @@
+"""Which code is part of a job's key: folders of the library by rule, files of the user with what they import, versions."""
+
+from __future__ import annotations
+
+import ast
+import os
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from visuohaptic.plugins import PlugIn
+
+LIBRARY = "visuohaptic"
+ALWAYS = ("errors", "optional_packages", "registry", "seeds", "whole_files")
+"""What every row of `CODE` has beside its own places."""
+
+_TABLES = ("tables.phases", "tables.schema")
+_BY_OBJECT = ("one_phase", "visuohaptic_workflow.phase_jobs", "geometry", *_TABLES)
+_EYE = ("fixations", "attention", "scene", *_BY_OBJECT)
+_HAND = ("touches", "sensor", "scene", *_BY_OBJECT)
+_DESCRIBING = ("features", "contourlets", *_BY_OBJECT)
+_PHASES = (
+    "meshes",
+    *_EYE,
+    *_HAND,
+    *_DESCRIBING,
+    "recognition",
+    "moved",
+    "parameters",
+    "pipeline",
+    "plugins",
+)
+_STUDIES = ("studies.conditions", "studies.measuring", "studies.study", "tables.studies")
+_MEASURING = (*_PHASES, *_STUDIES)
+STEP = (*_PHASES, "evaluation", "studies", "tables")
+"""The row of a study's step that has none by its name: all that lies below the report."""
+
+CODE = {
+    "downloads": ("meshes", "geometry"),
+    "credits": ("meshes", "geometry"),
+    "meshes": ("meshes", "geometry"),
+    "fixations": _EYE,
+    "touches": _HAND,
+    "features": _DESCRIBING,
+    "recognition": ("recognition", *_TABLES),
+    "model": ("recognition", "__init__", *_TABLES),
+    "metrics": ("evaluation", "recognition", *_TABLES),
+    "stability_of_object": ("stability", "attention", "contourlets", "tables.stability", *_HAND),
+    "features_of_study": _MEASURING,
+    "block_of_study": _MEASURING,
+    "figures_of_study": ("studies.figures", "evaluation", "recognition", "tables.studies", *_TABLES),
+    "frontier_seconds": ("studies.cost.seconds", "studies.cost.settings", *_MEASURING),
+    "frontier": STEP,
+    "effect_influence": ("studies.effects.influence", *_MEASURING),
+    "pictures": (
+        "report.object_pictures", "report.models", "report.pictures", "geometry", "tables",
+    ),
+    "report": (*STEP, "report", "stability", "job_logs", "__init__", "visuohaptic_workflow.studies_asked"),
+}  # fmt: skip
+"""Folders and modules of the library by rule: an edit of any file there makes the rule's jobs run again.
+
+A name is that of a folder or a module below src/visuohaptic, or of another package of this project. The contracts of
+import-linter, in pyproject.toml, forbid each phase what its row does not name.
+"""
+
+_DISTRIBUTIONS = {
+    "PIL": ("pillow",),
+    "cv2": ("opencv-contrib-python-headless", "opencv-python-headless", "opencv-python"),
+    "open3d": ("open3d-cpu", "open3d"),
+    "pywt": ("PyWavelets",),
+    "skimage": ("scikit-image",),
+    "sklearn": ("scikit-learn",),
+    "yaml": ("PyYAML",),
+}
+"""Packages whose module has another name."""
+
+
+_OF_REPORT = {"section.html.jinja"}
+"""Beside a study's own templates; it is a source of the report."""
+
+
+@dataclass(frozen=True)
+class Runs:
+    """What a job runs: a script, places of the library (see `CODE`), and `own` files outside of the library.
+
+    These are modules of studies; what they import counts, too.
+    """
+
+    script: Path
+    places: tuple[str, ...]
+    own: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True)
+class Code:
+    """The files of this project and of the user that a job runs, and the versions of other packages by name."""
+
+    files: tuple[Path, ...]
+    versions: dict[str, str]
+
+
+def code_of(
+    runs: Runs,
+    sources: Sequence[Path],
+    studies: Sequence[Path] = (),
+    plug_ins: Iterable[PlugIn] = (),
+) -> Code:
+    """Find the code of a job in the folders `sources`, which hold this project's packages.
+
+    Modules that files outside of the library import are also looked for in the folders `studies`. A plug-in counts where
+    it registered with a module of the job's places: a file with what it imports, an installed one by its version.
+    """
+    places = {*ALWAYS, *runs.places}
+    plug_ins = [one for one in plug_ins if any(_is_within(home, places) for home in one.homes)]
+    own = [*runs.own, *(one.file for one in plug_ins if one.file is not None)]
+    files, imported = _outside(own, studies)
+    own_names = {file.stem for file in files}
+    # What the table does not name: with its own row, or with all of the library.
+    for module in imported:
+        if module.startswith(f"{LIBRARY}.") and not _is_within(module, places):
+            places |= {*CODE.get(module.split(".")[1], [LIBRARY])}
+    files |= {Path(os.path.relpath(runs.script))}
+    others = {module.partition(".")[0] for module in imported}
+    for place in places:
+        found, packages = _at(place, tuple(sources))
+        files |= found
+        others |= packages
+    others -= {"", *sys.stdlib_module_names, *own_names, *_packages(sources), *_packages(studies)}
+    installed = {str(one.package): version_of(str(one.package)) for one in plug_ins if one.package}
+    versions = {name: version_of(name) for name in others} | installed
+    return Code(tuple(sorted(files)), dict(sorted(versions.items())))
+
+
+def module_of(place: str) -> str:
+    """Give the whole name of a place of `CODE`."""
+    head = place.partition(".")[0]
+    return (
+        place if head in {LIBRARY, "contourlets", "visuohaptic_workflow"} else f"{LIBRARY}.{place}"
+    )
+
+
+def _is_within(module: str, places: Iterable[str]) -> bool:
+    return any(f"{module}.".startswith(f"{module_of(place)}.") for place in places)
+
+
+@cache
+def _at(place: str, sources: tuple[Path, ...]) -> tuple[frozenset[Path], frozenset[str]]:
+    """Give the files of a place, data beside modules too, and the packages that these import."""
+    module = module_of(place)
+    path = next(
+        path
+        for source in sources
+        for path in [source.joinpath(*module.split("."))]
+        if path.is_dir() or path.with_suffix(".py").is_file()
+    )
+    graph = _graph(tuple(sources))
+    if path.is_dir():
+        files = {one for one in path.rglob("*.*") if one.suffix in {".py", ".json", ".parquet"}}
+        modules = {module, *graph.find_descendants(module)}
+    else:
+        files, modules = {path.with_suffix(".py")}, {module} & graph.modules
+        # Which Python runs before it.
+        packages = [one / "__init__.py" for one in path.parents if (one / "__init__.py").is_file()]
+        files |= {*packages[:-1]}
+    found = {one for module in modules for one in graph.find_modules_directly_imported_by(module)}
+    return frozenset(files), frozenset(name.partition(".")[0] for name in found)
+
+
+@cache
+def _graph(sources: tuple[Path, ...]) -> Any:
+    import grimp
+
+    # Without its cache, which takes a file for unchanged by its time.
+    return grimp.build_graph(
+        *sorted(_packages(sources)),
+        include_external_packages=True,
+        exclude_type_checking_imports=True,
+        cache_dir=None,
+    )
+
+
+def _outside(files: Iterable[Path], folders: Sequence[Path]) -> tuple[set[Path], set[str]]:
+    """Follow imports from files to modules that lie in some folders; give all files, and the names that they import."""
+    found: set[Path] = set()
+    imported: set[str] = set()
+    waiting = list(files)
+    while waiting:
+        file = Path(os.path.relpath(waiting.pop()))
+        if file in found:
+            continue
+        found.add(file)
+        names = set(_imports_of(file))
+        imported |= names
+        if "importlib.resources" in names:
+            beside = (file.parent.glob(kind) for kind in ("*.json", "*.parquet", "templates/*.*"))
+            found |= {one for some in beside for one in some if one.name not in _OF_REPORT}
+        modules = [name for name in names if name.partition(".")[0] not in {"", LIBRARY}]
+        waiting += [one for name in modules for one in _modules_at(name, folders)]
+    return found, imported
+
+
+def _modules_at(name: str, folders: Sequence[Path]) -> Iterator[Path]:
+    """Give the file of a module, and the files of the packages that hold it, in the first folder that has some."""
+    parts = name.split(".")
+    for folder in folders:
+        paths = [folder.joinpath(*parts[:count]) for count in range(1, len(parts) + 1)]
+        files = [file for path in paths for file in (path / "__init__.py", path.with_suffix(".py"))]
+        if found := [file for file in files if file.is_file()]:
+            yield from found
+            return
+
+
+def _imports_of(file: Path) -> Iterator[str]:
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield node.module or ""
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def _packages(sources: Iterable[Path]) -> set[str]:
+    return {file.parent.name for source in sources for file in source.glob("*/__init__.py")}
+
+
+@cache
+def version_of(module: str) -> str:
+    """Give the version of the package that brings a module, or "none"."""
+    for name in _DISTRIBUTIONS.get(module, (module,)):
+        try:
+            return version(name)
+        except PackageNotFoundError:
+            continue
+    return "none"

@@ -1,0 +1,8 @@
+"""Describe the imprints of a block of objects and of viewpoints."""
+
+from visuohaptic.features.describing import describe
+from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.phase_jobs import run_block
+
+with job(snakemake):
+    run_block(snakemake, describe)

@@ -1,0 +1,8 @@
+"""Touch a block of objects where a block of viewpoints looked."""
+
+from visuohaptic.touches.touching import acquire_touches
+from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.phase_jobs import run_block
+
+with job(snakemake):
+    run_block(snakemake, acquire_touches)
