@@ -61,6 +61,10 @@ IN_ANOTHER_FORM = {
         "dvc exp run --queue -S recognition.touches=2",
         "one experiment instead of two",
     ),
+    "dvc exp show --only-changed --drop Snakefile|.*/|plug_ins|requirements|src|studies|workflow$|Created|State|Executor": (
+        "dvc exp show --only-changed --drop 'Snakefile|.*/|plug_ins|requirements|src|studies|workflow$|Created|State|Executor'",
+        "a list of words has lost its quotes",
+    ),
     "dvc remote add --default team s3://bucket/visuohaptic": (
         "dvc remote add --default team ../storage",
         "S3 needs a network and a key; a folder is the README's other example",
