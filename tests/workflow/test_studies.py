@@ -134,6 +134,8 @@ def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
     experiment.run("dvc", "repro", "studies/dvc.yaml")
     # The same was made again, so the report that shows it is current.
     assert planned(experiment) == {}
+    # The study's own lock lies in folder studies, on which the stage of the run depends.
+    assert "Nothing to be done" in experiment.run("dvc", "repro").stdout
     assert "up to date" in experiment.run("dvc", "status").stdout
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
     assert "own@mine" in experiment.run("dvc", "status").stdout

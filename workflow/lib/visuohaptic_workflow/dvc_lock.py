@@ -15,6 +15,9 @@ from visuohaptic_workflow.keys import Keys
 
 LOCK = Path("dvc.lock")
 
+STAGE = "experiment"
+"""The stage of `dvc.yaml` that is locked; stages of studies are the user's to commit."""
+
 IN_STAGE = "DVC_STAGE"
 """The variable that DVC sets in the environment of a stage's command."""
 
@@ -82,7 +85,7 @@ def write_lock(
         )
     make_empty_outputs()
     old = LOCK.read_bytes() if LOCK.exists() else None
-    command = [sys.executable, "-m", "dvc", "commit", "--force", "--quiet"]
+    command = [sys.executable, "-m", "dvc", "commit", "--force", "--quiet", STAGE]
     done = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
     if done.returncode:
         _restore(old)
