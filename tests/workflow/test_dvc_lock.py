@@ -137,6 +137,21 @@ class Keys:
         return self.unchanged
 
 
+@pytest.mark.parametrize("content", ["schema: '2.0'\nstages:\n  experiment:\n    cmd: a\n    dep", ""])
+def test_a_lock_that_was_cut_off_is_written_anew(tmp_path, monkeypatch, content):
+    monkeypatch.chdir(tmp_path)
+    Path("dvc.lock").write_text(content)
+
+    def commit(*_, **__):
+        assert not Path("dvc.lock").exists()
+        Path("dvc.lock").write_text("schema: '2.0'")
+        return subprocess.CompletedProcess([], 0, "", "")
+
+    monkeypatch.setattr(dvc_lock.subprocess, "run", commit)
+    dvc_lock.write_lock(Keys(unchanged=True), ["all"], lambda: True)
+    assert Path("dvc.lock").read_text() == "schema: '2.0'"
+
+
 @pytest.mark.parametrize(
     ("are_files_unchanged", "are_parameters_current"), [(False, True), (True, False)]
 )
@@ -144,7 +159,7 @@ def test_a_lock_is_put_back_if_a_file_changes_while_dvc_reads(
     tmp_path, monkeypatch, are_files_unchanged, are_parameters_current
 ):
     monkeypatch.chdir(tmp_path)
-    Path("dvc.lock").write_text("before")
+    Path("dvc.lock").write_text("written: before")
 
     def commit(*_, **__):
         Path("dvc.lock").write_text("after")
@@ -154,7 +169,7 @@ def test_a_lock_is_put_back_if_a_file_changes_while_dvc_reads(
     keys = Keys(unchanged=are_files_unchanged)
     with pytest.raises(LockError, match="a file changed while DVC read the results"):
         dvc_lock.write_lock(keys, ["all"], lambda: are_parameters_current)
-    assert Path("dvc.lock").read_text() == "before"
+    assert Path("dvc.lock").read_text() == "written: before"
     dvc_lock.write_lock(Keys(unchanged=True), ["all"], lambda: True)
     assert Path("dvc.lock").read_text() == "after"
 

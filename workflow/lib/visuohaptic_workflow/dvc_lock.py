@@ -6,8 +6,11 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
+
+import yaml
 
 from visuohaptic.errors import VisuohapticError
 from visuohaptic.whole_files import whole_file
@@ -65,7 +68,8 @@ def lock_in_new_process(environment: Mapping[str, str]) -> None:
     """
     ask = ["snakemake", "--list-rules", "--quiet", "--workflow-profile", "none"]
     command = [sys.executable, "-m", *ask]
-    subprocess.run(command, env=environment, check=False, stdout=sys.stderr)  # noqa: S603 - our own words
+    with suppress(KeyboardInterrupt):  # the new process gets it, too, and the results are there
+        subprocess.run(command, env=environment, check=False, stdout=sys.stderr)  # noqa: S603 - our own words
 
 
 def write_lock(
@@ -84,8 +88,10 @@ def write_lock(
             f"such as {stale[0]}; `make why` lists the reasons."
         )
     make_empty_outputs()
-    old = LOCK.read_bytes() if LOCK.exists() else None
-    command = [sys.executable, "-m", "dvc", "commit", "--force", "--quiet", STAGE]
+    old = LOCK.read_bytes() if _is_readable(LOCK) else None
+    if old is None:
+        LOCK.unlink(missing_ok=True)
+    command = [sys.executable, "-m", "dvc", "commit", "--force", STAGE]
     done = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
     if done.returncode:
         _restore(old)
@@ -118,6 +124,14 @@ def is_tracked() -> bool:
     """Return whether Git knows the lock, so that queued experiments start with its results."""
     command = ["git", "ls-files", "--error-unmatch", str(LOCK)]
     return subprocess.run(command, check=False, capture_output=True).returncode == 0  # noqa: S603 - our own words
+
+
+def _is_readable(lock: Path) -> bool:
+    """Return whether a lock is there and is YAML of several entries; DVC refuses one that was cut off."""
+    try:
+        return isinstance(yaml.safe_load(lock.read_bytes()), dict)
+    except (OSError, yaml.YAMLError):
+        return False
 
 
 def _restore(content: bytes | None) -> None:
