@@ -32,6 +32,8 @@ def test_what_is_dumped_reads_back():
         ({"probing": {"strategies": ["fixation", "guessing"]}}, "strategies.1 is 'guessing'"),
         ({"attention": {"weights": {"glare": 1}}}, r"attention\.weights\.glare is no parameter"),
         ({"scene": {"effects": {"rust": "auto"}}}, r"scene\.effects\.rust is no parameter"),
+        ({"seed": True}, "seed is True: a number is needed"),
+        ({"cost": {"touches": [2, True]}}, "cost.touches is True: a number is needed"),
         ({"sensor": {"smallest_size": 1.0}}, "smallest_size is 1.0; at most largest_size"),
         ({"recognition": {"classifiers": ["naive_bayes"] * 3}}, "classifiers names naive_bayes 3"),
         (

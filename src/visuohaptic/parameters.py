@@ -183,10 +183,25 @@ class ExperimentParameters(BaseModel):
         Raises `ParameterError`, which names the source, and each unknown name or wrong value.
         """
         try:
-            return cls.model_validate(dict(values))
+            checked = cls.model_validate(dict(values))
         except ValidationError as error:
             found = "; ".join(_sentence(problem) for problem in error.errors())
             raise ParameterError(f"{source}: {found}.") from None
+        if wrong := list(_truth_values(values, checked.model_dump())):
+            raise ParameterError(f"{source}: {'; '.join(wrong)}.")
+        return checked
+
+
+def _truth_values(given: Any, checked: Any, name: str = "") -> Iterator[str]:
+    """Find truth values where a number is needed: pydantic reads them as 1 and 0."""
+    if isinstance(given, Mapping) and isinstance(checked, Mapping):
+        for key in given.keys() & checked.keys():
+            yield from _truth_values(given[key], checked[key], f"{name}.{key}")
+    elif isinstance(given, list | tuple) and isinstance(checked, list | tuple):
+        for one, other in zip(given, checked, strict=False):
+            yield from _truth_values(one, other, name)
+    elif isinstance(given, bool) and not isinstance(checked, bool):
+        yield f"{name.removeprefix('.')} is {given}: a number is needed"
 
 
 def _repeated(parameters: ExperimentParameters) -> Iterator[str]:

@@ -137,7 +137,9 @@ class Keys:
         return self.unchanged
 
 
-@pytest.mark.parametrize("content", ["schema: '2.0'\nstages:\n  experiment:\n    cmd: a\n    dep", ""])
+@pytest.mark.parametrize(
+    "content", ["schema: '2.0'\nstages:\n  experiment:\n    cmd: a\n    dep", ""]
+)
 def test_a_lock_that_was_cut_off_is_written_anew(tmp_path, monkeypatch, content):
     monkeypatch.chdir(tmp_path)
     Path("dvc.lock").write_text(content)
