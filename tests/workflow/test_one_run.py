@@ -46,9 +46,10 @@ def test_the_plain_command_goes_on_after_a_run_was_ended_in_any_way(fresh_stand_
 def at_work(stand_in):
     """An experiment whose run is in the middle of its jobs."""
     stand_in.run("git", "init", "-q")
-    module = stand_in.folder / "src/visuohaptic/features/imprint_shape.py"
+    # Of a module also the process that plans the run would wait.
+    script = stand_in.folder / "workflow/scripts/features.py"
     waits = "import time\nopen('begun', 'w')\ntime.sleep(60)\n"
-    module.write_text(f"{module.read_text()}\n{waits}")
+    script.write_text(f"{waits}{script.read_text()}")
     process = stand_in.start("snakemake", "-j2")
     wait_for((stand_in.folder / "begun").exists)
     yield stand_in
