@@ -368,7 +368,7 @@ def close_run():
 
 
 def are_parameters_current():
-    """Return whether params.yaml alone, read again, says what this process works with."""
+    """Return whether params.yaml, read again, has the parameters of this process."""
     return read_parameters("params.yaml") == PARAMETERS
 
 

@@ -1,4 +1,4 @@
-"""How SIGTERM ends a run: Snakemake starts no more jobs, and waits for those at work."""
+"""How SIGTERM ends a run: Snakemake starts no more jobs, and waits for the running ones."""
 
 from __future__ import annotations
 
@@ -31,5 +31,5 @@ def is_termination_asked() -> bool:
 
 
 def end_at_once() -> None:
-    """Let SIGTERM end this process at once: no job is at work any more."""
+    """Let SIGTERM end this process at once: no job runs any more."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
