@@ -137,7 +137,7 @@ def code_of(
 
 
 def module_of(place: str) -> str:
-    """Give the whole name of a place of `CODE`."""
+    """Return the dotted name of the folder or module that an entry of `CODE` names."""
     head = place.partition(".")[0]
     return (
         place if head in {LIBRARY, "contourlets", "visuohaptic_workflow"} else f"{LIBRARY}.{place}"
@@ -150,7 +150,7 @@ def _is_within(module: str, places: Iterable[str]) -> bool:
 
 @cache
 def _at(place: str, sources: tuple[Path, ...]) -> tuple[frozenset[Path], frozenset[str]]:
-    """Give the files of a place, data beside modules too, and the packages that these import."""
+    """Return the files of a folder or module, with data beside them, and the packages that the modules import."""
     module = module_of(place)
     path = next(
         path
@@ -205,7 +205,7 @@ def _outside(files: Iterable[Path], folders: Sequence[Path]) -> tuple[set[Path],
 
 
 def _modules_at(name: str, folders: Sequence[Path]) -> Iterator[Path]:
-    """Give the file of a module, and the files of the packages that hold it, in the first folder that has some."""
+    """Return the file of a module and the `__init__` files of its packages, from the first folder that has any."""
     parts = name.split(".")
     for folder in folders:
         paths = [folder.joinpath(*parts[:count]) for count in range(1, len(parts) + 1)]
@@ -230,7 +230,7 @@ def _packages(sources: Iterable[Path]) -> set[str]:
 
 @cache
 def version_of(module: str) -> str:
-    """Give the version of the package that brings a module, or "none"."""
+    """Return the version of the package that contains a module, or "none"."""
     for name in _DISTRIBUTIONS.get(module, (module,)):
         try:
             return version(name)
