@@ -166,6 +166,20 @@ def test_a_marked_record_that_is_a_link_becomes_a_file_of_its_own(run):
     assert Path("touch.json").read_text() == Path("cached.json").read_text()
 
 
+def test_a_table_that_is_a_write_protected_link_to_a_cache_can_be_made_again_and_the_cache_stays(
+    run,
+):
+    table, cached = Path("touch.parquet"), Path("cached")
+    before = table.read_bytes()
+    os.link(table, cached)
+    cached.chmod(0o444)
+    mark_stale("touch.json", "code: touch.py", ["touch.parquet", "gone.parquet"])
+    assert table.stat().st_mode & 0o200
+    assert table.read_bytes() == cached.read_bytes() == before
+    assert not cached.stat().st_mode & 0o200
+    assert cached.stat().st_nlink == 1
+
+
 def test_only_what_records_name_and_no_job_of_today_makes_is_put_aside(run):
     tables = {f"results/{name}.parquet": "" for name in ("gone", "now")}
     record = {"key": "", "parts": {}, "tables": tables, "log": "logs/gone.log"}

@@ -273,7 +273,7 @@ def takes(name, script=None, own=(), **inputs):
         GIVEN[record] = keys().given(record)
         if is_claimed_by_another():  # which makes it, or will be waited for
             return files
-        marker = or_stop(mark_stale, record, reason)
+        marker = or_stop(mark_stale, record, reason, keys().jobs[record].tables)
         return {**files, "why": [*marker, *sorted(keys().stale_behind(record))]}
 
     return unpack(found)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import shutil
+import stat
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -16,12 +19,14 @@ _OF_A_RECORD = 946684800  # 2000-01-01; 1970 breaks ZIP and FAT
 _OF_A_MARKER = _OF_A_RECORD + 86400  # of a time to come Snakemake would say that a clock is wrong
 
 
-def mark_stale(record: str, reason: str) -> list[str]:
-    """Make a record older than all that its job takes, and give a folder that is named after the reason.
+def mark_stale(record: str, reason: str, tables: Iterable[str] = ()) -> list[str]:
+    """Make a record older than all inputs of its job, and return a folder that is named after the reason.
 
-    A folder, as Snakemake remembers what a small file holds and would skip it the second time. Where there is no record, an
-    empty one is put there: Snakemake would take tables that lie there, such as copied ones, for all of a job's files. Nothing
-    is done, and no folder given, where its job is new: it runs anyway. Raises `FolderError` if this user may not write here.
+    The marker is a folder: Snakemake remembers the content of a small file, and would skip it the second time. A missing
+    record is replaced by an empty one: otherwise Snakemake would take tables that lie there, such as copied ones, for
+    results of the job. Write-protected `tables`, hard links to the cache of DVC, become writable copies: Snakemake does
+    not replace protected files. A new job needs no marker: nothing is changed, and no folder returned. Raises
+    `FolderError` if this user may not write here.
     """
     if reason == NEW:
         return []
@@ -35,6 +40,14 @@ def mark_stale(record: str, reason: str) -> list[str]:
         with whole_file(path) as copy:
             copy.write_bytes(path.read_bytes() if path.exists() else b"{}\n")
             os.utime(copy, (_OF_A_RECORD, _OF_A_RECORD))
+        for table in filter(_is_protected, map(Path, tables)):
+            with whole_file(table) as copy:
+                shutil.copyfile(table, copy)
     except PermissionError:
         raise not_writable("permission denied") from None
     return [str(marker)]
+
+
+def _is_protected(file: Path) -> bool:
+    is_own_file = file.is_file() and not file.is_symlink()
+    return is_own_file and not file.stat().st_mode & stat.S_IWUSR
