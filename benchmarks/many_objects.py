@@ -146,7 +146,7 @@ def run_all(folder: Path, count: int, cores: int) -> Steps:
 
 def of_phases(folder: Path) -> dict[str, float]:
     """Give the seconds of each phase's jobs together, as their logs have them, imports included."""
-    from visuohaptic.job_logs import read_seconds
+    from visuohaptic.io.job_logs import read_seconds
 
     found: dict[str, float] = {}
     for log in (folder / "logs").rglob("*.log"):

@@ -21,7 +21,7 @@ from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.scene.parameters import TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters, touch
-from visuohaptic.sensor.gallery import Height, sheet
+from visuohaptic.sensor.example_shapes import Height, sheet
 from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, stand_on
 
 CAR = Path(__file__).parent.parent / "meshes/paper/car/kl_VW-new-beetle.ply.gz"

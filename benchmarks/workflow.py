@@ -12,7 +12,7 @@ from pathlib import Path
 
 import yaml
 
-from visuohaptic.job_logs import read_seconds
+from visuohaptic.io.job_logs import read_seconds
 
 ROOT = Path(__file__).parents[1]
 CORES = 2

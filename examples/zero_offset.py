@@ -4,13 +4,15 @@ import numpy as np
 from pydantic import Field
 
 import visuohaptic as vh
-from visuohaptic.sensor.planner import Need
+from visuohaptic.sensor.effect_pipeline import EffectDecision
 
 
 def need(situation, signal):
     """Say which touches need it, and why or why not: quick, and before anything is simulated."""
     offset = situation.scene.zero_offset
-    return Need(np.full(len(situation), offset > 0), f"an offset of {offset:g} of full scale")
+    return EffectDecision(
+        np.full(len(situation), offset > 0), f"an offset of {offset:g} of full scale"
+    )
 
 
 def run(situation, signal):
@@ -34,8 +36,8 @@ vh.register(
 
 if __name__ == "__main__":
     from visuohaptic.scene.parameters import Scene
-    from visuohaptic.sensor import Situation, simulate
+    from visuohaptic.sensor import TouchBatch, simulate
 
-    situation = Situation(Scene(zero_offset=0.1), np.zeros((1, 2, 2)), np.full(1, 1e-3), None)
+    situation = TouchBatch(Scene(zero_offset=0.1), np.zeros((1, 2, 2)), np.full(1, 1e-3), None)
     readings, records = simulate(situation, np.array([[[0.0, 0.5], [0.95, 1.0]]]))
     print(*readings.ravel(), "by", *(record.effect for record in records if record.runs))

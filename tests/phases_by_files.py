@@ -1,6 +1,6 @@
 """The phases of an object, file to file, as the workflow's jobs run them."""
 
-from visuohaptic.one_phase import SCHEMAS, run_files
+from visuohaptic.io.phase_files import SCHEMAS, run_phase_on_files
 from visuohaptic.pipeline import OF_OBJECT
 from visuohaptic.tables.schema import read_table
 
@@ -11,11 +11,11 @@ def run_phases(key, mesh, folder, parameters, viewpoints=None, phases=OF_OBJECT)
     found = {}
     for phase in phases:
         outputs = {table: folder / f"{place}.parquet" for table, place in phase.writes.items()}
-        run_files(
+        run_phase_on_files(
             work=phase.work,
             arguments=phase.written_values(parameters),
             meshes={key: mesh},
-            inputs={table: folder / f"{table}.parquet" for table in phase.takes},
+            inputs={table: folder / f"{table}.parquet" for table in phase.input_tables},
             outputs=outputs,
             viewpoints=numbers,
         )

@@ -33,7 +33,7 @@ OF_AN_EXTRA = {
         ("src/visuohaptic", "report/", "report", "cli/report.py"),
         ("src/visuohaptic", "report/compare_runs.py", "workflow", "report/compare_runs.py"),
         ("src/visuohaptic", "meshes/collada.py", "formats", "meshes/catalogue.py"),
-        ("src/visuohaptic", "meshes/claims.py", "formats", "meshes/catalogue.py"),
+        ("src/visuohaptic", "meshes/limits.py", "formats", "meshes/catalogue.py"),
     )
 }
 # What comes with a package that is asked for and is imported beside it: versions that fit are its business.

@@ -7,7 +7,7 @@ import sys
 import pytest
 from source_folders import PYTHONPATH
 
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import (
     DIRECTIONS,
     IMPRINT_MULTIPLE,

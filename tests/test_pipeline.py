@@ -10,12 +10,19 @@ from phases_by_files import run_phases
 from visuohaptic import pipeline
 from visuohaptic.attention.scanpath import INWARD, TIE
 from visuohaptic.geometry.subject import Subject
+from visuohaptic.io.phase_files import check_arguments
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.one_phase import check_arguments
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT, PHASES, after, everywhere, needed_from, run
+from visuohaptic.pipeline import (
+    OF_OBJECT,
+    PHASES,
+    inputs_needed_from,
+    phases_after,
+    run,
+    touch_all_locations,
+)
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, SPARE, TOUCHES
 from visuohaptic.touches.choosing import touched_places
@@ -50,7 +57,7 @@ def tables(folder):
 def test_a_phase_takes_what_a_phase_before_it_gives():
     given = set()
     for phase in PHASES:
-        assert given >= set(phase.reads), phase.name
+        assert given >= set(phase.inputs), phase.name
         given |= set(phase.writes)
 
 
@@ -63,7 +70,7 @@ def test_a_run_in_memory_gives_the_tables_of_a_run_by_files(folder, tables):
 
 def test_a_run_goes_on_behind_the_tables_that_are_known(tables):
     known = {"touches": tables["touches"]}
-    assert [phase.name for phase in after(known)] == ["features"]
+    assert [phase.name for phase in phases_after(known)] == ["features"]
     found = run(Subject("ring/torus", None), ring(), known)
     assert found["features"].equals(tables["features"])
 
@@ -71,23 +78,23 @@ def test_a_run_goes_on_behind_the_tables_that_are_known(tables):
 def test_what_is_needed_from_a_phase_on_was_made_before_it_also_where_one_is_put_between(
     monkeypatch,
 ):
-    found = [needed_from(table) for table in ("views", "touches", "features")]
+    found = [inputs_needed_from(table) for table in ("views", "touches", "features")]
     assert found == [("meshes",), ("meshes", "fixations"), ("touches",)]
     looking, touching, describing = OF_OBJECT
     smoothing = replace(
-        touching, name="smoothing", reads=("touches",), writes={"smoothed": "smoothed"}
+        touching, name="smoothing", inputs=("touches",), writes={"smoothed": "smoothed"}
     )
-    between = (looking, touching, smoothing, replace(describing, reads=("smoothed",)))
+    between = (looking, touching, smoothing, replace(describing, inputs=("smoothed",)))
     monkeypatch.setattr(pipeline, "OF_OBJECT", between)
-    assert needed_from("smoothed") == ("touches",)
-    assert needed_from("features") == ("smoothed",)
+    assert inputs_needed_from("smoothed") == ("touches",)
+    assert inputs_needed_from("features") == ("smoothed",)
 
 
 def test_every_probing_location_is_touched_where_everywhere_is_asked_for(folder, tables):
     subject = Subject.of_mesh("ring/torus", folder / "torus.ply")
     located = tables["fixations"].slice(0, 4 + SPARE)
     changed = ring(probing={"when_exhausted": "begin_again"})
-    found = run(subject, everywhere(changed, located), {"fixations": located})
+    found = run(subject, touch_all_locations(changed, located), {"fixations": located})
     assert found["touches"].num_rows == located.num_rows
 
 

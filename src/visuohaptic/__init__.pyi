@@ -1,5 +1,5 @@
 from .attention.registry import Channel as Channel
-from .errors import VisuohapticError as VisuohapticError
+from .base.errors import VisuohapticError as VisuohapticError
 from .evaluation.evaluating import Evaluation as Evaluation
 from .evaluation.evaluating import evaluate as evaluate
 from .exploration.examples import example as example
@@ -17,10 +17,10 @@ from .exploration.recognising import Recogniser as Recogniser
 from .exploration.recognising import read_recogniser as read_recogniser
 from .features.descriptors import Descriptor as Descriptor
 from .fixations.probing import Strategy as Strategy
+from .io.plugins import register as register
 from .parameters import read_parameters as read_parameters
-from .plugins import register as register
 from .recognition.classifiers import Classifier as Classifier
 from .recognition.maps import Map as Map
-from .sensor.planner import Effect as Effect
+from .sensor.effect_pipeline import Effect as Effect
 
 __version__: str

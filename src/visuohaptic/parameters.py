@@ -15,16 +15,16 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import (
     RenderingParameters,
     ViewpointParameters,
 )
 from visuohaptic.fixations.probing_parameters import ProbingParameters
+from visuohaptic.io.moved import unknown_parameter
+from visuohaptic.io.plugins import load_files, load_installed
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.moved import unknown_parameter
-from visuohaptic.plugins import load_files, load_installed
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters

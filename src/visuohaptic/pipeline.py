@@ -1,7 +1,7 @@
-"""The phases in their order: what each takes and gives, by which parameters, and what does its work.
+"""The phases in order: inputs, outputs, parameters and the function of each.
 
-Rules, keys, stages of DVC, studies, `exploration` and `visuohaptic tables` read this list. A phase that takes
-one object at a time is here, in its folder and in no other place.
+Rules, keys, studies, `exploration` and `visuohaptic tables` read this list. A new phase that takes one object at a
+time needs an entry here and a folder.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import pyarrow as pa
 from pydantic import BaseModel
 
 from visuohaptic.features.describing import describe
-from visuohaptic.fixations.sight import Sight
+from visuohaptic.fixations.object_views import ObjectViews
 from visuohaptic.geometry.subject import Subject
+from visuohaptic.io.phase_files import Tables, Work, check_arguments
 from visuohaptic.meshes.files import make_meshes
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.one_phase import Tables, Work, check_arguments
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -35,56 +35,69 @@ VIEWPOINTS_AT_ONCE = 8
 
 @dataclass(frozen=True)
 class Phase:
-    """One step of the experiment; `name` is also that of its rule, of its stage of DVC and of its records.
+    """One step of the experiment.
 
-    `work` does it: for a phase with a `verb`, which takes one object at a time, it takes a `Subject`, one
-    table for each that is read, and the `arguments`, which are parameters, and gives an object with a table
-    for each that is written. `reads` are tables of the run; ``meshes`` are files. `writes` are folders below
-    results/, by table.
+    Attributes
+    ----------
+    name : str
+        The name of the phase, its rule, its folder of results and its records.
+    description : str
+        A participle for progress lines: "touching".
+    work : callable
+        With a `verb`: ``work(subject, *input_tables, **arguments)`` returns an object with one attribute per
+        output table. Without a `verb`, the function reads and writes files instead.
+    arguments : mapping
+        Dotted names of parameters by argument of `work`.
+    inputs : tuple of str
+        Tables of the run that the phase reads. ``meshes`` are files.
+    writes : mapping
+        Folder below results/ by output table.
+    verb : str, optional
+        Set for phases that take one object at a time: the verb in progress lines and in columns of seconds.
     """
 
     name: str
-    doing: str
+    description: str
     work: Work
     arguments: Mapping[str, Sources]
-    reads: tuple[str, ...]
+    inputs: tuple[str, ...]
     writes: Mapping[str, str]
     verb: str | None = None
 
     @property
-    def takes(self) -> tuple[str, ...]:
-        """Tables that it reads, without meshes."""
-        return tuple(name for name in self.reads if name != "meshes")
+    def input_tables(self) -> tuple[str, ...]:
+        """Inputs without the meshes."""
+        return tuple(name for name in self.inputs if name != "meshes")
 
     def values(self, parameters: ExperimentParameters) -> dict[str, Any]:
-        """Give the values of its arguments."""
-        return {name: _value(parameters, found) for name, found in self.arguments.items()}
+        """Return the values of the arguments."""
+        return {name: _value(parameters, source) for name, source in self.arguments.items()}
 
     def written_values(self, parameters: ExperimentParameters) -> dict[str, Any]:
-        """Give the values of its arguments in built-in types."""
+        """Return the values of the arguments in built-in types."""
         return {name: _plain(value) for name, value in self.values(parameters).items()}
 
     def sections(self) -> list[str]:
-        """Name the parameters that it depends on."""
-        found = self.arguments.values()
-        names = (one.values() if isinstance(one, Mapping) else [one] for one in found)
+        """Return the dotted names of all parameters that the phase depends on."""
+        sources = self.arguments.values()
+        names = (source.values() if isinstance(source, Mapping) else [source] for source in sources)
         return sorted({name for some in names for name in some})
 
     def run(self, subject: Subject, tables: Tables, parameters: ExperimentParameters) -> Any:
-        """Take one object through it; gives an object with a table for each that is written."""
+        """Run the phase for one object and return an object with one attribute per output table."""
         arguments = check_arguments(self.work, self.values(parameters))
-        return self.work(subject, *(tables[name] for name in self.takes), **arguments)
+        return self.work(subject, *(tables[name] for name in self.input_tables), **arguments)
 
 
-def _value(parameters: ExperimentParameters, found: Sources) -> Any:
-    if isinstance(found, Mapping):
-        return {name: attrgetter(one)(parameters) for name, one in found.items()}
-    return attrgetter(found)(parameters)
+def _value(parameters: ExperimentParameters, source: Sources) -> Any:
+    if isinstance(source, Mapping):
+        return {name: attrgetter(dotted)(parameters) for name, dotted in source.items()}
+    return attrgetter(source)(parameters)
 
 
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
+        return {name: _plain(item) for name, item in value.items()}
     return value.model_dump() if isinstance(value, BaseModel) else value
 
 
@@ -98,13 +111,13 @@ PHASES = (
         "preparing",
         make_meshes,
         arguments={"meshes": _all_but(MeshParameters, "meshes", "set")},
-        reads=(),
+        inputs=(),
         writes={"meshes": "meshes"},
     ),
     Phase(
         "fixations",
         "looking at",
-        Sight,
+        ObjectViews,
         arguments={
             "viewpoints": "viewpoints",
             "rendering": "rendering",
@@ -114,7 +127,7 @@ PHASES = (
             "modes": {name: f"scene.effects.{name}" for name in VISUAL_EFFECTS},
             "seed": "seed",
         },
-        reads=("meshes",),
+        inputs=("meshes",),
         writes={"views": "views", "fixations": "fixations", "effects": "effects/views"},
         verb="look",
     ),
@@ -132,7 +145,7 @@ PHASES = (
                 "when_exhausted": "probing.when_exhausted",
             },
         },
-        reads=("meshes", "fixations"),
+        inputs=("meshes", "fixations"),
         writes={"touches": "touches", "effects": "effects/touches"},
         verb="touch",
     ),
@@ -141,7 +154,7 @@ PHASES = (
         "describing the imprints of",
         describe,
         arguments={"features": "features"},
-        reads=("touches",),
+        inputs=("touches",),
         writes={"features": "features"},
         verb="describe",
     ),
@@ -153,34 +166,36 @@ PHASES = (
             "recognition": _all_but(RecognitionParameters, "recognition", "pipelines", "intervals"),
             "seed": "seed",
         },
-        reads=("features",),
+        inputs=("features",),
         writes={"scores": "scores", "predictions": "predictions"},
     ),
 )
 
 OF_OBJECT = tuple(phase for phase in PHASES if phase.verb)
-"""Those that take one object at a time."""
+"""Phases that take one object at a time."""
 
 
 def phase(name: str) -> Phase:
-    """Give a phase by its name."""
-    return next(one for one in PHASES if one.name == name)
+    """Return a phase by its name."""
+    return next(phase for phase in PHASES if phase.name == name)
 
 
 def run(subject: Subject, parameters: ExperimentParameters, tables: Tables | None = None) -> Tables:
-    """Take one object through the phases: look, touch, describe, the same as the workflow does.
+    """Run all phases of one object in memory; the results equal those of the workflow.
 
-    `tables` are what is known: it goes on behind the last of these. Gives these, and of each later phase
-    what the next ones read, and ``features``.
+    `tables`: results that exist already, by name. Only the phases after the last of them run. Returns these tables,
+    ``features``, and every table of the phases that ran which a later phase reads.
     """
     if tables:
-        return _go_on(subject, parameters, tables)
-    parts = [_go_on(one, parameters, {}) for one in subject.blocks(VIEWPOINTS_AT_ONCE)]
+        return _run_remaining(subject, parameters, tables)
+    parts = [_run_remaining(block, parameters, {}) for block in subject.blocks(VIEWPOINTS_AT_ONCE)]
     return {name: pa.concat_tables(part[name] for part in parts) for name in parts[0]}
 
 
-def everywhere(parameters: ExperimentParameters, fixations: pa.Table) -> ExperimentParameters:
-    """Change parameters so that all of some probing locations are touched, in reach or not."""
+def touch_all_locations(
+    parameters: ExperimentParameters, fixations: pa.Table
+) -> ExperimentParameters:
+    """Return parameters with which every probing location of a table is touched, in reach or not."""
     attention = parameters.attention.model_copy(update={"fixations": fixations.num_rows})
     probing = parameters.probing.model_copy(
         update={"unreachable": "keep", "when_exhausted": "stop"}
@@ -188,30 +203,32 @@ def everywhere(parameters: ExperimentParameters, fixations: pa.Table) -> Experim
     return parameters.model_copy(update={"attention": attention, "probing": probing})
 
 
-def _go_on(subject: Subject, parameters: ExperimentParameters, tables: Tables) -> Tables:
-    found = dict(tables)
-    for step in after(tables):
-        found |= passed_on(step, step.run(subject, found, parameters))
-    return found
+def _run_remaining(subject: Subject, parameters: ExperimentParameters, tables: Tables) -> Tables:
+    results = dict(tables)
+    for step in phases_after(tables):
+        results |= tables_for_next(step, step.run(subject, results, parameters))
+    return results
 
 
-def passed_on(phase: Phase, done: Any) -> Tables:
-    """Give of what a phase gave the tables that another one reads."""
-    return {name: getattr(done, name) for name in phase.writes if name in _READ}
+def tables_for_next(phase: Phase, outputs: Any) -> Tables:
+    """Return the output tables of a phase that another phase reads."""
+    return {name: getattr(outputs, name) for name in phase.writes if name in _READ}
 
 
-def after(tables: Mapping[str, pa.Table]) -> tuple[Phase, ...]:
-    """List the phases of one object behind the last that writes one of some tables."""
-    known = [place for place, one in enumerate(OF_OBJECT, 1) if one.writes.keys() & tables.keys()]
-    return OF_OBJECT[max(known, default=0) :]
+def phases_after(tables: Mapping[str, pa.Table]) -> tuple[Phase, ...]:
+    """Return the phases of one object that follow the last writer of any of `tables`."""
+    writers = [n for n, phase in enumerate(OF_OBJECT, 1) if phase.writes.keys() & tables.keys()]
+    return OF_OBJECT[max(writers, default=0) :]
 
 
-def needed_from(table: str) -> tuple[str, ...]:
-    """Name what is taken, ``meshes`` or tables, to make a table of one object again and all behind it."""
-    first = next(place for place, one in enumerate(OF_OBJECT) if table in one.writes)
-    behind = OF_OBJECT[first:]
-    made = {name for one in behind for name in one.writes}
-    return tuple(dict.fromkeys(name for one in behind for name in one.reads if name not in made))
+def inputs_needed_from(table: str) -> tuple[str, ...]:
+    """Return the inputs, ``meshes`` or tables, that are needed to make `table` and all later tables of an object."""
+    first = next(n for n, phase in enumerate(OF_OBJECT) if table in phase.writes)
+    remaining = OF_OBJECT[first:]
+    made = {name for phase in remaining for name in phase.writes}
+    return tuple(
+        dict.fromkeys(name for phase in remaining for name in phase.inputs if name not in made)
+    )
 
 
-_READ = {name for phase in PHASES for name in phase.reads}
+_READ = {name for phase in PHASES for name in phase.inputs}

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.classifiers import fit_classifier
 from visuohaptic.recognition.experiment import fitting
 from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
 from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
 from visuohaptic.recognition.tuning import fit_best_classifiers, make_inner_folds
-from visuohaptic.seeds import spawn_generator
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.parameters import RecognitionParameters

@@ -13,7 +13,7 @@ from eye_and_touch.tables import EYE_AND_TOUCH
 from visuohaptic.report.drawing import style
 from visuohaptic.report.estimates import Row, figure_of, read_json
 from visuohaptic.report.figures import draw_lines, finish, whole_percent
-from visuohaptic.report.section import Reads, ReportContext, Section, Values
+from visuohaptic.report.section import ReportContext, Section, SourceTable, Values
 from visuohaptic.report.wording import counted, percent
 
 TABLE, FIGURES = STUDY.shown
@@ -84,5 +84,5 @@ SECTION = Section(
     STUDY.name,
     STUDY.title,
     eye_and_touch_values,
-    (Reads("Looking, touching and both", EYE_AND_TOUCH, TABLE),),
+    (SourceTable("Looking, touching and both", EYE_AND_TOUCH, TABLE),),
 )

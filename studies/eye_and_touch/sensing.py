@@ -16,15 +16,15 @@ from eye_and_touch.seeing import SIGHTS, describe_views
 from eye_and_touch.study import CUES
 from touch_curves.choosing import gather_candidates
 from touch_curves.study import LONGEST_SEQUENCE
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.summary import select
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import CostParameters, ExperimentParameters
-from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, passed_on, phase
+from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, phase, tables_for_next
 from visuohaptic.pipeline import run as run_phases
 from visuohaptic.recognition.experiment import gather_pipeline
 from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, whole_sequences
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import touches_of_run, with_changes
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def sense_object(
             for sight in SIGHTS
         }
         seen.append(describe_views(look.seen, generators))
-        features.append(run_phases(part, parameters, passed_on(looking, look))["features"])
+        features.append(run_phases(part, parameters, tables_for_next(looking, look))["features"])
     views = {cue: np.concatenate([one[cue] for one in seen]) for cue in CUES}
     return pa.concat_tables(features), views
 

@@ -20,10 +20,10 @@ from eye_and_touch.study import (
     STOPPING,
     TOUCH,
 )
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import compare_paired, rate_interval
 from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import Cell, Row, average_objects, ends, rows_by
 from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import matrix

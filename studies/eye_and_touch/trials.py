@@ -42,14 +42,14 @@ from eye_and_touch.study import (
 from eye_and_touch.summary import sum_up_senses
 from eye_and_touch.tables import CONFIDENCE_BINS, EYE_AND_TOUCH
 from touch_curves.choosing import choose_features
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import draw_splits
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import CLASSIFIER, touches_of_run, with_changes
 from visuohaptic.studies.figures import write_json
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table, write_table
 
@@ -57,21 +57,21 @@ if TYPE_CHECKING:
     from visuohaptic.recognition.sequences import TouchSequences
 
 
-def make_eye_and_touch(given: Given) -> None:
+def make_eye_and_touch(step: StepInputs) -> None:
     """Make `EYE_AND_TOUCH`, and its summary as JSON.
 
     Where strategy ``adaptive`` is compared, it takes a table of all places that it may touch. Raises
     `ParameterError` if a touch is free.
     """
-    run, (table, metrics) = given.run, given.outputs
+    run, (table, metrics) = step.run, step.outputs
     if not run.cost.touch_seconds:
         raise ParameterError(
             "cost.touch_seconds is 0, so every touch is worth it; study eye_and_touch needs more than 0."
         )
-    tables = given.inputs.get("tables")
+    tables = step.inputs.get("tables")
     candidates = read_table(FEATURES, tables) if tables else None
-    sensed = sense_all(given.inputs["meshes"], candidates, run, given.processes)
-    measured = measure_senses(sensed, run, given.processes)
+    sensed = sense_all(step.inputs["meshes"], candidates, run, step.processes)
+    measured = measure_senses(sensed, run, step.processes)
     write_table(EYE_AND_TOUCH, measured, table)
     intervals = run.recognition.intervals
     found = sum_up_senses(measured, run.cost, touches_of_run(run), intervals, run.seed)

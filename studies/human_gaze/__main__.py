@@ -14,8 +14,8 @@ from human_gaze.agreement import AGREEMENT, measure_all, write_weights
 from human_gaze.agreement_means import beside_peer, summarise
 from human_gaze.gazed_objects import GazeSettings, look_at_folder
 from human_gaze.worst_and_best import draw_worst_and_best
+from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.cli.printing import folder_to_write, say, say_error, show_progress
-from visuohaptic.errors import VisuohapticError
 from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.parameters import read_parameters
 from visuohaptic.tables.schema import write_table

@@ -17,8 +17,8 @@ from human_gaze.predicting import BY_NAME, PREDICTORS, fit_predictor, predict, w
 from human_gaze.recordings import GazeError
 from human_gaze.surface_measures import MEASURES
 from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.tables.schema import REAL, TEXT, Column, Schema, build_rows
-from visuohaptic.whole_files import write_whole
 
 AGREEMENT = Schema(
     "gaze",
@@ -109,4 +109,4 @@ def write_weights(
         "command": command,
         **human_weights(objects, settings),
     }
-    write_whole(path, json.dumps(found, indent=2) + "\n")
+    atomic_write_text(path, json.dumps(found, indent=2) + "\n")

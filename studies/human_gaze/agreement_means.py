@@ -11,8 +11,8 @@ import numpy as np
 import pyarrow as pa
 
 from human_gaze.predicting import PREDICTORS, Predictor
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.evaluation.intervals import Interval, object_intervals
-from visuohaptic.geometry.arrays import Floats
 from visuohaptic.recognition.parameters import IntervalParameters
 
 SHOWN = ("correlation", "auc_top", "auc_gaze", "normalised_saliency", "divergence", "similarity")
@@ -74,6 +74,6 @@ def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRo
     ]
 
 
-def _figures(rows: Sequence[Mapping[str, Any]]) -> Floats:
+def _figures(rows: Sequence[Mapping[str, Any]]) -> FloatArray:
     """Give the measures of `SHOWN`, shape (objects, measures)."""
     return np.array([[row[name] for name in SHOWN] for row in rows], dtype=np.float64)

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from human_gaze.recordings import GazeError, Recording
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 
@@ -22,8 +22,8 @@ _REFINEMENTS = 2
 
 
 def align(
-    points: Floats, caster: RayCaster, name: str, largest_error: float
-) -> tuple[Floats, float]:
+    points: FloatArray, caster: RayCaster, name: str, largest_error: float
+) -> tuple[FloatArray, float]:
     """Bring recorded points (n, 3), with the mesh's axes, to the surface by one scale and a shift.
 
     They come from the bounding boxes, refined by least squares to the nearest points. Gives these (n, 3), and
@@ -36,7 +36,7 @@ def align(
         raise GazeError(f"{name}: all recorded points are at one place; an extent is needed.")
     scale = float(np.linalg.norm(caster.bounds[1] - caster.bounds[0])) / extent
     shift = caster.bounds.mean(axis=0) - scale * 0.5 * (low + high)
-    found: list[tuple[float, Floats]] = []
+    found: list[tuple[float, FloatArray]] = []
     for _ in range(1 + _REFINEMENTS):
         moved = scale * points + shift
         nearest, _ = caster.nearest(moved)
@@ -88,12 +88,12 @@ def reconstruct(recording: Recording) -> Surface:
     return grey_surface(vertices, faces)
 
 
-def grey_surface(vertices: Floats, faces: Integers) -> Surface:
+def grey_surface(vertices: FloatArray, faces: IntArray) -> Surface:
     """Give a surface without colour, as people saw these objects."""
     return Surface(vertices, faces, np.full((len(faces), 3), GREY, dtype=np.uint8))
 
 
-def _fitted(points: Floats, nearest: Floats) -> tuple[float, Floats]:
+def _fitted(points: FloatArray, nearest: FloatArray) -> tuple[float, FloatArray]:
     """Give the scale and shift that bring points closest to others, by least squares."""
     middle, other = points.mean(axis=0), nearest.mean(axis=0)
     centred = points - middle

@@ -24,25 +24,25 @@ from human_gaze.recordings import (
     read_recording,
 )
 from human_gaze.surface_measures import GazedSurface
-from visuohaptic.attention.arrays import Plane
 from visuohaptic.attention.channels import prepare_view
 from visuohaptic.attention.model import reasons_to_skip, term_planes
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.plain_filters import plain_filters
+from visuohaptic.attention.planes import Plane
 from visuohaptic.attention.registry import CHANNELS, TERMS
 from visuohaptic.attention.saliency import conspicuity_maps
 from visuohaptic.attention.terms import SEEN, prepare_surface
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.places import draw_by_area, sees
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.model_files import read_model
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.seeds import spawn_generator
 
 FEATURES = (*CHANNELS, *TERMS)
 """What a prediction is a weighted sum of, in order."""
@@ -97,17 +97,17 @@ class GazedObject:
     is_test: bool
     digest: str
     surface: Surface
-    points: Floats
+    points: FloatArray
     gazed: GazedSurface
     planes: NDArray[np.float32]
-    shown: Booleans
-    cells: Integers
-    visible: Booleans
+    shown: BoolArray
+    cells: IntArray
+    visible: BoolArray
     error: float
     is_reconstructed: bool
     seconds: float
     seen_share: float
-    peer: Floats | None = None
+    peer: FloatArray | None = None
 
     @property
     def family(self) -> str:
@@ -115,7 +115,7 @@ class GazedObject:
         return self.name.rstrip("0123456789") or self.name
 
     @cached_property
-    def features(self) -> Floats:
+    def features(self) -> FloatArray:
         """Features of each point, averaged over the views that see it, shape (n, k); zero if none."""
         views, kinds = self.planes.shape[:2]
         total = np.zeros((self.visible.shape[1], kinds))
@@ -185,7 +185,7 @@ def look_at(
     every = AttentionParameters.model_validate({"weights": "equal"}).weights
     attention = parameters.attention.model_copy(update={"weights": every})
     planes, shown = _planes_of_views(caster, cameras, parameters.rendering, attention, front)
-    seen: Booleans = np.asarray(visible.any(axis=0))
+    seen: BoolArray = np.asarray(visible.any(axis=0))
     if not (density[chosen] * area[chosen])[seen].sum() > 0:
         raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
     return GazedObject(
@@ -207,7 +207,7 @@ def look_at(
     )
 
 
-def _recorded_points(recording: Recording, mesh: Surface) -> Floats:
+def _recorded_points(recording: Recording, mesh: Surface) -> FloatArray:
     if recording.points is not None:
         return recording.points
     if len(recording.seconds) != len(mesh.vertices):
@@ -219,8 +219,8 @@ def _recorded_points(recording: Recording, mesh: Surface) -> Floats:
 
 
 def _spread(
-    points: Floats, seconds: Floats, surface: Surface, spread: float, seed: int
-) -> tuple[Floats, Floats]:
+    points: FloatArray, seconds: FloatArray, surface: Surface, spread: float, seed: int
+) -> tuple[FloatArray, FloatArray]:
     """Give each recorded point its area and, by a Gaussian, the time per area around it."""
     tree = cKDTree(points)
     drawn = draw_by_area(surface, AREA_SAMPLES, spawn_generator(seed, "gaze area"))
@@ -237,14 +237,14 @@ def _spread(
 
 
 def _predicted_by_peer(
-    points: Floats, caster: RayCaster, name: str, settings: GazeSettings
-) -> Floats | None:
+    points: FloatArray, caster: RayCaster, name: str, settings: GazeSettings
+) -> FloatArray | None:
     file = find_peer(settings.peer, name) if settings.peer else None
     if file is None:
         return None
     theirs, values = read_peer(file, settings.largest_megabytes)
     placed, _ = align(theirs, caster, str(file), settings.largest_error)
-    found: Floats = values[cKDTree(placed).query(points)[1]]
+    found: FloatArray = values[cKDTree(placed).query(points)[1]]
     return found
 
 
@@ -254,7 +254,7 @@ def _planes_of_views(
     rendering: RenderingParameters,
     attention: AttentionParameters,
     front: np.random.Generator,
-) -> tuple[NDArray[np.float32], Booleans]:
+) -> tuple[NDArray[np.float32], BoolArray]:
     """Give `COLUMNS` and the cells that show the object; `front` draws how far it is turned."""
     planes, shown = [], []
     angle = front.uniform(0, 2 * np.pi)
@@ -283,11 +283,11 @@ def _planes_of_views(
 @plain_filters()
 def feature_planes(
     colour: Plane,
-    mask: Booleans,
-    point: Floats,
-    normal: Floats,
+    mask: BoolArray,
+    point: FloatArray,
+    normal: FloatArray,
     curvature: Plane,
-    eye: Floats,
+    eye: FloatArray,
     parameters: AttentionParameters,
 ) -> tuple[dict[str, Plane], Plane]:
     """Give `FEATURES` of one view, as `attend` takes it, and the share of each cell that shows the object.
@@ -303,7 +303,7 @@ def feature_planes(
     return planes | term_planes(seen, TERMS), seen.certainty
 
 
-def _cells(camera: Camera, points: Floats, size: int) -> Integers:
+def _cells(camera: Camera, points: FloatArray, size: int) -> IntArray:
     """Give the grid cell in which a camera sees each point; those outside the view at its edge."""
     right, up, back = camera.axes
     offset = points - camera.eye

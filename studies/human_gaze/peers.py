@@ -19,7 +19,7 @@ from human_gaze.recordings import (
     read_bounded,
     read_recording,
 )
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 
 ENDINGS = ("", "_pred")
@@ -46,7 +46,7 @@ def find_peer(folder: str | Path, name: str) -> Path | None:
     return next((file for file in files if file.is_file()), None)
 
 
-def read_peer(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
+def read_peer(path: Path, largest_megabytes: float) -> tuple[FloatArray, FloatArray]:
     """Read a prediction: points (n, 3), in the file's frame, and values (n,), at least 0.
 
     Raises `GazeError` if the file can't be read, is too large, or has no points or other colours.
@@ -59,7 +59,7 @@ def read_peer(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
     return found.points, found.seconds
 
 
-def _read_coloured(path: Path, largest_megabytes: float) -> tuple[Floats, Floats]:
+def _read_coloured(path: Path, largest_megabytes: float) -> tuple[FloatArray, FloatArray]:
     data = read_bounded(path, largest_megabytes)
     try:
         check_ply_size(read_ply_header(data[:LONGEST]), len(data))

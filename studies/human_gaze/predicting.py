@@ -13,7 +13,7 @@ from human_gaze.gazed_objects import COLUMNS, FEATURES, TURNING, GazedObject, Ga
 from human_gaze.recordings import GazeError
 from human_gaze.surface_measures import correlation
 from visuohaptic.attention.registry import CHANNELS, TERMS
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 
 MOST_FITTED = 1500
 """Points of an object that weights are fitted to, evenly spread over the evaluated ones."""
@@ -74,7 +74,7 @@ PREDICTORS = (
 BY_NAME = {one.name: one for one in PREDICTORS}
 
 
-def predict(one: GazedObject, predictor: Predictor, weights: Mapping[str, float]) -> Floats:
+def predict(one: GazedObject, predictor: Predictor, weights: Mapping[str, float]) -> FloatArray:
     """Give the saliency of each point over all views; a view that does not see it adds 0.
 
     A fitted model has the exponential of the features, averaged over the views that see a point, times the
@@ -93,7 +93,7 @@ def predict(one: GazedObject, predictor: Predictor, weights: Mapping[str, float]
     peak = np.where(one.shown, total, 0.0).max(axis=(1, 2), keepdims=True)
     total = total / np.where(peak > 0, peak, 1.0)
     at = np.take_along_axis(total.reshape(len(total), -1), one.cells, axis=1)
-    found: Floats = (at * one.visible).mean(axis=0, dtype=np.float64)
+    found: FloatArray = (at * one.visible).mean(axis=0, dtype=np.float64)
     return found
 
 
@@ -179,7 +179,7 @@ def _fit(
     used = deviation > _RARE
     scaled = np.where(used, (rows - rows.mean(axis=0)) / np.where(used, deviation, 1.0), 0.0)
 
-    def loss(weights: Floats) -> tuple[float, Floats]:
+    def loss(weights: FloatArray) -> tuple[float, FloatArray]:
         exponent = offsets + scaled @ weights
         exponent -= np.maximum.reduceat(exponent, starts)[owners]
         value = np.exp(exponent)
@@ -231,7 +231,7 @@ def weights_of(
     return found
 
 
-def _example(one: GazedObject, columns: list[int]) -> tuple[Floats, Floats, Floats]:
+def _example(one: GazedObject, columns: list[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Give features, the logarithm of area times share of views, and shares of time at some points."""
     gazed = one.gazed
     places = np.flatnonzero(gazed.seen & (gazed.area > 0))

@@ -17,8 +17,8 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from visuohaptic.errors import VisuohapticError
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
 GAZE_SUFFIXES = (".txt", ".npz")
@@ -59,9 +59,9 @@ class Recording:
     """
 
     name: str
-    points: Floats | None
-    normals: Floats | None
-    seconds: Floats
+    points: FloatArray | None
+    normals: FloatArray | None
+    seconds: FloatArray
     digest: str
 
 
@@ -136,7 +136,7 @@ def read_bounded(path: Path, largest_megabytes: float) -> bytes:
     return data
 
 
-_Arrays = dict[str, Floats]
+_Arrays = dict[str, FloatArray]
 
 
 def _read_text(data: bytes, _: float) -> _Arrays:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from human_gaze.recordings import GazeError
-from visuohaptic.geometry.arrays import Booleans, Floats
+from visuohaptic.base.arrays import BoolArray, FloatArray
 
 TOP_SHARE = 0.2
 """Share of the surface that counts as looked at in `area_under_curve_of_top`."""
@@ -28,9 +28,9 @@ class GazedSurface:
     Raises `GazeError` if shapes differ, a value is negative or not finite, or no time or area is seen.
     """
 
-    density: Floats
-    area: Floats
-    seen: Booleans
+    density: FloatArray
+    area: FloatArray
+    seen: BoolArray
 
     def __post_init__(self) -> None:
         if not self.density.shape == self.area.shape == self.seen.shape or self.seen.ndim != 1:
@@ -44,17 +44,17 @@ class GazedSurface:
         if not (self.density * self.area)[self.seen].sum() > 0:
             raise GazeError("no seen point was looked at; at least one is needed.")
 
-    def weights(self) -> Floats:
+    def weights(self) -> FloatArray:
         """Share of the seen area at each seen point, shape (k,)."""
         area = self.area[self.seen]
         return area / area.sum()
 
-    def shares(self) -> Floats:
+    def shares(self) -> FloatArray:
         """Share of the seen time at each seen point, shape (k,)."""
         time = (self.density * self.area)[self.seen]
         return time / time.sum()
 
-    def of_seen(self, predicted: NDArray[np.floating]) -> Floats:
+    def of_seen(self, predicted: NDArray[np.floating]) -> FloatArray:
         """Give the prediction at the seen points; `GazeError` if it does not fit them."""
         if predicted.shape != self.density.shape or not np.isfinite(predicted).all():
             raise GazeError(
@@ -107,13 +107,13 @@ def similarity(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
     return float(np.minimum(_predicted_shares(predicted, gazed), gazed.shares()).sum())
 
 
-def _predicted_shares(predicted: NDArray[np.floating], gazed: GazedSurface) -> Floats:
+def _predicted_shares(predicted: NDArray[np.floating], gazed: GazedSurface) -> FloatArray:
     values = gazed.of_seen(predicted)
     shifted = (values - min(0.0, float(values.min()))) * gazed.weights()
     return shifted / shifted.sum() if shifted.sum() > 0 else gazed.weights()
 
 
-def _probability_above(values: Floats, upper: Floats, lower: Floats) -> float:
+def _probability_above(values: FloatArray, upper: FloatArray, lower: FloatArray) -> float:
     """Give the probability that a value drawn by `upper` exceeds one drawn by `lower`."""
     _, place = np.unique(values, return_inverse=True)
     above = np.bincount(place, upper)

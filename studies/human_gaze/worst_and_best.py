@@ -13,12 +13,12 @@ from scipy.spatial import cKDTree
 
 from human_gaze.gazed_objects import GazedObject, GazeSettings
 from human_gaze.predicting import BY_NAME, predict, weights_of
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
-from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.whole_files import whole_file
 
 WORST, BEST = 6, 3
 RESOLUTION = 192
@@ -55,12 +55,12 @@ def draw_worst_and_best(
         one = by_name[order[rank]]
         values = [predict(one, BY_NAME[name], weights[name][one.name]) for name in PANELS]
         drawn = draw_values(one, [one.gazed.density, *values], viewpoints)
-        with whole_file(Path(folder, f"{rank:03d}_{one.name}.png")) as unfinished:
+        with atomic_file(Path(folder, f"{rank:03d}_{one.name}.png")) as unfinished:
             unfinished.write_bytes(drawn)
 
 
 def draw_values(
-    one: GazedObject, values: Sequence[Floats], viewpoints: ViewpointParameters
+    one: GazedObject, values: Sequence[FloatArray], viewpoints: ViewpointParameters
 ) -> bytes:
     """Draw an object once for each array of values at its points, side by side, as PNG.
 

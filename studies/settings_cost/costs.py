@@ -5,14 +5,14 @@ from __future__ import annotations
 from settings_cost.study import STUDY, settings_of
 from visuohaptic.studies.cost.front import write_costs
 from visuohaptic.studies.cost.seconds import write_seconds
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 
 
-def make_seconds(given: Given) -> None:
+def make_seconds(step: StepInputs) -> None:
     """Time every setting side by side: `tables.COST_SECONDS`."""
-    write_seconds(given, STUDY, settings_of(given.run), given.run.cost.rounds)
+    write_seconds(step, STUDY, settings_of(step.run), step.run.cost.rounds)
 
 
-def make_costs(given: Given) -> None:
+def make_costs(step: StepInputs) -> None:
     """Join error rates and seconds of all settings, and mark the front and the steps: `tables.COST`."""
-    write_costs(given, settings_of(given.run))
+    write_costs(step, settings_of(step.run))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from settings_cost.study import STUDY, families_of
 from visuohaptic.report.cost import cost_figures
-from visuohaptic.report.section import Reads, ReportContext, Section, Values
+from visuohaptic.report.section import ReportContext, Section, SourceTable, Values
 from visuohaptic.studies.cost.front import read_costs
 from visuohaptic.tables.studies import COST
 
@@ -21,5 +21,5 @@ def settings_cost_values(context: ReportContext) -> Values | None:
 
 
 SECTION = Section(
-    STUDY.name, STUDY.title, settings_cost_values, (Reads("All settings", COST, COSTS),)
+    STUDY.name, STUDY.title, settings_cost_values, (SourceTable("All settings", COST, COSTS),)
 )

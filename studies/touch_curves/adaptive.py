@@ -12,9 +12,10 @@ import pyarrow as pa
 
 from touch_curves.choosing import choose_features, gather_candidates
 from touch_curves.study import STUDY as TOUCH_CURVES
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.summary import select
+from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.locations import candidate_table
-from visuohaptic.fixations.looking import Standpoint
 from visuohaptic.fixations.places import ProbingLocations
 from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
@@ -25,7 +26,6 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import run
 from visuohaptic.recognition.experiment import gather_pipeline, split_runner
 from visuohaptic.recognition.sequences import classes_of_two
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import CLASSIFIER, Planned, plan_study
 from visuohaptic.studies.measuring import (
     REFUSALS,
@@ -34,7 +34,7 @@ from visuohaptic.studies.measuring import (
     error_rows,
     predict_objects,
 )
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
@@ -50,10 +50,10 @@ CANDIDATES = 256
 """Places of an object among which `adaptive` chooses where a viewpoint sees them."""
 
 
-def make_candidates(given: Given) -> None:
+def make_candidates(step: StepInputs) -> None:
     """Touch objects wherever `adaptive` may choose to, in reach where places are replaced: rows of `tables.FEATURES`."""
-    features, parameters = [], given.run
-    for mesh in usable_meshes(given.inputs["meshes"]):
+    features, parameters = [], step.run
+    for mesh in usable_meshes(step.inputs["meshes"]):
         subject = Subject.of_mesh(object_of(mesh), mesh)
         caster = subject.caster
         generator = spawn_generator(parameters.seed, "candidates", subject.key)
@@ -61,7 +61,7 @@ def make_candidates(given: Given) -> None:
         outwards = orient_outwards(caster, crowd.points, crowd.normals)
         places = ProbingLocations(crowd.points, outwards, crowd.faces)
         parts = [
-            candidate_table(Standpoint(subject.key, number, caster, camera), places)
+            candidate_table(Viewpoint(subject.key, number, caster, camera), places)
             for number, camera in enumerate(place_cameras(parameters.viewpoints))
         ]
         located = pa.concat_tables(parts).combine_chunks()
@@ -70,15 +70,15 @@ def make_candidates(given: Given) -> None:
         scene, seed = parameters.scene, parameters.seed
         touches, _ = touch_tables(caster, located, parameters.sensor, scene, seed)
         features.append(run(subject, parameters, {"touches": touches})["features"])
-    write_table(FEATURES, pa.concat_tables(features), given.outputs[0])
+    write_table(FEATURES, pa.concat_tables(features), step.outputs[0])
 
 
-def make_adaptive_rows(given: Given) -> None:
+def make_adaptive_rows(step: StepInputs) -> None:
     """Write `tables.STUDY` of the study's conditions on touches that `adaptive` chooses."""
-    planned = plan_study(TOUCH_CURVES, given.run).conditions
-    features = read_table(FEATURES, given.inputs["tables"])
-    rows = adaptive_rows(features, planned, given.wildcards["pipeline"])
-    write_table(STUDY, pa.concat_tables(rows), given.outputs[0])
+    planned = plan_study(TOUCH_CURVES, step.run).conditions
+    features = read_table(FEATURES, step.inputs["tables"])
+    rows = adaptive_rows(features, planned, step.wildcards["pipeline"])
+    write_table(STUDY, pa.concat_tables(rows), step.outputs[0])
 
 
 def adaptive_rows(

@@ -14,7 +14,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import LEAST_SIZE, POSE
 from visuohaptic.recognition.encoding import fit_standardiser
@@ -22,7 +23,6 @@ from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.recognition.pooling import best_temperature
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
 from visuohaptic.recognition.splits import Split
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.schema import matrix
 
 WORDS = 16

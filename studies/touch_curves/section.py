@@ -17,7 +17,7 @@ from visuohaptic.report.comparison import REFERENCE, SIGNIFICANCE
 from visuohaptic.report.drawing import look, style
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.figures import draw_lines, finish, whole_percent
-from visuohaptic.report.section import Reads, ReportContext, Section, Values, figures_of
+from visuohaptic.report.section import ReportContext, Section, SourceTable, Values, figures_of
 from visuohaptic.report.studies import by_cell, read_figures
 from visuohaptic.report.wording import (
     counted,
@@ -145,5 +145,5 @@ SECTION = Section(
     STUDY.name,
     STUDY.title,
     touch_curves_values,
-    (Reads("Area and touches needed", TOUCHES_NEEDED, NEEDED), figures_of(STUDY.name)),
+    (SourceTable("Area and touches needed", TOUCHES_NEEDED, NEEDED), figures_of(STUDY.name)),
 )

@@ -7,7 +7,13 @@ from collections.abc import Iterator
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import FIXATION_ONLY
-from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Condition, Step, Study
+from visuohaptic.studies.study import (
+    DUMP_FOR_CONDITIONS,
+    SECTIONS_WITHOUT_EFFECT,
+    Condition,
+    Step,
+    Study,
+)
 
 LONGEST_SEQUENCE = 16
 """Touches of the sequences of which curves over touches are made."""
@@ -41,7 +47,13 @@ STUDY = Study(
             "touch_curves.adaptive:make_candidates",
             ("results/study_candidates.parquet",),
             takes=("meshes",),
-            needs={"exclude": {**NOT_OF_RESULTS, "recognition": True, "probing": {"strategies"}}},
+            needs={
+                "exclude": {
+                    **SECTIONS_WITHOUT_EFFECT,
+                    "recognition": True,
+                    "probing": {"strategies"},
+                }
+            },
             is_shown=False,
         ),
         Step(
@@ -49,7 +61,7 @@ STUDY = Study(
             "touch_curves.adaptive:make_adaptive_rows",
             ("results/study_adaptive/{pipeline}.parquet",),
             takes=("results/study_candidates.parquet",),
-            needs=OF_CONDITIONS,
+            needs=DUMP_FOR_CONDITIONS,
             is_block=True,
             is_shown=False,
         ),

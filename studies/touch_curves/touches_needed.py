@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.tables import TOUCHES_NEEDED
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import Interval, compare_paired, object_interval
 from visuohaptic.evaluation.summary import REFERENCE_STRATEGY
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import (
     Cell,
     CellKey,
@@ -26,7 +26,7 @@ from visuohaptic.studies.figures import (
     read_cells,
     write_json,
 )
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.schema import build_rows, write_table
 
 LEVEL = 0.9
@@ -79,11 +79,11 @@ def touches_needed(
     return build_rows(TOUCHES_NEEDED, rows)
 
 
-def make_touches_needed(given: Given) -> None:
+def make_touches_needed(step: StepInputs) -> None:
     """Write `TOUCHES_NEEDED` of the study's blocks, and the same numbers as JSON."""
-    needed, metrics = given.outputs
-    cells = read_cells(given.inputs["blocks"])
-    table = touches_needed(cells, given.run.recognition.intervals, given.run.seed)
+    needed, metrics = step.outputs
+    cells = read_cells(step.inputs["blocks"])
+    table = touches_needed(cells, step.run.recognition.intervals, step.run.seed)
     write_table(TOUCHES_NEEDED, table, needed)
     write_json(nested(table.to_pylist(), _KEYS), metrics)
 

@@ -11,7 +11,8 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from trust.tables import STATED_COVERAGES, TRUST
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.certainty import fit_calibration, one_classifier
 from visuohaptic.recognition.descriptors import describe_all
@@ -20,11 +21,10 @@ from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
 from visuohaptic.recognition.tuning import fit_best_classifiers
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import CLASSIFIER
 from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
 from visuohaptic.studies.figures import write_json
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_rows, read_table, write_table
 
@@ -78,10 +78,10 @@ def summarise_trust(
     return found
 
 
-def make_trust(given: Given) -> None:
+def make_trust(step: StepInputs) -> None:
     """Make `TRUST` of every strategy, and its summary as JSON."""
-    run, (table, metrics) = given.run, given.outputs
-    rows = read_table(FEATURES, given.inputs["features"])
+    run, (table, metrics) = step.run, step.outputs
+    rows = read_table(FEATURES, step.inputs["features"])
     measured = pa.concat_tables(
         measure_trust(rows, strategy, CLASSIFIER, run.recognition, run.seed)
         for strategy in run.probing.strategies

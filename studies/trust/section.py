@@ -16,7 +16,7 @@ from visuohaptic.report.drawing import COLOURS, style
 from visuohaptic.report.estimates import Row, read_json
 from visuohaptic.report.evaluation import rows_of
 from visuohaptic.report.figures import draw_lines, finish, whole_percent
-from visuohaptic.report.section import Reads, ReportContext, Section, Values
+from visuohaptic.report.section import ReportContext, Section, SourceTable, Values
 from visuohaptic.tables.schema import read_table
 
 TABLE, FIGURES = STUDY.shown
@@ -79,5 +79,5 @@ def coverage(table: pa.Table) -> Figure:
 
 
 SECTION = Section(
-    STUDY.name, STUDY.title, trust_values, (Reads("Known and unknown objects", TRUST, TABLE),)
+    STUDY.name, STUDY.title, trust_values, (SourceTable("Known and unknown objects", TRUST, TABLE),)
 )

@@ -35,12 +35,12 @@ from variants.design import (
 from variants.kept import OUTSIDE
 from variants.leads import SIGNIFICANT
 from variants.study import STUDY
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, holm
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import Cell, CellKey, Row, read_cells, write_json
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH, owners_of

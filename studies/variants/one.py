@@ -8,23 +8,23 @@ from pathlib import Path
 
 from variants.tables import VARIANTS
 from variants.weighing import variant_figures
+from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.studies.measuring import make_study_block
-from visuohaptic.studies.study import Given
-from visuohaptic.whole_files import write_whole
+from visuohaptic.studies.study import StepInputs
 
 
-def make_variant(given: Given) -> None:
+def make_variant(step: StepInputs) -> None:
     """Measure one variant as the whole study does, and write its rows of `VARIANTS`, without seconds, as JSON.
 
     Numbers have all their digits.
     """
-    run = given.run
+    run = step.run
     with tempfile.TemporaryDirectory() as folder:
         block = Path(folder, "variant.parquet")
         make_study_block(
-            given.study, [given.condition or {}], given.inputs["features"], given.made, block, run
+            step.study, [step.condition or {}], step.inputs["features"], step.made, block, run
         )
         table = variant_figures([block], run.recognition.intervals, run.seed)
     ordered = table.sort_by([(key, "ascending") for key in VARIANTS.keys])
     rows = ordered.drop_columns("seconds").to_pylist()
-    write_whole(given.outputs[0], json.dumps(rows, indent=2, ensure_ascii=False) + "\n")
+    atomic_write_text(step.outputs[0], json.dumps(rows, indent=2, ensure_ascii=False) + "\n")

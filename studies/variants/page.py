@@ -24,14 +24,14 @@ from variants.design import is_default
 from variants.kept import OUTSIDE, MeasuredVariants, kept_variants, read_variants
 from variants.leads import PairLead, against_main, leads_by_option, strongest_pair, sum_up
 from variants.weighing import summarise_variants
-from visuohaptic.errors import ReportError
+from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.page import content_policy, make_environment
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
-from visuohaptic.studies.study import Given
-from visuohaptic.whole_files import write_whole
+from visuohaptic.studies.study import StepInputs
 
 COMMAND = "snakemake -j2 results/variant/{}.json"
 """Measures one variant again."""
@@ -47,10 +47,10 @@ Figures = dict[str, Any]
 """What a template shows, by name."""
 
 
-def make_variants_page(given: Given) -> None:
+def make_variants_page(step: StepInputs) -> None:
     """Write the page of `VARIANTS`, completely or not at all."""
-    (table,) = given.inputs["tables"]
-    write_whole(given.outputs[0], render_variants_page(table))
+    (table,) = step.inputs["tables"]
+    atomic_write_text(step.outputs[0], render_variants_page(table))
 
 
 def render_variants_page(table: str | Path | None) -> str:
@@ -323,4 +323,4 @@ def _sentences(summary: Mapping[str, Any], classifier: str) -> list[str]:
 
 
 if __name__ == "__main__":
-    write_whole(sys.argv[1], render_variants_page(None))
+    atomic_write_text(sys.argv[1], render_variants_page(None))

@@ -20,14 +20,14 @@ from variants.weighing import summarise_variants, variant_figures
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.report.variants import KEPT, Spread, VariantsSummary
 from visuohaptic.studies.figures import Row, write_json
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.schema import write_table
 
 
-def make_variants(given: Given) -> None:
+def make_variants(step: StepInputs) -> None:
     """Write `VARIANTS` from the study's blocks, and what they say together as JSON."""
-    output, summary = given.outputs
-    table = variant_figures(given.inputs["blocks"], given.run.recognition.intervals, given.run.seed)
+    output, summary = step.outputs
+    table = variant_figures(step.inputs["blocks"], step.run.recognition.intervals, step.run.seed)
     write_table(VARIANTS, table, output)
     measured = MeasuredVariants(table.to_pylist())
     report = summarise(measured, kept_variants(OUTSIDE)).model_dump(mode="json")

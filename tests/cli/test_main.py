@@ -83,7 +83,7 @@ sys.exit()
 def test_ctrl_c_at_an_odd_moment_prints_no_trace(tmp_path, moment):
     program = f"""
 import os, signal, sys, time
-from visuohaptic.interrupts import end_at_interrupt
+from visuohaptic.io.interrupts import end_at_interrupt
 def interrupt():
     os.kill(os.getpid(), signal.SIGINT)
     time.sleep(0.3)

@@ -5,7 +5,7 @@ from recognition.synthetic import features_table
 from sklearn.svm import SVC
 
 import visuohaptic as vh
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import run_pipeline

@@ -8,7 +8,7 @@ import pytest
 from recognition.synthetic import features_table
 
 from visuohaptic import recognition
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import confusion, select, summarise
 from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
 from visuohaptic.tables.phases import PREDICTIONS, SCORES

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.tables.phases import FEATURES, TOUCHES
 from visuohaptic.tables.schema import check_table
 

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 
 SMALL = {"rendering": {"resolution": 64}}
 MESHES = [trimesh.creation.torus(1, 0.4, 16, 8), trimesh.creation.icosphere(2)]

@@ -3,7 +3,7 @@
 import pytest
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.exploration.examples import FOLDER, examples
 from visuohaptic.exploration.recognising import PACKAGED_MODEL, touching_sections
 from visuohaptic.meshes.catalogue import read_catalogue

@@ -11,7 +11,7 @@ from cli.models import fit_on_nonsense
 from phases_by_files import run_phases
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.base.errors import MeshError, ParameterError, RecognitionError
 from visuohaptic.evaluation.summary import select
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh

@@ -7,7 +7,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.base.errors import MeshError, ParameterError
 from visuohaptic.exploration.pose_files import read_poses, write_poses
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
 from visuohaptic.tables.schema import matrix

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.base.errors import MeshError, ParameterError
 
 BALL = trimesh.creation.icosphere(5, radius=40.0)
 

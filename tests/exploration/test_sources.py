@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.base.errors import MeshError, ParameterError
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
 

@@ -3,7 +3,7 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.features import describing
 from visuohaptic.features.describing import describe_imprints
 from visuohaptic.features.descriptors import DESCRIPTORS, Descriptor

@@ -8,17 +8,17 @@ import trimesh
 from numerics.surfaces import build_plain_surface, of_trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.locations import candidate_table, locate
-from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.fixations.object_views import ObjectViews
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.places import draw_by_area, face_outwards
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.fixations.sight import Sight
 from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.parameters import VisualModes
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS, SPARE
 from visuohaptic.tables.schema import check_table, matrix
 
@@ -37,7 +37,7 @@ def caster():
 def sight_of(caster, block=(0, 1, 2), attention=ATTENTION, strategies=()):
     subject = Subject("box/brick", lambda: caster, block)
     viewpoints = ViewpointParameters(count=4)
-    return Sight(subject, viewpoints, RENDERING, attention, strategies, VisualModes(), 3)
+    return ObjectViews(subject, viewpoints, RENDERING, attention, strategies, VisualModes(), 3)
 
 
 @pytest.fixture(scope="module")
@@ -92,9 +92,9 @@ def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, s
     assert first.equals(seeded) != strategy.random
     assert first.column("x").to_pylist() != other.column("x").to_pylist()
     one = looks[0]
-    blind = Standpoint(one.key, one.viewpoint, one.caster, one.camera)
+    blind = Viewpoint(one.key, one.viewpoint, one.caster, one.camera)
     if strategy.looks:
-        with pytest.raises(AttributeError, match="Standpoint"):
+        with pytest.raises(AttributeError, match="Viewpoint"):
             locate(blind, strategy.name, ATTENTION, 3)
     else:
         assert locate(blind, strategy.name, ATTENTION, 3).equals(first)

@@ -6,7 +6,7 @@ from numerics.surfaces import random_vectors
 from sensor.shapes import box, joined, sheet, surface_of
 from trimesh.creation import icosphere
 
-from visuohaptic.errors import MissingPackageError
+from visuohaptic.base.errors import MissingPackageError
 from visuohaptic.geometry import raycasting, scenes
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numerics.surfaces import build_plain_surface
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import (
     Surface,
     as_stored,

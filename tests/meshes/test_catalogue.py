@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from visuohaptic.errors import CatalogueError, MeshError
-from visuohaptic.meshes.beside import BesideResolver
+from visuohaptic.base.errors import CatalogueError, MeshError
 from visuohaptic.meshes.catalogue import (
     check_classes,
     check_name,
@@ -17,6 +16,7 @@ from visuohaptic.meshes.catalogue import (
     models_of_set,
     read_catalogue,
 )
+from visuohaptic.meshes.texture_resolver import BesideResolver
 
 CATALOGUE = Path(__file__).parents[2] / "meshes" / "catalogue.csv"
 

@@ -11,7 +11,7 @@ from functools import partial
 import pytest
 from meshes.generated import packed
 
-from visuohaptic.errors import DownloadError
+from visuohaptic.base.errors import DownloadError
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes import downloads
 from visuohaptic.meshes.catalogue import Credit, Model, read_credits

@@ -6,7 +6,7 @@ import trimesh
 from meshes.generated import BOARD, FACES, POINTS, as_gltf, write_square
 from PIL import Image
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.in_memory import GREY
 from visuohaptic.meshes.model_files import read_model
 

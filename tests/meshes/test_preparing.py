@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from numerics.surfaces import build_plain_surface, of_trimesh
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.meshes.catalogue import Model

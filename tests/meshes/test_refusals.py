@@ -24,7 +24,7 @@ from meshes.generated import (
     three_mf,
 )
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import prepare_object

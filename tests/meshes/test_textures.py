@@ -11,7 +11,7 @@ from PIL import Image
 from trimesh.visual import TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
 from visuohaptic.geometry.surface import read_surface

@@ -8,7 +8,7 @@ import pytest
 from meshes import generated
 from meshes.generated import FACES, POINTS
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.model_files import read_open_file
 
 

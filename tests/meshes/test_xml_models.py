@@ -6,8 +6,8 @@ import trimesh
 from meshes.generated import PLACED, SHAPE, TRIANGLES, collada, exported, model, object_of, packed
 from PIL import Image
 
-from visuohaptic import optional_packages
-from visuohaptic.errors import MeshError
+from visuohaptic.base import optional_packages
+from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.catalogue import find_own_models
 from visuohaptic.meshes.model_files import read_model
 

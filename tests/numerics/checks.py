@@ -15,7 +15,7 @@ from numerics.hard_cases import (
 )
 from numerics.tolerances import TOLERANCES
 
-from visuohaptic.seeds import spawn_generator
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.stability.findings import merge_results, results_of
 
 

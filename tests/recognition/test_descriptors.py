@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.descriptors import (
     POSE,
     describe_relations,

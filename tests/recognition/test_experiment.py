@@ -11,7 +11,7 @@ from recognition.synthetic import PAPER_FEATURES, features_table, with_column
 from sklearn.naive_bayes import GaussianNB
 
 from visuohaptic import recognition
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
 from visuohaptic.recognition.experiment import (

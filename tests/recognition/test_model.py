@@ -10,7 +10,7 @@ import skops.io
 from recognition.synthetic import features_table, with_column
 
 from visuohaptic import recognition
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition import stored_models
 from visuohaptic.recognition.classifiers import CLASSIFIERS

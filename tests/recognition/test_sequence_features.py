@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.parameters import SequenceParameters
 from visuohaptic.recognition.sequence_features import (
     sequence_features,

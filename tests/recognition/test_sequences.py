@@ -5,7 +5,7 @@ import pyarrow as pa
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table, with_column
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.sequences import (
     classes_of_two,
     gather_any,

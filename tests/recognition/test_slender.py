@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
-from visuohaptic.errors import MeshError, RecognitionError
+from visuohaptic.base.errors import MeshError, RecognitionError
 from visuohaptic.evaluation.summary import select, summarise
 from visuohaptic.recognition import files
 from visuohaptic.recognition.model import fit_model

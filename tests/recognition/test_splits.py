@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.parameters import ProtocolParameters
 from visuohaptic.recognition.sequences import gather_sequences
 from visuohaptic.recognition.splits import (

@@ -10,6 +10,7 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.svm import SVC
 
+from visuohaptic.base.registry import Registry
 from visuohaptic.recognition import classifiers, tuning
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import (
@@ -19,7 +20,6 @@ from visuohaptic.recognition.classifiers import (
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
-from visuohaptic.registry import Registry
 
 EVERY_CLASSIFIER = RecognitionParameters(best=BestParameters(classifiers=CLASSIFIERS.names))
 

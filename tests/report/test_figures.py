@@ -7,7 +7,7 @@ from report.synthetic import write_run, write_study
 from report.test_stability import EXACT, GRAZING
 from studies.cost.test_front import cost_rows, cost_table
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import look

@@ -6,7 +6,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.report.gaze import gaze_sentence
 
 ROWS = [

@@ -11,9 +11,9 @@ import pytest
 from report.pages import plain, read_page
 from report.synthetic import OBJECTS, PARAMETERS, write_run
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
+from visuohaptic.io.plugins import PlugIn
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.plugins import PlugIn
 from visuohaptic.report.object_pictures import make_pictures
 from visuohaptic.report.page import PAPER_ADDRESS, make_environment, make_report, render_page
 from visuohaptic.report.run import read_run

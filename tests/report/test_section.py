@@ -26,7 +26,7 @@ from visuohaptic.evaluation.summary import select
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import find_run, read_run
-from visuohaptic.report.section import ReportContext, find_sources, narrowed
+from visuohaptic.report.section import ReportContext, files_of_rows, find_sources
 from visuohaptic.report.sections import answer_values, recount_cost
 from visuohaptic.report.wording import duration
 from visuohaptic.studies.figures import write_json
@@ -117,8 +117,8 @@ def test_the_named_rows_give_the_accuracy_of_the_page(folder, sources):
 
 def test_files_are_those_of_the_pipeline_that_is_selected_where_it_has_its_own():
     files = [Path("results/predictions", name, "0.parquet") for name in ("paper", "best")]
-    assert narrowed(files, {"pipeline": "best"}) == files[1:]
-    assert narrowed(files, {"pipeline": "other"}) == files
+    assert files_of_rows(files, {"pipeline": "best"}) == files[1:]
+    assert files_of_rows(files, {"pipeline": "other"}) == files
 
 
 def test_what_this_run_has_not_measured_is_not_named(tmp_path):

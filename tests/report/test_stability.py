@@ -8,7 +8,7 @@ import pytest
 from report.pages import plain, read_page
 from report.synthetic import PARAMETERS, write_run
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.report.page import render_page
 from visuohaptic.report.run import read_run
 from visuohaptic.report.stability import (

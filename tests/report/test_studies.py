@@ -7,7 +7,7 @@ import pytest
 from report.pages import read_page
 from report.synthetic import write_study
 
-from visuohaptic.errors import VisuohapticError
+from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.page import make_environment
 from visuohaptic.report.section import study_sections

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.report.variants import Spread, VariantsSummary, read_variants
 
 MADE = VariantsSummary(

@@ -2,10 +2,10 @@
 
 import trimesh
 
-from visuohaptic.sensor.gallery import build_surface as surface_of
-from visuohaptic.sensor.gallery import hard_probes as all_hard_probes
-from visuohaptic.sensor.gallery import join as joined
-from visuohaptic.sensor.gallery import sheet
+from visuohaptic.sensor.example_shapes import build_surface as surface_of
+from visuohaptic.sensor.example_shapes import hard_probes as all_hard_probes
+from visuohaptic.sensor.example_shapes import join as joined
+from visuohaptic.sensor.example_shapes import sheet
 
 __all__ = ["PLATE", "box", "hard_probes", "joined", "sheet", "surface_of"]
 

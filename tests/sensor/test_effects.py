@@ -5,7 +5,7 @@ import pytest
 from sensor.scenes import with_modes
 
 from visuohaptic.scene.parameters import TACTILE_EFFECTS, Scene
-from visuohaptic.sensor import EFFECTS, RandomFields, Situation, simulate
+from visuohaptic.sensor import EFFECTS, RandomFields, TouchBatch, simulate
 
 TOUCHES = 3
 CONTACT = np.random.default_rng(0).random((TOUCHES, 4, 4))
@@ -19,8 +19,8 @@ def feel(scene, rows=slice(None), contact=CONTACT, gaps=GAPS):
     """Give the readings of some touches, and the records by effect."""
     count = len(contact[rows])
     fields = RandomFields(0, [("touch", k) for k in range(TOUCHES)][rows])
-    situation = Situation(scene, gaps[rows], np.full(count, 1e-3), fields)
-    readings, records = simulate(situation, contact[rows])
+    batch = TouchBatch(scene, gaps[rows], np.full(count, 1e-3), fields)
+    readings, records = simulate(batch, contact[rows])
     return readings, {record.effect: record for record in records}
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from sensor.scenes import always, parameter_sets, probes_on, scenes, surfaces, with_modes
 from sensor.shapes import PLATE, box, hard_probes, joined, sheet
 
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene

@@ -2,7 +2,7 @@
 
 import pytest
 
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.studies.conditions import describe_study, make_blocks, plan_study, with_changes

@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import compare_paired, holm
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import Cell, cells_of, make_study_figures, study_figures
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES

@@ -13,7 +13,7 @@ from studies.surfaces import RUN, small_surfaces, surface_of, write_sources
 
 from ablations.study import STUDY as ABLATIONS
 from visuohaptic import recognition
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences

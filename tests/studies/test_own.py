@@ -2,7 +2,7 @@
 
 import pytest
 
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies import own
 from visuohaptic.studies.own import read_study

@@ -5,7 +5,7 @@ from importlib import import_module
 import pytest
 from studies.surfaces import RUN
 
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.registry import PACKAGED, REPOSITORY, find_studies

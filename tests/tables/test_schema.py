@@ -5,7 +5,7 @@ import pandas as pd
 import pyarrow as pa
 import pytest
 
-from visuohaptic.errors import TableError
+from visuohaptic.base.errors import TableError
 from visuohaptic.tables.phases import FIXATIONS
 from visuohaptic.tables.schema import build_table, images, read_table, write_table
 from visuohaptic.tables.schemas import SCHEMAS

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from visuohaptic.errors import MeshError
-from visuohaptic.job_logs import read_seconds
+from visuohaptic.base.errors import MeshError
+from visuohaptic.io.job_logs import read_seconds
 from visuohaptic_workflow.jobs import job
 
 ROOT = Path(__file__).parents[2]

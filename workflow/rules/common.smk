@@ -14,7 +14,7 @@ SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib
 STUDY_FOLDERS = [Path("studies").absolute(), ROOT / "studies"]
 sys.path[:0] = map(str, SOURCES)
 
-from visuohaptic.errors import VisuohapticError
+from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import (
     check_classes,
     companions,
@@ -28,9 +28,9 @@ from visuohaptic.parameters import (
     check_spelling,
     read_parameters,
 )
-from visuohaptic.pipeline import OF_OBJECT, needed_from, phase as phase_of
-from visuohaptic.plugins import hand_on, load_files, load_installed, loaded
-from visuohaptic.whole_files import write_whole
+from visuohaptic.pipeline import OF_OBJECT, inputs_needed_from, phase as phase_of
+from visuohaptic.io.plugins import hand_on, load_files, load_installed, loaded
+from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end, put_aside
 from visuohaptic_workflow.code_of_jobs import CODE, STEP, Runs, code_of
@@ -338,7 +338,7 @@ def claim():
     if DECIDES:
         or_stop(claim_folder)
         pass_termination_on()
-        write_whole(GIVEN_FILE, json.dumps(GIVEN))
+        atomic_write_text(GIVEN_FILE, json.dumps(GIVEN))
         DIGESTS.save()
 
 

@@ -9,8 +9,8 @@ PART = "results/{}/{{objects}}/{{views}}.parquet"
 
 def reads_of(phase):
     """Give the files that a job of a phase takes, by table; a folder of meshes."""
-    meshes = {"meshes": "results/meshes/{objects}"} if "meshes" in phase.reads else {}
-    return {**meshes, **{table: PART.format(table) for table in phase.takes}}
+    meshes = {"meshes": "results/meshes/{objects}"} if "meshes" in phase.inputs else {}
+    return {**meshes, **{table: PART.format(table) for table in phase.input_tables}}
 
 
 for one in OF_OBJECT:
@@ -40,6 +40,6 @@ for one in OF_OBJECT:
             phase=one.name,
             viewpoints_of_block=lambda wildcards: VIEW_BLOCKS[wildcards.views],
         message:
-            f"{one.doing} {{wildcards.objects}} and others, viewpoints {{wildcards.views}}"
+            f"{one.description} {{wildcards.objects}} and others, viewpoints {{wildcards.views}}"
         script:
             "../scripts/{params.phase}.py"

@@ -75,7 +75,7 @@ rule block_of_study:
         conditions=lambda wildcards: describe_conditions(conditions_of(wildcards)),
         sample=lambda wildcards: sample_of(wildcards.study),
         recomputed=keys_of,
-        parameters=PARAMETERS.model_dump(**OF_CONDITIONS),
+        parameters=PARAMETERS.model_dump(**DUMP_FOR_CONDITIONS),
     message:
         "measuring conditions {wildcards.block} of study {wildcards.study}"
     script:

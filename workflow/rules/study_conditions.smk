@@ -11,7 +11,7 @@ from visuohaptic.studies.conditions import (
 )
 from visuohaptic.studies.registry import find_studies, section_files
 from visuohaptic.studies.sampling import sample_objects
-from visuohaptic.studies.study import OF_CONDITIONS
+from visuohaptic.studies.study import DUMP_FOR_CONDITIONS
 from visuohaptic_workflow.studies_asked import (
     find_moved,
     is_asked_for,
@@ -110,7 +110,7 @@ def recomputation_of(wildcards):
 
 # What features may be recomputed from, whatever the first phase.
 NEEDED = dict.fromkeys(
-    name for one in OF_OBJECT for name in needed_from(next(iter(one.writes)))
+    name for one in OF_OBJECT for name in inputs_needed_from(next(iter(one.writes)))
 )
 
 
@@ -118,7 +118,7 @@ def needed_by_recomputation(table):
     """Give what lists the parts of a table, or the meshes, where a job recomputes features from it."""
 
     def files(wildcards):
-        if table not in needed_from(recomputation_of(wildcards).phase):
+        if table not in inputs_needed_from(recomputation_of(wildcards).phase):
             return []
         objects = objects_of(wildcards.study)
         if table == "meshes":

@@ -2,7 +2,7 @@
 
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import needed_from
+from visuohaptic.pipeline import inputs_needed_from
 from visuohaptic.studies.conditions import Recomputation
 from visuohaptic.studies.measuring import Sources, make_study_features
 from visuohaptic_workflow.jobs import job
@@ -17,7 +17,7 @@ with job(snakemake):
             meshes=list(meshes_in(snakemake.input.meshes, snakemake.params.sample).values()),
             tables={
                 name: snakemake.input.get(name)
-                for name in needed_from(snakemake.params.phase)
+                for name in inputs_needed_from(snakemake.params.phase)
                 if name != "meshes"
             },
             objects=snakemake.params.sample,

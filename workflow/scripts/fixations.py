@@ -1,8 +1,8 @@
 """Look at a block of objects from a block of viewpoints."""
 
-from visuohaptic.fixations.sight import Sight
+from visuohaptic.fixations.object_views import ObjectViews
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.phase_jobs import run_block
 
 with job(snakemake):
-    run_block(snakemake, Sight)
+    run_block(snakemake, ObjectViews)

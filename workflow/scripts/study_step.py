@@ -5,7 +5,7 @@ from pathlib import Path
 import pyarrow as pa  # noqa: F401 - `job` keeps it from importing pandas, once it is there
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.study import Given, do_step
+from visuohaptic.studies.study import StepInputs, do_step
 from visuohaptic_workflow import jobs
 from visuohaptic_workflow.jobs import job
 
@@ -21,7 +21,7 @@ with job(snakemake):
     do_step(
         asked.work,
         [Path("studies").absolute(), CLONE / "studies"],
-        Given(
+        StepInputs(
             study=asked.study,
             inputs=inputs,
             outputs=list(snakemake.output[: asked.files]),

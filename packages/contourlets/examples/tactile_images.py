@@ -21,7 +21,7 @@ from sklearn.svm import SVC
 
 from contourlets import Contourlet, band_deviations
 
-Floats = NDArray[np.float64]
+FloatArray = NDArray[np.float64]
 
 LEVELS = (2, 3, 4)  # the coarsest first: 28 bands
 CONTACT = 0.05  # share of the full scale from which a taxel counts as touched
@@ -33,7 +33,7 @@ PENALTY = 30.0  # of the support vector machine
 FORMATS = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm")
 
 
-def read_tactile_images(folder: str | Path) -> tuple[Floats, list[str]]:
+def read_tactile_images(folder: str | Path) -> tuple[FloatArray, list[str]]:
     """Read ``folder/<class>/<image>``: images (n, rows, columns) in [0, 1] of the full scale, and n classes."""
     files = sorted(file for file in Path(folder).glob("*/*") if file.suffix.lower() in FORMATS)
     if not files:
@@ -48,7 +48,7 @@ def read_tactile_images(folder: str | Path) -> tuple[Floats, list[str]]:
     return np.stack(images), [file.parent.name for file in files]
 
 
-def _read_image(file: Path) -> Floats:
+def _read_image(file: Path) -> FloatArray:
     with Image.open(file) as opened:
         if opened.mode in {"I", "F"}:
             raise ValueError(f"{file} has 32 bits a taxel; 8 or 16 bits are allowed.")
@@ -57,7 +57,7 @@ def _read_image(file: Path) -> Floats:
     return grey / (65535 if is_deep else 255)
 
 
-def describe(images: Floats) -> dict[str, Floats]:
+def describe(images: FloatArray) -> dict[str, FloatArray]:
     """Compute groups of features (n, k) of images (n, rows, columns) in [0, 1], each image by itself."""
     return {
         "contourlet": _contourlet(images),
@@ -69,8 +69,8 @@ def describe(images: Floats) -> dict[str, Floats]:
 
 
 def split_accuracies(
-    groups: dict[str, Floats], classes: list[str], splits: int = 20, seed: int = 2018
-) -> Floats:
+    groups: dict[str, FloatArray], classes: list[str], splits: int = 20, seed: int = 2018
+) -> FloatArray:
     """Return the share of test images classified correctly in each random split.
 
     Every group of features has the same weight, whatever its width.
@@ -100,7 +100,7 @@ def _draw_split(
     return np.flatnonzero(~is_tested), np.flatnonzero(is_tested)
 
 
-def _contourlet(images: Floats) -> Floats:
+def _contourlet(images: FloatArray) -> FloatArray:
     """Pad images with zeros to a multiple of what the levels need; return each band's deviation."""
     multiple = 2 ** (len(LEVELS) + max(LEVELS) - 1)
     more = [-size % multiple for size in images.shape[1:]]
@@ -108,20 +108,20 @@ def _contourlet(images: Floats) -> Floats:
     return band_deviations(padded, Contourlet(LEVELS, "9-7", "pkva12", "symmetric"))
 
 
-def _pressure(images: Floats) -> Floats:
+def _pressure(images: FloatArray) -> FloatArray:
     """Return mean, deviation, peak and share of touched taxels."""
     flat = images.reshape(len(images), -1)
     touched = (flat > CONTACT).mean(axis=1)
     return np.column_stack([flat.mean(axis=1), flat.std(axis=1), flat.max(axis=1), touched])
 
 
-def _ranks(images: Floats) -> Floats:
+def _ranks(images: FloatArray) -> FloatArray:
     """Return the values at ranks from the largest to the smallest."""
     flat = np.sort(images.reshape(len(images), -1), axis=1)[:, ::-1]
     return flat[:, np.geomspace(1, flat.shape[1], RANKS).astype(int) - 1]
 
 
-def _shape(images: Floats) -> Floats:
+def _shape(images: FloatArray) -> FloatArray:
     """Return total, principal extents and moments of the pressure, and its sums over rings around its centre."""
     count, rows, columns = images.shape
     y, x = np.mgrid[:rows, :columns]
@@ -140,7 +140,7 @@ def _shape(images: Floats) -> Floats:
     return np.column_stack([np.log(total), large, small, xx, yy, np.abs(xy), sums[:, :RINGS]])
 
 
-def _spectrum(images: Floats) -> Floats:
+def _spectrum(images: FloatArray) -> FloatArray:
     """Return logarithms of the amplitudes of the lowest frequencies of either sign."""
     size = [max(edge, 2 * FREQUENCIES) for edge in images.shape[1:]]
     amplitudes = np.log1p(np.abs(np.fft.rfft2(images, size)))

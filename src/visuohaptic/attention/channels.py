@@ -11,9 +11,10 @@ from functools import cache
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from .arrays import Booleans, Integers, Plane
 from .plain_filters import plain_kernel
+from .planes import Plane
 from .pyramid import (
     CENTRE_LEVELS,
     GOES_ON,
@@ -65,7 +66,7 @@ class WorkingView:
     curvature: Plane
 
 
-def prepare_view(colour: Plane, mask: Booleans, curvature: Plane) -> WorkingView:
+def prepare_view(colour: Plane, mask: NDArray[np.bool_], curvature: Plane) -> WorkingView:
     """Resample a view's colour (h, w, 3), mask (h, w) and curvature (h, w) to the working image."""
     share = mask.astype(np.float32)
     inside = mask.view(np.uint8)
@@ -262,7 +263,7 @@ def _box(planes: Plane) -> Plane:
 
 
 def _cast_votes(
-    places: Integers, steps: Plane, votes: tuple[Plane, Plane], shape: tuple[int, ...]
+    places: NDArray[np.int64], steps: Plane, votes: tuple[Plane, Plane], shape: tuple[int, ...]
 ) -> list[Plane]:
     """Count votes for the point ahead of each place minus those behind it, as absolute values."""
     # A margin holds the votes for points outside the image.

@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Booleans, Floats, Integers, Plane
 from .channels import prepare_view
 from .errors import AttentionError
 from .parameters import AttentionParameters
 from .plain_filters import plain_filters
+from .planes import Plane
 from .pyramid import filled
 from .registry import CHANNELS, TERMS
 from .saliency import conspicuity_maps, on_view, saliency_map
@@ -43,13 +43,13 @@ class Attention:
 @plain_filters()
 def attend(
     colour: Plane,
-    mask: Booleans,
-    point: Floats,
-    normal: Floats,
-    face: Integers,
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    face: NDArray[np.int64],
     curvature: Plane,
     parameters: AttentionParameters,
-    eye: Floats | None = None,
+    eye: NDArray[np.float64] | None = None,
     terms: Mapping[str, float] | None = None,
 ) -> list[Attention]:
     """Compute saliency and fixations for each of n views; each depends on its own view only.
@@ -73,7 +73,7 @@ def attend(
 
 
 def reasons_to_skip(
-    colour: Plane, mask: Booleans, curvature: Plane, parameters: AttentionParameters
+    colour: Plane, mask: NDArray[np.bool_], curvature: Plane, parameters: AttentionParameters
 ) -> dict[str, str]:
     """Give the channels, in order, that a view as `prepare_view` takes it does not need, and why.
 
@@ -91,7 +91,7 @@ def term_planes(seen: SeenSurface, names: Iterable[str]) -> dict[str, Plane]:
     return {name: TERMS[name].plane(seen).astype(np.float32) * shown for name in names}
 
 
-def _dull_channels(colour: Plane, mask: Booleans, curvature: Plane) -> dict[str, str]:
+def _dull_channels(colour: Plane, mask: NDArray[np.bool_], curvature: Plane) -> dict[str, str]:
     if not mask.any():
         return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
     inside = mask.view(np.uint8)
@@ -130,12 +130,12 @@ def _attend_view(
     parameters: AttentionParameters,
     terms: Mapping[str, float],
     colour: Plane,
-    mask: Booleans,
-    point: Floats,
-    normal: Floats,
-    face: Integers,
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    face: NDArray[np.int64],
     curvature: Plane,
-    eye: Floats | None,
+    eye: NDArray[np.float64] | None,
 ) -> Attention:
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)
@@ -160,7 +160,7 @@ def _weights_of(terms: Mapping[str, float]) -> dict[str, float]:
     return {name: terms[name] for name in TERMS if terms.get(name)}
 
 
-def _check_eyes(eye: Floats | None, views: int, terms: Mapping[str, float]) -> None:
+def _check_eyes(eye: NDArray[np.float64] | None, views: int, terms: Mapping[str, float]) -> None:
     if eye is None:
         if terms:
             raise AttentionError("a term has a weight and no eye is given; terms need the eye.")
@@ -171,7 +171,12 @@ def _check_eyes(eye: Floats | None, views: int, terms: Mapping[str, float]) -> N
 
 
 def _check_views(
-    colour: Plane, mask: Booleans, point: Floats, normal: Floats, face: Integers, curvature: Plane
+    colour: Plane,
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    face: NDArray[np.int64],
+    curvature: Plane,
 ) -> None:
     if mask.ndim != 3 or mask.dtype != np.bool_:
         raise AttentionError(

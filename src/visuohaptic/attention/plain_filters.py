@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Plane
+from .planes import Plane
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from .arrays import Plane
+from .planes import Plane
 
 WORKING_SIZE = 128
 # Pyramid levels of the centres, and by how many levels their surrounds are coarser. Level n averages over some

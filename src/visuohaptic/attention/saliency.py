@@ -8,12 +8,13 @@ from functools import cache
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from .arrays import Booleans, Plane
 from .channels import WorkingView
 from .errors import AttentionError
 from .parameters import AttentionParameters
 from .plain_filters import plain_kernel
+from .planes import Plane
 from .pyramid import (
     CENTRE_LEVELS,
     SURROUND_OFFSETS,
@@ -77,7 +78,7 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
     return total
 
 
-def on_view(plane: Plane, mask: Booleans, interpolation: int = cv2.INTER_LINEAR) -> Plane:
+def on_view(plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTER_LINEAR) -> Plane:
     """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels (h, w) of its view, and set the background to zero."""
     rows, columns = mask.shape
     side = max(rows, columns)

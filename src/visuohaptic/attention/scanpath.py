@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from .arrays import Booleans, Floats, Integers, Plane
 from .parameters import AttentionParameters
 from .plain_filters import plain_filters
+from .planes import Plane
 
 # Maxima closer than this tie: the first in row order is fixated, at the largest value of its focus.
 TIE = 1e-4
@@ -33,12 +34,12 @@ class Scanpath:
     them, `faces` (k,) int64, `saliency` (k,) of the view's maximum. k is below `asked` if no pixel was left.
     """
 
-    rows: Integers
-    columns: Integers
-    points: Floats
-    normals: Floats
-    faces: Integers
-    saliency: Floats
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    saliency: NDArray[np.float64]
     asked: int
 
     @property
@@ -55,10 +56,10 @@ class Scanpath:
 @plain_filters()
 def scan(
     saliency: Plane,
-    mask: Booleans,
-    point: Floats,
-    normal: Floats,
-    face: Integers,
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    face: NDArray[np.int64],
     parameters: AttentionParameters,
 ) -> Scanpath:
     """Find the fixations on a saliency map (h, w), float32, 0 to 1, of a surface as `attend` takes it.
@@ -88,7 +89,7 @@ def scan(
     )
 
 
-def _winners(drive: Plane, places: Plane, parameters: AttentionParameters) -> Integers:
+def _winners(drive: Plane, places: Plane, parameters: AttentionParameters) -> NDArray[np.int64]:
     drive = drive.copy()
     winners: list[int] = []
     while len(winners) < parameters.fixations and drive.max(initial=CLOSED) > CLOSED:
@@ -125,7 +126,7 @@ def _release(progress: Plane) -> Plane:
     return step * step * (3.0 - 2.0 * step)
 
 
-def _off_outline(mask: Booleans) -> tuple[Integers, Integers, Plane]:
+def _off_outline(mask: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64], Plane]:
     """Give the rows and columns off the outline, near the middle of thin parts, and their distances from it."""
     padded = cv2.copyMakeBorder(mask.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     depth = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)

@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from .arrays import Booleans, Floats, Plane
+from .planes import Plane
 from .pyramid import NOTHING_BEYOND, reciprocal, reduce, to_working_size
 
 # A grid cell counts as seen if so much of it shows the object.
@@ -34,7 +35,12 @@ class SeenSurface:
     protrusions: dict[float, Plane] = field(default_factory=dict, repr=False)
 
 
-def prepare_surface(mask: Booleans, point: Floats, normal: Floats, eye: Floats) -> SeenSurface:
+def prepare_surface(
+    mask: NDArray[np.bool_],
+    point: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    eye: NDArray[np.float64],
+) -> SeenSurface:
     """Bring what one view shows of a surface, as `attend` takes it, to the maps' grid."""
     cover = mask.astype(np.float32)
     certainty = reduce(to_working_size(cover))
@@ -106,7 +112,7 @@ def _smooth(planes: Plane, deviation: float) -> Plane:
     return cv2.GaussianBlur(planes, (0, 0), deviation, borderType=NOTHING_BEYOND)
 
 
-def _cell_width(points: Plane, seen: Booleans, sight: Plane) -> float:
+def _cell_width(points: Plane, seen: NDArray[np.bool_], sight: Plane) -> float:
     """Measure the median distance, across the line of sight, of cells side by side."""
     both = seen[:, 1:] & seen[:, :-1]
     step = (points[:, 1:] - points[:, :-1])[both]

@@ -20,7 +20,7 @@ from visuohaptic.cli import (
     tables,
 )
 from visuohaptic.cli.printing import say
-from visuohaptic.moved import COMMANDS
+from visuohaptic.io.moved import COMMANDS
 
 
 class _Commands(TyperGroup):

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
+from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.base.optional_packages import require
 from visuohaptic.cli.printing import JsonOption, say, say_json
-from visuohaptic.optional_packages import require
-from visuohaptic.whole_files import write_whole
 
 RunsArgument = Annotated[
     list[str] | None,
@@ -43,7 +43,7 @@ def compare(
     table = compare_runs([read_metrics(source) for source in sources])
     table["source"] = [sources[ord(run) - ord("A")] for run in table.run]
     if csv is not None:
-        write_whole(csv, table.to_csv(index=False))
+        atomic_write_text(csv, table.to_csv(index=False))
     if as_json:
         say_json(table.astype(object).where(table.notna(), None).to_dict("records"))
         return

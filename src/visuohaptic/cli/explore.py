@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from visuohaptic.base.errors import VisuohapticError
+from visuohaptic.base.optional_packages import keep_pandas_out
 from visuohaptic.cli.printing import (
     JsonOption,
     file_to_read,
@@ -20,10 +22,8 @@ from visuohaptic.cli.printing import (
     say_json,
     show_progress,
 )
-from visuohaptic.errors import VisuohapticError
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, read_recogniser
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.optional_packages import keep_pandas_out
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, Recognition

@@ -10,10 +10,10 @@ from typing import Annotated
 import typer
 import yaml
 
+from visuohaptic.base.atomic_files import atomic_file, atomic_write_text
+from visuohaptic.base.errors import ExportError
 from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
-from visuohaptic.errors import ExportError
 from visuohaptic.meshes.catalogue import Credit, read_credits
-from visuohaptic.whole_files import whole_file, write_whole
 
 ROWS = 1024
 """Touches in memory at a time, and in a row group: 4 MB of imprints of 32 × 32."""
@@ -71,13 +71,13 @@ def export(
         raise ExportError(f"{held[0]} is there already; name a new or an empty folder.")
     features = read_table(FEATURES, "results/features")
     objects = sorted(keys_of(features).unique().to_pylist())
-    with whole_file(folder / "touches.parquet") as unfinished:
+    with atomic_file(folder / "touches.parquet") as unfinished:
         touches = _write_touches(files, unfinished)
         if touches != features.num_rows:
             rows = f"{touches} touches and {features.num_rows} rows of features"
             raise ExportError(f"The run has {rows}; run `snakemake -j2` first.")
     write_table(FEATURES, features, folder / "features.parquet")
-    write_whole(folder / "README.md", _card(objects, read_credits(CREDITS), touches))
+    atomic_write_text(folder / "README.md", _card(objects, read_credits(CREDITS), touches))
     size = sum(file.stat().st_size for file in folder.iterdir())
     if as_json:
         say_json({"folder": folder, "touches": touches, "objects": len(objects), "bytes": size})

@@ -6,9 +6,9 @@ import os
 import sys
 from contextlib import suppress
 
+from visuohaptic.base.atomic_files import remove_unfinished
 from visuohaptic.cli import DEBUG
-from visuohaptic.interrupts import end_at_interrupt
-from visuohaptic.whole_files import remove_unfinished
+from visuohaptic.io.interrupts import end_at_interrupt
 
 
 def main() -> None:

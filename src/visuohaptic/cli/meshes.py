@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from visuohaptic.base.errors import MeshError
 from visuohaptic.cli.printing import JsonOption, say, say_json, show_progress
-from visuohaptic.errors import MeshError
 from visuohaptic.meshes.catalogue import Model, ObjectSet, find_own_models, models_of_set
 
 app = typer.Typer(help="The models that objects come from.", no_args_is_help=True)

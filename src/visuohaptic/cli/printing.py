@@ -12,7 +12,7 @@ from typing import Annotated, TypeVar
 import typer
 from tqdm import tqdm
 
-from visuohaptic.errors import VisuohapticError
+from visuohaptic.base.errors import VisuohapticError
 
 Item = TypeVar("Item")
 

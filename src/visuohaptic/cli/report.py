@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from visuohaptic.base.optional_packages import require
 from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
-from visuohaptic.optional_packages import require
 
 PAGE = "report.html"
 

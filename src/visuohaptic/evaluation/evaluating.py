@@ -10,7 +10,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
 from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split, run_sequences

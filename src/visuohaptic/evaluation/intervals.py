@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.recognition.parameters import IntervalParameters
 
 
@@ -43,13 +43,16 @@ def plain_interval(interval: Interval) -> dict[str, float | None]:
     return {name: None if np.isnan(value) else value for name, value in vars(interval).items()}
 
 
-def resample_objects(objects: int, samples: int, generator: np.random.Generator) -> Integers:
+def resample_objects(objects: int, samples: int, generator: np.random.Generator) -> IntArray:
     """Draw bootstrap samples: how often each object is in each, shape (samples, objects)."""
     return generator.multinomial(objects, np.full(objects, 1 / objects), size=samples)
 
 
 def object_interval(
-    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
+    values: FloatArray,
+    weights: FloatArray,
+    parameters: IntervalParameters,
+    generator: np.random.Generator,
 ) -> Interval:
     """Give the mean of values of objects (o,), of positive weights (o,), with its bootstrap interval.
 
@@ -61,7 +64,10 @@ def object_interval(
 
 
 def object_intervals(
-    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
+    values: FloatArray,
+    weights: FloatArray,
+    parameters: IntervalParameters,
+    generator: np.random.Generator,
 ) -> list[Interval]:
     """Give k figures (o, k) of objects as `object_interval` gives each, over the same samples."""
     means = weights @ values / weights.sum()
@@ -76,7 +82,10 @@ def object_intervals(
 
 
 def rate_interval(
-    values: Floats, weights: Floats, parameters: IntervalParameters, generator: np.random.Generator
+    values: FloatArray,
+    weights: FloatArray,
+    parameters: IntervalParameters,
+    generator: np.random.Generator,
 ) -> Interval:
     """Give a mean of shares as `object_interval` does, with exact binomial limits at 0 and at 1."""
     found = object_interval(values, weights, parameters, generator)
@@ -88,9 +97,9 @@ def rate_interval(
 
 
 def difference_interval(
-    first: Floats,
-    second: Floats,
-    weights: Floats,
+    first: FloatArray,
+    second: FloatArray,
+    weights: FloatArray,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
@@ -112,8 +121,8 @@ def exact_limit(objects: int, confidence: float) -> float:
 
 
 def balanced_interval(
-    values: Floats,
-    classes: Integers,
+    values: FloatArray,
+    classes: IntArray,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> Interval:
@@ -130,7 +139,7 @@ def balanced_interval(
     return _around(mean, means, len(values), parameters.confidence)
 
 
-def _around(mean: float, means: Floats, objects: int, confidence: float) -> Interval:
+def _around(mean: float, means: FloatArray, objects: int, confidence: float) -> Interval:
     """Give a mean with the expanded percentiles of its bootstrap means, shape (samples,)."""
     tail = expanded_tail(objects, confidence)
     low, high = np.quantile(means, [tail, 1 - tail])
@@ -146,9 +155,9 @@ def expanded_tail(objects: int, confidence: float) -> float:
 
 
 def compare_paired(
-    first: Floats,
-    second: Floats,
-    weights: Floats,
+    first: FloatArray,
+    second: FloatArray,
+    weights: FloatArray,
     parameters: IntervalParameters,
     generator: np.random.Generator,
 ) -> PairedComparison:

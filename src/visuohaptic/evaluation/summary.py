@@ -10,17 +10,17 @@ import pyarrow as pa
 import pyarrow.compute as pc
 from numpy.typing import NDArray
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import (
     balanced_interval,
     compare_paired,
     plain_interval,
     rate_interval,
 )
-from visuohaptic.recognition.arrays import Floats, Integers
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.voting import vote_credit
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import owners_of
 
 REFERENCE_STRATEGY = "fixation"
@@ -48,7 +48,7 @@ class Confusion:
     """How often sequences of each of c classes (row) were predicted as each (column)."""
 
     classes: tuple[str, ...]
-    counts: Integers
+    counts: IntArray
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,11 @@ class _ObjectFigures:
     """Values an object over every split and repeat that tested it."""
 
     objects: tuple[tuple[str, str], ...]
-    classes: Integers
-    weights: Floats
-    vote_weights: Floats
-    accuracy: Floats
-    vote: Floats
+    classes: IntArray
+    weights: FloatArray
+    vote_weights: FloatArray
+    accuracy: FloatArray
+    vote: FloatArray
 
 
 def summarise(
@@ -152,8 +152,8 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
     run, tested = np.divmod(test, len(objects))
     share = sequences / np.bincount(run, weights=sequences)[run]
     object_share = 1.0 / np.bincount(run)[run]
-    weights: Floats = np.bincount(tested, weights=share).astype(np.float64)
-    vote_weights: Floats = np.bincount(tested, weights=object_share).astype(np.float64)
+    weights: FloatArray = np.bincount(tested, weights=share).astype(np.float64)
+    vote_weights: FloatArray = np.bincount(tested, weights=object_share).astype(np.float64)
     return _ObjectFigures(
         objects,
         true_class,
@@ -166,11 +166,11 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
 
 def _vote_credit(
     rows: pa.Table,
-    test: Integers,
-    predicted: Integers,
-    true_class: Integers,
+    test: IntArray,
+    predicted: IntArray,
+    true_class: IntArray,
     names: NDArray[np.str_],
-) -> Floats:
+) -> FloatArray:
     """Give each test's credit: by the soft vote where there is one, else by majority."""
     if rows.column("voted").null_count:
         return vote_credit(test, predicted, true_class)[1]
@@ -190,7 +190,7 @@ def _summarise_cell(
     rows = select(scores, **dict(zip(_CELL, key, strict=True)))
     names = np.array([name for name, _ in figures.objects])
 
-    def rate(values: Floats, weights: Floats) -> dict[str, float | None]:
+    def rate(values: FloatArray, weights: FloatArray) -> dict[str, float | None]:
         return plain_interval(rate_interval(values, weights, parameters, generator))
 
     return {

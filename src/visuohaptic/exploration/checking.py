@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from visuohaptic.errors import ParameterError
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import ParameterError
 
 
-def point_rows(values: ArrayLike | None, name: str) -> Floats:
+def point_rows(values: ArrayLike | None, name: str) -> FloatArray:
     """Give an array (n, 3) of finite numbers; `ParameterError`, which names it, where it is none."""
     try:
         rows = np.array(values, dtype=np.float64)
@@ -23,7 +23,7 @@ def point_rows(values: ArrayLike | None, name: str) -> Floats:
     return rows
 
 
-def unit_rows(values: ArrayLike | None, name: str, count: int) -> Floats:
+def unit_rows(values: ArrayLike | None, name: str, count: int) -> FloatArray:
     """Give as many directions as there are points, of length 1; `ParameterError` as `point_rows` does."""
     rows = point_rows(values, name)
     if len(rows) != count:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.exploration.exploring import TouchableObject, load
 
 FOLDER = Path(__file__).with_name("examples")

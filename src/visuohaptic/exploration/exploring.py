@@ -14,7 +14,9 @@ import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
 from tqdm.auto import tqdm
 
-from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.atomic_files import unfinished_folder
+from visuohaptic.base.errors import MeshError, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
 from visuohaptic.exploration.picture import draw_exploration
 from visuohaptic.exploration.pose_files import write_poses
@@ -34,12 +36,10 @@ from visuohaptic.exploration.touching import (
     touch_given_points,
     touch_seen_points,
 )
-from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters, as_parameters, check_run
 from visuohaptic.tables.schema import images, write_table
-from visuohaptic.whole_files import unfinished_folder
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -231,7 +231,7 @@ class Exploration:
         return images(self.touches)
 
     @property
-    def poses(self) -> Floats:
+    def poses(self) -> FloatArray:
         """Poses of the touches in the file's frame, shape (n, 4, 4), as `FileFrame.poses` gives them."""
         return self.frame.poses(self.touches)
 

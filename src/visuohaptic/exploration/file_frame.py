@@ -10,9 +10,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import MeshError
 from visuohaptic.exploration.units import UNITS
-from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.vectors import product
 from visuohaptic.tables.schema import matrix
 
@@ -33,7 +33,7 @@ class FileFrame:
         The file's unit of length, one of `UNITS`, where it was given.
     """
 
-    from_file: Floats
+    from_file: FloatArray
     unit: str | None = None
 
     def __post_init__(self) -> None:
@@ -51,7 +51,7 @@ class FileFrame:
         return "xyz"[int(np.abs(self.from_file[1, :3]).argmax())]
 
     @cached_property
-    def to_file(self) -> Floats:
+    def to_file(self) -> FloatArray:
         """The way back, shape (4, 4), float64; `MeshError` where the file's numbers are too small or large for one."""
         if not self.has_way_back:
             raise MeshError(
@@ -69,21 +69,21 @@ class FileFrame:
         """The same in metres; None where the unit is not known."""
         return None if self.unit is None else self.radius * UNITS[self.unit]
 
-    def points_in_file(self, points: ArrayLike) -> Floats:
+    def points_in_file(self, points: ArrayLike) -> FloatArray:
         """Take points of the object frame, shape (n, 3), to the file's."""
         return product(np.asarray(points, np.float64), self.to_file[:3, :3].T) + self.to_file[:3, 3]
 
-    def points_in_object(self, points: ArrayLike) -> Floats:
+    def points_in_object(self, points: ArrayLike) -> FloatArray:
         """Take points of the file's frame, shape (n, 3), to the object's."""
         turned = product(np.asarray(points, np.float64), self.from_file[:3, :3].T)
         return turned + self.from_file[:3, 3]
 
-    def normals_in_file(self, normals: ArrayLike) -> Floats:
+    def normals_in_file(self, normals: ArrayLike) -> FloatArray:
         """Take unit normals of the object frame, shape (n, 3), to the file's."""
         # A plane's normal goes the way of its equation, which differs from that of points where a model was stretched.
         return _unit(product(np.asarray(normals, np.float64), self.from_file[:3, :3]))
 
-    def poses(self, touches: pa.Table) -> Floats:
+    def poses(self, touches: pa.Table) -> FloatArray:
         """Give the poses of touches in the file's frame.
 
         Parameters
@@ -110,7 +110,7 @@ class FileFrame:
 
         Points, normals, tangents and lengths change; the table's metadata names the frame and the unit.
         """
-        changed: dict[str, Floats] = {}
+        changed: dict[str, FloatArray] = {}
         for prefix in _POINTS:
             if f"{prefix}x" in table.column_names:
                 changed |= _named(prefix, self.points_in_file(_rows(table, prefix)))
@@ -126,14 +126,14 @@ class FileFrame:
         return table.replace_schema_metadata({"frame": "file", "unit": json.dumps(self.unit)})
 
 
-def _named(prefix: str, rows: Floats) -> dict[str, Floats]:
+def _named(prefix: str, rows: FloatArray) -> dict[str, FloatArray]:
     return {f"{prefix}{axis}": rows[:, place] for place, axis in enumerate("xyz")}
 
 
-def _rows(table: pa.Table, prefix: str) -> Floats:
+def _rows(table: pa.Table, prefix: str) -> FloatArray:
     return matrix(table, [f"{prefix}{axis}" for axis in "xyz"])
 
 
-def _unit(rows: Floats) -> Floats:
-    found: Floats = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+def _unit(rows: FloatArray) -> FloatArray:
+    found: FloatArray = rows / np.linalg.norm(rows, axis=1, keepdims=True)
     return found

@@ -9,9 +9,9 @@ import numpy as np
 import pyarrow as pa
 from PIL import Image, ImageDraw, ImageFont
 
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.fixations.places import sees
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
-from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
@@ -63,7 +63,7 @@ def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches:
         _mark(draw, places[number], str(number + 1), bool(visible[number]))
 
 
-def _mark(draw: ImageDraw.ImageDraw, place: Floats, text: str, seen: bool) -> None:  # noqa: FBT001
+def _mark(draw: ImageDraw.ImageDraw, place: FloatArray, text: str, seen: bool) -> None:  # noqa: FBT001
     column, row = place
     box = (column - 9, row - 9, column + 9, row + 9)
     draw.ellipse(box, fill=_MARK if seen else None, outline=_INK, width=1)

@@ -11,8 +11,8 @@ import pyarrow as pa
 from numpy.typing import ArrayLike
 from pyarrow.csv import ConvertOptions, ReadOptions, open_csv
 
-from visuohaptic.errors import ParameterError
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.sensor.imprints import Poses, stand_on
 from visuohaptic.tables.schema import matrix
 
@@ -23,7 +23,7 @@ ROLL = "roll"
 MOST_POSES = 1_000_000
 
 
-def write_poses(poses: Floats, path: str | Path) -> None:
+def write_poses(poses: FloatArray, path: str | Path) -> None:
     """Write poses, shape (n, 4, 4), with the shortest digits that read back as the same numbers."""
     from scipy.spatial.transform import Rotation
 
@@ -35,7 +35,7 @@ def write_poses(poses: Floats, path: str | Path) -> None:
         writer.writerows(rows.tolist())
 
 
-def read_poses(path: str | Path) -> Floats:
+def read_poses(path: str | Path) -> FloatArray:
     """Read poses.
 
     Parameters
@@ -98,7 +98,7 @@ def turned(stands: Poses, roll: ArrayLike) -> Poses:
     return replace(stands, columns=columns, rows=rows)
 
 
-def matrices(stands: Poses) -> Floats:
+def matrices(stands: Poses) -> FloatArray:
     """Give poses (n, 4, 4): x along the columns, y against the rows, z along the normal."""
     poses = np.tile(np.eye(4), (len(stands), 1, 1))
     axes = (stands.columns, -stands.rows, stands.normals, stands.points)

@@ -10,21 +10,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from visuohaptic.errors import MeshError, ParameterError
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import MeshError, ParameterError
 from visuohaptic.exploration.checking import point_rows, unit_rows
 from visuohaptic.exploration.pose_files import matrices, turned
 from visuohaptic.exploration.showing import png_of
 from visuohaptic.exploration.sources import surface_in_memory
 from visuohaptic.exploration.units import UNITS
-from visuohaptic.geometry.arrays import Floats
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import as_parameters
 from visuohaptic.scene.parameters import Scene
+from visuohaptic.sensor.effect_pipeline import TouchBatch
 from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.imprints import Poses, cast_heights, sensing_offsets, stand_on
 from visuohaptic.sensor.parameters import Orientation
-from visuohaptic.sensor.planner import Situation
 from visuohaptic.sensor.random_fields import RandomFields
 
 if TYPE_CHECKING:
@@ -57,9 +57,9 @@ class Pressed:
     """
 
     images: NDArray[np.float32]
-    heights: Floats
-    poses: Floats
-    sizes: Floats
+    heights: FloatArray
+    poses: FloatArray
+    sizes: FloatArray
 
     def __repr__(self) -> str:
         count, rows, columns = self.images.shape
@@ -72,14 +72,14 @@ class Pressed:
         return png_of(self.picture())
 
     @property
-    def points(self) -> Floats:
+    def points(self) -> FloatArray:
         """Points of the surface that are felt, shape (n, r, c, 3), mesh frame; NaN where there is none."""
         _, rows, columns = self.heights.shape
         aside = 0.5 * self.sizes[:, :1] * sensing_offsets(columns)
         down = 0.5 * self.sizes[:, 1:] * sensing_offsets(rows)
         heights = np.where(np.isfinite(self.heights), self.heights, np.nan)
         x, y, z = (self.poses[:, None, None, :3, axis] for axis in range(3))
-        found: Floats = (
+        found: FloatArray = (
             self.poses[:, None, None, :3, 3]
             + aside[:, None, :, None] * x
             - down[:, :, None, None] * y
@@ -195,13 +195,13 @@ def press(
 
 
 def _readings(
-    contact: Floats,
-    heights: Floats,
-    sizes: Floats,
+    contact: FloatArray,
+    heights: FloatArray,
+    sizes: FloatArray,
     scene: Scene | Mapping[str, Any] | str,
     unit: str | None,
     seed: int,
-) -> Floats:
+) -> FloatArray:
     """Give the readings of sensors in a scene, of full scale."""
     if unit not in UNITS:
         raise ParameterError(
@@ -220,7 +220,7 @@ def _readings(
     metres = UNITS[unit]
     fields = RandomFields(seed, [("press", number) for number in range(len(contact))])
     gaps = metres * np.maximum(-heights, 0.0)
-    return simulate(Situation(scene, gaps, metres * cells[:, 0], fields), contact)[0]
+    return simulate(TouchBatch(scene, gaps, metres * cells[:, 0], fields), contact)[0]
 
 
 def _stand(
@@ -244,7 +244,7 @@ def _stand(
     return stand_on(where, unit_rows(normals, "normals", len(where)), orientation)
 
 
-def _check_poses(poses: Floats) -> None:
+def _check_poses(poses: FloatArray) -> None:
     if poses.ndim != 3 or poses.shape[1:] != (4, 4) or not np.isfinite(poses).all():
         raise ParameterError(
             f"poses has the shape {poses.shape}; (n, 4, 4), all finite, is needed."
@@ -268,7 +268,7 @@ def _grid(resolution: int | tuple[int, int]) -> tuple[int, int]:
     return int(counts[0]), int(counts[-1])
 
 
-def _sizes(size: ArrayLike | None, count: int) -> Floats:
+def _sizes(size: ArrayLike | None, count: int) -> FloatArray:
     """Give width and height of each sensor, shape (n, 2)."""
     if size is None:
         raise ParameterError("size is missing: the edge of the sensors, in the mesh's unit.")
@@ -285,7 +285,7 @@ def _sizes(size: ArrayLike | None, count: int) -> Floats:
     return _positive(np.broadcast_to(given, (count, 2)), "size").copy()
 
 
-def _unit_surface(mesh: Mesh) -> tuple[Surface, Floats, float]:
+def _unit_surface(mesh: Mesh) -> tuple[Surface, FloatArray, float]:
     """Give the mesh within the unit ball, where rays are exact enough, its centre and radius."""
     surface = surface_in_memory(mesh, "mesh")
     if surface is None:
@@ -306,7 +306,7 @@ def _unit_surface(mesh: Mesh) -> tuple[Surface, Floats, float]:
     return replace(surface, vertices=(vertices - centre) / radius), centre, radius
 
 
-def _positive(values: Floats, name: str) -> Floats:
+def _positive(values: FloatArray, name: str) -> FloatArray:
     if not (np.isfinite(values) & (values > 0)).all():
         raise ParameterError(
             f"{name} holds {values.min():g}; positive, finite lengths are allowed."

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 
 if TYPE_CHECKING:
     from visuohaptic.parameters import ExperimentParameters

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 from numpy.typing import ArrayLike
 
-from visuohaptic.errors import MeshError
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, Model, read_catalogue
 from visuohaptic.meshes.in_memory import surface_of_arrays, surface_of_trimesh
@@ -32,7 +32,7 @@ _ALLOWED = "a path, a trimesh.Trimesh or Scene, (vertices, faces) or an open bin
 
 def read_source(
     source: Source, file_type: str | None, parameters: MeshParameters
-) -> tuple[str, Surface, Floats]:
+) -> tuple[str, Surface, FloatArray]:
     """Read an object from wherever it is: its key, its surface made ready, and the way from its file's frame.
 
     `file_type` is the format of an open file, such as ``obj``. Raises `MeshError` if it is no source, can't

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.checking import point_rows, unit_rows
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.fixations.places import ProbingLocations
@@ -17,10 +17,16 @@ from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, as_stored
-from visuohaptic.one_phase import SCHEMAS as OF_PHASES
-from visuohaptic.one_phase import Tables
+from visuohaptic.io.phase_files import SCHEMAS as OF_PHASES
+from visuohaptic.io.phase_files import Tables
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, after, everywhere
+from visuohaptic.pipeline import (
+    OF_OBJECT,
+    VIEWPOINTS_AT_ONCE,
+    Phase,
+    phases_after,
+    touch_all_locations,
+)
 from visuohaptic.tables.schema import join_parts
 
 GIVEN = "given"
@@ -79,7 +85,7 @@ def touch_given_points(
         sensor = parameters.sensor.model_copy(update={"normal": "given"})
         parameters = parameters.model_copy(update={"sensor": sensor})
     fixations = location_table(key, 0, GIVEN, ProbingLocations(places, outwards, faces))
-    return _explore([subject], everywhere(parameters, fixations), {"fixations": fixations})
+    return _explore([subject], touch_all_locations(parameters, fixations), {"fixations": fixations})
 
 
 def _explore(
@@ -100,7 +106,7 @@ def _explore(
         verb = str(phase.verb)
         seconds[verb] = seconds.get(verb, 0.0) + time.perf_counter() - started
 
-    steps = [partial(step, phase, block) for block in blocks for phase in after(known)]
+    steps = [partial(step, phase, block) for block in blocks for phase in phases_after(known)]
     for work in track(steps):
         work()
     return {name: join_parts(SCHEMAS[name], part) for name, part in parts.items()}, seconds

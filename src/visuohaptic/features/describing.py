@@ -8,7 +8,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.features.imprint_shape import describe_imprint_shape
 from visuohaptic.features.parameters import BANDS, FeatureParameters

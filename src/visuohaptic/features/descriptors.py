@@ -16,9 +16,9 @@ from contourlets import (
     band_deviations,
     wavelet_deviations,
 )
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
+from visuohaptic.base.registry import Registry
 from visuohaptic.features.imprint_shape import describe_imprint_shape
-from visuohaptic.registry import Registry
 
 
 @dataclass(frozen=True)

@@ -9,19 +9,19 @@ import pyarrow as pa
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
-from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.places import ProbingLocations, sees, turn_towards
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 from visuohaptic.tables.schema import build_table
 
 
-def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
+def locate(one: Viewpoint, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
     """Choose where to touch: rows of `tables.FIXATIONS`, up to `SPARE` more than fixations are asked for.
 
     Fewer are the first of more. What is drawn depends on seed, strategy, object and viewpoint alone. `one` is
-    a `Look` where the strategy looks. Raises `RegistryError` if there is no such strategy.
+    a `AttendedView` where the strategy looks. Raises `RegistryError` if there is no such strategy.
     """
     entry = STRATEGIES[strategy]
     generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)
@@ -30,7 +30,7 @@ def locate(one: Standpoint, strategy: str, attention: AttentionParameters, seed:
     return location_table(one.key, one.viewpoint, strategy, chosen)
 
 
-def candidate_table(one: Standpoint, crowd: ProbingLocations) -> pa.Table:
+def candidate_table(one: Viewpoint, crowd: ProbingLocations) -> pa.Table:
     """List those of an object's points that a viewpoint sees, for strategy ``adaptive``, in their order."""
     shown = crowd.take(np.flatnonzero(sees(one.caster, one.camera, crowd.points)))
     turned = turn_towards(shown, one.camera)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.fixations.viewpoints import Camera
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
@@ -26,11 +26,11 @@ FRUITLESS_BATCHES = 64
 class ProbingLocations:
     """Points (n, 3) to touch, in order, object frame, with unit normals (n, 3) and the face (n,) of each."""
 
-    points: Floats
-    normals: Floats
-    faces: Integers
+    points: FloatArray
+    normals: FloatArray
+    faces: IntArray
 
-    def take(self, places: Integers) -> ProbingLocations:
+    def take(self, places: IntArray) -> ProbingLocations:
         """Give some of the locations, in the order of their places."""
         return ProbingLocations(self.points[places], self.normals[places], self.faces[places])
 
@@ -51,7 +51,7 @@ def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -
     return ProbingLocations(points, surface.face_normals[faces], faces)
 
 
-def sees(caster: RayCaster, camera: Camera, points: Floats) -> Booleans:
+def sees(caster: RayCaster, camera: Camera, points: FloatArray) -> BoolArray:
     """Find which points of a surface, shape (n, 3), are within a camera's square view, and not hidden."""
     offsets = points - camera.eye
     across, along, towards = np.einsum("nd,kd->kn", offsets, camera.axes)

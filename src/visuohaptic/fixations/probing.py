@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
+from visuohaptic.base.registry import Registry
 from visuohaptic.fixations.strategies import (
     anywhere,
     contour,
@@ -16,7 +17,6 @@ from visuohaptic.fixations.strategies import (
     random_walk,
     visible,
 )
-from visuohaptic.registry import Registry
 
 Unreachable = Literal["replace", "keep"]
 """What is done with a place that the sensor can't reach."""
@@ -40,7 +40,7 @@ class Strategy:
     random : bool
         Whether the generator changes the places.
     looks : bool
-        Whether it needs the view and its saliency; one that does not takes any `Standpoint`.
+        Whether it needs the view and its saliency; one that does not takes any `Viewpoint`.
     unreachable : {"replace", "keep"}, optional
         What is done with its places out of reach, whatever `probing.unreachable` says; without it
         as that says.

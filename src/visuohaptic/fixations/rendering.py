@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.fixations.visual_effects import VisualPlan, plan_visual, seen_colours, seen_texture
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
 from visuohaptic.geometry.curvature import SurfaceShape, shape_of
 from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
@@ -41,13 +41,13 @@ class Views:
     """
 
     colour: NDArray[np.float32]
-    mask: Booleans
+    mask: BoolArray
     depth: NDArray[np.float32]
-    point: Floats
-    normal: Floats
-    face: Integers
+    point: FloatArray
+    normal: FloatArray
+    face: IntArray
     curvature: NDArray[np.float32]
-    lit: Booleans
+    lit: BoolArray
     effects: tuple[EffectRecord, ...]
 
     def __len__(self) -> int:
@@ -77,24 +77,24 @@ def render_views(
 
 
 @dataclass(frozen=True)
-class Met:
+class PixelHits:
     """Where the rays of one camera meet the surface: p pixels see it.
 
     `pixels` and `faces` (p,) are int64, `curvature` (p,) and the rest (p, 3) float64; `weights` are barycentric.
     """
 
-    pixels: Integers
-    directions: Floats
-    faces: Integers
-    points: Floats
-    weights: Floats
-    normals: Floats
-    curvature: Floats
+    pixels: IntArray
+    directions: FloatArray
+    faces: IntArray
+    points: FloatArray
+    weights: FloatArray
+    normals: FloatArray
+    curvature: FloatArray
 
 
 def meet_surface(
     caster: RayCaster, cameras: Sequence[Camera], parameters: RenderingParameters
-) -> Iterator[Met]:
+) -> Iterator[PixelHits]:
     """Cast the rays of each camera; no effect counts, so views under other effects need no other cast."""
     shape = shape_of(caster.surface)
     for camera in cameras:
@@ -107,13 +107,13 @@ def meet_surface(
         weights = caster.weights(points, faces)
         normals = _normals_towards(shape, caster, faces, weights, towards)
         curvature = shape.curvature(faces, weights)
-        yield Met(pixels[seen], towards, faces, points, weights, normals, curvature)
+        yield PixelHits(pixels[seen], towards, faces, points, weights, normals, curvature)
 
 
 def colour_views(
     caster: RayCaster,
     cameras: Sequence[Camera],
-    met: Iterable[Met],
+    met: Iterable[PixelHits],
     parameters: RenderingParameters,
     modes: VisualModes | None = None,
 ) -> Views:
@@ -134,7 +134,7 @@ def colour_views(
     return Views(**views, effects=tuple(plan.record(len(cameras)) for plan in plans.values()))
 
 
-def light_direction(camera: Camera) -> Floats:
+def light_direction(camera: Camera) -> FloatArray:
     """Compute the unit vector (3,), object frame, towards the light of a camera, which is infinitely far."""
     (rise,), (level,) = sin_cos(np.radians([LIGHT_ELEVATION_DEGREES]))
     _, up, back = camera.axes
@@ -157,8 +157,8 @@ def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArra
 
 def _seen_surface(
     caster: RayCaster,
-    met: Met,
-    face_colours: Floats,
+    met: PixelHits,
+    face_colours: FloatArray,
     texture: Texture | None,
     camera: Camera,
     parameters: RenderingParameters,
@@ -195,8 +195,12 @@ def _seen_surface(
 
 
 def _normals_towards(
-    shape: SurfaceShape, caster: RayCaster, faces: Integers, weights: Floats, directions: Floats
-) -> Floats:
+    shape: SurfaceShape,
+    caster: RayCaster,
+    faces: IntArray,
+    weights: FloatArray,
+    directions: FloatArray,
+) -> FloatArray:
     flat = caster.surface.face_normals.take(faces, axis=0)
     away = np.where(np.einsum("nd,nd->n", flat, directions) > 0.0, -1.0, 1.0)[:, None]
     normals = away * shape.normals(faces, weights)
@@ -207,8 +211,8 @@ def _normals_towards(
 
 
 def _weight_steps(
-    caster: RayCaster, faces: Integers, directions: Floats, sides: tuple[Floats, Floats]
-) -> Floats:
+    caster: RayCaster, faces: IntArray, directions: FloatArray, sides: tuple[FloatArray, FloatArray]
+) -> FloatArray:
     """Give how the second and third weight change along both sides of a pixel, shape (n, 2, 2)."""
     # The pixel's sides at the depth of the face are carried along the ray on to the face's plane.
     normals = caster.surface.face_crosses.take(faces, axis=0)
@@ -224,7 +228,9 @@ def _weight_steps(
     return steps
 
 
-def _lit(caster: RayCaster, points: Floats, normals: Floats, light: Floats) -> Booleans:
+def _lit(
+    caster: RayCaster, points: FloatArray, normals: FloatArray, light: FloatArray
+) -> BoolArray:
     towards = np.einsum("nd,d->n", normals, light) > 0.0
     origins = points[towards] + SHADOW_OFFSET * normals[towards]
     blocked = caster.first_hits(origins, np.broadcast_to(light, origins.shape)).hit
@@ -234,7 +240,7 @@ def _lit(caster: RayCaster, points: Floats, normals: Floats, light: Floats) -> B
 
 
 def _shade(
-    colours: Floats, normals: Floats, lit: Booleans, light: Floats, ambient: float
-) -> Floats:
+    colours: FloatArray, normals: FloatArray, lit: BoolArray, light: FloatArray, ambient: float
+) -> FloatArray:
     lambert = np.maximum(np.einsum("nd,d->n", normals, light), 0.0) * lit
     return dim_srgb(colours, ambient + (1.0 - ambient) * lambert)

@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.fixations.parameters import ViewpointParameters
-from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.elementary import sin_cos, tangent
 
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
@@ -33,7 +33,7 @@ class Camera:
     projection: str = "perspective"
 
     @cached_property
-    def axes(self) -> Floats:
+    def axes(self) -> FloatArray:
         """Unit vectors right, up and back (towards the eye), rows of a rotation (3, 3), upright at the poles too."""
         angles = [self.azimuth_degrees, self.elevation_degrees]
         (east, rise), (north, level) = sin_cos(np.radians(angles))
@@ -42,7 +42,7 @@ class Camera:
         return np.stack([right, np.cross(back, right), back])
 
     @cached_property
-    def eye(self) -> Floats:
+    def eye(self) -> FloatArray:
         """Centre of the camera in the object frame, shape (3,)."""
         return self.distance * self.axes[2]
 
@@ -51,7 +51,7 @@ class Camera:
         """Height of the view in the plane through the object's centre, object radii."""
         return 2.0 * self.distance * self._half_height
 
-    def window(self, points: Floats, resolution: int) -> Integers:
+    def window(self, points: FloatArray, resolution: int) -> IntArray:
         """List the pixels (m,), counted row by row, of the least rectangle that shows all of some points (k, 3).
 
         Only they can see a surface with these corners. All pixels where a point is not in front of the camera.
@@ -66,7 +66,9 @@ class Camera:
         rows = _pixels_between(-up / depth, self._steps(resolution))
         return (resolution * rows[:, None] + columns).reshape(-1)
 
-    def rays(self, resolution: int, pixels: Integers | None = None) -> tuple[Floats, Floats]:
+    def rays(
+        self, resolution: int, pixels: IntArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Give origins and directions (m, 3) of the rays through the centres of pixels (m,), by default of all.
 
         A direction's component along the optical axis has length 1, so the distance along a ray is the depth.
@@ -81,7 +83,7 @@ class Camera:
             return self.eye + self.distance * plane, np.broadcast_to(-back, plane.shape)
         return np.broadcast_to(self.eye, plane.shape), plane - back
 
-    def pixel_sides(self, resolution: int, depths: Floats) -> tuple[Floats, Floats]:
+    def pixel_sides(self, resolution: int, depths: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give a pixel's sides to the right and up where it is at some depths, shape (n, 3) each."""
         size = self.view_height / (self.distance * resolution)
         if self.projection == "orthographic":
@@ -89,7 +91,7 @@ class Camera:
         right, up, _ = self.axes
         return np.outer(size * depths, right), np.outer(size * depths, up)
 
-    def _steps(self, resolution: int) -> Floats:
+    def _steps(self, resolution: int) -> FloatArray:
         """Give the pixels' places along an edge, in the plane at depth 1."""
         steps = np.arange(resolution, dtype=np.float64) - 0.5 * (resolution - 1)
         return steps * (2.0 * self._half_height / resolution)
@@ -136,7 +138,7 @@ def _fibonacci_angles(count: int) -> list[tuple[float, float]]:
     ]
 
 
-def _pixels_between(places: Floats, steps: Floats) -> Integers:
+def _pixels_between(places: FloatArray, steps: FloatArray) -> IntArray:
     """List the pixels along an edge that lie among some places, and one more at either end."""
     if not len(places):
         return np.arange(0)

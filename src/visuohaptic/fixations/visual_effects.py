@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, Mode, VisualModes
 from visuohaptic.scene.records import EffectRecord
@@ -71,7 +71,7 @@ def plan_visual(
 
 
 def seen_colours(
-    face_colours: NDArray[np.uint8], face_areas: Floats, modes: VisualModes
+    face_colours: NDArray[np.uint8], face_areas: FloatArray, modes: VisualModes
 ) -> NDArray[np.uint8]:
     """Give the faces' colours (f, 3), uint8, without the effects that are never simulated.
 
@@ -98,6 +98,6 @@ def seen_texture(texture: Texture, modes: VisualModes) -> Texture:
     return replace(texture, images=images)
 
 
-def _greys(colours: Floats) -> Floats:
+def _greys(colours: FloatArray) -> FloatArray:
     luma = np.einsum("...c,c->...", colours, np.array([0.299, 0.587, 0.114]))
     return np.repeat(luma[..., None], 3, axis=-1)

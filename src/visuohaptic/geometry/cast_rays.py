@@ -7,11 +7,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 
 Rays = NDArray[np.float32]
-FirstFaces = tuple[Integers, NDArray[np.float32], NDArray[np.float32]]
-Crossings = tuple[Integers, Integers]
+FirstFaces = tuple[IntArray, NDArray[np.float32], NDArray[np.float32]]
+Crossings = tuple[IntArray, IntArray]
 
 
 class Scene(Protocol):
@@ -29,10 +29,10 @@ class Scene(Protocol):
         """Give every face that rays, shape (n, 6), meet: a ray and a face for each, in any order."""
         ...
 
-    def count_crossings(self, rays: Rays) -> Integers:
+    def count_crossings(self, rays: Rays) -> IntArray:
         """Count the faces that rays, shape (n, 6), meet: shape (n,)."""
         ...
 
-    def nearest_faces(self, points: Floats) -> Integers:
+    def nearest_faces(self, points: FloatArray) -> IntArray:
         """Give the faces, shape (n,), nearest to points, shape (n, 3)."""
         ...

@@ -13,7 +13,7 @@ import sys
 from importlib.machinery import ExtensionFileLoader, ModuleSpec, PathFinder
 from types import ModuleType
 
-from visuohaptic.optional_packages import require
+from visuohaptic.base.optional_packages import require
 
 
 def _load_open3d() -> ModuleType:

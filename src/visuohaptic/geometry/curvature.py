@@ -13,7 +13,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.elementary import arc_tangent
 from visuohaptic.geometry.surface import Surface
 
@@ -36,9 +36,9 @@ class FaceAdjacency:
     the two are wound alike, as they run along the edge in opposite directions.
     """
 
-    faces: Integers
-    edges: Integers
-    aligned: Booleans
+    faces: IntArray
+    edges: IntArray
+    aligned: BoolArray
 
 
 @dataclass(frozen=True)
@@ -52,11 +52,11 @@ class SurfaceShape:
     fold's curvature reaches to either side, object radii.
     """
 
-    corner_normals: Floats
-    corner_curvature: Floats
-    crease_angles: Floats
-    crease_scales: Floats
-    heights: Floats
+    corner_normals: FloatArray
+    corner_curvature: FloatArray
+    crease_angles: FloatArray
+    crease_scales: FloatArray
+    heights: FloatArray
     crease_width: float
 
     @property
@@ -64,12 +64,12 @@ class SurfaceShape:
         """The curvedness at which the measure stops, per object radius: that of three folds by a right angle."""
         return 3.0 / self.crease_width
 
-    def normals(self, faces: Integers, weights: Floats) -> Floats:
+    def normals(self, faces: IntArray, weights: FloatArray) -> FloatArray:
         """Interpolate unit normals (n, 3), on the side of each face's winding, by barycentric weights (n, 3)."""
         blend = np.einsum("nk,nkd->nd", weights, self.corner_normals.take(faces, axis=0))
         return unit_vectors(blend)
 
-    def curvature(self, faces: Integers, weights: Floats) -> Floats:
+    def curvature(self, faces: IntArray, weights: FloatArray) -> FloatArray:
         """Give the curvedness (n,), folds included, at barycentric weights (n, 3) of faces (n,).
 
         It is at least 0, per object radius: 1/R on a sphere of radius R.
@@ -122,7 +122,7 @@ def measure_shape(surface: Surface, crease_width: float = CREASE_WIDTH) -> Surfa
     )
 
 
-def weld_vertices(surface: Surface) -> Integers:
+def weld_vertices(surface: Surface) -> IntArray:
     """Give each face's corners (f, 3) numbers by place, so that equal vertices are one.
 
     Places are compared in float32, as meshes are stored.
@@ -134,7 +134,7 @@ def weld_vertices(surface: Surface) -> Integers:
     return index.reshape(-1)[surface.faces].astype(np.int64)
 
 
-def face_adjacency(faces: Integers) -> FaceAdjacency:
+def face_adjacency(faces: IntArray) -> FaceAdjacency:
     """Find the pairs of faces that share an edge, from welded vertex numbers (f, 3).
 
     An edge of m faces gives m - 1 pairs; edges without length give none.
@@ -152,7 +152,7 @@ def face_adjacency(faces: Integers) -> FaceAdjacency:
     )
 
 
-def consistent_sides(count: int, adjacency: FaceAdjacency) -> Floats:
+def consistent_sides(count: int, adjacency: FaceAdjacency) -> FloatArray:
     """Find which of `count` faces to flip (-1) so that neighbours have the same winding; 1 is to keep.
 
     The first face of each part is kept, and so is every face of a one-sided part.
@@ -169,7 +169,7 @@ def consistent_sides(count: int, adjacency: FaceAdjacency) -> Floats:
     return np.where(first_face[front] <= first_face[back], 1.0, -1.0)
 
 
-def fold_angles(normals: Floats, adjacency: FaceAdjacency) -> Floats:
+def fold_angles(normals: FloatArray, adjacency: FaceAdjacency) -> FloatArray:
     """Give the angle (e,) by which the surface turns along each shared edge, from unit normals (f, 3).
 
     Radians, 0 (flat) to pi (folded back); 0 beside a face without area, whose normal is zero.
@@ -180,7 +180,7 @@ def fold_angles(normals: Floats, adjacency: FaceAdjacency) -> Floats:
     return arc_tangent(sine, np.einsum("nd,nd->n", first, second))
 
 
-def corner_groups(faces: Integers, adjacency: FaceAdjacency, smooth: Booleans) -> Integers:
+def corner_groups(faces: IntArray, adjacency: FaceAdjacency, smooth: BoolArray) -> IntArray:
     """Join the corners around each vertex that no fold parts: the number (f, 3), int64, of each corner's group.
 
     `faces` (f, 3) are welded vertex numbers, and `smooth` (e,) says whether the surface runs on
@@ -201,7 +201,7 @@ def corner_groups(faces: Integers, adjacency: FaceAdjacency, smooth: Booleans) -
     return _components(rows, columns, faces.size).reshape(-1, 3).astype(np.int64)
 
 
-def _components(starts: Integers, ends: Integers, count: int) -> Integers:
+def _components(starts: IntArray, ends: IntArray, count: int) -> IntArray:
     """Give the number of each node's part, (count,), in a graph of links from starts to ends."""
     # Parameters import this module, and SciPy's graphs take 0.3 s.
     from scipy.sparse import coo_array
@@ -211,7 +211,7 @@ def _components(starts: Integers, ends: Integers, count: int) -> Integers:
     return connected_components(graph, directed=False)[1]
 
 
-def smooth_normals(surface: Surface, signs: Floats, groups: Integers) -> Floats:
+def smooth_normals(surface: Surface, signs: FloatArray, groups: IntArray) -> FloatArray:
     """Average face normals over each corner group, weighted by angle: (f, 3, 3), by each face's winding.
 
     No triangulation of a flat corner changes the weighting (Thürmer & Wüthrich 1998). `signs` (f,)
@@ -231,8 +231,8 @@ def smooth_normals(surface: Surface, signs: Floats, groups: Integers) -> Floats:
 
 
 def smooth_curvature(
-    surface: Surface, corner_normals: Floats, groups: Integers, largest: float
-) -> Floats:
+    surface: Surface, corner_normals: FloatArray, groups: IntArray, largest: float
+) -> FloatArray:
     """Give the curvedness (f, 3) of the smooth surface at each corner, 0 to `largest`, per object radius.
 
     Each face's shape operator is the derivative of its interpolated normal (Rusinkiewicz 2004,
@@ -259,7 +259,7 @@ def smooth_curvature(
     return np.divide(total, mass, out=np.zeros_like(total), where=mass > 0)[groups]
 
 
-def _divide(turns: Floats, steps: Floats) -> Floats:
+def _divide(turns: FloatArray, steps: FloatArray) -> FloatArray:
     """Give the 2 x 2 matrices that take `steps` to `turns`; LAPACK's depend on the processor."""
     first, second, third, fourth = np.moveaxis(steps.reshape(-1, 4), 1, 0)
     inverse = np.stack([fourth, -second, -third, first], axis=1).reshape(-1, 2, 2)
@@ -267,27 +267,27 @@ def _divide(turns: Floats, steps: Floats) -> Floats:
     return np.einsum("fab,fbc->fac", turns, inverse) / determinant[:, None, None]
 
 
-def unit_vectors(vectors: Floats) -> Floats:
+def unit_vectors(vectors: FloatArray) -> FloatArray:
     """Scale vectors along the last axis to length 1; one shorter than rounding becomes zero."""
     lengths = _lengths(vectors)[..., None]
     # What is divided by infinity is zero.
     return vectors / np.where(lengths > SMALLEST_CROSS, lengths, np.inf)
 
 
-def _lengths(vectors: Floats) -> Floats:
+def _lengths(vectors: FloatArray) -> FloatArray:
     """Give the lengths along the last axis; summed one by one, which is faster for so few."""
-    squares: Floats = sum(part * part for part in np.moveaxis(vectors, -1, 0))
+    squares: FloatArray = sum(part * part for part in np.moveaxis(vectors, -1, 0))
     return np.sqrt(squares)
 
 
-def _heights_and_lengths(surface: Surface) -> tuple[Floats, Floats]:
+def _heights_and_lengths(surface: Surface) -> tuple[FloatArray, FloatArray]:
     corners = surface.triangles
     lengths = _lengths(np.roll(corners, -1, axis=1) - corners)
     double_area = _lengths(surface.face_crosses)[:, None]
     return np.divide(double_area, lengths, out=np.zeros_like(lengths), where=lengths > 0), lengths
 
 
-def _corner_angles(surface: Surface) -> Floats:
+def _corner_angles(surface: Surface) -> FloatArray:
     corners = surface.triangles
     onward = np.roll(corners, -1, axis=1) - corners
     backward = np.roll(corners, 1, axis=1) - corners
@@ -295,7 +295,7 @@ def _corner_angles(surface: Surface) -> Floats:
     return arc_tangent(sine, np.einsum("fkd,fkd->fk", onward, backward))
 
 
-def _crease_scales(angles: Floats, heights: Floats, width: float) -> Floats:
+def _crease_scales(angles: FloatArray, heights: FloatArray, width: float) -> FloatArray:
     # Half of the fold's mean curvature, angle / 2 for each unit of its length, belongs to
     # either face. The tent max(1 - d / width, 0) over a triangle that narrows from its edge
     # integrates to `share` for each unit of length, so the whole half lies on the face

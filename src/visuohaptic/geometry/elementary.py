@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 
 # Two parts of pi / 2 and of ln 2: the first has so few digits that its multiples are exact.
 _QUARTER_TURN = (1.5707963267341256, 6.077100506506192e-11)
@@ -27,7 +27,7 @@ _LOGARITHM = [2.0 / (2 * k + 1) for k in range(12)]
 _BLOCK = 1 << 13
 
 
-def sin_cos(angles: ArrayLike) -> tuple[Floats, Floats]:
+def sin_cos(angles: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Give the sine and the cosine of angles of any shape, radians, of absolute values up to 1e5."""
     turned = np.asarray(angles, dtype=np.float64)
     quarters = np.rint(turned / (0.5 * math.pi))
@@ -49,7 +49,7 @@ def tangent(angle: float) -> float:
     return float(sine / cosine)
 
 
-def arc_tangent(across: ArrayLike, along: ArrayLike) -> Floats:
+def arc_tangent(across: ArrayLike, along: ArrayLike) -> FloatArray:
     """Give the angle of points of a half plane from its axis: radians, 0 to pi, and 0 at the origin.
 
     The shapes of the coordinates broadcast, and `across` is at least 0.
@@ -57,7 +57,7 @@ def arc_tangent(across: ArrayLike, along: ArrayLike) -> Floats:
     return _by_blocks(_arc_tangent, across, along)
 
 
-def exponential(values: ArrayLike) -> Floats:
+def exponential(values: ArrayLike) -> FloatArray:
     """Give e to the power of values, -700 to 700, of any shape."""
     power = np.asarray(values, dtype=np.float64)
     doublings = np.rint(power / _LN_2[0])
@@ -65,7 +65,7 @@ def exponential(values: ArrayLike) -> Floats:
     return np.ldexp(_series(_EXPONENTIAL, rest), doublings.astype(np.int64))
 
 
-def logarithm(values: ArrayLike) -> Floats:
+def logarithm(values: ArrayLike) -> FloatArray:
     """Give the natural logarithm of positive values of any shape."""
     fraction, doublings = np.frexp(np.asarray(values, dtype=np.float64))
     small = fraction < math.sqrt(0.5)
@@ -76,12 +76,12 @@ def logarithm(values: ArrayLike) -> Floats:
     return doublings * _LN_2[0] + (tail + doublings * _LN_2[1])
 
 
-def power(values: ArrayLike, exponent: float) -> Floats:
+def power(values: ArrayLike, exponent: float) -> FloatArray:
     """Raise values of at least 0, of any shape, to a positive exponent."""
     return _by_blocks(lambda base: _power(base, exponent), values)
 
 
-def _by_blocks(function: Callable[..., Floats], *values: ArrayLike) -> Floats:
+def _by_blocks(function: Callable[..., FloatArray], *values: ArrayLike) -> FloatArray:
     """Apply a function value by value, so many at a time that its arrays stay within the cache."""
     arrays = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in values))
     flat = [array.reshape(-1) for array in arrays]
@@ -92,13 +92,13 @@ def _by_blocks(function: Callable[..., Floats], *values: ArrayLike) -> Floats:
     return result.reshape(arrays[0].shape)
 
 
-def _power(base: Floats, exponent: float) -> Floats:
+def _power(base: FloatArray, exponent: float) -> FloatArray:
     positive = base > 0.0
     raised = exponential(exponent * logarithm(np.where(positive, base, 1.0)))
     return np.where(positive, raised, 0.0)
 
 
-def _arc_tangent(across: Floats, along: Floats) -> Floats:
+def _arc_tangent(across: FloatArray, along: FloatArray) -> FloatArray:
     width = np.abs(along)
     longer = np.maximum(across, width)
     longer[longer == 0.0] = 1.0
@@ -114,7 +114,7 @@ def _arc_tangent(across: Floats, along: Floats) -> Floats:
     return angle
 
 
-def _series(coefficients: Sequence[float], values: Floats) -> Floats:
+def _series(coefficients: Sequence[float], values: FloatArray) -> FloatArray:
     """Sum a power series by Horner's rule."""
     total = np.full_like(values, coefficients[-1])
     for coefficient in reversed(coefficients[:-1]):

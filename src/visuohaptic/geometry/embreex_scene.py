@@ -6,7 +6,7 @@ import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.cast_rays import Crossings, FirstFaces, Rays
 from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.overlaps import in_parts
@@ -19,7 +19,7 @@ _PAIRS = 1 << 18
 class EmbreexScene:
     """Triangles in a scene of Embree; see `cast_rays.Scene`."""
 
-    def __init__(self, corners: Floats, faces: Integers) -> None:
+    def __init__(self, corners: FloatArray, faces: IntArray) -> None:
         self._triangles = corners[faces]
         self._scene = EmbreeScene(robust=True)
         # The scene reads these as long as it lives.
@@ -45,11 +45,11 @@ class EmbreexScene:
         rays_met, faces_met = zip(*found, strict=True)
         return np.concatenate(rays_met), np.concatenate(faces_met)
 
-    def count_crossings(self, rays: Rays) -> Integers:
+    def count_crossings(self, rays: Rays) -> IntArray:
         """Count the faces that each ray meets."""
         return np.bincount(self.crossings(rays)[0], minlength=len(rays))
 
-    def nearest_faces(self, points: Floats) -> Integers:
+    def nearest_faces(self, points: FloatArray) -> IntArray:
         """Give the face nearest to each point; all faces are tried."""
         nearest = [np.zeros(0, np.int64)]
         for part in in_parts(
@@ -62,7 +62,7 @@ class EmbreexScene:
         return np.concatenate(nearest)
 
 
-def _meets(triangles: Floats, rays: Floats) -> Booleans:
+def _meets(triangles: FloatArray, rays: FloatArray) -> BoolArray:
     """Whether each of n rays meets each of f triangles, shape (n, f), bool; in its plane it does not."""
     origins, directions = np.split(rays[:, None], 2, axis=-1)
     edges = np.roll(triangles, -1, axis=1) - triangles

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.vectors import dot
 
 
-def nearest_on(triangles: Floats, points: Floats) -> Floats:
+def nearest_on(triangles: FloatArray, points: FloatArray) -> FloatArray:
     """Give the nearest points (n, 3) of triangles (n, 3, 3), on the face or an edge, to points (n, 3)."""
     edges = np.roll(triangles, -1, axis=1) - triangles
     offsets = points[:, None] - triangles

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.geometry.cast_rays import Crossings, FirstFaces, Rays
 from visuohaptic.geometry.compiled_open3d import open3d
 
@@ -12,7 +12,7 @@ from visuohaptic.geometry.compiled_open3d import open3d
 class Open3DScene:
     """Triangles in a scene of Open3D; see `cast_rays.Scene`."""
 
-    def __init__(self, corners: Floats, faces: Integers) -> None:
+    def __init__(self, corners: FloatArray, faces: IntArray) -> None:
         self._tensor = open3d.core.Tensor
         self._miss = open3d.t.geometry.RaycastingScene.INVALID_ID
         self._scene = open3d.t.geometry.RaycastingScene(nthreads=1)
@@ -39,13 +39,13 @@ class Open3DScene:
         ray, face = (found[name].numpy().astype(np.int64) for name in ("ray_ids", "primitive_ids"))
         return ray, face
 
-    def count_crossings(self, rays: Rays) -> Integers:
+    def count_crossings(self, rays: Rays) -> IntArray:
         """Count the faces that each ray meets."""
-        counts: Integers = self._scene.count_intersections(self._tensor(rays)).numpy()
+        counts: IntArray = self._scene.count_intersections(self._tensor(rays)).numpy()
         return counts
 
-    def nearest_faces(self, points: Floats) -> Integers:
+    def nearest_faces(self, points: FloatArray) -> IntArray:
         """Give the face nearest to each point."""
         answer = self._scene.compute_closest_points(self._tensor(points.astype(np.float32)))
-        faces: Integers = answer["primitive_ids"].numpy().astype(np.int64)
+        faces: IntArray = answer["primitive_ids"].numpy().astype(np.int64)
         return faces

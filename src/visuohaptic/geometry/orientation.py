@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 
 if TYPE_CHECKING:
     from visuohaptic.geometry.raycasting import RayCaster
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _STAND_OFF = 1e-5
 
 
-def orient_outwards(caster: RayCaster, points: Floats, normals: Floats) -> Floats:
+def orient_outwards(caster: RayCaster, points: FloatArray, normals: FloatArray) -> FloatArray:
     """Turn unit normals (n, 3) at points (n, 3) of the surface to the side from which a sensor can come.
 
     The side with the longer free way is outside. Where both ways end, as in a gap, a side that lies

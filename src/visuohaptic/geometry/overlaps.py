@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot
 
@@ -23,7 +23,7 @@ _LEAST_OVERLAP = 1e-6
 _PAIRS = 1 << 18
 
 
-def overlapping_faces(surface: Surface, distance: float) -> Integers:
+def overlapping_faces(surface: Surface, distance: float) -> IntArray:
     """Find the pairs (p, 2), int64, of faces that lie on each other, each in both orders, sorted.
 
     The corners of one of the two must be within `distance` of the other's plane. Faces that meet in
@@ -43,14 +43,14 @@ def overlapping_faces(surface: Surface, distance: float) -> Integers:
     return np.unique(np.concatenate([found, found[:, ::-1]]), axis=0)
 
 
-def _nearest_to_vantage(surface: Surface) -> Floats:
+def _nearest_to_vantage(surface: Surface) -> FloatArray:
     """Give, seen from the vantage, the nearest point of each face's plane, shape (f, 3); either winding has the same."""
     normals = surface.face_normals
     heights = np.einsum("fd,fd->f", surface.triangles[:, 0] - _VANTAGE, normals)
     return heights[:, None] * normals
 
 
-def _candidates(surface: Surface, cells: Floats) -> Iterator[tuple[Integers, Integers]]:
+def _candidates(surface: Surface, cells: FloatArray) -> Iterator[tuple[IntArray, IntArray]]:
     """Give pairs of faces in equal cells whose extents overlap along an axis, some at a time."""
     solid = np.flatnonzero(surface.face_areas > 0)
     _, group, count = np.unique(
@@ -74,21 +74,21 @@ def _candidates(surface: Surface, cells: Floats) -> Iterator[tuple[Integers, Int
         yield faces[first], faces[second]
 
 
-def in_parts(rows: Integers, counts: Integers, most: int) -> list[Integers]:
+def in_parts(rows: IntArray, counts: IntArray, most: int) -> list[IntArray]:
     """Divide rows wherever their counts, added up, pass a multiple of `most`."""
     ends = np.cumsum(counts, dtype=np.int64) // most
     return np.split(rows, np.flatnonzero(np.diff(ends)) + 1)
 
 
-def paired(rows: Integers, starts: Integers, counts: Integers) -> tuple[Integers, Integers]:
+def paired(rows: IntArray, starts: IntArray, counts: IntArray) -> tuple[IntArray, IntArray]:
     """Give each row as often as it counts, beside whole numbers from its start on."""
     firsts = np.repeat(starts - np.cumsum(counts) + counts, counts)
     return np.repeat(rows, counts), firsts + np.arange(len(firsts))
 
 
 def _lying_on_each_other(
-    surface: Surface, first: Integers, second: Integers, distance: float
-) -> Integers:
+    surface: Surface, first: IntArray, second: IntArray, distance: float
+) -> IntArray:
     """Keep the pairs of faces that lie in one plane and overlap, shape (k, 2)."""
     near = _extents_meet(surface, first, second, distance)
     pairs = np.column_stack([first[near], second[near]])
@@ -100,7 +100,9 @@ def _lying_on_each_other(
     return pairs[apart <= distance]
 
 
-def _extents_meet(surface: Surface, first: Integers, second: Integers, distance: float) -> Booleans:
+def _extents_meet(
+    surface: Surface, first: IntArray, second: IntArray, distance: float
+) -> BoolArray:
     """Tell whether the boxes around two faces meet."""
     meet = np.ones(len(first), dtype=bool)
     for corners in np.moveaxis(surface.triangles, 2, 0):
@@ -110,7 +112,7 @@ def _extents_meet(surface: Surface, first: Integers, second: Integers, distance:
     return meet
 
 
-def _overlaps_along(surface: Surface, one: Integers, other: Integers, edge: int) -> Floats:
+def _overlaps_along(surface: Surface, one: IntArray, other: IntArray, edge: int) -> FloatArray:
     """Give how far two triangles of a plane overlap across an edge of the first, shape (p,)."""
     # By the separating axis theorem they overlap if they do across each edge of both.
     start, end, across = (surface.triangles[one, (edge + step) % 3] for step in range(3))
@@ -123,7 +125,7 @@ def _overlaps_along(surface: Surface, one: Integers, other: Integers, edge: int)
     return np.minimum(height, highest) - np.maximum(0.0, lowest)
 
 
-def _heights(surface: Surface, one: Integers, other: Integers) -> Floats:
+def _heights(surface: Surface, one: IntArray, other: IntArray) -> FloatArray:
     """Give the largest distance of the first faces' corners from the planes of the others, shape (p,)."""
     origins, normals = surface.triangles[other, 0], surface.face_normals[other]
     heights = [

@@ -21,7 +21,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.cast_rays import Scene
 from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.overlaps import in_parts, overlapping_faces, paired
@@ -31,10 +31,10 @@ from visuohaptic.geometry.vectors import dot
 
 MISS = -1
 
-Pairs = Iterator[tuple[Integers, Integers]]
+Pairs = Iterator[tuple[IntArray, IntArray]]
 """Rays, ascending, each with a face that it may meet, some at a time."""
 
-Suspects = Callable[[Floats], Booleans]
+Suspects = Callable[[FloatArray], BoolArray]
 
 # Embree's float32 may take a ray this far (in the surface's unit) to the wrong side of an edge:
 # eight roundings of coordinates of size 3.
@@ -74,11 +74,11 @@ class Hits:
     `face` (n,), int64, is the face that was hit, or `MISS`.
     """
 
-    distance: Floats
-    face: Integers
+    distance: FloatArray
+    face: IntArray
 
     @property
-    def hit(self) -> Booleans:
+    def hit(self) -> BoolArray:
         """Whether each ray met the surface, shape (n,)."""
         return self.face != MISS
 
@@ -111,7 +111,7 @@ class RayCaster:
         return float(np.sqrt(dot(across, across)))
 
     def first_hits(
-        self, origins: Floats, directions: Floats, suspects: Suspects | None = None
+        self, origins: FloatArray, directions: FloatArray, suspects: Suspects | None = None
     ) -> Hits:
         """Cast rays (n, 3) and give the first hit of each, the same bits on every x86-64 processor.
 
@@ -140,7 +140,7 @@ class RayCaster:
         _put_nearer(hits, *twins)
         return hits
 
-    def weights(self, points: Floats, faces: Integers) -> Floats:
+    def weights(self, points: FloatArray, faces: IntArray) -> FloatArray:
         """Give barycentric weights (n, 3) of points (n, 3), each on the plane of its face, which has an area.
 
         They are at least 0, and a point's sum is 1.
@@ -152,7 +152,7 @@ class RayCaster:
         return weights / weights.sum(axis=1, keepdims=True)
 
     @cached_property
-    def slopes(self) -> Floats:
+    def slopes(self) -> FloatArray:
         """How the weights of each face's second and third corner grow in space, shape (f, 2, 3)."""
         crosses = self.surface.face_crosses
         squares = dot(crosses, crosses)
@@ -165,7 +165,7 @@ class RayCaster:
             where=squares[:, None, None] > 0,
         )
 
-    def winding_numbers(self, origins: Floats, directions: Floats) -> Integers:
+    def winding_numbers(self, origins: FloatArray, directions: FloatArray) -> IntArray:
         """Count in how many solids each ray begins: faces by which it leaves less those by which it enters.
 
         Of a closed surface whose faces are wound alike it is the winding number of the origin, 0
@@ -176,12 +176,12 @@ class RayCaster:
         leaving = np.sign(dot(self._planes[faces], directions[which]))
         return np.bincount(which, leaving, minlength=len(origins)).astype(np.int64)
 
-    def nearest(self, points: Floats) -> tuple[Floats, Integers]:
+    def nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
         """Give the surface's nearest points (n, 3) to points (n, 3), and their faces (n,), found in float32."""
         faces = self._scene.nearest_faces(points)
         return nearest_on(self._corners[faces], points), faces
 
-    def _cast(self, origins: Floats, directions: Floats) -> tuple[Hits, Booleans]:
+    def _cast(self, origins: FloatArray, directions: FloatArray) -> tuple[Hits, BoolArray]:
         """Cast rays once: their hits, and which of them float32 may have given the wrong face."""
         faces, second, third = self._scene.first_faces(_as_float32(origins, directions))
         hit = faces != MISS
@@ -195,7 +195,7 @@ class RayCaster:
         doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
         return Hits(distance, faces), doubtful
 
-    def _settle(self, origins: Floats, directions: Floats, first: Hits) -> Hits:
+    def _settle(self, origins: FloatArray, directions: FloatArray, first: Hits) -> Hits:
         """Choose each ray's face in float64, among those that rays close by meet."""
         candidates = self._faces_around(origins, directions)
         exact = self._nearest_of(candidates, origins, directions)
@@ -209,7 +209,7 @@ class RayCaster:
         )
 
     def _nearest_pairs(
-        self, pairs: Pairs, origins: Floats, directions: Floats
+        self, pairs: Pairs, origins: FloatArray, directions: FloatArray
     ) -> tuple[NDArray[np.intp], Hits]:
         """Give the rays that meet a face of their pairs, ascending, and where each meets the first of them."""
         nothing = np.zeros(0, np.int64)
@@ -224,7 +224,7 @@ class RayCaster:
         return rays[order[first]], _take(hits, order[first])
 
     @cached_property
-    def _faces_at(self) -> tuple[Integers, Integers, Integers]:
+    def _faces_at(self) -> tuple[IntArray, IntArray, IntArray]:
         """Number each face's corners by their places, (f, 3); where a place's faces begin in a list; and the list."""
         _, corners = np.unique(self._corners.reshape(-1, 3), axis=0, return_inverse=True)
         corners = corners.reshape(-1)
@@ -232,7 +232,9 @@ class RayCaster:
         starts = np.searchsorted(corners[order], np.arange(corners.max(initial=-1) + 2))
         return corners.reshape(-1, 3), starts, order // 3
 
-    def _corner_pairs(self, candidates: Integers, origins: Floats, directions: Floats) -> Pairs:
+    def _corner_pairs(
+        self, candidates: IntArray, origins: FloatArray, directions: FloatArray
+    ) -> Pairs:
         """Give rays that pass a corner of a candidate, and all faces there, of which a bundle may have missed some."""
         offsets = np.cross(
             self._corners[candidates] - origins[:, None, None], directions[:, None, None]
@@ -249,12 +251,12 @@ class RayCaster:
         yield met, faces[places]
 
     @cached_property
-    def _twins(self) -> tuple[Integers, Integers]:
+    def _twins(self) -> tuple[IntArray, IntArray]:
         """Each face's twins, which lie on it: where they begin in a list of faces, shape (f + 1,), and the list."""
         pairs = overlapping_faces(self.surface, _DEPTH_ERROR)
         return np.searchsorted(pairs[:, 0], np.arange(len(self.surface.faces) + 1)), pairs[:, 1]
 
-    def _twin_pairs(self, met: Integers) -> Pairs:
+    def _twin_pairs(self, met: IntArray) -> Pairs:
         """Give rays and the twins of the faces that they met, some pairs at a time."""
         starts, twins = self._twins
         if not len(twins):
@@ -265,7 +267,7 @@ class RayCaster:
             again, places = paired(part, starts[met[part]], counts[part])
             yield again, twins[places]
 
-    def _narrow_pairs(self, origins: Floats, directions: Floats) -> Pairs:
+    def _narrow_pairs(self, origins: FloatArray, directions: FloatArray) -> Pairs:
         """Give rays and the narrow faces that they come near to, some pairs at a time."""
         if not len(self._narrow):
             return
@@ -279,7 +281,9 @@ class RayCaster:
             pairs = np.unique(which * len(self._narrow) + met // len(_BOX_FACES))
             yield part[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
 
-    def _nearest_of(self, candidates: Integers, origins: Floats, directions: Floats) -> Hits:
+    def _nearest_of(
+        self, candidates: IntArray, origins: FloatArray, directions: FloatArray
+    ) -> Hits:
         """Meet each of m rays with its own candidates, shape (m, c), in float64."""
         corners = self._corners[candidates] - origins[:, None, None, :]
         # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
@@ -302,7 +306,7 @@ class RayCaster:
         face = np.take_along_axis(candidates, nearest, axis=1)[:, 0]
         return Hits(distance, np.where(np.isfinite(distance), face, MISS))
 
-    def _faces_around(self, origins: Floats, directions: Floats) -> Integers:
+    def _faces_around(self, origins: FloatArray, directions: FloatArray) -> IntArray:
         least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
         first = _unit(np.cross(directions, least))
         second = _unit(np.cross(directions, first))
@@ -314,7 +318,7 @@ class RayCaster:
         return hits.face.reshape(-1, len(_BUNDLE))
 
 
-def _as_float32(origins: Floats, directions: Floats) -> NDArray[np.float32]:
+def _as_float32(origins: FloatArray, directions: FloatArray) -> NDArray[np.float32]:
     rays = np.empty((len(origins), 6), dtype=np.float32)
     # Column by column, for inner loops of three are slow.
     for axis in range(3):
@@ -323,7 +327,7 @@ def _as_float32(origins: Floats, directions: Floats) -> NDArray[np.float32]:
     return rays
 
 
-def _face_planes(surface: Surface) -> Floats:
+def _face_planes(surface: Surface) -> FloatArray:
     """Give normal (not unit), offset, and the edge band of each face, shape (f, 5)."""
     # The distance from a point to a face's nearest edge is at least its least barycentric weight ×
     # twice the area / the longest edge; `RayCaster` compares that with `LATERAL_ERROR` undivided.
@@ -333,7 +337,7 @@ def _face_planes(surface: Surface) -> Floats:
     return np.column_stack([crosses, offsets, LATERAL_ERROR * edges.max(axis=1)])
 
 
-def _boxes_around(triangles: Floats) -> tuple[Floats, Integers]:
+def _boxes_around(triangles: FloatArray) -> tuple[FloatArray, IntArray]:
     """Give vertices and faces of a closed box along the longest edge of each narrow triangle."""
     edges = np.roll(triangles, -1, axis=1) - triangles
     rows = np.arange(len(triangles))
@@ -370,11 +374,11 @@ def _join(parts: list[Hits]) -> Hits:
     )
 
 
-def _take(hits: Hits, rays: NDArray[np.intp] | Booleans) -> Hits:
+def _take(hits: Hits, rays: NDArray[np.intp] | BoolArray) -> Hits:
     return Hits(hits.distance[rays], hits.face[rays])
 
 
-def _unit(vectors: Floats) -> Floats:
+def _unit(vectors: FloatArray) -> FloatArray:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     # A ray without direction goes nowhere; dividing by zero would make it NaN.
     return vectors / np.where(lengths > 0, lengths, 1.0)

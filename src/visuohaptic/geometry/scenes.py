@@ -9,24 +9,24 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 
-from visuohaptic.errors import MissingPackageError
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import MissingPackageError
 from visuohaptic.geometry.cast_rays import Scene
 
 
-def _open3d_scene(corners: Floats, faces: Integers) -> Scene:
+def _open3d_scene(corners: FloatArray, faces: IntArray) -> Scene:
     from visuohaptic.geometry.open3d_scene import Open3DScene
 
     return Open3DScene(corners, faces)
 
 
-def _embreex_scene(corners: Floats, faces: Integers) -> Scene:
+def _embreex_scene(corners: FloatArray, faces: IntArray) -> Scene:
     from visuohaptic.geometry.embreex_scene import EmbreexScene
 
     return EmbreexScene(corners, faces)
 
 
-SCENES: Mapping[str, Callable[[Floats, Integers], Scene]] = {
+SCENES: Mapping[str, Callable[[FloatArray, IntArray], Scene]] = {
     "open3d": _open3d_scene,
     "embreex": _embreex_scene,
 }

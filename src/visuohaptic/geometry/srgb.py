@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.elementary import power
 
 _POWER = 2.4
@@ -16,24 +16,24 @@ _DARK = 0.04045
 _DARK_LIGHT = 0.0031308
 
 
-def encode_srgb(linear: Floats) -> Floats:
+def encode_srgb(linear: FloatArray) -> FloatArray:
     """Encode linear light, 0 to 1, as sRGB."""
     bright = (1.0 + _OFFSET) * power(linear, 1 / _POWER) - _OFFSET
     return np.where(linear <= _DARK_LIGHT, _SLOPE * linear, bright)
 
 
-def decode_srgb(encoded: Floats) -> Floats:
+def decode_srgb(encoded: FloatArray) -> FloatArray:
     """Decode sRGB to linear light, 0 to 1."""
     bright = power((encoded + _OFFSET) / (1.0 + _OFFSET), _POWER)
     return np.where(encoded <= _DARK, encoded / _SLOPE, bright)
 
 
-def encode_bytes(linear: Floats) -> NDArray[np.uint8]:
+def encode_bytes(linear: FloatArray) -> NDArray[np.uint8]:
     """Encode linear light, 0 to 1, as the nearest of the 256 values of sRGB."""
     return np.searchsorted(_BETWEEN_BYTES, linear, side="right").astype(np.uint8)
 
 
-def dim_srgb(encoded: Floats, irradiance: Floats) -> Floats:
+def dim_srgb(encoded: FloatArray, irradiance: FloatArray) -> FloatArray:
     """Give sRGB colours (n, 3), 0 to 1, of surfaces in less than full light: of its share (n,), 0 to 1.
 
     In full light they are exactly what was given.

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from plyfile import PlyData, PlyElement, PlyParseError
 
-from visuohaptic.errors import MeshError
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
 
@@ -44,8 +44,8 @@ class Surface:
     has an image.
     """
 
-    vertices: Floats
-    faces: Integers
+    vertices: FloatArray
+    faces: IntArray
     face_colours: NDArray[np.uint8]
     texture: Texture | None = None
 
@@ -59,28 +59,28 @@ class Surface:
         return np.concatenate([self.face_colours, self.texture.texels()])
 
     @cached_property
-    def triangles(self) -> Floats:
+    def triangles(self) -> FloatArray:
         """Corners of each face, shape (f, 3, 3)."""
         return self.vertices[self.faces]
 
     @cached_property
-    def face_crosses(self) -> Floats:
+    def face_crosses(self) -> FloatArray:
         """Cross product of two edges of each face, shape (f, 3); its length is twice the area."""
         corners = self.triangles
         return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
     @cached_property
-    def face_areas(self) -> Floats:
+    def face_areas(self) -> FloatArray:
         """Area of each face in squared units of the vertices, shape (f,)."""
         return 0.5 * np.linalg.norm(self.face_crosses, axis=1)
 
     @cached_property
-    def centroid(self) -> Floats:
+    def centroid(self) -> FloatArray:
         """Mean of the surface's points, shape (3,)."""
         return np.average(self.triangles.mean(axis=1), axis=0, weights=self.face_areas)
 
     @cached_property
-    def face_normals(self) -> Floats:
+    def face_normals(self) -> FloatArray:
         """Unit normal of each face by its winding, shape (f, 3); zero for a face without area."""
         crosses = self.face_crosses
         lengths = np.linalg.norm(crosses, axis=1, keepdims=True)

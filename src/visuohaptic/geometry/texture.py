@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.srgb import decode_srgb, encode_bytes
 
 WRAPS = REPEAT, CLAMP, MIRROR = 0, 1, 2
@@ -49,7 +49,7 @@ class Texture:
     wraps: NDArray[np.uint8]
 
     @property
-    def textured(self) -> Booleans:
+    def textured(self) -> BoolArray:
         """Whether each face has an image, shape (f,)."""
         return self.image != NO_IMAGE
 
@@ -57,11 +57,11 @@ class Texture:
         """Give all images' texels, one row and image after another, shape (t, 3)."""
         return np.concatenate([image.reshape(-1, 3) for image in self.images])
 
-    def take(self, faces: Booleans | NDArray[np.integer]) -> Texture:
+    def take(self, faces: BoolArray | NDArray[np.integer]) -> Texture:
         """Give the texture of some of the faces."""
         return replace(self, corners=self.corners[faces], image=self.image[faces])
 
-    def light(self, faces: Integers, weights: Floats, steps: Floats) -> Floats:
+    def light(self, faces: IntArray, weights: FloatArray, steps: FloatArray) -> FloatArray:
         """Give the mean linear light (n, 3), 0 to 1, of patches of faces (n,) that have an image.
 
         A patch is a parallelogram: `weights` (n, 3) are the barycentric ones of its middle, and
@@ -88,7 +88,7 @@ class Texture:
             colours[faces] = encode_bytes(self._face_light(faces))
         return colours
 
-    def _patch_light(self, faces: Integers, weights: Floats, steps: Floats) -> Floats:
+    def _patch_light(self, faces: IntArray, weights: FloatArray, steps: FloatArray) -> FloatArray:
         corners, image = self.corners.take(faces, axis=0).astype(np.float64), self.image.take(faces)
         place = _at(weights.T[:, :, None], corners)
         size = self._pyramid.sizes.take(image, axis=0)
@@ -117,7 +117,7 @@ class Texture:
             one[:, channel] += np.bincount(patch, squares[:, channel], len(faces)) / count
         return one
 
-    def _face_light(self, faces: Integers) -> Floats:
+    def _face_light(self, faces: IntArray) -> FloatArray:
         corners, image = self.corners[faces].astype(np.float64), self.image[faces]
         edges = (corners[:, 1:] - corners[:, :1]) * self._pyramid.sizes[image, None]
         area = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
@@ -126,7 +126,9 @@ class Texture:
         ]
         return quarters[0] + sum(quarter - quarters[0] for quarter in quarters) / len(quarters)
 
-    def _squares(self, image: NDArray[np.int32], middles: Floats, width: Floats) -> Floats:
+    def _squares(
+        self, image: NDArray[np.int32], middles: FloatArray, width: FloatArray
+    ) -> FloatArray:
         """Give the light of squares by their middles, shape (n, 2), and widths in texels."""
         # A number is a fraction, 1/2 to 1, times a power of two: exactly, on every processor.
         fraction, power = np.frexp(np.maximum(width, 1.0))
@@ -142,10 +144,10 @@ class Texture:
     def _four_texels(
         self,
         image: NDArray[np.int32],
-        level: Integers,
-        middles: Floats,
-        width: Floats | None = None,
-    ) -> Floats:
+        level: IntArray,
+        middles: FloatArray,
+        width: FloatArray | None = None,
+    ) -> FloatArray:
         pyramid = self._pyramid
         levels = pyramid.first.shape[1]
         one = image * levels + np.minimum(level, levels - 1)
@@ -189,7 +191,7 @@ class _Pyramid:
         )
         self._texels = np.concatenate([level.reshape(-1, 3) for one in pyramids for level in one])
 
-    def light(self, texels: Integers) -> Floats:
+    def light(self, texels: IntArray) -> FloatArray:
         return _LIGHT.take(self._texels.take(texels, axis=0))
 
 
@@ -203,7 +205,7 @@ def halve(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.concatenate([_halved_rows(image, strip, columns) for strip in strips])
 
 
-def _halved_rows(image: NDArray[np.uint8], rows: Integers, columns: Integers) -> NDArray[np.uint8]:
+def _halved_rows(image: NDArray[np.uint8], rows: IntArray, columns: IntArray) -> NDArray[np.uint8]:
     light = np.zeros((len(rows), image.shape[1], 3))
     for source, share in _covered(image.shape[0], rows):
         light += share[:, None, None] * _LIGHT.take(image.take(source, axis=0))
@@ -220,7 +222,7 @@ def _halvings(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
     return levels
 
 
-def _covered(size: int, places: Integers) -> list[tuple[Integers, Floats]]:
+def _covered(size: int, places: IntArray) -> list[tuple[IntArray, FloatArray]]:
     """Give which of `size` texels in a row each of half as many covers, and the shares of them."""
     half = size // 2
     if not half:
@@ -235,13 +237,13 @@ def _covered(size: int, places: Integers) -> list[tuple[Integers, Floats]]:
     ]
 
 
-def _at(weights: Floats, corners: Floats) -> Floats:
+def _at(weights: FloatArray, corners: FloatArray) -> FloatArray:
     """Give places by barycentric weights of corners, shape (n, 3, 2)."""
     first, second, third = weights
     return first * corners[:, 0] + second * corners[:, 1] + third * corners[:, 2]
 
 
-def _ellipse(first: Floats, second: Floats) -> tuple[Floats, Floats, Floats]:
+def _ellipse(first: FloatArray, second: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Give the longer axis, shape (n, 2), and both lengths of ellipses with conjugate diameters."""
     # The lengths are the singular values of the matrix whose columns are the diameters.
     xx = first[:, 0] ** 2 + second[:, 0] ** 2
@@ -261,8 +263,8 @@ def _ellipse(first: Floats, second: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _neighbours(
-    middles: Floats, size: Integers, width: Floats, wrap: NDArray[np.uint8]
-) -> tuple[Integers, Integers, Floats]:
+    middles: FloatArray, size: IntArray, width: FloatArray, wrap: NDArray[np.uint8]
+) -> tuple[IntArray, IntArray, FloatArray]:
     """Give the texel that a square's middle lies in, the one beside it that is next, and its share."""
     place = middles * size
     near = np.floor(place)
@@ -273,7 +275,7 @@ def _neighbours(
     return _wrapped(texel, size, wrap), _wrapped(beside, size, wrap), share[:, None]
 
 
-def _wrapped(places: Integers, size: Integers, wrap: NDArray[np.uint8]) -> Integers:
+def _wrapped(places: IntArray, size: IntArray, wrap: NDArray[np.uint8]) -> IntArray:
     repeated = places % size
     if not wrap.any():
         return repeated
@@ -282,7 +284,7 @@ def _wrapped(places: Integers, size: Integers, wrap: NDArray[np.uint8]) -> Integ
     return np.choose(wrap, [repeated, np.clip(places, 0, size - 1), mirrored])
 
 
-def _mixed(first: Floats, second: Floats, share: Floats) -> Floats:
+def _mixed(first: FloatArray, second: FloatArray, share: FloatArray) -> FloatArray:
     mixed = second - first
     mixed *= share
     mixed += first

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 
 
-def dot(first: Floats, second: Floats) -> Floats:
+def dot(first: FloatArray, second: FloatArray) -> FloatArray:
     """Give the dot products of vectors of three, along the last axis; a BLAS may order the sums by the batch."""
     return (
         first[..., 0] * second[..., 0]
@@ -16,7 +16,7 @@ def dot(first: Floats, second: Floats) -> Floats:
     )
 
 
-def product(first: Floats, second: Floats) -> Floats:
+def product(first: FloatArray, second: FloatArray) -> FloatArray:
     """Give the product of matrices, (n, k) and (k, m): of points and frames, never of a size that needs a BLAS."""
-    found: Floats = np.einsum("nk,km->nm", first, second)
+    found: FloatArray = np.einsum("nk,km->nm", first, second)
     return found

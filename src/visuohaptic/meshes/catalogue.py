@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from visuohaptic.errors import CatalogueError
-from visuohaptic.optional_packages import what_is_missing
+from visuohaptic.base.errors import CatalogueError
+from visuohaptic.base.optional_packages import what_is_missing
 
 ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd"]
 """`paper`: 12 objects in 4 classes. `benchmark`: 142 in 12, the 12 among them; `outside`: the other 130.

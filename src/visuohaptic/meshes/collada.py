@@ -10,9 +10,9 @@ from zipfile import is_zipfile
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.errors import MeshError
-from visuohaptic.geometry.arrays import Floats
-from visuohaptic.meshes.claims import check_parts, parse_xml
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes.limits import check_parts, parse_xml
 from visuohaptic.meshes.polygons import check_corners, cuts, fan
 
 MOST_ELEMENTS = 200_000
@@ -77,7 +77,7 @@ def _referred(node: Any, path: str) -> list[str]:
 def _cut_mesh(mesh: Any) -> bool:
     """Put triangles in the place of concave polygons; tell whether there are any."""
     named = {one.get("id"): one for one in mesh}
-    points: dict[str, Floats] = {}
+    points: dict[str, FloatArray] = {}
     changed = False
     for primitive in mesh.iterchildren(*_PRIMITIVES):
         vertex = primitive.find("{*}input[@semantic='VERTEX']")
@@ -89,7 +89,7 @@ def _cut_mesh(mesh: Any) -> bool:
     return changed
 
 
-def _cut(primitive: Any, offset: int, points: Floats) -> bool:
+def _cut(primitive: Any, offset: int, points: FloatArray) -> bool:
     inputs = [int(one.get("offset", 0)) for one in primitive.iterfind("{*}input")]
     texts = primitive.findall("{*}p")
     rows = [_array(one.text, int).reshape(-1, 1 + max(inputs)) for one in texts]
@@ -121,7 +121,7 @@ def _cut(primitive: Any, offset: int, points: Floats) -> bool:
     return True
 
 
-def _points(name: str, named: dict[str, Any]) -> Floats:
+def _points(name: str, named: dict[str, Any]) -> FloatArray:
     found = named[name]
     position = found.find("{*}input[@semantic='POSITION']")
     source = found if position is None else named[position.get("source")[1:]]

@@ -24,11 +24,11 @@ import requests
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from visuohaptic.errors import DownloadError
+from visuohaptic.base.atomic_files import atomic_file
+from visuohaptic.base.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.model_files import surface_from_archive
-from visuohaptic.whole_files import whole_file
 
 DEBIAN_PACKAGE = "sweethome3d-furniture"
 DEBIAN_SHA256 = "3ccb90c63f9525e887a767b9cd5c8b6933b8b6b2973a615a5359ee68a2118668"
@@ -76,7 +76,7 @@ def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Pa
     for library, path in missing.items():
         stem = library.removesuffix(".sh3f")
         archive = download(UPSTREAM.format(library=stem), cache / f"{stem}.zip")
-        with whole_file(path) as unpacked:
+        with atomic_file(path) as unpacked:
             unpacked.write_bytes(read_member(archive, library, _LARGEST_ARCHIVE_BYTES))
     return paths
 
@@ -125,7 +125,7 @@ def extract_libraries(package: Path, libraries: Mapping[str, Path]) -> None:
                 if member.isreg() and member.name in wanted:
                     stream = data.extractfile(member)
                     if stream is not None and member.size <= _LARGEST_ARCHIVE_BYTES:
-                        with whole_file(wanted.pop(member.name)) as unpacked:
+                        with atomic_file(wanted.pop(member.name)) as unpacked:
                             unpacked.write_bytes(stream.read())
     except (tarfile.TarError, OSError) as error:
         raise DownloadError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import write_set_aside, write_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters

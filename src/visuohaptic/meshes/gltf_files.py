@@ -6,9 +6,9 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.texture import CLAMP, MIRROR, REPEAT
-from visuohaptic.meshes.claims import check_parts
+from visuohaptic.meshes.limits import check_parts
 
 _READ_EXTENSIONS = ("EXT_texture_webp", "KHR_lights_punctual")
 _MATERIALS = "KHR_materials_"  # the shine of a surface; its colour is read without them

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.polygons import check_corners
 from visuohaptic.meshes.textures import add_textures

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 from zipfile import ZipFile
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import why_unreadable
 from visuohaptic.meshes.collada import checked_collada
@@ -36,7 +36,7 @@ def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     """
     path = Path(path)
     _check_suffix(path.suffix, str(path))
-    from visuohaptic.meshes.beside import BesideResolver
+    from visuohaptic.meshes.texture_resolver import BesideResolver
 
     try:
         with path.open("rb") as stream:

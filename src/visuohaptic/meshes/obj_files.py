@@ -6,9 +6,9 @@ import re
 
 import numpy as np
 
-from visuohaptic.errors import MeshError
-from visuohaptic.geometry.arrays import Floats
-from visuohaptic.meshes.claims import check_lines, check_parts
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes.limits import check_lines, check_parts
 from visuohaptic.meshes.polygons import check_corners, cuts
 
 # A comment after a face would be a corner to trimesh.
@@ -73,7 +73,7 @@ def _plain(token: bytes, counts: list[int]) -> bytes:
     )
 
 
-def _points(data: bytes) -> Floats:
+def _points(data: bytes) -> FloatArray:
     rows = [vertex.split()[:3] for vertex in _VERTEX.findall(data)]
     short = next((row for row in rows if len(row) < 3), None)
     if short is not None:

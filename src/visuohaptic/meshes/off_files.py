@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from visuohaptic.errors import MeshError
-from visuohaptic.meshes.claims import check_lines
+from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes.limits import check_lines
 from visuohaptic.meshes.polygons import check_corners, cuts, fan
 
 _FIRST_LINE = re.compile(rb"(?:ST)?C?N?OFF\b(.*)", re.IGNORECASE)

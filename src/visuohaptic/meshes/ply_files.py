@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from plyfile import PlyData, PlyElement, PlyElementParseError, PlyListProperty
 
-from visuohaptic.errors import MeshError
-from visuohaptic.geometry.arrays import Integers
+from visuohaptic.base.arrays import IntArray
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
-from visuohaptic.meshes.claims import check_lines
+from visuohaptic.meshes.limits import check_lines
 from visuohaptic.meshes.polygons import check_corners, cuts, fan
 
 _CORNERS = ("vertex_indices", "vertex_index")
@@ -83,7 +83,7 @@ def _read(data: bytes, *, text: bool) -> Any:
         ) from error
 
 
-def _triangle_rows(face: NDArray[Any], name: str, triangles: list[Integers]) -> NDArray[Any]:
+def _triangle_rows(face: NDArray[Any], name: str, triangles: list[IntArray]) -> NDArray[Any]:
     """Give a row of the faces' table for each triangle: its polygon's row but for what its corners have."""
     places = np.repeat(np.arange(len(face)), [len(one) for one in triangles])
     picked = list(zip(places.tolist(), np.concatenate(triangles), strict=True))

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from mapbox_earcut import triangulate_float64
 
-from visuohaptic.errors import MeshError
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import MeshError
 
 MOST_CORNERS_CUT = 1_000
 """Corners of one polygon that is not convex; cutting one that crosses itself takes their square."""
@@ -19,7 +19,7 @@ _AREA_TOLERANCE = 1e-6  # relative; text formats hold some six digits, so corner
 _BLOCK_CORNERS = 1 << 18
 
 
-def cuts(points: Floats, corners: Integers, counts: Integers) -> dict[int, Integers]:
+def cuts(points: FloatArray, corners: IntArray, counts: IntArray) -> dict[int, IntArray]:
     """Cut each polygon that its fan does not cover exactly, by ear clipping (``mapbox_earcut``).
 
     A polygon is seen along its area vector (Newell's normal), so one that is not flat is cut as its
@@ -31,7 +31,7 @@ def cuts(points: Floats, corners: Integers, counts: Integers) -> dict[int, Integ
     corners, in its own winding.
     """
     starts = np.cumsum(counts) - counts
-    found: dict[int, Integers] = {}
+    found: dict[int, IntArray] = {}
     for count in np.unique(counts[counts > 3]):
         places = np.flatnonzero(counts == count)
         for block in np.array_split(places, -(-len(places) * count // _BLOCK_CORNERS)):
@@ -41,13 +41,13 @@ def cuts(points: Floats, corners: Integers, counts: Integers) -> dict[int, Integ
     return found
 
 
-def fan(count: int) -> Integers:
+def fan(count: int) -> IntArray:
     """Give the triangles, shape (count - 2, 3), of a polygon that is cut from its first corner."""
     second = np.arange(1, max(count - 1, 1))
     return np.column_stack([np.zeros_like(second), second, second + 1])
 
 
-def check_corners(corners: Integers, vertices: int, first: int = 0) -> None:
+def check_corners(corners: IntArray, vertices: int, first: int = 0) -> None:
     """Refuse, with the reason alone, corners that name no vertex; vertices are counted from `first`."""
     wrong = corners[(corners < first) | (corners >= first + vertices)]
     if len(wrong):
@@ -56,7 +56,7 @@ def check_corners(corners: Integers, vertices: int, first: int = 0) -> None:
         )
 
 
-def _cut_block(polygons: Floats) -> dict[int, Integers]:
+def _cut_block(polygons: FloatArray) -> dict[int, IntArray]:
     """Cut those of polygons (p, n, 3), in any unit, that their fans do not cover exactly."""
     # A polygon of one point, or with a NaN, has no unit and fails no comparison.
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
@@ -75,7 +75,7 @@ def _cut_block(polygons: Floats) -> dict[int, Integers]:
     return {place: triangles for place, triangles in found.items() if triangles is not None}
 
 
-def _projected(polygons: Floats, normals: Floats) -> Floats:
+def _projected(polygons: FloatArray, normals: FloatArray) -> FloatArray:
     """Project (p, n, 3) along normals, then leave out their largest axes; counter-clockwise stays so."""
     along = np.einsum("pnk,pk->pn", polygons, normals)
     flat = polygons - along[..., None] * normals[:, None]
@@ -86,7 +86,7 @@ def _projected(polygons: Floats, normals: Floats) -> Floats:
     return np.ascontiguousarray(np.take_along_axis(flat, others[:, None], axis=2))
 
 
-def _ear_clipped(flat: Floats) -> Integers | None:
+def _ear_clipped(flat: FloatArray) -> IntArray | None:
     """Give triangles, if they cover a polygon (n, 2), whose first corner is 0, better than its fan does."""
     if len(flat) > MOST_CORNERS_CUT:
         raise MeshError(
@@ -103,5 +103,5 @@ def _ear_clipped(flat: Floats) -> Integers | None:
     return triangles if np.abs(np.abs(signed).sum() - fanned.sum()) < excess else None
 
 
-def _cross(first: Floats, second: Floats) -> Floats:
+def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
     return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from visuohaptic.errors import MeshError
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface, as_stored, read_surface
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.model_files import read_model
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.standing import steadiest_axis
+from visuohaptic.meshes.up_axis import steadiest_axis
 
 MERGE_TOLERANCE = 1e-6
 """Vertices nearer than this, in object radii, become one: some ten steps of float32 at the unit sphere."""
@@ -32,7 +32,7 @@ def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -
 
 def place_object(
     model: Model, path: str | Path, parameters: MeshParameters
-) -> tuple[Surface, Floats]:
+) -> tuple[Surface, FloatArray]:
     """Do the same, and give the way as `place` does."""
     if str(path).endswith(".ply.gz"):
         surface = read_surface(path, parameters.largest_megabytes)
@@ -45,12 +45,12 @@ def place_object(
 
 def place_surface(
     surface: Surface, name: str, parameters: MeshParameters
-) -> tuple[Surface, Floats]:
+) -> tuple[Surface, FloatArray]:
     """Make ready a surface in memory, as `place_object` does a user's own file."""
     return place(surface, name, up_rotation(surface, name, parameters))
 
 
-def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> Floats:
+def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> FloatArray:
     """Give the rotation, (3, 3), that turns an own model's axis that points up to y."""
     axis: str = parameters.own_up_axis
     if axis == "auto":
@@ -62,7 +62,7 @@ def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> Floa
 def normalise(
     surface: Surface,
     name: str,
-    rotation: Floats | None = None,
+    rotation: FloatArray | None = None,
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = MERGE_TOLERANCE,
 ) -> Surface:
@@ -82,10 +82,10 @@ def normalise(
 def place(
     surface: Surface,
     name: str,
-    rotation: Floats | None = None,
+    rotation: FloatArray | None = None,
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = MERGE_TOLERANCE,
-) -> tuple[Surface, Floats]:
+) -> tuple[Surface, FloatArray]:
     """Do as `normalise` does, and give the matrix (4, 4) that takes points of the given frame there.
 
     It holds to the rounding of vertices, and is not finite where no number is its scale.
@@ -111,7 +111,7 @@ def place(
     return ready, _joined(last, _joined(step, way))
 
 
-def _moved(shift: Floats, length: float) -> Floats:
+def _moved(shift: FloatArray, length: float) -> FloatArray:
     """Give the matrix, (4, 4), that moves points and then divides them by a length."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         scale = np.float64(1.0) / length
@@ -120,7 +120,7 @@ def _moved(shift: Floats, length: float) -> Floats:
     return matrix
 
 
-def _joined(then: Floats, first: Floats) -> Floats:
+def _joined(then: FloatArray, first: FloatArray) -> FloatArray:
     with np.errstate(over="ignore", invalid="ignore"):
         return product(then, first)
 
@@ -144,7 +144,7 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     return _kept(merged, keep)
 
 
-def _kept(surface: Surface, keep: Booleans) -> Surface:
+def _kept(surface: Surface, keep: BoolArray) -> Surface:
     """Leave out the other faces, and the vertices that only they name."""
     used, renumbered = np.unique(surface.faces[keep], return_inverse=True)
     return Surface(
@@ -171,7 +171,9 @@ def _check_finite(surface: Surface, name: str) -> None:
         )
 
 
-def _centred_box(used: Floats, vertices: Floats, name: str) -> tuple[Floats, Floats, float]:
+def _centred_box(
+    used: FloatArray, vertices: FloatArray, name: str
+) -> tuple[FloatArray, FloatArray, float]:
     """Give vertices within the unit cube, what was taken from them, and by what they were divided."""
     low, high = used.min(axis=0), used.max(axis=0)
     # Halves first: the extent of a mesh near the largest float64 would overflow.
@@ -181,13 +183,13 @@ def _centred_box(used: Floats, vertices: Floats, name: str) -> tuple[Floats, Flo
     return np.clip((vertices - centre) / half_extent, -1.0, 1.0), centre, float(half_extent)
 
 
-def _stretching(vertices: Floats, faces: Integers, dimensions: Floats) -> Floats:
+def _stretching(vertices: FloatArray, faces: IntArray, dimensions: FloatArray) -> FloatArray:
     """Give the factor of each axis, shape (3,)."""
     extent = np.ptp(vertices[np.unique(faces)], axis=0)
     return np.divide(dimensions, extent, out=np.ones(3), where=extent > 0)
 
 
-def _unit_size(surface: Surface, name: str) -> tuple[Surface, Floats]:
+def _unit_size(surface: Surface, name: str) -> tuple[Surface, FloatArray]:
     """Give a surface about its centroid within the unit ball, and the matrix (4, 4) of the way there."""
     _check_area(surface, name)
     centre = surface.centroid

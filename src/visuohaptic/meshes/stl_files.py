@@ -6,8 +6,8 @@ import codecs
 import re
 from collections import Counter
 
-from visuohaptic.errors import MeshError
-from visuohaptic.meshes.claims import check_lines, check_parts
+from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes.limits import check_lines, check_parts
 
 _HEADER_BYTES = 84
 _FACE_BYTES = 50

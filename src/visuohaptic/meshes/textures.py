@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
 from visuohaptic.geometry.texture import CLAMP, NO_IMAGE, REPEAT, Texture, halve
 

@@ -14,10 +14,10 @@ from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.errors import MeshError
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.vectors import product
-from visuohaptic.meshes.claims import check_parts, check_xml_size, parse_xml
+from visuohaptic.meshes.limits import check_parts, check_xml_size, parse_xml
 from visuohaptic.meshes.polygons import check_corners
 
 Key = tuple[str, str]
@@ -29,12 +29,12 @@ _MOST_FILES = 5_000
 
 @dataclass(frozen=True)
 class _Object:
-    vertices: Floats
-    faces: Integers
-    components: list[tuple[Key, Floats]]
+    vertices: FloatArray
+    faces: IntArray
+    components: list[tuple[Key, FloatArray]]
 
 
-def read_3mf(data: bytes) -> tuple[Floats, Integers]:
+def read_3mf(data: bytes) -> tuple[FloatArray, IntArray]:
     """Read all that a 3MF file builds, its parts where they stand: vertices (v, 3) and faces (f, 3).
 
     Vertices are in the file's own frame and unit. Raises `MeshError`, with the reason alone, if the
@@ -79,7 +79,7 @@ def _rows(element: Any, path: str, names: tuple[str, ...], kind: Any) -> NDArray
     return np.array(rows, dtype=kind).reshape(-1, 3)
 
 
-def _references(element: Any, path: str, file: str) -> list[tuple[Key, Floats]]:
+def _references(element: Any, path: str, file: str) -> list[tuple[Key, FloatArray]]:
     return [(_key(one, file), _transform(one)) for one in element.iterfind(path)]
 
 
@@ -88,14 +88,16 @@ def _key(element: Any, file: str) -> Key:
     return (elsewhere[0].strip("/").lower() if elsewhere else file), element.get("objectid", "")
 
 
-def _transform(element: Any) -> Floats:
+def _transform(element: Any) -> FloatArray:
     """Give a matrix (4, 4) for row vectors."""
     matrix, numbers = np.eye(4), element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()
     matrix[:, :3] = np.array(numbers, dtype=np.float64).reshape(4, 3)
     return matrix
 
 
-def _place(objects: dict[Key, _Object], built: list[tuple[Key, Floats]]) -> tuple[Floats, Integers]:
+def _place(
+    objects: dict[Key, _Object], built: list[tuple[Key, FloatArray]]
+) -> tuple[FloatArray, IntArray]:
     placed, corners, waiting = [], 0, built[::-1]
     while waiting:
         key, matrix = waiting.pop()

@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 
-from visuohaptic.recognition.arrays import Flags, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
 from visuohaptic.recognition.pooling import Ballots, spread_bags
 from visuohaptic.recognition.sequences import TouchSequences
@@ -28,20 +28,20 @@ class SequenceClassifier(Protocol):
     """What classifies sequences: projected descriptors (n, p) become scores and ballots of c classes."""
 
     @property
-    def trained(self) -> Integers:
+    def trained(self) -> IntArray:
         """The classes that training had."""
 
-    def scores(self, projected: Floats) -> Floats:
+    def scores(self, projected: FloatArray) -> FloatArray:
         """Give scores, shape (n, c)."""
 
-    def ballots(self, projected: Floats) -> Ballots:
+    def ballots(self, projected: FloatArray) -> Ballots:
         """Give what is known of them, for one answer for any of them together."""
 
 
-Described = Mapping[int, Floats]
+Described = Mapping[int, FloatArray]
 """Descriptors (n, d) of the same sequences by their first touches: so many."""
 
-Fits = Mapping[int, tuple[Callable[[Floats], Floats], SequenceClassifier]]
+Fits = Mapping[int, tuple[Callable[[FloatArray], FloatArray], SequenceClassifier]]
 """What projects descriptors of so many touches, and what classifies them then."""
 
 
@@ -49,10 +49,10 @@ Fits = Mapping[int, tuple[Callable[[Floats], Floats], SequenceClassifier]]
 class Landmarks:
     """Where the training objects lie: means (r, q) over their projected sequences, and touches."""
 
-    objects: Floats
+    objects: FloatArray
     touches: KnownTouches
 
-    def evidence(self, projected: Floats, scores: Floats, nearest: float) -> Floats:
+    def evidence(self, projected: FloatArray, scores: FloatArray, nearest: float) -> FloatArray:
         """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
 
         They are the distance of its sequences (n, p) from the nearest training object, the negative
@@ -73,7 +73,7 @@ class Certainty:
     than the stated share.
     """
 
-    candidates: Flags
+    candidates: BoolArray
     strangeness: float
     unknown: bool
     evidence: float
@@ -88,18 +88,18 @@ class Calibration:
     `Landmarks.evidence` gives. `landmarks` are of all, in the projection of the final fit.
     """
 
-    views: Integers
-    labels: Integers
-    nonconformity: Floats
-    evidence: Floats
+    views: IntArray
+    labels: IntArray
+    nonconformity: FloatArray
+    evidence: FloatArray
     landmarks: Landmarks
 
     def assess(
         self,
         classifier: SequenceClassifier,
-        projected: Floats,
-        touches: Floats,
-        probabilities: Floats,
+        projected: FloatArray,
+        touches: FloatArray,
+        probabilities: FloatArray,
         coverage: float,
     ) -> Certainty:
         """Compare a bag of sequences (n, p) and touches (m, k) with the training objects.
@@ -118,8 +118,8 @@ class Calibration:
         return Certainty(candidates, 1 - share, share <= _least_share(coverage), float(strange))
 
     def prediction_set(
-        self, probabilities: Floats, trained: Integers, sequences: int, coverage: float
-    ) -> Flags:
+        self, probabilities: FloatArray, trained: IntArray, sequences: int, coverage: float
+    ) -> BoolArray:
         """Choose of the `trained` classes those whose p value is above 1 - coverage, (c,) to (c,)."""
         known = np.isin(np.arange(len(probabilities)), trained)
         p_values = self.p_values(self._size(sequences), 1 - probabilities, coverage)
@@ -129,12 +129,12 @@ class Calibration:
         """Give the place of the bags of as many sequences, or of the next smaller number."""
         return max(int(np.searchsorted(self.views, sequences, side="right")) - 1, 0)
 
-    def strangeness(self, size: int, evidence: Floats) -> Floats:
+    def strangeness(self, size: int, evidence: FloatArray) -> FloatArray:
         """Add all signs, (..., e), each divided by its deviation over the training objects."""
         spread = self.evidence[size].std(axis=0)
         return (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
 
-    def p_values(self, size: int, nonconformity: Floats, coverage: float) -> Floats:
+    def p_values(self, size: int, nonconformity: FloatArray, coverage: float) -> FloatArray:
         """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
 
         It is the share of known objects, this one counted among them, that their class fits no
@@ -165,13 +165,13 @@ class HeldOut:
     place: int
     length: int
     ballots: Ballots
-    places: Sequence[Integers]
-    evidence: Floats
+    places: Sequence[IntArray]
+    evidence: FloatArray
 
 
 def fit_calibration(
     sequences: TouchSequences,
-    described: Floats,
+    described: FloatArray,
     parameters: RecognitionParameters,
     projection: Projection,
     generator: np.random.Generator,
@@ -238,7 +238,7 @@ def hold_out(
 def calibrate(
     sequences: TouchSequences,
     held_out: Sequence[HeldOut],
-    projected: Floats,
+    projected: FloatArray,
     touches: KnownTouches,
     best: BestParameters,
 ) -> Calibration:
@@ -259,7 +259,7 @@ def calibrate(
 
 
 def landmarks_of(
-    projected: Floats, owners: Integers, touches: KnownTouches, best: BestParameters
+    projected: FloatArray, owners: IntArray, touches: KnownTouches, best: BestParameters
 ) -> Landmarks:
     """Give landmarks by projected sequences (n, p) of objects (n,)."""
     seen = projected[:, : best.components]
@@ -276,7 +276,7 @@ def _bag_sizes(best: BestParameters) -> tuple[int, ...]:
     return tuple(sorted(best.bags)) or (1,)
 
 
-def _turn_bags(sequences: int, turn: int, best: BestParameters) -> list[Integers]:
+def _turn_bags(sequences: int, turn: int, best: BestParameters) -> list[IntArray]:
     """Give places of one bag of each size among an object's sequences, by turns."""
     chosen = []
     for size in _bag_sizes(best):

@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.registry import Registry
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters, Fit
 from visuohaptic.recognition.gaussian import (
     fit_linear_discriminant,
@@ -21,12 +22,11 @@ from visuohaptic.recognition.gaussian import (
 )
 from visuohaptic.recognition.neighbours import fit_nearest_neighbours
 from visuohaptic.recognition.support_vectors import fit_support_vector_machine
-from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from visuohaptic.recognition.arrays import Floats, Integers
+    from visuohaptic.base.arrays import FloatArray, IntArray
 
 logger = logging.getLogger(__name__)
 
@@ -57,7 +57,7 @@ class Classifier:
 
     name: str
     label: str
-    fit: Callable[[ClassifierParameters, Floats, Integers, int], Fit]
+    fit: Callable[[ClassifierParameters, FloatArray, IntArray, int], Fit]
     grid: Mapping[str, Sequence[Any]]
     deterministic: bool = False
 
@@ -81,7 +81,7 @@ class Classifier:
             To be registered. Pipeline `best` tries no settings of it.
         """
 
-        def fit(_: ClassifierParameters, features: Floats, labels: Integers, seed: int) -> Fit:
+        def fit(_: ClassifierParameters, features: FloatArray, labels: IntArray, seed: int) -> Fit:
             from sklearn.base import clone
 
             found = clone(estimator)
@@ -95,8 +95,8 @@ class Classifier:
 def fit_classifier(
     classifier: str | Classifier,
     parameters: ClassifierParameters,
-    features: Floats,
-    labels: Integers,
+    features: FloatArray,
+    labels: IntArray,
     generator: np.random.Generator,
 ) -> Fit:
     """Fit a classifier, or the one of a name, on training features (n, d) and classes (n,).
@@ -136,7 +136,7 @@ def draw_seed(generator: np.random.Generator) -> int:
 
 
 def _fit_decision_tree(
-    parameters: ClassifierParameters, features: Floats, labels: Integers, seed: int
+    parameters: ClassifierParameters, features: FloatArray, labels: IntArray, seed: int
 ) -> Fit:
     from sklearn.tree import DecisionTreeClassifier
 
@@ -146,7 +146,7 @@ def _fit_decision_tree(
 
 
 def _fit_logistic_regression(
-    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+    parameters: ClassifierParameters, features: FloatArray, labels: IntArray, _seed: int
 ) -> Fit:
     from sklearn.linear_model import LogisticRegression
 

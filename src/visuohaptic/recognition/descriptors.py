@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.encoding import ROUNDING
 from visuohaptic.recognition.parameters import BestParameters
 from visuohaptic.recognition.sequences import TouchSequences
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import KINESTHETIC_FEATURES
 
 POSE = KINESTHETIC_FEATURES
@@ -32,8 +32,8 @@ class WaveBasis:
     Rahimi and B. Recht, "Random features for large-scale kernel machines", NIPS 2007).
     """
 
-    directions: Floats
-    phases: Floats
+    directions: FloatArray
+    phases: FloatArray
 
 
 def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> WaveBasis:
@@ -43,15 +43,15 @@ def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> Wa
     return WaveBasis(directions, generator.uniform(0, 2 * np.pi, size=parameters.waves))
 
 
-def describe_all(sequences: TouchSequences, parameters: BestParameters, seed: int) -> Floats:
+def describe_all(sequences: TouchSequences, parameters: BestParameters, seed: int) -> FloatArray:
     """Describe s sequences with the waves that the experiment's seed draws: (s, d)."""
     waves = draw_waves(parameters, spawn_generator(seed, "recognition", "waves"))
     return describe_sequences(sequences.features, sequences.feature_names, waves, parameters)
 
 
 def describe_sequences(
-    features: Floats, names: Sequence[str], waves: WaveBasis, parameters: BestParameters
-) -> Floats:
+    features: FloatArray, names: Sequence[str], waves: WaveBasis, parameters: BestParameters
+) -> FloatArray:
     """Describe sequences (s, t, k) by statistics and relations of their touches: (s, d).
 
     The k columns `names` are the pose, and what there is of others. Raises `RecognitionError` if a
@@ -80,13 +80,13 @@ def describe_sequences(
     return described
 
 
-def statistics(values: Floats) -> Floats:
+def statistics(values: FloatArray) -> FloatArray:
     """Give mean, standard deviation, minimum and maximum over touches: (s, t, k) to (s, 4 k)."""
     parts = (values.mean(axis=1), values.std(axis=1), values.min(axis=1), values.max(axis=1))
     return np.concatenate(parts, axis=1)
 
 
-def pose_coordinates(points: Floats, normals: Floats) -> Floats:
+def pose_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
     """Give poses in the object's frame, mirrored, and free of azimuth, of (s, t, 3) each: (s, t, 16).
 
     The last five are distance from the upright axis and from the centre, and how far the normal
@@ -105,7 +105,9 @@ def pose_coordinates(points: Floats, normals: Floats) -> Floats:
     )
 
 
-def azimuth_free_coordinates(points: Floats, normals: Floats) -> tuple[Floats, Floats]:
+def azimuth_free_coordinates(
+    points: FloatArray, normals: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Turn touches (s, t, 3) about the upright axis into the plane of x and y, on one side."""
     axial = np.hypot(points[..., 0], points[..., 2])
     way = points[..., ::2] / np.maximum(axial, LEAST_SIZE)[..., None]
@@ -115,14 +117,14 @@ def azimuth_free_coordinates(points: Floats, normals: Floats) -> tuple[Floats, F
     return placed, np.stack([away, normals[..., 1], around], axis=-1)
 
 
-def _describe_azimuth_free(points: Floats, normals: Floats, waves: WaveBasis) -> Floats:
+def _describe_azimuth_free(points: FloatArray, normals: FloatArray, waves: WaveBasis) -> FloatArray:
     placed, turned = azimuth_free_coordinates(points, normals)
     coordinates = np.concatenate([placed[..., :2], turned], axis=-1)
     embedded = embed_poses(placed, turned, waves)
     return np.concatenate([statistics(coordinates), embedded], axis=1)
 
 
-def describe_relations(points: Floats, normals: Floats) -> Floats:
+def describe_relations(points: FloatArray, normals: FloatArray) -> FloatArray:
     """Describe how the touches of a sequence lie to one another, of (s, t, 3) each: (s, 27).
 
     Statistics over all pairs of touches, then the three principal extents of the points. A single
@@ -154,19 +156,19 @@ def describe_relations(points: Floats, normals: Floats) -> Floats:
     return np.concatenate([statistics(np.stack(pairs, axis=-1)), extents], axis=1)
 
 
-def embed_poses(points: Floats, normals: Floats, waves: WaveBasis) -> Floats:
+def embed_poses(points: FloatArray, normals: FloatArray, waves: WaveBasis) -> FloatArray:
     """Give the mean of each wave over a sequence's poses, left and right alike: (s, t, 3) to (s, w)."""
     pose = np.concatenate([points, normals], axis=-1)
     pose[..., [0, 3]] = np.abs(pose[..., [0, 3]])
     return np.sqrt(2) * np.cos(pose @ waves.directions + waves.phases).mean(axis=1)
 
 
-def _columns(features: Floats, names: Sequence[str], prefix: str) -> Floats:
+def _columns(features: FloatArray, names: Sequence[str], prefix: str) -> FloatArray:
     places = [place for place, name in enumerate(names) if name.startswith(prefix)]
     return features[:, :, places]
 
 
-def _describe_sensor(features: Floats, names: Sequence[str]) -> Floats:
+def _describe_sensor(features: FloatArray, names: Sequence[str]) -> FloatArray:
     size = np.log(np.maximum(_columns(features, names, "sensor_size"), LEAST_SIZE))
     states = _columns(features, names, "contact_").mean(axis=1)
     return np.concatenate([statistics(size), states], axis=1)

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.parameters import (
@@ -30,14 +30,14 @@ FEATURES_MADE_OF = 1.0
 class Standardiser:
     """Shift and scale of k columns; a column that was constant becomes 0, as its scale is infinite."""
 
-    mean: Floats
-    scale: Floats
+    mean: FloatArray
+    scale: FloatArray
 
-    def apply(self, rows: Floats) -> Floats:
+    def apply(self, rows: FloatArray) -> FloatArray:
         """Standardise rows, shape (..., k)."""
         return (rows - self.mean) / self.scale
 
-    def sizes(self, rows: Floats) -> Floats:
+    def sizes(self, rows: FloatArray) -> FloatArray:
         """Give the size of what `apply` computes its numbers from."""
         return (np.abs(rows) + np.abs(self.mean)) / self.scale
 
@@ -52,12 +52,12 @@ class SequenceEncoder:
     sequence_parameters: SequenceParameters
     feature_scaling: Standardiser
 
-    def encode(self, sequences: Floats) -> Floats:
+    def encode(self, sequences: FloatArray) -> FloatArray:
         """Give the scaled features of sequences: (s, t, k) to (s, m * (1 + levels) * 3)."""
         reduced = self.reduce(sequences)
         return self.feature_scaling.apply(sequence_features(reduced, self.sequence_parameters))
 
-    def reduce(self, sequences: Floats) -> Floats:
+    def reduce(self, sequences: FloatArray) -> FloatArray:
         """Reduce each touch to m numbers, (s, t, k) to (s, t, m), alike but for rounding to one."""
         touches = sequences.reshape(-1, sequences.shape[-1])
         scaled = self.touch_scaling.apply(touches)
@@ -70,7 +70,7 @@ class SequenceEncoder:
 
 
 def fit_sequence_encoder(
-    sequences: Floats,
+    sequences: FloatArray,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
     memory: FitMemory | None = None,
@@ -106,7 +106,9 @@ def fit_sequence_encoder(
     return replace(unscaled, feature_scaling=feature_scaling)
 
 
-def fit_standardiser(rows: Floats, scaling: Scaling, made_of: float | Floats = 0.0) -> Standardiser:
+def fit_standardiser(
+    rows: FloatArray, scaling: Scaling, made_of: float | FloatArray = 0.0
+) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
 
     A column is constant, and 0 from then on, when its deviation is rounding noise beside its largest
@@ -123,7 +125,7 @@ def _identity(columns: int) -> Standardiser:
     return Standardiser(np.zeros(columns), np.ones(columns))
 
 
-def _without_rounding(sequences: Floats, sizes: Floats) -> Floats:
+def _without_rounding(sequences: FloatArray, sizes: FloatArray) -> FloatArray:
     """Give sequences that are constant but for rounding one value, 0 if that is rounding of `sizes`."""
     noise = ROUNDING * sizes.max(axis=1, keepdims=True)
     middle = sequences.mean(axis=1, keepdims=True)

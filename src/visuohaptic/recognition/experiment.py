@@ -13,8 +13,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.classifiers import (
     CLASSIFIERS,
     Classifier,
@@ -36,7 +37,6 @@ from visuohaptic.recognition.sequences import (
 from visuohaptic.recognition.splits import Split, make_splits
 from visuohaptic.recognition.tuning import fit_best_classifiers
 from visuohaptic.recognition.voting import vote_credit
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import (
     CONTOURLET_FEATURES,
     KINESTHETIC_FEATURES,
@@ -60,7 +60,7 @@ class Answer:
     """
 
     classifier: ClassifierName
-    predicted: Integers
+    predicted: IntArray
     note: str | None
     ballots: Ballots | None = None
 
@@ -248,7 +248,7 @@ def run_paper_split(
 
 def run_best_split(
     sequences: TouchSequences,
-    described: Floats,
+    described: FloatArray,
     parameters: RecognitionParameters,
     split: Split,
     generator: np.random.Generator,
@@ -272,7 +272,7 @@ def run_best_split(
         yield Answer(name, ballots.alone().argmax(axis=1), notes, ballots)
 
 
-def _vote(sequences: TouchSequences, split: Split, answer: Answer) -> tuple[Integers, Floats]:
+def _vote(sequences: TouchSequences, split: Split, answer: Answer) -> tuple[IntArray, FloatArray]:
     """Give the class voted for each sequence's object (-1 without probabilities), and credits."""
     owners, true_class = sequences.object_index[split.test], sequences.class_of_object
     if answer.ballots is None:
@@ -284,7 +284,7 @@ def _vote(sequences: TouchSequences, split: Split, answer: Answer) -> tuple[Inte
 
 
 def _predicted(
-    sequences: TouchSequences, split: Split, answer: Answer, voted: Integers
+    sequences: TouchSequences, split: Split, answer: Answer, voted: IntArray
 ) -> dict[str, NDArray[np.generic]]:
     """Give the columns of predictions that differ from one test sequence to another."""
     names = np.array(sequences.objects, dtype=object)[sequences.object_index[split.test]]

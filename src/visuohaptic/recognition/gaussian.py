@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters, Fit
 
 VARIANCE_FLOOR = 1e-6
@@ -25,7 +25,7 @@ Target = Literal["own_variances", "mean_variance"]
 LEAST_PLAIN_VARIANCE = 1e-4
 """A class that varies less than this in some direction has a covariance that counts as singular."""
 
-Whitening = tuple[Floats, float]
+Whitening = tuple[FloatArray, float]
 """Directions (d, d), by which deviations of one class get unit variances, and the log determinant of
 its covariance."""
 
@@ -39,41 +39,41 @@ class GaussianClassifier:
     of the training rows, less half the logarithm of its covariance's determinant.
     """
 
-    classes_: Integers
-    means: Floats
-    directions: Floats
-    offsets: Floats
+    classes_: IntArray
+    means: FloatArray
+    directions: FloatArray
+    offsets: FloatArray
 
     @property
     def n_features_in_(self) -> int:
         """How many features a row has."""
         return self.means.shape[1]
 
-    def decision_function(self, rows: Floats) -> Floats:
+    def decision_function(self, rows: FloatArray) -> FloatArray:
         """Give the logarithm of each class's density times its share, but for a constant: (n, d) to (n, k)."""
         deviations = (rows - self.means[:, None]) @ self.directions
         distances = np.einsum("knd,knd->nk", deviations, deviations)
         return self.offsets - distances / 2
 
-    def predict_log_proba(self, rows: Floats) -> Floats:
+    def predict_log_proba(self, rows: FloatArray) -> FloatArray:
         """Give the logarithm of each class's probability: (n, d) to (n, k)."""
         found = self.decision_function(rows)
         found -= found.max(axis=1, keepdims=True)
         found -= np.log(np.exp(found).sum(axis=1, keepdims=True))
         return found
 
-    def predict(self, rows: Floats) -> Integers:
+    def predict(self, rows: FloatArray) -> IntArray:
         """Give the class of the highest score: (n, d) to (n,)."""
         return self.classes_[self.decision_function(rows).argmax(axis=1)]
 
 
 def fit_naive_bayes(
-    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+    parameters: ClassifierParameters, features: FloatArray, labels: IntArray, _seed: int
 ) -> Fit:
     """Fit densities whose features are independent, of features (n, d) and labels (n,)."""
     floor = parameters.bayes_smoothing * float(features.var(axis=0).max())
 
-    def whiten(deviations: Floats) -> Whitening:
+    def whiten(deviations: FloatArray) -> Whitening:
         variances = np.square(deviations).mean(axis=0) + floor
         return np.diag(1 / np.sqrt(variances)), float(np.log(variances).sum())
 
@@ -81,7 +81,7 @@ def fit_naive_bayes(
 
 
 def fit_quadratic_discriminant(
-    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+    parameters: ClassifierParameters, features: FloatArray, labels: IntArray, _seed: int
 ) -> Fit:
     """Fit a covariance of every class, of features (n, d) and labels (n,).
 
@@ -104,7 +104,7 @@ def fit_quadratic_discriminant(
     return shrunk, None if always else f"singular covariance: {amount} of every class"
 
 
-def fit_plain_discriminant(features: Floats, labels: Integers) -> GaussianClassifier | None:
+def fit_plain_discriminant(features: FloatArray, labels: IntArray) -> GaussianClassifier | None:
     """Fit the covariance of every class as it is; None where one is singular."""
     _, counts = np.unique(labels, return_counts=True)
     if counts.min() <= features.shape[1]:
@@ -115,7 +115,7 @@ def fit_plain_discriminant(features: Floats, labels: Integers) -> GaussianClassi
     return fitted if is_whole else None
 
 
-def fit_pseudo_quadratic_discriminant(features: Floats, labels: Integers) -> GaussianClassifier:
+def fit_pseudo_quadratic_discriminant(features: FloatArray, labels: IntArray) -> GaussianClassifier:
     """Fit the covariance of every class on the directions of its variance alone.
 
     Its determinant is the product of these variances; covariances divide by n - 1. That is how
@@ -127,7 +127,7 @@ def fit_pseudo_quadratic_discriminant(features: Floats, labels: Integers) -> Gau
 
 
 def fit_linear_discriminant(
-    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+    parameters: ClassifierParameters, features: FloatArray, labels: IntArray, _seed: int
 ) -> Fit:
     """Fit one covariance of all classes, shrunk towards one variance."""
     shrinkage = parameters.linear_shrinkage
@@ -138,7 +138,7 @@ def fit_linear_discriminant(
 
 
 def _fit_each(
-    features: Floats, labels: Integers, whiten: Callable[[Floats], Whitening]
+    features: FloatArray, labels: IntArray, whiten: Callable[[FloatArray], Whitening]
 ) -> GaussianClassifier:
     classes, counts = np.unique(labels, return_counts=True)
     means = class_means(features, labels, classes)
@@ -150,14 +150,14 @@ def _fit_each(
     return GaussianClassifier(classes, means, np.stack(directions), offsets)
 
 
-def _whiten(covariance: Floats) -> Whitening:
+def _whiten(covariance: FloatArray) -> Whitening:
     """Whiten by the Cholesky factor of a covariance that is not singular."""
     factor = np.linalg.cholesky(covariance)
     directions = np.linalg.inv(factor).T
     return directions, 2 * float(np.log(np.diagonal(factor)).sum())
 
 
-def _principal(deviations: Floats, count: int) -> Whitening:
+def _principal(deviations: FloatArray, count: int) -> Whitening:
     """Whiten on the directions in which deviations, (n, d), vary; their squares are divided by `count`."""
     _, scales, found = np.linalg.svd(deviations, full_matrices=False)
     spread = scales / np.sqrt(count)
@@ -169,8 +169,8 @@ def _principal(deviations: Floats, count: int) -> Whitening:
 
 
 def regularised_covariance(
-    deviations: Floats, shrinkage: Shrinkage, target: Target, floor: float
-) -> Floats:
+    deviations: FloatArray, shrinkage: Shrinkage, target: Target, floor: float
+) -> FloatArray:
     """Estimate a covariance (d, d) that can't be singular, of deviations (n, d) from the mean.
 
     Target ``own_variances`` shrinks the correlations alone; ``mean_variance`` shrinks towards one
@@ -185,14 +185,14 @@ def regularised_covariance(
     return found + floor * np.eye(len(found))
 
 
-def variance_floor(features: Floats) -> float:
+def variance_floor(features: FloatArray) -> float:
     """Give the least variance of features, shape (n, d), that a regularised covariance has."""
     return VARIANCE_FLOOR * float(features.var(axis=0).mean())
 
 
 def common_covariance(
-    rows: Floats, labels: Integers, shrinkage: float
-) -> tuple[Integers, Integers, Floats, Floats]:
+    rows: FloatArray, labels: IntArray, shrinkage: float
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
     """Give the classes (k,), their rows' number (k,) and means (k, d), and one covariance (d, d) of all.
 
     Raises `RecognitionError` if there is nothing to take a covariance of.
@@ -206,12 +206,12 @@ def common_covariance(
     return classes, counts, means, covariance
 
 
-def class_means(rows: Floats, labels: Integers, classes: Integers) -> Floats:
+def class_means(rows: FloatArray, labels: IntArray, classes: IntArray) -> FloatArray:
     """Give the mean of each class's rows: (n, d) to (k, d)."""
     return np.stack([rows[labels == name].mean(axis=0) for name in classes])
 
 
-def check_spread(name: str, features: Floats, labels: Integers) -> None:
+def check_spread(name: str, features: FloatArray, labels: IntArray) -> None:
     """Refuse features (n, d) of classes (n,) that a discriminant can't take a covariance of."""
     _, counts = np.unique(labels, return_counts=True)
     lonely = counts.min() < 2 if name == "quadratic_discriminant" else counts.max() < 2
@@ -227,7 +227,7 @@ def check_spread(name: str, features: Floats, labels: Integers) -> None:
         )
 
 
-def ledoit_wolf_shrinkage(deviations: Floats, covariance: Floats) -> float:
+def ledoit_wolf_shrinkage(deviations: FloatArray, covariance: FloatArray) -> float:
     """Find how much to shrink the covariance, (d, d), of deviations from the mean, (n, d).
 
     The expected squared error of the shrunk covariance is least (O. Ledoit and M. Wolf, "A
@@ -243,11 +243,11 @@ def ledoit_wolf_shrinkage(deviations: Floats, covariance: Floats) -> float:
     return float(error / dispersion) if error > 0 else 0.0
 
 
-def _shrunk(deviations: Floats, shrinkage: Shrinkage) -> Floats:
+def _shrunk(deviations: FloatArray, shrinkage: Shrinkage) -> FloatArray:
     """Shrink the covariance of deviations towards one variance in every direction."""
     plain = deviations.T @ deviations / len(deviations)
     if shrinkage == "ledoit_wolf":
         shrinkage = ledoit_wolf_shrinkage(deviations, plain)
-    shrunk: Floats = (1.0 - shrinkage) * plain
+    shrunk: FloatArray = (1.0 - shrinkage) * plain
     shrunk += shrinkage * (np.trace(plain) / len(plain)) * np.eye(len(plain))
     return shrunk

@@ -6,18 +6,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from visuohaptic.base.registry import Registry
 from visuohaptic.recognition.self_organising_map import (
     SelfOrganisingMap,
     fit_map,
     lattice,
     line,
 )
-from visuohaptic.registry import Registry
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from visuohaptic.recognition.arrays import Floats
+    from visuohaptic.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class Map:
     name: str
     description: str
     fit: Callable[..., Any]
-    reduce: Callable[[Any, Floats], Floats]
-    sizes: Callable[[Any, Floats], Floats] | None = None
+    reduce: Callable[[Any, FloatArray], FloatArray]
+    sizes: Callable[[Any, FloatArray], FloatArray] | None = None
     fitted_as: str | None = None
 
 
@@ -56,21 +56,25 @@ class Map:
 class FeatureGroups:
     """Weighted sums of features: a column of `weights` (k, m) averages a group, or is zero."""
 
-    weights: Floats
+    weights: FloatArray
 
 
-def _fit_line(touches: Floats, settings: Any, generator: np.random.Generator) -> SelfOrganisingMap:
+def _fit_line(
+    touches: FloatArray, settings: Any, generator: np.random.Generator
+) -> SelfOrganisingMap:
     return fit_map(touches, line(settings.outputs), settings.training, generator)
 
 
 def _fit_lattice(
-    touches: Floats, settings: Any, generator: np.random.Generator
+    touches: FloatArray, settings: Any, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     positions = lattice(settings.outputs, settings.lattice_levels)
     return fit_map(touches, positions, settings.training, generator)
 
 
-def _fit_groups(touches: Floats, settings: Any, generator: np.random.Generator) -> FeatureGroups:
+def _fit_groups(
+    touches: FloatArray, settings: Any, generator: np.random.Generator
+) -> FeatureGroups:
     import numpy as np
 
     # A map orders the features, each described by its value at every touch.
@@ -80,27 +84,27 @@ def _fit_groups(touches: Floats, settings: Any, generator: np.random.Generator) 
     return FeatureGroups(member / np.maximum(member.sum(axis=0), 1))
 
 
-def _keep_features(touches: Floats, *_: object) -> FeatureGroups:
+def _keep_features(touches: FloatArray, *_: object) -> FeatureGroups:
     import numpy as np
 
     return FeatureGroups(np.eye(touches.shape[1]))
 
 
-def _average(fitted: FeatureGroups, touches: Floats) -> Floats:
+def _average(fitted: FeatureGroups, touches: FloatArray) -> FloatArray:
     return touches @ fitted.weights
 
 
-def _average_sizes(fitted: FeatureGroups, sizes: Floats) -> Floats:
+def _average_sizes(fitted: FeatureGroups, sizes: FloatArray) -> FloatArray:
     return sizes @ abs(fitted.weights)
 
 
-def _distance_sizes(fitted: Any, sizes: Floats) -> Floats:
+def _distance_sizes(fitted: Any, sizes: FloatArray) -> FloatArray:
     import numpy as np
 
     return np.linalg.norm(sizes, axis=1)[:, None] + np.linalg.norm(fitted.weights, axis=1)
 
 
-def _one_hot(fitted: Any, touches: Floats) -> Floats:
+def _one_hot(fitted: Any, touches: FloatArray) -> FloatArray:
     import numpy as np
 
     return np.eye(len(fitted.weights))[fitted.nearest(touches)]

@@ -12,8 +12,9 @@ import numpy as np
 import pyarrow as pa
 
 from visuohaptic import __version__
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.certainty import (
     Calibration,
     SequenceClassifier,
@@ -35,7 +36,6 @@ from visuohaptic.recognition.sequences import (
 from visuohaptic.recognition.short_sequences import ShortClassifier, fit_short_classifiers
 from visuohaptic.recognition.splits import check_two_classes
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
-from visuohaptic.seeds import spawn_generator
 
 
 @dataclass(frozen=True)
@@ -47,11 +47,11 @@ class SequenceDescriber:
     parameters: BestParameters
     projection: Projection
 
-    def encode(self, sequences: Floats) -> Floats:
+    def encode(self, sequences: FloatArray) -> FloatArray:
         """Give what the classifier sees: (s, t, k) to (s, q)."""
         return self.projection.apply(self.describe(sequences))
 
-    def describe(self, sequences: Floats) -> Floats:
+    def describe(self, sequences: FloatArray) -> FloatArray:
         """Describe them alone: (s, t, k) to (s, d)."""
         return describe_sequences(sequences, self.names, self.waves, self.parameters)
 
@@ -62,10 +62,10 @@ class _Part:
 
     classifier: SequenceClassifier
     calibration: Calibration | None
-    encoded: Floats
-    touches: Floats
+    encoded: FloatArray
+    touches: FloatArray
 
-    def answer(self) -> Floats:
+    def answer(self) -> FloatArray:
         everything = np.ones((1, len(self.encoded)), dtype=bool)
         return self.classifier.ballots(self.encoded).together(everything)[0]
 
@@ -155,7 +155,7 @@ class RecognitionModel:
                 raise ValueError(f"no probabilities of {len(self.classes)} classes")
 
     def _parts(self, features: pa.Table) -> list[_Part]:
-        by_length: dict[int, list[Floats]] = {}
+        by_length: dict[int, list[FloatArray]] = {}
         for sequences in self._sequences(features):
             length = self._length_for(sequences.shape[1])
             by_length.setdefault(length, []).append(sequences)
@@ -166,7 +166,7 @@ class RecognitionModel:
         lengths = (*self.short, self.touches)
         return min(lengths, key=lambda length: max(length, touches) / min(length, touches))
 
-    def _part(self, length: int, sequences: list[Floats]) -> _Part:
+    def _part(self, length: int, sequences: list[FloatArray]) -> _Part:
         touches = np.concatenate([part.reshape(-1, part.shape[2]) for part in sequences])
         if length in self.short and isinstance(self.encoder, SequenceDescriber):
             short = self.short[length]
@@ -175,7 +175,7 @@ class RecognitionModel:
         encoded = np.concatenate([self.encoder.encode(part) for part in sequences])
         return _Part(self.tuned, self.calibration, encoded, touches)
 
-    def _sequences(self, features: pa.Table) -> list[Floats]:
+    def _sequences(self, features: pa.Table) -> list[FloatArray]:
         """Give all sequences of one object, shape (s, t, k) for each length t."""
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is classified from one touch on.")

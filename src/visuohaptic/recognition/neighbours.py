@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visuohaptic.recognition.arrays import Flags, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters, Fit
 
 
@@ -17,9 +17,9 @@ class NearestNeighbours:
     `members` (n, c) is 1 for the class of each row, 0 for the others. All votes count alike.
     """
 
-    classes_: Integers
-    rows: Floats
-    members: Floats
+    classes_: IntArray
+    rows: FloatArray
+    members: FloatArray
     neighbours: int
 
     @property
@@ -27,7 +27,7 @@ class NearestNeighbours:
         """How many features a row has."""
         return self.rows.shape[1]
 
-    def predict_proba(self, rows: Floats) -> Floats:
+    def predict_proba(self, rows: FloatArray) -> FloatArray:
         """Give each class's share of the votes: (m, d) to (m, c)."""
         from scipy.spatial.distance import cdist
 
@@ -35,11 +35,11 @@ class NearestNeighbours:
         votes = self._nearest(distances) @ self.members
         return votes / votes.sum(axis=1, keepdims=True)
 
-    def predict(self, rows: Floats) -> Integers:
+    def predict(self, rows: FloatArray) -> IntArray:
         """Give the class of the most votes, the first of several: (m, d) to (m,)."""
         return self.classes_[self.predict_proba(rows).argmax(axis=1)]
 
-    def _nearest(self, distances: Floats) -> Flags:
+    def _nearest(self, distances: FloatArray) -> BoolArray:
         last = np.partition(distances, self.neighbours - 1, axis=1)[:, [self.neighbours - 1]]
         nearer, as_far = distances < last, distances == last
         missing = self.neighbours - nearer.sum(axis=1, keepdims=True)
@@ -47,7 +47,7 @@ class NearestNeighbours:
 
 
 def fit_nearest_neighbours(
-    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+    parameters: ClassifierParameters, features: FloatArray, labels: IntArray, _seed: int
 ) -> Fit:
     """Keep training features, (n, d), and their classes, (n,); at most all of them vote."""
     classes = np.unique(labels)

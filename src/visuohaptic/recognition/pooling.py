@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from visuohaptic.recognition.arrays import Flags, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.encoding import ROUNDING
 from visuohaptic.recognition.gaussian import common_covariance
@@ -41,11 +41,11 @@ class BagClassifier:
     The rows of `coefficients` (q, k), and `intercepts` (k,), have mean 0.
     """
 
-    coefficients: Floats
-    intercepts: Floats
-    trained: Integers
+    coefficients: FloatArray
+    intercepts: FloatArray
+    trained: IntArray
 
-    def scores(self, projected: Floats, classes: int) -> Floats:
+    def scores(self, projected: FloatArray, classes: int) -> FloatArray:
         """Give a score a class, 0 for one that training lacked: (n, q) to (n, classes)."""
         found = np.zeros((len(projected), classes))
         found[:, self.trained] = projected @ self.coefficients + self.intercepts
@@ -61,13 +61,13 @@ class Combination:
     """
 
     scales: tuple[float, float]
-    views: Floats
-    temperatures: Floats
-    known: Flags
+    views: FloatArray
+    temperatures: FloatArray
+    known: BoolArray
 
     def probabilities(
-        self, mean_probabilities: Floats, mean_scores: Floats, counts: Floats
-    ) -> Floats:
+        self, mean_probabilities: FloatArray, mean_scores: FloatArray, counts: FloatArray
+    ) -> FloatArray:
         """Give class probabilities (m, c) of bags of `counts` (m,) sequences by both answers' means."""
         logs = np.log(np.maximum(mean_probabilities, LEAST_PROBABILITY))
         summed = logs / self.scales[0] + mean_scores / self.scales[1]
@@ -80,15 +80,15 @@ class Combination:
 class Ballots:
     """What is known of n sequences: probabilities, and scores of the bag classifier if any, (n, c)."""
 
-    probabilities: Floats
-    scores: Floats | None = None
+    probabilities: FloatArray
+    scores: FloatArray | None = None
     combination: Combination | None = None
 
-    def alone(self) -> Floats:
+    def alone(self) -> FloatArray:
         """Give the class probabilities of each sequence by itself, shape (n, c)."""
         return self._answer(self.probabilities, self.scores, np.ones(len(self.probabilities)))
 
-    def together(self, members: Flags) -> Floats:
+    def together(self, members: BoolArray) -> FloatArray:
         """Give the class probabilities (m, c) of bags; `members` (m, n) are their sequences."""
         counts = members.sum(axis=1, dtype=np.float64)
         # Sums first: those of whole votes are exact, so that a tie is one.
@@ -97,7 +97,9 @@ class Ballots:
         scores = None if self.scores is None else count_in @ self.scores / counts[:, None]
         return self._answer(probabilities, scores, counts)
 
-    def _answer(self, probabilities: Floats, scores: Floats | None, counts: Floats) -> Floats:
+    def _answer(
+        self, probabilities: FloatArray, scores: FloatArray | None, counts: FloatArray
+    ) -> FloatArray:
         if scores is None or self.combination is None:
             return probabilities
         return self.combination.probabilities(probabilities, scores, counts)
@@ -107,27 +109,27 @@ class Ballots:
 class Bags:
     """Bags: places of the first one's sequences, then the second's, …; `counts` (m,) of each."""
 
-    places: Integers
-    counts: Integers
+    places: IntArray
+    counts: IntArray
 
     @property
-    def first(self) -> Integers:
+    def first(self) -> IntArray:
         """The place of each bag's first sequence, shape (m,)."""
         return self.places[np.cumsum(self.counts) - self.counts]
 
-    def means(self, rows: Floats) -> Floats:
+    def means(self, rows: FloatArray) -> FloatArray:
         """Take the mean over each bag of rows (n, q), shape (m, q)."""
         from scipy.sparse import csr_array
 
         shares = np.repeat(1 / self.counts, self.counts)
         starts = np.concatenate([[0], np.cumsum(self.counts)])
-        means: Floats = (
+        means: FloatArray = (
             csr_array((shares, self.places, starts), (len(self.counts), len(rows))) @ rows
         )
         return means
 
 
-def spread_choices(total: int, count: int) -> Integers:
+def spread_choices(total: int, count: int) -> IntArray:
     """Choose `count` of `total` places, evenly spread over a ring, in every way: (k, count).
 
     Each place is in as many rows as any other; the first ceil(total / count) rows have them all,
@@ -138,7 +140,7 @@ def spread_choices(total: int, count: int) -> Integers:
     return np.sort((steps + turns[:, None]) % total, axis=1)
 
 
-def spread_bags(owners: Integers, sizes: Sequence[int]) -> Bags:
+def spread_bags(owners: IntArray, sizes: Sequence[int]) -> Bags:
     """Choose bags of every size among each object's sequences, as `spread_choices` spreads them.
 
     `owners` (n,) is the object of each sequence, an object's in the order of views. A size beyond
@@ -154,7 +156,7 @@ def spread_bags(owners: Integers, sizes: Sequence[int]) -> Bags:
 
 
 @cache
-def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[Integers, Integers]:
+def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[IntArray, IntArray]:
     """Give places and counts of the bags of one object with so many sequences."""
     bags = []
     for size in sorted({min(size, total) for size in sizes}):
@@ -163,7 +165,7 @@ def _bag_pattern(total: int, sizes: tuple[int, ...]) -> tuple[Integers, Integers
 
 
 def fit_bag_classifier(
-    projected: Floats, labels: Integers, owners: Integers, sizes: Sequence[int]
+    projected: FloatArray, labels: IntArray, owners: IntArray, sizes: Sequence[int]
 ) -> BagClassifier:
     """Fit the linear discriminant of bags of sequences (n, q), of classes and objects (n,)."""
     bags = spread_bags(owners, sizes)
@@ -181,11 +183,11 @@ def fit_bag_classifier(
 
 
 def fit_combination(
-    probabilities: Floats,
-    scores: Floats,
-    labels: Integers,
-    owners: Integers,
-    known: Flags,
+    probabilities: FloatArray,
+    scores: FloatArray,
+    labels: IntArray,
+    owners: IntArray,
+    known: BoolArray,
     parameters: BestParameters,
 ) -> Combination:
     """Fit how both answers for a bag become one, on held-out sequences of classes and objects (n,).
@@ -208,7 +210,7 @@ def fit_combination(
     return Combination(scales, views, np.array(temperatures), known)
 
 
-def _alike(counts: Integers, owners: Integers) -> list[Flags]:
+def _alike(counts: IntArray, owners: IntArray) -> list[BoolArray]:
     """Tell which bags share each temperature, by ascending numbers of sequences."""
     # One that rests on few objects would be an accident of these: so from the largest number down,
     # numbers are taken together until half of the objects have bags of them.
@@ -224,13 +226,13 @@ def _alike(counts: Integers, owners: Integers) -> list[Flags]:
     return groups[::-1]
 
 
-def _deviation(scores: Floats) -> float:
+def _deviation(scores: FloatArray) -> float:
     """Give the deviation of scores (m, k) from the mean of their row; 1 where it is rounding."""
     found = float((scores - scores.mean(axis=1, keepdims=True)).std())
     return found if found > ROUNDING * np.abs(scores).max() else 1.0
 
 
-def pool_answers(answers: Sequence[Floats], weights: Sequence[float]) -> Floats:
+def pool_answers(answers: Sequence[FloatArray], weights: Sequence[float]) -> FloatArray:
     """Give the weighted geometric mean of answers, shape (c,) each: a logarithmic opinion pool.
 
     It is no surer than the surest of them, as views of an object err alike.
@@ -241,13 +243,15 @@ def pool_answers(answers: Sequence[Floats], weights: Sequence[float]) -> Floats:
     return softmax(shares @ np.log(np.maximum(answers, np.exp(LEAST_SCORE))))
 
 
-def softmax(scores: Floats) -> Floats:
+def softmax(scores: FloatArray) -> FloatArray:
     """Turn scores into probabilities along the last axis."""
     weights = np.exp(scores - scores.max(axis=-1, keepdims=True))
     return weights / weights.sum(axis=-1, keepdims=True)
 
 
-def best_temperature(scores: Floats, labels: Integers, doubt: float = 0.0) -> tuple[float, float]:
+def best_temperature(
+    scores: FloatArray, labels: IntArray, doubt: float = 0.0
+) -> tuple[float, float]:
     """Find the temperature of `TEMPERATURES` with the least mean log loss, and that loss in nats.
 
     `labels` (n,) are the true classes of scores (n, c); `doubt` is the share of the truth that is

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import RecognitionError
 
 # The paper says nothing of how its map was trained; these are our choices.
 RADII = (2.0, 0.5)
@@ -35,21 +35,21 @@ LEARNING_RATE = 0.5
 class SelfOrganisingMap:
     """A fitted map of u units with weights (u, k) at positions (u, a) of a lattice of a axes."""
 
-    weights: Floats
-    positions: Floats
+    weights: FloatArray
+    positions: FloatArray
 
-    def distances(self, touches: Floats) -> Floats:
+    def distances(self, touches: FloatArray) -> FloatArray:
         """Give the Euclidean distances of touches (n, k) to the units, (n, u)."""
         squares = np.square(touches[:, None, :] - self.weights[None, :, :])
         return np.sqrt(squares.sum(axis=-1))
 
-    def nearest(self, touches: Floats) -> Integers:
+    def nearest(self, touches: FloatArray) -> IntArray:
         """Give the nearest unit of n touches, shape (n,); the first one where two are as near."""
         return _nearest(touches, self.weights)
 
 
 def fit_map(
-    rows: Floats, positions: Floats, training: str, generator: np.random.Generator
+    rows: FloatArray, positions: FloatArray, training: str, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map on rows (n, k), by ``batch`` or ``online`` training; `positions` (u, a) are the lattice."""
     if training == "batch":
@@ -58,8 +58,8 @@ def fit_map(
 
 
 def fit_batch_map(
-    touches: Floats,
-    positions: Floats,
+    touches: FloatArray,
+    positions: FloatArray,
     radii: tuple[float, float] = RADII,
     settling_epochs: int = SETTLING_EPOCHS,
 ) -> SelfOrganisingMap:
@@ -84,7 +84,7 @@ def fit_batch_map(
 
 
 def fit_online_map(
-    touches: Floats, positions: Floats, generator: np.random.Generator
+    touches: FloatArray, positions: FloatArray, generator: np.random.Generator
 ) -> SelfOrganisingMap:
     """Fit a map touch by touch, (n, k), with MiniSom, in random order.
 
@@ -112,17 +112,17 @@ def fit_online_map(
     return SelfOrganisingMap(som.get_weights().reshape(-1, touches.shape[1]).copy(), positions)
 
 
-def line(units: int) -> Floats:
+def line(units: int) -> FloatArray:
     """Give the places of units in a row, shape (units, 1)."""
     return np.arange(units, dtype=np.float64)[:, None]
 
 
-def lattice(axes: int, levels: int) -> Floats:
+def lattice(axes: int, levels: int) -> FloatArray:
     """Give the places of a lattice's units, shape (levels ** axes, axes)."""
     return np.array(list(itertools.product(range(levels), repeat=axes)), dtype=np.float64)
 
 
-def _principal_weights(touches: Floats, positions: Floats) -> Floats:
+def _principal_weights(touches: FloatArray, positions: FloatArray) -> FloatArray:
     """Lay the lattice's axes along the touches' principal components, ± 1 sd long."""
     centre = touches.mean(axis=0)
     _, scales, directions = np.linalg.svd(touches - centre, full_matrices=False)
@@ -136,15 +136,15 @@ def _principal_weights(touches: Floats, positions: Floats) -> Floats:
     return centre + (along * scales) @ directions
 
 
-def _nearest(touches: Floats, weights: Floats) -> Integers:
+def _nearest(touches: FloatArray, weights: FloatArray) -> IntArray:
     # |x - w|² without |x|², which is the same for every unit.
     scores = np.square(weights).sum(axis=1) - 2 * (touches @ weights.T)
     return np.argmin(scores, axis=1)
 
 
 def _weighted_means(
-    touches: Floats, winners: Integers, neighbourhood: Floats, previous: Floats
-) -> Floats:
+    touches: FloatArray, winners: IntArray, neighbourhood: FloatArray, previous: FloatArray
+) -> FloatArray:
     won = np.eye(len(neighbourhood))[winners]
     sums, counts = won.T @ touches, won.sum(axis=0)
     share = (neighbourhood @ counts)[:, None]

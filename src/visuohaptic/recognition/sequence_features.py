@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.parameters import SequenceParameters
 
 CONSTANT_TOLERANCE = 1e-12
 """A sequence whose standard deviation is at most this share of its rms counts as constant."""
 
 
-def sequence_features(sequences: Floats, parameters: SequenceParameters) -> Floats:
+def sequence_features(sequences: FloatArray, parameters: SequenceParameters) -> FloatArray:
     """Summarise sequences (s, t, m) by themselves and by the levels of their wavelet transform.
 
     Gives (s, m * (1 + levels) * 3) numbers, by output, then level, then statistic: with the paper's
@@ -26,7 +26,7 @@ def sequence_features(sequences: Floats, parameters: SequenceParameters) -> Floa
     return np.stack(statistics, axis=2).reshape(len(sequences), -1)
 
 
-def wavelet_levels(signals: Floats, parameters: SequenceParameters) -> list[Floats]:
+def wavelet_levels(signals: FloatArray, parameters: SequenceParameters) -> list[FloatArray]:
     """Decompose signals (..., t) along their last axis, one array a level, the finest first.
 
     Raises `RecognitionError` if the wavelet is not one of PyWavelets' discrete ones.
@@ -48,7 +48,7 @@ def wavelet_levels(signals: Floats, parameters: SequenceParameters) -> list[Floa
     return kept
 
 
-def _without_rounding(levels: Floats, signals: Floats) -> Floats:
+def _without_rounding(levels: FloatArray, signals: FloatArray) -> FloatArray:
     """Set a level's coefficients (..., k) to 0 where all are rounding beside their signal (..., t)."""
     # Details of a constant sequence are 0 but for rounding, whose skewness is as large as any.
     largest = np.abs(signals).max(axis=-1, keepdims=True)
@@ -56,7 +56,7 @@ def _without_rounding(levels: Floats, signals: Floats) -> Floats:
     return np.where(rounding, 0.0, levels)
 
 
-def summarise_signals(signals: Floats, correction: int) -> Floats:
+def summarise_signals(signals: FloatArray, correction: int) -> FloatArray:
     """Give standard deviation, rms and skewness along the last axis: (..., t) to (..., 3), finite.
 
     The standard deviation divides by t - correction (by t where t is 1). Skewness is m3 / m2 ** 1.5

@@ -9,9 +9,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Flags, Floats, Integers
-from visuohaptic.seeds import spawn_generator
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.tables.phases import CONTACT_STATES, key_of, keys_of, owners_of
 from visuohaptic.tables.schema import matrix
 
@@ -24,24 +24,24 @@ class TouchSequences:
     place in `objects`.
     """
 
-    features: Floats
+    features: FloatArray
     feature_names: tuple[str, ...]
     objects: tuple[tuple[str, str], ...]
     classes: tuple[str, ...]
-    object_index: Integers
-    viewpoint: Integers
+    object_index: IntArray
+    viewpoint: IntArray
 
     @property
-    def class_of_object(self) -> Integers:
+    def class_of_object(self) -> IntArray:
         """Each object's place in `classes`, shape (o,)."""
         return np.array([self.classes.index(name) for name, _ in self.objects], dtype=np.int64)
 
     @property
-    def labels(self) -> Integers:
+    def labels(self) -> IntArray:
         """Each sequence's class as its place in `classes`, shape (s,)."""
         return self.class_of_object[self.object_index]
 
-    def take(self, sequences: Flags) -> TouchSequences:
+    def take(self, sequences: BoolArray) -> TouchSequences:
         """Take some sequences, of which shape (s,) is true; objects and classes keep their places."""
         return replace(
             self,
@@ -95,7 +95,7 @@ def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
     return replace(sequences, features=np.reshape(features, sequences.features.shape))
 
 
-def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -> list[Floats]:
+def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -> list[FloatArray]:
     """Gather all touches of one object and strategy into sequences of at most so many touches.
 
     Gives all sequences of one length together, (s, t, k), the longest first. A viewpoint with more
@@ -111,7 +111,7 @@ def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -
         )
     values = _finite_matrix(features, feature_names)
     _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
-    by_length: dict[int, list[Floats]] = {}
+    by_length: dict[int, list[FloatArray]] = {}
     for part in np.split(values, starts[1:]):
         for place in range(0, len(part), touches):
             first = max(min(place, len(part) - touches), 0)
@@ -185,7 +185,7 @@ def _check_touches(sequences: pa.Table, length: int) -> None:
             )
 
 
-def _finite_matrix(features: pa.Table, names: Sequence[str]) -> Floats:
+def _finite_matrix(features: pa.Table, names: Sequence[str]) -> FloatArray:
     """Give columns side by side, (n, k), and refuse what is no finite number."""
     values = matrix(features, names)
     bad = np.argwhere(~np.isfinite(values))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.recognition.encoding import fit_standardiser
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
@@ -25,11 +25,11 @@ POSE_CUES = frozenset({"pose", "embedding"})
 class KnownTouches:
     """Touches (m, k) of known objects, each feature times its weight, and each object's first place."""
 
-    weights: Floats
+    weights: FloatArray
     touches: NDArray[np.float32]
-    starts: Integers
+    starts: IntArray
 
-    def nearest(self, touches: Floats) -> float:
+    def nearest(self, touches: FloatArray) -> float:
         """Give the distance of an object, by all its touches (n, k), from the nearest known one.
 
         It is the symmetric Chamfer distance (H. G. Barrow et al., IJCAI 1977): the mean distance of
@@ -37,7 +37,7 @@ class KnownTouches:
         """
         return self.distances(touches).nearest(...)
 
-    def distances(self, touches: Floats) -> TouchDistances:
+    def distances(self, touches: FloatArray) -> TouchDistances:
         """Give the distances of touches (..., k) from all known ones."""
         from sklearn.metrics.pairwise import euclidean_distances
 
@@ -54,7 +54,7 @@ class TouchDistances:
 
     found: NDArray[np.float32]
     there: NDArray[np.float32]
-    starts: Integers
+    starts: IntArray
 
     def nearest(self, chosen: Any) -> float:
         """Give what `KnownTouches.nearest` does, from the touches of an index alone."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.certainty import (
     Calibration,
     Described,
@@ -50,19 +50,19 @@ class ShortClassifier:
     calibration: Calibration | None = None
 
     @property
-    def trained(self) -> Integers:
+    def trained(self) -> IntArray:
         """The classes that training had."""
         return self.bags.trained
 
-    def encode(self, descriptors: Floats) -> Floats:
+    def encode(self, descriptors: FloatArray) -> FloatArray:
         """Project descriptors, (n, d) to (n, p)."""
         return self.projection.apply(self.scaling.apply(descriptors))
 
-    def scores(self, projected: Floats) -> Floats:
+    def scores(self, projected: FloatArray) -> FloatArray:
         """Give a score a class, (n, p) to (n, c)."""
         return self.bags.scores(projected, self.classes)
 
-    def ballots(self, projected: Floats) -> Ballots:
+    def ballots(self, projected: FloatArray) -> Ballots:
         """Give what is known of n sequences, (n, p), for one answer for any of them together."""
         scores = self.scores(projected)
         # The discriminant answers alone: beside it all classes are as likely.

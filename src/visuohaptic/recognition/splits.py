@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Flags, Integers
+from visuohaptic.base.arrays import BoolArray, IntArray
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.parameters import Protocol, ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
 
@@ -20,8 +20,8 @@ class Split:
     """One division of the sequences: its number, from 0, and the places of either part, ascending."""
 
     number: int
-    train: Integers
-    test: Integers
+    train: IntArray
+    test: IntArray
 
 
 def make_splits(
@@ -134,8 +134,8 @@ def grouped_folds(
 
 
 def hold_out_objects(
-    labels: Integers, owners: Integers, folds: int, generator: np.random.Generator
-) -> Iterator[tuple[Flags, list[int]]]:
+    labels: IntArray, owners: IntArray, folds: int, generator: np.random.Generator
+) -> Iterator[tuple[BoolArray, list[int]]]:
     """Deal objects over folds: which sequences, (n,), the other folds have, and the fold's objects.
 
     `labels` and `owners` (n,) are the sequences' classes and objects. Those of two classes at least
@@ -171,5 +171,5 @@ def _viewpoint_splits(sequences: TouchSequences, folds: int) -> list[Split]:
     return [_split(number, fold == number) for number in range(folds)]
 
 
-def _split(number: int, tested: Flags) -> Split:
+def _split(number: int, tested: BoolArray) -> Split:
     return Split(number, np.flatnonzero(~tested), np.flatnonzero(tested))

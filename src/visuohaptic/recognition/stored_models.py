@@ -11,14 +11,14 @@ from typing import Any, get_args, get_type_hints
 import numpy as np
 from pydantic import BaseModel
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.atomic_files import atomic_file
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.gaussian import GaussianClassifier
 from visuohaptic.recognition.maps import FeatureGroups
 from visuohaptic.recognition.model import RecognitionModel
 from visuohaptic.recognition.neighbours import NearestNeighbours
 from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
 from visuohaptic.recognition.support_vectors import SupportVectorMachine
-from visuohaptic.whole_files import whole_file
 
 FORMAT = "visuohaptic recognition model 8"
 
@@ -64,7 +64,7 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
             f"A {model.classifier} can't be saved so that it is safe to load (it needs "
             f"{', '.join(unsafe)}); choose another classifier."
         )
-    with whole_file(path) as unfinished:
+    with atomic_file(path) as unfinished:
         unfinished.write_bytes(content)
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters, Fit
 
 
@@ -21,10 +21,10 @@ class SupportVectorMachine:
     kernel multiplies products, or squared distances, by `scale`; ``poly`` is of the third degree.
     """
 
-    classes_: Integers
-    vectors: Floats
-    weights: Floats
-    intercepts: Floats
+    classes_: IntArray
+    vectors: FloatArray
+    weights: FloatArray
+    intercepts: FloatArray
     kernel: Literal["linear", "poly", "rbf"]
     scale: float
 
@@ -33,7 +33,7 @@ class SupportVectorMachine:
         """How many features a row has."""
         return self.vectors.shape[1]
 
-    def decision_function(self, rows: Floats) -> Floats:
+    def decision_function(self, rows: FloatArray) -> FloatArray:
         """Give a score a class, (n, d) to (n, k): the pairs that it wins, and less than one half for by how much.
 
         Of two classes these are the distances from the border, with both signs.
@@ -44,21 +44,21 @@ class SupportVectorMachine:
         votes, margins = self._votes(pairs), pairs @ self._signs
         return votes + margins / (3 * (np.abs(margins) + 1))
 
-    def predict(self, rows: Floats) -> Integers:
+    def predict(self, rows: FloatArray) -> IntArray:
         """Give the class that wins most pairs, the first of several: (n, d) to (n,)."""
         return self.classes_[self._votes(self._pairs(rows)).argmax(axis=1)]
 
-    def _pairs(self, rows: Floats) -> Floats:
+    def _pairs(self, rows: FloatArray) -> FloatArray:
         """Give the decision of each pair, positive for its first class: (n, d) to (n, p)."""
         values = _KERNELS[self.kernel](rows, self.vectors, self.scale)
         return values @ self.weights + self.intercepts
 
-    def _votes(self, pairs: Floats) -> Floats:
+    def _votes(self, pairs: FloatArray) -> FloatArray:
         won = np.where(pairs > 0, 1.0, -1.0)
         return np.maximum(won[:, :, None] * self._signs, 0).sum(axis=1)
 
     @property
-    def _signs(self) -> Floats:
+    def _signs(self) -> FloatArray:
         """Whether a class is the first (1), the second (-1) or none of a pair, shape (p, k)."""
         first, second = _places_of_pairs(len(self.classes_))
         own = np.eye(len(self.classes_))
@@ -66,7 +66,7 @@ class SupportVectorMachine:
 
 
 def fit_support_vector_machine(
-    parameters: ClassifierParameters, features: Floats, labels: Integers, _seed: int
+    parameters: ClassifierParameters, features: FloatArray, labels: IntArray, _seed: int
 ) -> Fit:
     """Train every pair of classes on features (n, d) and labels (n,).
 
@@ -95,20 +95,20 @@ def fit_support_vector_machine(
     return found, None
 
 
-def _places_of_pairs(classes: int) -> tuple[Integers, Integers]:
+def _places_of_pairs(classes: int) -> tuple[IntArray, IntArray]:
     first, second = np.array(list(combinations(range(classes), 2))).T
     return first, second
 
 
-def _linear(rows: Floats, vectors: Floats, _: float) -> Floats:
+def _linear(rows: FloatArray, vectors: FloatArray, _: float) -> FloatArray:
     return rows @ vectors.T
 
 
-def _polynomial(rows: Floats, vectors: Floats, scale: float) -> Floats:
+def _polynomial(rows: FloatArray, vectors: FloatArray, scale: float) -> FloatArray:
     return (scale * (rows @ vectors.T)) ** 3
 
 
-def _radial(rows: Floats, vectors: Floats, scale: float) -> Floats:
+def _radial(rows: FloatArray, vectors: FloatArray, scale: float) -> FloatArray:
     squares = np.square(rows).sum(axis=1)[:, None] + np.square(vectors).sum(axis=1)
     return np.exp(-scale * np.maximum(squares - 2 * (rows @ vectors.T), 0))
 

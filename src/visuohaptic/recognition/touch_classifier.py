@@ -12,7 +12,7 @@ from sklearn.utils import check_consistent_length, check_random_state
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from visuohaptic.recognition.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.recognition.certainty import one_classifier
 from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.experiment import gather_pipeline
@@ -63,7 +63,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         )
         return self
 
-    def predict_proba(self, X: ArrayLike) -> Floats:
+    def predict_proba(self, X: ArrayLike) -> FloatArray:
         """Give the class probabilities of each row by itself: (n, d) to (n, c)."""
         return self._ballots(X).alone()
 
@@ -72,7 +72,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         found = self.predict_proba(X)
         return self.classes_[found.argmax(axis=1)]
 
-    def predict_objects(self, X: ArrayLike, groups: ArrayLike) -> tuple[NDArray[Any], Floats]:
+    def predict_objects(self, X: ArrayLike, groups: ArrayLike) -> tuple[NDArray[Any], FloatArray]:
         """Give the objects (m,) and their class probabilities (m, c), from all rows of each.
 
         Objects are sorted; `groups` (n,) is the object of each row of `X`, (n, d).
@@ -89,7 +89,7 @@ class TouchClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
 
 def touch_descriptors(
     features: pa.Table, parameters: RecognitionParameters | None = None, seed: int = 2018
-) -> tuple[Floats, NDArray[np.str_], NDArray[np.str_]]:
+) -> tuple[FloatArray, NDArray[np.str_], NDArray[np.str_]]:
     """Give what `TouchClassifier` takes: descriptors (s, d), classes (s,) and objects (s,).
 
     `features` are rows of `tables.FEATURES` of one strategy, whole sequences. The seed draws the

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from visuohaptic.errors import RecognitionError
-from visuohaptic.recognition.arrays import Flags, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import (
     CLASSIFIERS,
@@ -50,9 +50,9 @@ class Projection:
     """Standardised descriptors, projected on principal components: orthonormal columns (d, q)."""
 
     scaling: Standardiser
-    components: Floats
+    components: FloatArray
 
-    def apply(self, descriptors: Floats) -> Floats:
+    def apply(self, descriptors: FloatArray) -> FloatArray:
         """Project descriptors: (n, d) to (n, q)."""
         return self.scaling.apply(descriptors) @ self.components
 
@@ -75,16 +75,16 @@ class TunedClassifier:
     combination: Combination | None = None
 
     @property
-    def trained(self) -> Integers:
+    def trained(self) -> IntArray:
         """The classes that training had."""
         return self.estimator.classes_
 
-    def scores(self, projected: Floats) -> Floats:
+    def scores(self, projected: FloatArray) -> FloatArray:
         """Give the classifier's scores, (n, p) to (n, c)."""
         seen = projected[:, : self.estimator.n_features_in_]
         return class_scores(self.estimator, seen, self.classes)
 
-    def ballots(self, projected: Floats) -> Ballots:
+    def ballots(self, projected: FloatArray) -> Ballots:
         """Give what is known of n sequences, (n, p), for one answer for any of them together."""
         found = softmax(self.scores(projected) / self.temperature)
         if self.bags is None:
@@ -101,8 +101,8 @@ class FoldFits:
     """
 
     projection: Projection
-    train: Floats
-    labels: Integers
+    train: FloatArray
+    labels: IntArray
     bags: BagClassifier | None = None
     classifiers: dict[tuple[ClassifierName, ClassifierParameters], Any] = field(
         default_factory=dict
@@ -114,17 +114,17 @@ class InnerFold:
     """Fits on training sequences without some objects, and these objects' sequences, (m, p)."""
 
     fits: FoldFits
-    projected: Floats
-    held_out_labels: Integers
-    held_out_owners: Integers
+    projected: FloatArray
+    held_out_labels: IntArray
+    held_out_owners: IntArray
 
     @property
-    def held_out(self) -> Floats:
+    def held_out(self) -> FloatArray:
         """What classifiers see of the held-out sequences, (m, q)."""
         return self.projected[:, : self.fits.train.shape[1]]
 
 
-def fit_projection(descriptors: Floats, components: int) -> Projection:
+def fit_projection(descriptors: FloatArray, components: int) -> Projection:
     """Fit scaling and at most so many principal components of training descriptors (n, d)."""
     scaling = fit_standardiser(descriptors, "standardise")
     spread, directions = _principal_directions(scaling.apply(descriptors))
@@ -137,7 +137,7 @@ def fit_projection(descriptors: Floats, components: int) -> Projection:
 
 
 def fit_shared(
-    descriptors: Floats, labels: Integers, owners: Integers, parameters: BestParameters
+    descriptors: FloatArray, labels: IntArray, owners: IntArray, parameters: BestParameters
 ) -> FoldFits:
     """Fit what all classifiers share on training descriptors (n, d) of classes and objects (n,).
 
@@ -155,7 +155,7 @@ def fit_shared(
     return FoldFits(projection, seen, labels, bags)
 
 
-def _principal_directions(rows: Floats) -> tuple[Floats, Floats]:
+def _principal_directions(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Give singular values, descending, and right singular vectors as rows, of (n, d)."""
     if len(rows) < rows.shape[1]:
         return _directions_of_few(rows)
@@ -164,7 +164,7 @@ def _principal_directions(rows: Floats) -> tuple[Floats, Floats]:
     return np.sqrt(np.maximum(squares[::-1], 0)), vectors[:, ::-1].T
 
 
-def _directions_of_few(rows: Floats) -> tuple[Floats, Floats]:
+def _directions_of_few(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     # By the Gram matrix, where rounding can't be taken for spread.
     squares, vectors = np.linalg.eigh(rows @ rows.T)
     spread = np.sqrt(np.maximum(squares[::-1], 0))
@@ -179,9 +179,9 @@ def _directions_of_few(rows: Floats) -> tuple[Floats, Floats]:
 
 
 def make_inner_folds(
-    descriptors: Floats,
-    labels: Integers,
-    owners: Integers,
+    descriptors: FloatArray,
+    labels: IntArray,
+    owners: IntArray,
     parameters: BestParameters,
     generator: np.random.Generator,
     memory: FitMemory | None = None,
@@ -253,9 +253,9 @@ def fit_tuned_classifier(
 
 
 def fit_best_classifiers(
-    descriptors: Floats,
-    labels: Integers,
-    owners: Integers,
+    descriptors: FloatArray,
+    labels: IntArray,
+    owners: IntArray,
     classes: int,
     parameters: RecognitionParameters,
     generator: np.random.Generator,
@@ -282,7 +282,7 @@ def fit_best_classifiers(
     return fits.projection, [(name, fitted, note) for name, (fitted, note) in found]
 
 
-def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
+def class_scores(estimator: Any, projected: FloatArray, classes: int) -> FloatArray:
     """Give a finite score a class, (n, q) to (n, c), `LEAST_SCORE` to one that training lacked."""
     if hasattr(estimator, "predict_log_proba"):
         with np.errstate(divide="ignore"):  # a tree's leaf may hold a single class
@@ -299,7 +299,7 @@ def class_scores(estimator: Any, projected: Floats, classes: int) -> Floats:
 
 
 def _combine(
-    probabilities: Floats, folds: Sequence[InnerFold], known: Flags, best: BestParameters
+    probabilities: FloatArray, folds: Sequence[InnerFold], known: BoolArray, best: BestParameters
 ) -> Combination:
     """Combine with the folds' classifiers of bags; where one is missing, without held-out sequences."""
     scored = [(fold, fold.fits.bags) for fold in folds if fold.fits.bags is not None]

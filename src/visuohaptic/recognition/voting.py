@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.recognition.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 
 
 def vote_credit(
-    owners: Integers, predicted: Integers, true_class: Integers
-) -> tuple[Integers, Floats]:
+    owners: IntArray, predicted: IntArray, true_class: IntArray
+) -> tuple[IntArray, FloatArray]:
     """Give the objects' credits in a majority vote of their sequences.
 
     First come the objects that have sequences, (m,), ascending, then their credits (m,). An object

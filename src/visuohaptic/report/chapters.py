@@ -9,7 +9,7 @@ from __future__ import annotations
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import Reads, Section, figures_of, study_sections
+from visuohaptic.report.section import Section, SourceTable, figures_of, study_sections
 from visuohaptic.report.studies import names_of_own_studies
 from visuohaptic.tables.phases import EFFECTS, FEATURES, FIXATIONS, PREDICTIONS, TOUCHES, VIEWS
 from visuohaptic.tables.stability import STABILITY
@@ -23,14 +23,16 @@ _SHARE = "share of rows with predicted = class, averaged over splits"
 _VOTES = "Whole objects: voted, or the majority of predicted where it is missing"
 
 
-def _of_own_studies(run: Run) -> list[Reads]:
+def _of_own_studies(run: Run) -> list[SourceTable]:
     return [figures_of(name) for name in names_of_own_studies(run)]
 
 
-BEST = Reads(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", "best")
-COSTS = Reads("Settings of this run", COST, "frontier")
-STABLE = Reads("Each object's numbers", STABILITY, "stability")
-INFLUENCE = Reads("Run time of effects, changes of images", EFFECT_INFLUENCE, "effect_influence")
+BEST = SourceTable(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", "best")
+COSTS = SourceTable("Settings of this run", COST, "frontier")
+STABLE = SourceTable("Each object's numbers", STABILITY, "stability")
+INFLUENCE = SourceTable(
+    "Run time of effects, changes of images", EFFECT_INFLUENCE, "effect_influence"
+)
 
 CHAPTERS = {
     "Answers": (
@@ -40,8 +42,8 @@ CHAPTERS = {
         Section(
             "method", "The method on one object of this run", sections.method_values,
             (
-                Reads("The touches shown", TOUCHES, "touches", "view"),
-                Reads("Contourlet deviations, 01 to 16", FEATURES, "features", "touch"),
+                SourceTable("The touches shown", TOUCHES, "touches", "view"),
+                SourceTable("Contourlet deviations, 01 to 16", FEATURES, "features", "touch"),
             ),
         ),
     ),
@@ -49,17 +51,17 @@ CHAPTERS = {
         Section(
             "comparison", "The classifiers", sections.comparison_values,
             (
-                Reads(f"Accuracy: {_SHARE}", PREDICTIONS, "predictions", "pipelines"),
-                Reads(_VOTES, PREDICTIONS, "predictions", "pipelines"),
+                SourceTable(f"Accuracy: {_SHARE}", PREDICTIONS, "predictions", "pipelines"),
+                SourceTable(_VOTES, PREDICTIONS, "predictions", "pipelines"),
             ),
         ),
         Section(
             "confusion", "Which classes are confused", sections.confusion_values,
-            (Reads("Number of rows", PREDICTIONS, "predictions", "first best"),),
+            (SourceTable("Number of rows", PREDICTIONS, "predictions", "first best"),),
         ),
         Section(
             "evaluation", "Objects that the model has not learnt", sections.evaluation_values,
-            (Reads("Objects not learnt", EVALUATION, "evaluation"),),
+            (SourceTable("Objects not learnt", EVALUATION, "evaluation"),),
         ),
     ),
     "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, (COSTS,)),),
@@ -74,22 +76,22 @@ CHAPTERS = {
             (
                 INFLUENCE,
                 figures_of("effects"),
-                Reads("Places touched in each scene", TOUCHES, "touches", "view"),
+                SourceTable("Places touched in each scene", TOUCHES, "touches", "view"),
             ),
         ),
         Section(
             "effects", "Simulated effects, and effects not needed", sections.effects_values,
-            (Reads("Effects", EFFECTS, "effects"), Reads("Channels of attention", VIEWS, "views")),
+            (SourceTable("Effects", EFFECTS, "effects"), SourceTable("Channels of attention", VIEWS, "views")),
         ),
     ),
     "Objects": (
         Section(
             "objects", "The objects", sections.objects_values,
             (
-                Reads("Views and maps", VIEWS, "views"),
-                Reads("Fixations, and which were touched", FIXATIONS, "fixations", "fixations"),
-                Reads("Imprints, sizes and contact states", TOUCHES, "touches"),
-                Reads("Classes predicted", PREDICTIONS, "predictions", "first best"),
+                SourceTable("Views and maps", VIEWS, "views"),
+                SourceTable("Fixations, and which were touched", FIXATIONS, "fixations", "fixations"),
+                SourceTable("Imprints, sizes and contact states", TOUCHES, "touches"),
+                SourceTable("Classes predicted", PREDICTIONS, "predictions", "first best"),
             ),
         ),
     ),

@@ -14,14 +14,14 @@ import numpy as np
 import pandas as pd
 from pydantic import BaseModel, Field, PositiveFloat, ValidationError
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
+from visuohaptic.base.optional_packages import require
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import compare_paired
-from visuohaptic.optional_packages import require
 from visuohaptic.parameters import leaves
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.run import METRICS
-from visuohaptic.seeds import spawn_generator
 
 CELL = ["pipeline", "strategy", "classifier"]
 VALUE = ["value", "low", "high"]

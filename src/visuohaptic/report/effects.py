@@ -17,7 +17,7 @@ from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import counted, listed, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
-from visuohaptic.sensor.gallery import touch_gallery
+from visuohaptic.sensor.example_shapes import touch_gallery
 from visuohaptic.studies.effects.influence import measured_scenes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE

@@ -17,7 +17,7 @@ import pyarrow as pa
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style

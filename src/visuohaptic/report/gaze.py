@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet as pq
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import object_intervals
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval

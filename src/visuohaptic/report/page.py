@@ -19,6 +19,7 @@ from jinja2 import (
 )
 from markupsafe import Markup
 
+from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.published import PAPER
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report import figures, wording
@@ -33,7 +34,6 @@ from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, Section, find_sources
 from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
 from visuohaptic.report.tables import NONE, NUMBER, each, table
-from visuohaptic.whole_files import write_whole
 
 PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
 
@@ -45,7 +45,7 @@ def make_report(
     objects: Sequence[str],
 ) -> None:
     """Write the report of a run, completely or not at all."""
-    write_whole(output, render_page(read_run(files, parameters, objects)))
+    atomic_write_text(output, render_page(read_run(files, parameters, objects)))
 
 
 def render_page(run: Run) -> str:

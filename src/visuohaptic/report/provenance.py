@@ -12,7 +12,7 @@ from pathlib import Path
 
 import visuohaptic
 from visuohaptic import pipeline
-from visuohaptic.job_logs import JobSeconds, read_seconds
+from visuohaptic.io.job_logs import JobSeconds, read_seconds
 
 PHASES = ("downloads", *(phase.name for phase in pipeline.PHASES), "metrics")
 _PACKAGE = Path(visuohaptic.__file__).parent

@@ -10,7 +10,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.geometry.surface import object_of, set_aside_reason
 from visuohaptic.meshes.catalogue import Credit, find_own_models, models_of_set, read_credits
 from visuohaptic.parameters import ExperimentParameters, read_parameters

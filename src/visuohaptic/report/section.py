@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.report.cost import read_cost
 from visuohaptic.report.effects import influence_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
@@ -26,7 +26,7 @@ Rows = Mapping[str, str | int]
 
 
 @dataclass(frozen=True)
-class Reads:
+class SourceTable:
     """A table that a section shows: what of it, which `files` as `Run.parts` takes them, and which `rows`, by a name in `_rows`."""
 
     what: str
@@ -75,7 +75,7 @@ class Section:
     name: str
     title: str
     values: Callable[[ReportContext], Values | None]
-    reads: Sequence[Reads] | Callable[[Run], Sequence[Reads]] = ()
+    reads: Sequence[SourceTable] | Callable[[Run], Sequence[SourceTable]] = ()
     folder: Path | None = None
 
     @property
@@ -84,9 +84,9 @@ class Section:
         return f"{self.name}{'/section' if self.folder else ''}.html.jinja"
 
 
-def figures_of(study: str) -> Reads:
+def figures_of(study: str) -> SourceTable:
     """Give the table of a study's figures, as a section reads it."""
-    return Reads(f"Study {study}", STUDY_FIGURES, f"studies/{study}")
+    return SourceTable(f"Study {study}", STUDY_FIGURES, f"studies/{study}")
 
 
 def study_anchor(study: str) -> str:
@@ -113,7 +113,7 @@ def study_sections(folders: Iterable[str | Path]) -> list[Section]:
 class Source:
     """What was read: `file` is a path, or a pattern of paths, relative to the run's folder."""
 
-    reads: Reads
+    reads: SourceTable
     file: str
     rows: Rows
 
@@ -133,7 +133,7 @@ def find_sources(section: Section, run: Run, page: ObjectPage) -> Iterator[Sourc
     for one in section.reads(run) if callable(section.reads) else section.reads:
         files = run.parts(one.files)
         for rows in _rows(run, page)[one.rows] if files else ():
-            own = narrowed(files, rows)
+            own = files_of_rows(files, rows)
             place = place_of(run, own)
             if len(own) > 1:
                 deep = len({file.parent for file in own}) > 1
@@ -155,7 +155,7 @@ def _rows(run: Run, page: ObjectPage) -> dict[str, list[Rows]]:
     }
 
 
-def narrowed(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
+def files_of_rows(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
     """Keep the files of the pipeline or the object that is selected, where they have their own."""
     place = str(rows.get("pipeline", f"{rows.get('class')}/{rows.get('object')}"))
     own = [file for file in files if file.parent.as_posix().endswith(f"/{place}")]

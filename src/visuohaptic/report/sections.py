@@ -11,8 +11,8 @@ from typing import Any
 from visuohaptic.attention.pyramid import CENTRE_LEVELS, SURROUND_OFFSETS
 from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
+from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.plugins import loaded
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
@@ -42,7 +42,7 @@ from visuohaptic.report.questions import (
     variants_sentence,
 )
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import ReportContext, Values, narrowed, place_of
+from visuohaptic.report.section import ReportContext, Values, files_of_rows, place_of
 from visuohaptic.report.stability import (
     describe_checks,
     describe_hard_cases,
@@ -88,7 +88,7 @@ print(f"{{row['seconds']:.4f}} s, error rate {{100 * row['error']:.1f}} %")"""
 
 def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
     """Give the lines that print `shown`, of the ``shares`` that the answers' classifier gets right by strategy."""
-    place = place_of(run, narrowed(run.parts("predictions"), {"pipeline": table.name}))
+    place = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
     return _SHARES.format(
         place=place.as_posix(), pipeline=table.name, classifier=row_of(table).key, shown=shown
     )
@@ -100,7 +100,7 @@ def recount_cost(run: Run, row: Mapping[str, Any]) -> str:
     return _COST.format(place=place, family=row["family"], setting=row["setting"])
 
 
-def given(**values: object) -> Values | None:
+def values_or_none(**values: object) -> Values | None:
     """Give a section's values, or None where one of them is missing or empty."""
     return values if all(values.values()) else None
 
@@ -190,7 +190,7 @@ def own_studies_values(context: ReportContext) -> Values | None:
     """Give the studies that bring no section of their own."""
     folder = context.run.file_of("studies")
     studies = [read_study(folder, name) for name in names_of_own_studies(context.run)]
-    return given(studies=[study for study in studies if study])
+    return values_or_none(studies=[study for study in studies if study])
 
 
 def cost_values(context: ReportContext) -> Values | None:

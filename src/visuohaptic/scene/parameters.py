@@ -14,7 +14,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 
-from visuohaptic.errors import RegistryError
+from visuohaptic.base.errors import RegistryError
 
 Mode = Literal["auto", "always", "never"]
 Cover = Literal["none", "winkler", "half_space"]

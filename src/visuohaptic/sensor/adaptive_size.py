@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.imprints import RAYS_IN_FLIGHT, Poses, sensing_offsets
 
@@ -13,7 +13,7 @@ PERIMETER_RAYS = 128
 _STAND_CLEAR = 1e-9
 
 
-def box_heights(caster: RayCaster, poses: Poses) -> Floats:
+def box_heights(caster: RayCaster, poses: Poses) -> FloatArray:
     """Find how far (n,) the object's bounding box reaches above each tangent plane, in object radii."""
     corners = np.where(
         poses.normals > 0, caster.bounds[1] - poses.points, caster.bounds[0] - poses.points
@@ -21,7 +21,7 @@ def box_heights(caster: RayCaster, poses: Poses) -> Floats:
     return (corners * poses.normals).sum(axis=1)
 
 
-def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> Floats:
+def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> FloatArray:
     """Find how far (n,) a square can grow before the surface crosses its plane, in object radii.
 
     The plane is at a height above the tangent plane: the penetration tolerance. The surface that
@@ -45,7 +45,7 @@ def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> Floats:
     return free
 
 
-def unobstructed_half_sizes(heights: Floats, sizes: Floats, tolerance: float) -> Floats:
+def unobstructed_half_sizes(heights: FloatArray, sizes: FloatArray, tolerance: float) -> FloatArray:
     """Find the half edge (n,) of the square within which no sensing point stands above a tolerance.
 
     It is the distance in the maximum norm from the centre to the nearest penetrated sensing point,
@@ -58,7 +58,7 @@ def unobstructed_half_sizes(heights: Floats, sizes: Floats, tolerance: float) ->
     return 0.5 * sizes * nearest
 
 
-def approach_distances(caster: RayCaster, poses: Poses, height: float) -> Floats:
+def approach_distances(caster: RayCaster, poses: Poses, height: float) -> FloatArray:
     """Find how far (n,) above its tangent plane each sensor's centre can be drawn back along its normal.
 
     The way starts at a height above the plane; it is infinite where it is open. All in object
@@ -68,12 +68,12 @@ def approach_distances(caster: RayCaster, poses: Poses, height: float) -> Floats
     return height + caster.first_hits(origins, poses.normals).distance
 
 
-def admissible_sizes(half_sizes: Floats, smallest: float, largest: float) -> Floats:
+def admissible_sizes(half_sizes: FloatArray, smallest: float, largest: float) -> FloatArray:
     """Give the edge of the square from the half size within which nothing penetrates, in object radii."""
     return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)
 
 
-def _perimeter_directions() -> Floats:
+def _perimeter_directions() -> FloatArray:
     side = PERIMETER_RAYS // 4
     along = -1 + 2 * np.arange(side) / side
     edge = np.ones(side)

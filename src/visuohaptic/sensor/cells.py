@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 
 
-def respond_to_force(pressures: Floats, break_pressure: float, saturation: float) -> Floats:
+def respond_to_force(pressures: FloatArray, break_pressure: float, saturation: float) -> FloatArray:
     """Give the conductance of force sensing resistors under pressures of full scale, of any shape.
 
     ``G ∝ p / (1 + p / p_sat)`` at or above the break pressure, none below: conductance is about
@@ -22,7 +22,7 @@ def respond_to_force(pressures: Floats, break_pressure: float, saturation: float
     return np.where(conducting, pressures * ((1 + saturation) / (1 + saturation * pressures)), 0.0)
 
 
-def scatter_gains(outputs: Floats, scatter: float, deviates: Floats) -> Floats:
+def scatter_gains(outputs: FloatArray, scatter: float, deviates: FloatArray) -> FloatArray:
     """Give each cell of outputs (n, r, r) its own gain, none of them negative.
 
     `scatter` is the gains' standard deviation; parts of one batch scatter by some 6 % (Interlink
@@ -31,7 +31,7 @@ def scatter_gains(outputs: Floats, scatter: float, deviates: Floats) -> Floats:
     return outputs * np.maximum(1 + scatter * deviates, 0.0)
 
 
-def remember_peak(outputs: Floats, peaks: Floats, excess: float) -> Floats:
+def remember_peak(outputs: FloatArray, peaks: FloatArray, excess: float) -> FloatArray:
     """Give the output on release from a peak: hysteresis.
 
     ``y = x + 2 e x (1 - x / m)`` for the peak m: no excess at the peak and at zero, the share e at
@@ -43,7 +43,7 @@ def remember_peak(outputs: Floats, peaks: Floats, excess: float) -> Floats:
     return outputs + 2 * excess * outputs * (1 - share)
 
 
-def drift(outputs: Floats, held_s: float, reference_s: float, per_decade: float) -> Floats:
+def drift(outputs: FloatArray, held_s: float, reference_s: float, per_decade: float) -> FloatArray:
     """Let outputs creep with the logarithm of the time under load.
 
     ``y = x (1 + k log10(t / t0))`` after the reference time t0; less than 5 % a decade (Interlink

@@ -8,24 +8,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Booleans, Floats
-from visuohaptic.registry import Registry
+from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.base.registry import Registry
 from visuohaptic.scene.parameters import Scene, check_free, grow_scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
+from visuohaptic.sensor.effect_pipeline import (
+    Effect,
+    EffectDecision,
+    Signal,
+    TouchBatch,
+    apply_effect,
+)
 from visuohaptic.sensor.elastic import half_space_pressures, winkler_pressures
-from visuohaptic.sensor.planner import Effect, Need, Signal, Situation, apply_effect
 from visuohaptic.sensor.readout import quantise, read_floating, read_grounded
 
 
-def simulate(situation: Situation, contact: Floats) -> tuple[Floats, tuple[EffectRecord, ...]]:
+def simulate(batch: TouchBatch, contact: FloatArray) -> tuple[FloatArray, tuple[EffectRecord, ...]]:
     """Apply all effects that the scene needs, in the order of `EFFECTS`.
 
     `contact` (n, r, r) is the output, in [0, 1], of a sensor without a cover. Gives the readings
     (n, r, r), of full scale, clipped to [0, 1].
     """
-    modes = situation.scene.effects
-    covered = situation.scene.cover != "none" and modes.elastic_cover != "never"
+    modes = batch.scene.effects
+    covered = batch.scene.cover != "none" and modes.elastic_cover != "never"
     outputs = np.zeros_like(contact) if covered else contact
     signal = Signal(outputs, outputs)
     records = []
@@ -33,7 +39,7 @@ def simulate(situation: Situation, contact: Floats) -> tuple[Floats, tuple[Effec
         mode = getattr(modes, effect.name, None)
         if mode is None:  # the scene was made before a plug-in brought the effect
             continue
-        signal, record = apply_effect(effect, mode, situation, signal)
+        signal, record = apply_effect(effect, mode, batch, signal)
         records.append(record)
     # Adding zero turns a negative zero into zero.
     return np.clip(signal.now, 0.0, 1.0) + 0.0, tuple(records)
@@ -57,103 +63,105 @@ def peak_depth_m(scene: Scene) -> float:
     return float(depths[since:].max())
 
 
-def _everywhere(situation: Situation, reason: str) -> Need:
-    return Need(np.ones(len(situation), dtype=bool), reason)
+def _everywhere(batch: TouchBatch, reason: str) -> EffectDecision:
+    return EffectDecision(np.ones(len(batch), dtype=bool), reason)
 
 
-def _nowhere(situation: Situation, reason: str) -> Need:
-    return Need(np.zeros(len(situation), dtype=bool), reason)
+def _nowhere(batch: TouchBatch, reason: str) -> EffectDecision:
+    return EffectDecision(np.zeros(len(batch), dtype=bool), reason)
 
 
-def _any_cell(cells: Booleans) -> Booleans:
+def _any_cell(cells: BoolArray) -> BoolArray:
     return np.logical_or.reduce(cells.reshape(len(cells), -1), axis=1)
 
 
-def _loaded(outputs: Floats, reason: str) -> Need:
-    return Need(_any_cell(outputs > 0), f"{reason}, where any cell is loaded")
+def _loaded(outputs: FloatArray, reason: str) -> EffectDecision:
+    return EffectDecision(_any_cell(outputs > 0), f"{reason}, where any cell is loaded")
 
 
-def _need_elastic_cover(situation: Situation, _: Signal) -> Need:
-    scene = situation.scene
+def _need_elastic_cover(batch: TouchBatch, _: Signal) -> EffectDecision:
+    scene = batch.scene
     if scene.cover == "none":
-        return _nowhere(situation, "the sensor has no cover")
-    reached = _any_cell(situation.gaps_m < peak_depth_m(scene))
-    return Need(reached, f"a {scene.cover} cover, where the press reaches the object")
+        return _nowhere(batch, "the sensor has no cover")
+    reached = _any_cell(batch.gaps_m < peak_depth_m(scene))
+    return EffectDecision(reached, f"a {scene.cover} cover, where the press reaches the object")
 
 
-def _run_elastic_cover(situation: Situation, signal: Signal) -> Signal:
-    scene = situation.scene
+def _run_elastic_cover(batch: TouchBatch, signal: Signal) -> Signal:
+    scene = batch.scene
     if scene.cover == "none":
         return signal
-    now = _pressures(situation, scene.press_depths_m[-1])
+    now = _pressures(batch, scene.press_depths_m[-1])
     peak_depth = peak_depth_m(scene)
     released = peak_depth > scene.press_depths_m[-1]
-    return Signal(now, _pressures(situation, peak_depth) if released else now)
+    return Signal(now, _pressures(batch, peak_depth) if released else now)
 
 
-def _pressures(situation: Situation, depth_m: float) -> Floats:
-    scene = situation.scene
-    indentations = depth_m - situation.gaps_m
+def _pressures(batch: TouchBatch, depth_m: float) -> FloatArray:
+    scene = batch.scene
+    indentations = depth_m - batch.gaps_m
     elastic = (scene.cover_modulus_pa, scene.cover_poisson_ratio)
     if scene.cover == "winkler":
         pressures = winkler_pressures(indentations, *elastic, scene.cover_thickness_m)
     else:
-        pressures = half_space_pressures(indentations, situation.cell_edges_m, *elastic)
+        pressures = half_space_pressures(indentations, batch.cell_edges_m, *elastic)
     return pressures / scene.full_scale_pressure_pa
 
 
-def _need_force_response(situation: Situation, signal: Signal) -> Need:
-    scene = situation.scene
+def _need_force_response(batch: TouchBatch, signal: Signal) -> EffectDecision:
+    scene = batch.scene
     if scene.saturation_pressure_pa is None and scene.break_pressure_pa == 0:
-        return _nowhere(situation, "conductance is linear in pressure")
+        return _nowhere(batch, "conductance is linear in pressure")
     return _loaded(signal.peak, "conductance has a break or saturates")
 
 
-def _run_force_response(situation: Situation, signal: Signal) -> Signal:
-    scene = situation.scene
+def _run_force_response(batch: TouchBatch, signal: Signal) -> Signal:
+    scene = batch.scene
     break_pressure = scene.break_pressure_pa / scene.full_scale_pressure_pa
     limit = scene.saturation_pressure_pa
     saturation = 0.0 if limit is None else scene.full_scale_pressure_pa / limit
     return signal.map(lambda values: respond_to_force(values, break_pressure, saturation))
 
 
-def _need_gain_scatter(situation: Situation, signal: Signal) -> Need:
-    if situation.scene.gain_scatter == 0:
-        return _nowhere(situation, "all cells have one gain")
-    return _loaded(signal.peak, f"gains scatter by {situation.scene.gain_scatter:g}")
+def _need_gain_scatter(batch: TouchBatch, signal: Signal) -> EffectDecision:
+    if batch.scene.gain_scatter == 0:
+        return _nowhere(batch, "all cells have one gain")
+    return _loaded(signal.peak, f"gains scatter by {batch.scene.gain_scatter:g}")
 
 
-def _run_gain_scatter(situation: Situation, signal: Signal) -> Signal:
-    scatter = situation.scene.gain_scatter
-    deviates = situation.random.of_sensor("gain_scatter").standard_normal(signal.now.shape[1:])
+def _run_gain_scatter(batch: TouchBatch, signal: Signal) -> Signal:
+    scatter = batch.scene.gain_scatter
+    deviates = batch.random.of_sensor("gain_scatter").standard_normal(signal.now.shape[1:])
     return signal.map(lambda values: scatter_gains(values, scatter, deviates))
 
 
-def _need_hysteresis(situation: Situation, signal: Signal) -> Need:
-    if situation.scene.hysteresis == 0:
-        return _nowhere(situation, "the cells have no hysteresis")
+def _need_hysteresis(batch: TouchBatch, signal: Signal) -> EffectDecision:
+    if batch.scene.hysteresis == 0:
+        return _nowhere(batch, "the cells have no hysteresis")
     if signal.peak is signal.now:
-        return _nowhere(situation, "nothing was released before the reading")
+        return _nowhere(batch, "nothing was released before the reading")
     released = _any_cell(signal.peak > signal.now)
-    return Need(released, "the reading follows a release, where a cell was loaded more before")
+    return EffectDecision(
+        released, "the reading follows a release, where a cell was loaded more before"
+    )
 
 
-def _run_hysteresis(situation: Situation, signal: Signal) -> Signal:
-    now = remember_peak(signal.now, signal.peak, situation.scene.hysteresis)
+def _run_hysteresis(batch: TouchBatch, signal: Signal) -> Signal:
+    now = remember_peak(signal.now, signal.peak, batch.scene.hysteresis)
     return Signal(now, now)
 
 
-def _need_drift(situation: Situation, signal: Signal) -> Need:
-    scene = situation.scene
+def _need_drift(batch: TouchBatch, signal: Signal) -> EffectDecision:
+    scene = batch.scene
     if scene.drift_per_decade == 0:
-        return _nowhere(situation, "the cells don't drift")
+        return _nowhere(batch, "the cells don't drift")
     if scene.hold_time_s <= scene.drift_reference_s:
-        return _nowhere(situation, "the reading is taken before drift counts")
+        return _nowhere(batch, "the reading is taken before drift counts")
     return _loaded(signal.now, f"held for {scene.hold_time_s:g} s")
 
 
-def _run_drift(situation: Situation, signal: Signal) -> Signal:
-    scene = situation.scene
+def _run_drift(batch: TouchBatch, signal: Signal) -> Signal:
+    scene = batch.scene
     return signal.map(
         lambda values: drift(
             values, scene.hold_time_s, scene.drift_reference_s, scene.drift_per_decade
@@ -161,31 +169,31 @@ def _run_drift(situation: Situation, signal: Signal) -> Signal:
     )
 
 
-def _need_dead_cells(situation: Situation, signal: Signal) -> Need:
-    if situation.scene.dead_fraction == 0:
-        return _nowhere(situation, "no cell is dead")
-    return _loaded(signal.now, f"cells are dead with probability {situation.scene.dead_fraction:g}")
+def _need_dead_cells(batch: TouchBatch, signal: Signal) -> EffectDecision:
+    if batch.scene.dead_fraction == 0:
+        return _nowhere(batch, "no cell is dead")
+    return _loaded(signal.now, f"cells are dead with probability {batch.scene.dead_fraction:g}")
 
 
-def _run_dead_cells(situation: Situation, signal: Signal) -> Signal:
-    chances = situation.random.of_sensor("dead_cells").random(signal.now.shape[1:])
-    dead = chances < situation.scene.dead_fraction
+def _run_dead_cells(batch: TouchBatch, signal: Signal) -> Signal:
+    chances = batch.random.of_sensor("dead_cells").random(signal.now.shape[1:])
+    dead = chances < batch.scene.dead_fraction
     return signal.map(lambda values: np.where(dead, 0.0, values))
 
 
-def _need_crosstalk(situation: Situation, signal: Signal) -> Need:
-    scene = situation.scene
+def _need_crosstalk(batch: TouchBatch, signal: Signal) -> EffectDecision:
+    scene = batch.scene
     if scene.readout == "ideal":
-        return _nowhere(situation, "each cell is read alone")
+        return _nowhere(batch, "each cell is read alone")
     if scene.readout == "floating":
-        return _everywhere(situation, "other lines are left open")
+        return _everywhere(batch, "other lines are left open")
     if scene.line_resistance_ohm == 0:
-        return _nowhere(situation, "lines have no resistance")
+        return _nowhere(batch, "lines have no resistance")
     return _loaded(signal.now, f"lines of {scene.line_resistance_ohm:g} ohm")
 
 
-def _run_crosstalk(situation: Situation, signal: Signal) -> Signal:
-    scene = situation.scene
+def _run_crosstalk(batch: TouchBatch, signal: Signal) -> Signal:
+    scene = batch.scene
     scale = scene.full_scale_conductance_s
     if scene.readout == "floating":
         return signal.map(
@@ -196,26 +204,26 @@ def _run_crosstalk(situation: Situation, signal: Signal) -> Signal:
     return signal.map(lambda values: read_grounded(values, resistance * scale))
 
 
-def _need_noise(situation: Situation, _: Signal) -> Need:
-    if situation.scene.noise == 0:
-        return _nowhere(situation, "the amplifier has no noise")
-    return _everywhere(situation, f"noise of {situation.scene.noise:g} of full scale")
+def _need_noise(batch: TouchBatch, _: Signal) -> EffectDecision:
+    if batch.scene.noise == 0:
+        return _nowhere(batch, "the amplifier has no noise")
+    return _everywhere(batch, f"noise of {batch.scene.noise:g} of full scale")
 
 
-def _run_noise(situation: Situation, signal: Signal) -> Signal:
-    deviates = situation.random.of_touches("noise", signal.now.shape[-1])
-    now = signal.now + situation.scene.noise * deviates
+def _run_noise(batch: TouchBatch, signal: Signal) -> Signal:
+    deviates = batch.random.of_touches("noise", signal.now.shape[-1])
+    now = signal.now + batch.scene.noise * deviates
     return Signal(now, now)
 
 
-def _need_quantisation(situation: Situation, _: Signal) -> Need:
-    if situation.scene.bits is None:
-        return _nowhere(situation, "outputs are not rounded")
-    return _everywhere(situation, f"a converter of {situation.scene.bits} bits")
+def _need_quantisation(batch: TouchBatch, _: Signal) -> EffectDecision:
+    if batch.scene.bits is None:
+        return _nowhere(batch, "outputs are not rounded")
+    return _everywhere(batch, f"a converter of {batch.scene.bits} bits")
 
 
-def _run_quantisation(situation: Situation, signal: Signal) -> Signal:
-    bits = situation.scene.bits
+def _run_quantisation(batch: TouchBatch, signal: Signal) -> Signal:
+    bits = batch.scene.bits
     if bits is None:
         return signal
     return signal.map(lambda values: quantise(values, bits))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 
 # Half-space: relative change of the pressure's sum at which a touch counts as solved, and the
 # iterations after which it is left as it is; contacts of 32 × 32 cells need some 40.
@@ -17,8 +17,8 @@ _ITERATIONS = 500
 
 
 def winkler_pressures(
-    indentations: Floats, modulus_pa: float, poisson_ratio: float, thickness_m: float
-) -> Floats:
+    indentations: FloatArray, modulus_pa: float, poisson_ratio: float, thickness_m: float
+) -> FloatArray:
     """Give the pressure (n, r, r), pascal, on a thin layer bonded to a rigid backing, spring by spring.
 
     ``p = w E (1 - ν) / ((1 + ν)(1 - 2ν) h)``: the layer can't bulge sideways, so the modulus of
@@ -32,8 +32,8 @@ def winkler_pressures(
 
 
 def half_space_pressures(
-    indentations: Floats, cell_edges_m: Floats, modulus_pa: float, poisson_ratio: float
-) -> Floats:
+    indentations: FloatArray, cell_edges_m: FloatArray, modulus_pa: float, poisson_ratio: float
+) -> FloatArray:
     """Give the pressure (n, r, r), pascal, on an elastic half-space that a rigid object is pressed into.
 
     Finds pressures ``p >= 0`` whose displacements equal the indentation wherever ``p > 0`` and are
@@ -74,7 +74,7 @@ def half_space_pressures(
     return (stiffness[:, None] * loads).reshape(indentations.shape)
 
 
-def boussinesq_kernel(resolution: int) -> Floats:
+def boussinesq_kernel(resolution: int) -> FloatArray:
     """Give the half-space's displacements (2r, 2r) under pressure on one square cell.
 
     A. E. H. Love's integral of Boussinesq's point load over a rectangle, as in Johnson, Contact
@@ -91,18 +91,18 @@ def boussinesq_kernel(resolution: int) -> Floats:
     )
 
 
-def _edge_term(distance: Floats, along: Floats) -> Floats:
+def _edge_term(distance: FloatArray, along: FloatArray) -> FloatArray:
     # asinh is the logarithm of Johnson's equation without its cancellation.
     far = np.abs(distance)
     return distance * (np.arcsinh((along + 0.5) / far) - np.arcsinh((along - 0.5) / far))
 
 
-def _kernel_spectrum(resolution: int) -> Floats:
+def _kernel_spectrum(resolution: int) -> FloatArray:
     # The kernel is even along both axes, so its spectrum is real.
     return np.fft.rfft2(boussinesq_kernel(resolution)).real
 
 
-def _displace(loads: Floats, spectrum: Floats) -> Floats:
+def _displace(loads: FloatArray, spectrum: FloatArray) -> FloatArray:
     doubled = spectrum.shape[0]
     resolution = doubled // 2
     grid = loads.reshape(-1, resolution, resolution)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from visuohaptic.geometry.raycasting import RayCaster
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _POLE_OFFSET = 0.25
 
 
-def column_axes(normals: Floats, orientation: Orientation = "upright") -> Floats:
+def column_axes(normals: FloatArray, orientation: Orientation = "upright") -> FloatArray:
     """Give the direction (n, 3) in which an imprint's columns count up, from the outward normal alone.
 
     Seen from outside, columns count to the right and rows downwards (`row_axes`); y is up. No such
@@ -40,28 +40,28 @@ def column_axes(normals: Floats, orientation: Orientation = "upright") -> Floats
     return axes / lengths[:, None]
 
 
-def row_axes(normals: Floats, columns: Floats) -> Floats:
+def row_axes(normals: FloatArray, columns: FloatArray) -> FloatArray:
     """Give the direction (n, 3) in which an imprint's rows count up: downwards, seen from outside."""
     return np.cross(columns, normals)
 
 
-def _upright_x(normals: Floats) -> Floats:
+def _upright_x(normals: FloatArray) -> FloatArray:
     x, y, z = normals.T
     return np.column_stack([z + _POLE_OFFSET * y**2, np.zeros_like(x), -x])
 
 
-def _transported_x(normals: Floats) -> Floats:
+def _transported_x(normals: FloatArray) -> FloatArray:
     x, y, z = normals.T
     shrink = np.divide(x, 1 + y, out=np.zeros_like(x), where=1 + y > 1e-12)
     return np.column_stack([1 - x * shrink, -x, -z * shrink])
 
 
-def _any_perpendicular(normals: Floats) -> Floats:
+def _any_perpendicular(normals: FloatArray) -> FloatArray:
     least = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     return np.cross(least, normals)
 
 
-def touched_normals(caster: RayCaster, normals: Floats, faces: Integers) -> Floats:
+def touched_normals(caster: RayCaster, normals: FloatArray, faces: IntArray) -> FloatArray:
     """Give the touched faces' own unit normals (n, 3), turned to the side of given ones.
 
     Where a face has no area, the given one, such as an interpolated one, stays.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Booleans, Floats
+from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.parameters import Orientation
@@ -28,10 +28,10 @@ class Poses:
     `normals` point away from the object, `columns` and `rows` are the imprint's axes.
     """
 
-    points: Floats
-    normals: Floats
-    columns: Floats
-    rows: Floats
+    points: FloatArray
+    normals: FloatArray
+    columns: FloatArray
+    rows: FloatArray
 
     def __len__(self) -> int:
         return len(self.points)
@@ -45,20 +45,26 @@ class Poses:
         )
 
 
-def stand_on(points: Floats, normals: Floats, orientation: Orientation = "upright") -> Poses:
+def stand_on(
+    points: FloatArray, normals: FloatArray, orientation: Orientation = "upright"
+) -> Poses:
     """Place sensors on points (n, 3) with outward unit normals (n, 3), turned as `column_axes` says."""
     columns = column_axes(normals, orientation)
     return Poses(points, normals, columns, row_axes(normals, columns))
 
 
-def sensing_offsets(resolution: int) -> Floats:
+def sensing_offsets(resolution: int) -> FloatArray:
     """Give the sensing points along one axis of the square, in half its edges: centres of equal cells."""
     return (2 * np.arange(resolution) + 1 - resolution) / resolution
 
 
 def cast_heights(
-    caster: RayCaster, poses: Poses, sizes: Floats, lifts: Floats, resolution: int | tuple[int, int]
-) -> Floats:
+    caster: RayCaster,
+    poses: Poses,
+    sizes: FloatArray,
+    lifts: FloatArray,
+    resolution: int | tuple[int, int],
+) -> FloatArray:
     """Cast the sensing points along the normals and give the surface's height at each, object radii.
 
     Heights (n, r, r) are those of the first surface met above the tangent plane, negative below it,
@@ -78,19 +84,19 @@ def cast_heights(
 
 
 def _cast_part(
-    caster: RayCaster, poses: Poses, edges: Floats, lifts: Floats, grid: tuple[int, int]
-) -> Floats:
+    caster: RayCaster, poses: Poses, edges: FloatArray, lifts: FloatArray, grid: tuple[int, int]
+) -> FloatArray:
     origins, directions = _rays(poses, edges, lifts, grid)
     drop = np.max(CRACK_DEPTH * edges / np.array(grid), axis=1)
 
-    def falls_between(distances: Floats) -> Booleans:
+    def falls_between(distances: FloatArray) -> BoolArray:
         return _falls_between(distances.reshape(-1, *grid), drop).ravel()
 
     distances = caster.first_hits(origins, directions, falls_between).distance
     return lifts[:, None, None] - distances.reshape(-1, *grid)
 
 
-def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: float) -> Floats:
+def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: float) -> FloatArray:
     """Give the mean unit normal (n, 3) of the surface under each sensor, within 90 degrees of the pose's own.
 
     The surface within the clearance, the height of the sensor's body, above and below the plane is
@@ -111,8 +117,8 @@ def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: floa
 
 
 def _rays(
-    poses: Poses, edges: Floats, lifts: Floats, grid: tuple[int, int]
-) -> tuple[Floats, Floats]:
+    poses: Poses, edges: FloatArray, lifts: FloatArray, grid: tuple[int, int]
+) -> tuple[FloatArray, FloatArray]:
     # Component by component, so that NumPy's inner loops run along the rays.
     down, aside = (
         0.5 * edges[:, [place]] * sensing_offsets(count) for place, count in enumerate(grid)
@@ -125,7 +131,7 @@ def _rays(
     return origins.reshape(3, -1).T, directions.T
 
 
-def _falls_between(distances: Floats, drop: Floats) -> Booleans:
+def _falls_between(distances: FloatArray, drop: FloatArray) -> BoolArray:
     falls = np.zeros(distances.shape, dtype=bool)
     bounds = distances - drop[:, None, None]
     inner = slice(1, -1)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Booleans, Floats
+from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode
 from visuohaptic.scene.records import EffectRecord
@@ -39,9 +39,9 @@ class Placed:
     """
 
     poses: Poses
-    heights: Floats
-    sizes: Floats
-    blocked: Booleans
+    heights: FloatArray
+    sizes: FloatArray
+    blocked: BoolArray
     record: EffectRecord
 
 
@@ -94,10 +94,10 @@ def _shrink_further(
     caster: RayCaster,
     poses: Poses,
     parameters: SensorParameters,
-    lifts: Floats,
+    lifts: FloatArray,
     rows: NDArray[np.intp],
-    sizes: Floats,
-    heights: Floats,
+    sizes: FloatArray,
+    heights: FloatArray,
 ) -> None:
     """Shrink the squares of some rows, in place, until no sensing point is penetrated."""
     tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Floats
-from visuohaptic.seeds import spawn_generator
+from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.seeds import spawn_generator
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class RandomFields:
         """Give the random generator of an effect's values that belong to the sensor."""
         return spawn_generator(self.seed, "sensor", self.sensor, effect)
 
-    def of_touches(self, effect: str, resolution: int) -> Floats:
+    def of_touches(self, effect: str, resolution: int) -> FloatArray:
         """Draw each touch's standard normal deviates for an effect, shape (n, r, r)."""
         shape = (resolution, resolution)
         fields = [

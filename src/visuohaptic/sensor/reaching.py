@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.adaptive_size import approach_distances, box_heights
 from visuohaptic.sensor.imprints import Poses, cast_heights
@@ -15,11 +15,11 @@ from visuohaptic.sensor.touching import batches, stand
 
 def reachable(
     caster: RayCaster,
-    points: Floats,
-    normals: Floats,
+    points: FloatArray,
+    normals: FloatArray,
     parameters: SensorParameters,
-    faces: Integers | None = None,
-) -> Booleans:
+    faces: IntArray | None = None,
+) -> BoolArray:
     """Find which of n places the sensor can reach, each independent of the others.
 
     A place is in reach if the sensor at its smallest size, on its way along the outward normal and
@@ -32,7 +32,7 @@ def reachable(
     return np.concatenate(parts)
 
 
-def _reachable_part(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> Booleans:
+def _reachable_part(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> BoolArray:
     tolerance = PENETRATION_TOLERANCE
     # What nothing of the object can stand above needs no rays; as in `place`, half is no rounding.
     free = box_heights(caster, poses) <= 0.5 * tolerance

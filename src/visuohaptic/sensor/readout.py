@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 
 
-def read_grounded(conductances: Floats, line_resistance: float) -> Floats:
+def read_grounded(conductances: FloatArray, line_resistance: float) -> FloatArray:
     """Read each cell with all other lines held at zero volts through their line resistance.
 
     Row i is driven, each column's current is measured, and Kirchhoff's laws hold at all 2r line
@@ -25,7 +25,7 @@ def read_grounded(conductances: Floats, line_resistance: float) -> Floats:
     return np.linalg.solve(system, weighted)
 
 
-def read_floating(conductances: Floats, stand_off: float) -> Floats:
+def read_floating(conductances: FloatArray, stand_off: float) -> FloatArray:
     """Read each cell with all other lines left open: sneak paths at their worst.
 
     What is measured between row i and column j is the network's effective conductance, one over
@@ -47,7 +47,7 @@ def read_floating(conductances: Floats, stand_off: float) -> Floats:
     return 1 / (between - 2 * inverse[:, :resolution, resolution:])
 
 
-def quantise(outputs: Floats, bits: int) -> Floats:
+def quantise(outputs: FloatArray, bits: int) -> FloatArray:
     """Round to the converter's levels, 0 and full scale being the first and the last, and clip beyond them."""
     steps = 2**bits - 1
     return np.round(np.clip(outputs, 0.0, 1.0) * steps) / steps

@@ -8,16 +8,16 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord, merge_records
+from visuohaptic.sensor.effect_pipeline import TouchBatch
 from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
 from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import CLEARANCE, PENETRATION_TOLERANCE, Placed, place
-from visuohaptic.sensor.planner import Situation
 from visuohaptic.sensor.random_fields import RandomFields
 
 # Bounds the memory: intermediate arrays live for so many touches at a time.
@@ -41,23 +41,23 @@ class Touches:
     """
 
     images: NDArray[np.float32]
-    size: Floats
+    size: FloatArray
     contact_state: NDArray[np.str_]
-    penetration: Floats
-    normals: Floats
-    tangents: Floats
-    gaps: Floats
+    penetration: FloatArray
+    normals: FloatArray
+    tangents: FloatArray
+    gaps: FloatArray
     effects: tuple[EffectRecord, ...]
 
 
 def touch(
     caster: RayCaster,
-    points: Floats,
-    normals: Floats,
+    points: FloatArray,
+    normals: FloatArray,
     parameters: SensorParameters,
     scene: Scene,
     fields: RandomFields | None = None,
-    faces: Integers | None = None,
+    faces: IntArray | None = None,
 ) -> Touches:
     """Touch an object at n places, each independent of what else is in the batch, bit for bit.
 
@@ -73,11 +73,11 @@ def touch(
 
 def place_sensors(
     caster: RayCaster,
-    points: Floats,
-    normals: Floats,
+    points: FloatArray,
+    normals: FloatArray,
     parameters: SensorParameters,
     mode: Mode,
-    faces: Integers | None = None,
+    faces: IntArray | None = None,
 ) -> Iterator[Placed]:
     """Place sensors as `touch` does, batch by batch; of the scene only the mode of the adaptive size counts."""
     poses = stand(caster, points, normals, parameters, faces)
@@ -103,10 +103,10 @@ def feel(
 
 def stand(
     caster: RayCaster,
-    points: Floats,
-    normals: Floats,
+    points: FloatArray,
+    normals: FloatArray,
     parameters: SensorParameters,
-    faces: Integers | None = None,
+    faces: IntArray | None = None,
 ) -> Poses:
     """Place n sensors on an object as `touch` does, with the normal that the parameters ask for."""
     if parameters.normal == "face" and faces is not None:
@@ -134,7 +134,7 @@ def _join(parts: Sequence[Touches]) -> Touches:
 
 
 def contact_states(
-    heights: Floats, sizes: Floats, blocked: Booleans, parameters: SensorParameters
+    heights: FloatArray, sizes: FloatArray, blocked: BoolArray, parameters: SensorParameters
 ) -> NDArray[np.str_]:
     """Name the state (n,) of each touch, of `tables.CONTACT_STATES`: the first of these that holds.
 
@@ -163,13 +163,13 @@ def _feel_batch(
     resting = np.clip(highest, 0.0, CLEARANCE)
     gaps = resting[:, None, None] - placed.heights
     contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
-    situation = Situation(
+    batch = TouchBatch(
         scene,
         scene.object_radius_m * np.maximum(gaps, 0.0),
         scene.object_radius_m * placed.sizes / parameters.resolution,
         fields,
     )
-    signal, records = simulate(situation, contact)
+    signal, records = simulate(batch, contact)
     if parameters.normalisation == "per_imprint":
         signal = stretch(signal, FLATNESS / parameters.depth_range)
     return Touches(
@@ -184,7 +184,7 @@ def _feel_batch(
     )
 
 
-def stretch(signal: Floats, least_span: float) -> Floats:
+def stretch(signal: FloatArray, least_span: float) -> FloatArray:
     """Stretch each image (n, r, r) to [0, 1], one of a smaller span than the least only as far as that allows."""
     peak = signal.max(axis=(1, 2), keepdims=True)
     span = np.maximum(peak - signal.min(axis=(1, 2), keepdims=True), least_span)

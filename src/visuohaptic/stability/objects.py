@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from contourlets import Contourlet
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.scene.parameters import Scene
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.stability import oracles
 from visuohaptic.stability.findings import Finding, Result, measure, merge_results
-from visuohaptic.stability.rays import Floats, aim, everything, plane_errors
+from visuohaptic.stability.rays import FloatArray, aim, everything, plane_errors
 from visuohaptic.stability.rows import result_table
 from visuohaptic.stability.tolerances import TOLERANCES
 from visuohaptic.tables.phases import FIXATIONS, TOUCHES, by_object
@@ -173,7 +173,7 @@ def imprints(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
     )
 
 
-def reconstruction_errors(images: Floats) -> Floats:
+def reconstruction_errors(images: FloatArray) -> FloatArray:
     """Decompose images, shape (n, side, side), put them together again, and give each one's error.
 
     Errors are in units of the image's largest pixel; an image of zeros counts as one of ones.

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+FloatArray = NDArray[np.float64]
 
 UNSURE = 1e-12
 """Within this of an edge, in barycentric weights, brute force in float64 is not sure."""
 
 
 def first_hits(
-    triangles: Floats, origins: Floats, directions: Floats
-) -> tuple[Floats, NDArray[np.bool_]]:
+    triangles: FloatArray, origins: FloatArray, directions: FloatArray
+) -> tuple[FloatArray, NDArray[np.bool_]]:
     """Meet every ray with every triangle by Cramer's rule.
 
     Gives the distance of the nearest hit (infinite for none), and whether any decision was so close

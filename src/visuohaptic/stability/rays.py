@@ -8,16 +8,18 @@ from numpy.typing import NDArray
 from visuohaptic.geometry.raycasting import Hits
 from visuohaptic.geometry.surface import Surface
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 
-def everything(distances: Floats) -> Flags:
+def everything(distances: FloatArray) -> BoolArray:
     """Name every ray as one to be settled."""
     return np.ones(len(distances), dtype=bool)
 
 
-def plane_errors(surface: Surface, origins: Floats, directions: Floats, hits: Hits) -> Floats:
+def plane_errors(
+    surface: Surface, origins: FloatArray, directions: FloatArray, hits: Hits
+) -> FloatArray:
     """Measure how far each hit lies from the plane of its face, along the normal; 0 for a miss."""
     errors, met = np.zeros(len(origins)), hits.hit
     faces = hits.face[met]
@@ -27,7 +29,7 @@ def plane_errors(surface: Surface, origins: Floats, directions: Floats, hits: Hi
     return errors
 
 
-def aim(surface: Surface, generator: np.random.Generator, count: int) -> Floats:
+def aim(surface: Surface, generator: np.random.Generator, count: int) -> FloatArray:
     """Give points at vertices, at edges and within faces, a third each."""
     corners = surface.triangles[generator.integers(0, len(surface.faces), count)]
     share = np.rint(generator.random((count, 1)) * 64) / 64

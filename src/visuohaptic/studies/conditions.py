@@ -15,8 +15,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from visuohaptic.errors import ParameterError
-from visuohaptic.moved import unknown_parameter
+from visuohaptic.base.errors import ParameterError
+from visuohaptic.io.moved import unknown_parameter
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT
 from visuohaptic.studies.study import Changes, Condition, Study
@@ -137,7 +137,7 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
     """
     step = conditions_per_job or _conditions_a_block(plan)
     blocks: list[list[Planned]] = []
-    for _, alike in groupby(sorted(plan.conditions, key=trained_alike), key=trained_alike):
+    for _, alike in groupby(sorted(plan.conditions, key=training_key), key=training_key):
         if not blocks or len(blocks[-1]) >= step:
             blocks.append([])
         blocks[-1] += alike
@@ -148,7 +148,7 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
     }
 
 
-def trained_alike(planned: Planned) -> tuple[str, str]:
+def training_key(planned: Planned) -> tuple[str, str]:
     """Give what conditions have in common of which one training serves all: features and parameters."""
     return planned.key or "", planned.parameters.model_dump_json()
 

@@ -14,6 +14,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import (
     Interval,
     PairedComparison,
@@ -24,11 +26,9 @@ from visuohaptic.evaluation.intervals import (
 )
 from visuohaptic.evaluation.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.tables.phases import owners_of
 from visuohaptic.tables.schema import build_rows, matrix, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
-from visuohaptic.whole_files import write_whole
 
 Row = dict[str, Any]
 CellKey = tuple[str, str, str, str]
@@ -145,7 +145,7 @@ def nested(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, Any]:
 def write_json(figures: object, path: str | Path) -> None:
     """Write figures, rounded, so that the same tables give the same bytes."""
     text = json.dumps(round_numbers(figures), indent=2, ensure_ascii=False) + "\n"
-    write_whole(path, text)
+    atomic_write_text(path, text)
 
 
 def _cell(rows: pa.Table) -> Cell:

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 
 from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError
-from visuohaptic.errors import RecognitionError, VisuohapticError
+from visuohaptic.base.errors import RecognitionError, VisuohapticError
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of
-from visuohaptic.one_phase import SCHEMAS, objects_of
-from visuohaptic.pipeline import needed_from, run
+from visuohaptic.io.phase_files import SCHEMAS, objects_of
+from visuohaptic.pipeline import inputs_needed_from, run
 from visuohaptic.recognition.experiment import answer_splits, gather_pipeline, split_runner
 from visuohaptic.recognition.memory import FitMemory
 from visuohaptic.recognition.pooling import Ballots, spread_choices
@@ -31,7 +31,7 @@ from visuohaptic.studies.conditions import (
     Planned,
     Recomputation,
     touches_needed,
-    trained_alike,
+    training_key,
     with_changes,
 )
 from visuohaptic.studies.study import Condition
@@ -67,7 +67,7 @@ class Sources:
 
     def taken_from(self, phase: str) -> list[dict[str, Paths]]:
         """Give the files that are taken together from a phase on, by table; imprints, which are large, part by part."""
-        needed = needed_from(phase)
+        needed = inputs_needed_from(phase)
         tables = {name: self.tables[name] for name in needed if name != "meshes"}
         if "meshes" in needed or len(tables) > 1:
             return [tables]
@@ -135,7 +135,7 @@ def make_study_block(
     ]
     maps, of_key = FitMemory(1000), features_by_key(features, made, objects)
     parts: list[pa.Table] = []
-    for (key, _), alike in groupby(planned, key=trained_alike):
+    for (key, _), alike in groupby(planned, key=training_key):
         parts += measure_conditions(study, list(alike), of_key(key or None), run.seed, maps)
     write_table(STUDY, pa.concat_tables(parts), output)
 

@@ -10,7 +10,7 @@ from typing import Any
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import AS_RUN, plan_study
 from visuohaptic.studies.study import Changes, Condition, Study

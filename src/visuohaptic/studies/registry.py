@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 
-from visuohaptic.errors import ParameterError, VisuohapticError
+from visuohaptic.base.errors import ParameterError, VisuohapticError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.cost.settings import FRONTIER
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE

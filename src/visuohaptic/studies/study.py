@@ -21,10 +21,10 @@ from visuohaptic.parameters import ExperimentParameters
 Changes = Mapping[str, Any]
 """New values by the parameters' dotted names; a whole section may be named."""
 
-NOT_OF_RESULTS = {"workflow": True, "meshes": True, "cost": True}
+SECTIONS_WITHOUT_EFFECT = {"workflow": True, "meshes": True, "cost": True}
 """Parameters that no condition depends on, as `pydantic.BaseModel.model_dump` excludes them."""
 
-OF_CONDITIONS = {"exclude": {**NOT_OF_RESULTS, "recognition": {"intervals"}}}
+DUMP_FOR_CONDITIONS = {"exclude": {**SECTIONS_WITHOUT_EFFECT, "recognition": {"intervals"}}}
 """All that conditions depend on."""
 
 FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")
@@ -54,7 +54,7 @@ class Condition:
 
 
 @dataclass(frozen=True)
-class Given:
+class StepInputs:
     """What a step's job is given: `inputs`, files by what the step takes, and `outputs`, its own files, to be written.
 
     `run` has the parameters that the step needs; all others have their defaults. `wildcards` are
@@ -84,7 +84,7 @@ class Step:
     name : str
         What its rule, log and record are called.
     work : str
-        The function that does it, as ``module:function``, imported by its job only: it takes `Given` and
+        The function that does it, as ``module:function``, imported by its job only: it takes `StepInputs` and
         writes the outputs. Its module is part of the job's key.
     files : tuple of str
         What it makes; with ``{condition}`` or ``{pipeline}`` in them there is a job for each.
@@ -199,8 +199,8 @@ class Study:
         return any(fnmatchcase(file, pattern) for pattern in self.patterns)
 
 
-def do_step(work: str, folders: Iterable[Path], given: Given) -> None:
+def do_step(work: str, folders: Iterable[Path], step: StepInputs) -> None:
     """Do a step's work; modules are also looked for in some folders, after all others."""
     sys.path += map(str, folders)
     module, _, function = work.partition(":")
-    getattr(import_module(module), function)(given)
+    getattr(import_module(module), function)(step)

@@ -15,8 +15,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from visuohaptic.errors import TableError
-from visuohaptic.whole_files import whole_file
+from visuohaptic.base.atomic_files import atomic_file
+from visuohaptic.base.errors import TableError
 
 _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
@@ -157,7 +157,7 @@ def write_table(schema: Schema, table: pa.Table, path: str | Path) -> None:
     Raises `TableError` if the table breaks its schema.
     """
     check_table(schema, table)
-    with whole_file(path) as unfinished:
+    with atomic_file(path) as unfinished:
         pq.write_table(table, unfinished, compression="zstd")
 
 

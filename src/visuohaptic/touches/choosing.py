@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from visuohaptic.geometry.arrays import Booleans, Integers
+from visuohaptic.base.arrays import BoolArray, IntArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.reaching import reachable
@@ -29,7 +29,7 @@ class Wanted:
 
 def choose_places(
     caster: RayCaster, located: pa.Table, sensor: SensorParameters, wanted: Wanted
-) -> tuple[pa.Table, Integers]:
+) -> tuple[pa.Table, IntArray]:
     """Choose the probing locations that are touched, among rows of `tables.FIXATIONS`.
 
     A sequence takes its first locations. Where those out of reach are replaced, as column
@@ -64,28 +64,28 @@ def touched_places(located: pa.Table, felt: pa.Table) -> pa.Table:
     return _numbered(found, felt.column("touch").to_numpy())
 
 
-def _counts_before(counted: Booleans, ranks: Integers) -> Integers:
+def _counts_before(counted: BoolArray, ranks: IntArray) -> IntArray:
     """Count, for each row, the earlier rows of its sequence that count."""
-    before: Integers = np.cumsum(counted) - counted
+    before: IntArray = np.cumsum(counted) - counted
     starts = np.flatnonzero(ranks == 0)
     lengths = np.diff(np.append(starts, len(ranks)))
     return before - np.repeat(before[starts], lengths)
 
 
-def in_reach(caster: RayCaster, located: pa.Table, sensor: SensorParameters) -> Booleans:
+def in_reach(caster: RayCaster, located: pa.Table, sensor: SensorParameters) -> BoolArray:
     """Find which of n rows of `tables.FIXATIONS` the sensor can reach: shape (n,), bool."""
     points, normals = matrix(located, POINT_NAMES), matrix(located, NORMAL_NAMES)
     return reachable(caster, points, normals, sensor, located.column("face").to_numpy())
 
 
-def _begin_again(rows: Integers, places: Integers, touches: int) -> tuple[Integers, Integers]:
+def _begin_again(rows: IntArray, places: IntArray, touches: int) -> tuple[IntArray, IntArray]:
     """Make each sequence as long as asked for by starting again at its first place."""
     sequences = np.split(rows, np.flatnonzero(places == 0)[1:])
     longer = [np.resize(sequence, touches) for sequence in sequences if len(sequence)]
     return np.concatenate([rows[:0], *longer]), np.tile(np.arange(touches), len(longer))
 
 
-def _numbered(located: pa.Table, numbers: Integers) -> pa.Table:
+def _numbered(located: pa.Table, numbers: IntArray) -> pa.Table:
     place = located.schema.get_field_index("touch")
     field = located.schema.field("touch")
     return located.set_column(place, field, pa.array(numbers, field.type))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from visuohaptic.geometry.arrays import Integers
+from visuohaptic.base.arrays import IntArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
@@ -79,7 +79,7 @@ def touch_tables(
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
-    ranks: Integers | None = None,
+    ranks: IntArray | None = None,
 ) -> Touched:
     """Touch an object at its probing locations, if there are any, as `touch_locations` does.
 
@@ -96,7 +96,7 @@ def touch_tables(
     return Touched(_touch_table(fixations, felt, numbers), log)
 
 
-def _touch_table(fixations: pa.Table, felt: Touches, ranks: Integers) -> pa.Table:
+def _touch_table(fixations: pa.Table, felt: Touches, ranks: IntArray) -> pa.Table:
     columns: dict[str, object] = {
         name: fixations.column(name) for name in (*TOUCHES.keys, *POINT_NAMES)
     }

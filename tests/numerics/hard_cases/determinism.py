@@ -10,7 +10,7 @@ from visuohaptic.geometry.curvature import unit_vectors
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.recognition.sequence_features import summarise_signals
 from visuohaptic.scene.parameters import Scene
-from visuohaptic.sensor.gallery import hard_probes
+from visuohaptic.sensor.example_shapes import hard_probes
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 from visuohaptic.stability.findings import Finding

@@ -6,7 +6,7 @@ import numpy as np
 from numerics import oracles
 from numerics.surfaces import pick
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import CLASSIFIERS, fit_classifier
 from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser

@@ -11,7 +11,7 @@ import trimesh
 from numerics.shapes import run_chain, write_obj
 from numerics.surfaces import draw_triangles
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.model_files import read_model
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.stability.findings import Finding

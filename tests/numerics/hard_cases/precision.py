@@ -7,8 +7,8 @@ from numerics.tolerances import U32
 from visuohaptic.geometry.curvature import unit_vectors
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Scene
+from visuohaptic.sensor.example_shapes import sheet
 from visuohaptic.sensor.frames import column_axes, row_axes
-from visuohaptic.sensor.gallery import sheet
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 from visuohaptic.stability.findings import Finding

@@ -19,7 +19,7 @@ from visuohaptic.studies.cost.front import (
 from visuohaptic.studies.cost.seconds import make_frontier_seconds
 from visuohaptic.studies.cost.settings import Setting
 from visuohaptic.studies.figures import Cell
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.schema import build_rows, names_of
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
 
@@ -184,6 +184,6 @@ def test_a_frontier_without_settings_reads_no_mesh(tmp_path):
     run = RUN.model_copy(update={"cost": RUN.cost.model_copy(update={"frontier_touches": ()})})
     files = {"meshes": ["none.ply"], "features": []}
     made = [tmp_path / "seconds", tmp_path / "cost"]
-    make_frontier_seconds(Given("frontier", files, made[:1], run))
-    make_frontier(Given("frontier", {"blocks": [], "tables": made[:1]}, made[1:], run))
+    make_frontier_seconds(StepInputs("frontier", files, made[:1], run))
+    make_frontier(StepInputs("frontier", {"blocks": [], "tables": made[:1]}, made[1:], run))
     assert read_costs(made[1]) == []

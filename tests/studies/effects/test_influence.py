@@ -18,7 +18,7 @@ from visuohaptic.studies.effects.influence import (
     touch_influence,
     view_influence,
 )
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FIXATIONS
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
@@ -93,7 +93,7 @@ def test_the_table_holds_effects_of_eye_and_hand(surface, fixations, tmp_path):
         "fixations": [tmp_path / "fixations.parquet"],
     }
     write_table(FIXATIONS, fixations, files["fixations"][0])
-    make_effect_influence(Given("influence", files, [tmp_path / "table"], RUN))
+    make_effect_influence(StepInputs("influence", files, [tmp_path / "table"], RUN))
     rows = read_table(EFFECT_INFLUENCE, tmp_path / "table").to_pylist()
     assert {row["effect"] for row in rows if row["scene"] == "any"} == set(VISUAL_EFFECTS)
     assert {row["scene"] for row in rows} == {"any", *PRESETS}

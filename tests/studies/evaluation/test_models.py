@@ -8,7 +8,7 @@ import pyarrow.compute as pc
 import pytest
 from recognition.synthetic import features_table, with_column
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.model import fit_model
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters

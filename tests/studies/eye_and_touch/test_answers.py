@@ -11,7 +11,7 @@ from eye_and_touch.answers import (
     multiply,
     strangeness,
 )
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.descriptors import describe_all
 from visuohaptic.recognition.experiment import answer_splits, draw_splits, gather_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters

@@ -19,9 +19,9 @@ from eye_and_touch.study import CUES
 from eye_and_touch.tables import EYE_AND_TOUCH
 from eye_and_touch.trials import make_eye_and_touch
 from touch_curves.adaptive import make_candidates
-from visuohaptic.errors import ParameterError
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.studies.conditions import with_changes
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
@@ -45,7 +45,7 @@ def meshes(tmp_path_factory):
 @pytest.fixture(scope="module")
 def candidates(meshes, tmp_path_factory):
     path = tmp_path_factory.mktemp("candidates") / "candidates.parquet"
-    make_candidates(Given("touch_curves", {"meshes": meshes}, [path], RUN))
+    make_candidates(StepInputs("touch_curves", {"meshes": meshes}, [path], RUN))
     return path
 
 
@@ -85,7 +85,7 @@ def test_table_and_figures_are_written_with_and_without_adaptive_touches(
 ):
     files = tmp_path / "table.parquet", tmp_path / "figures.json"
     for run, tables in ((RUN, {"tables": [candidates]}), (WITHOUT, {})):
-        make_eye_and_touch(Given("eye_and_touch", {"meshes": meshes, **tables}, files, run))
+        make_eye_and_touch(StepInputs("eye_and_touch", {"meshes": meshes, **tables}, files, run))
         strategies = set(read_table(EYE_AND_TOUCH, files[0]).column("strategy").to_pylist())
         assert (ADAPTIVE in strategies) == run.cost.adaptive
         found = json.loads(files[1].read_text())
@@ -94,7 +94,7 @@ def test_table_and_figures_are_written_with_and_without_adaptive_touches(
 
 
 def test_a_free_touch_is_refused():
-    given = Given(
+    given = StepInputs(
         "eye_and_touch", {"meshes": []}, ["table", "figures"], with_costs(touch_seconds=0.0)
     )
     with pytest.raises(ParameterError, match="touch_seconds is 0"):

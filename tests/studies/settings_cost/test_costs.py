@@ -11,7 +11,7 @@ from visuohaptic.studies.conditions import describe_conditions, plan_study
 from visuohaptic.studies.cost import seconds
 from visuohaptic.studies.cost.front import read_costs
 from visuohaptic.studies.measuring import make_study_block, make_study_features
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 
 
 @pytest.mark.slow
@@ -29,10 +29,12 @@ def test_every_setting_has_a_row_in_the_order_of_its_line(tmp_path, monkeypatch)
     make_study_block("settings_cost", conditions, [features], files, made[0], RUN)
     inputs = {"meshes": sources.meshes[:2], "features": [features]}
     with patch.object(seconds, "fit_model", wraps=seconds.fit_model) as fitting:
-        make_seconds(Given("settings_cost", inputs, made[1:2], RUN, made=files))
+        make_seconds(StepInputs("settings_cost", inputs, made[1:2], RUN, made=files))
     # One model serves all numbers of viewpoints, and the sizes that are the run's own.
     assert fitting.call_count == 3
-    make_costs(Given("settings_cost", {"blocks": made[:1], "tables": made[1:2]}, made[2:], RUN))
+    make_costs(
+        StepInputs("settings_cost", {"blocks": made[:1], "tables": made[1:2]}, made[2:], RUN)
+    )
     rows = read_costs(made[2], tuple(kept))
     assert [(row["family"], row["setting"], row["looks"]) for row in rows] == [
         ("viewpoints", "1 viewpoint", 1), ("viewpoints", "2 viewpoints", 2), ("viewpoints", "4 viewpoints", 4),

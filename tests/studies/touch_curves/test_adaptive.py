@@ -13,7 +13,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition import experiment
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.figures import cells_of
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH
 from visuohaptic.tables.schema import read_table
 
@@ -55,9 +55,9 @@ def test_a_longer_curve_begins_as_a_shorter_one_and_touches_tell_the_class(pipel
 def test_each_condition_learns_its_number_of_touches_in_the_pipelines_columns(monkeypatch):
     seen, runner = set(), experiment.split_runner
 
-    def run(sequences, *given):
+    def run(sequences, *inputs):
         seen.add((sequences.features.shape[1], sequences.feature_names))
-        return runner(sequences, *given)
+        return runner(sequences, *inputs)
 
     monkeypatch.setattr(adaptive, "split_runner", run)
     cells("paper", [1, 3])
@@ -79,7 +79,7 @@ def test_the_job_of_candidates_knows_what_is_done_with_places_out_of_reach():
 def test_candidates_are_some_of_the_objects_places(tmp_path):
     sources, _ = write_sources(tmp_path, small_surfaces())
     inputs = {"meshes": list(map(str, sources.meshes[:1]))}
-    make_candidates(Given("touch_curves", inputs, [str(tmp_path / "candidates")], RUN))
+    make_candidates(StepInputs("touch_curves", inputs, [str(tmp_path / "candidates")], RUN))
     found = read_table(FEATURES, tmp_path / "candidates")
     assert not {*found["contact_state"].to_pylist()} & {*OUT_OF_REACH}
     for viewpoint in range(4):

@@ -5,7 +5,7 @@ import pytest
 
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.touches_needed import curve_areas, stays_at, touches_needed
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import Cell
 

@@ -9,11 +9,11 @@ from recognition.synthetic import features_table
 
 from trust.classes_left_out import make_trust, measure_trust, summarise_trust
 from trust.tables import TRUST
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import select
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 
@@ -80,6 +80,6 @@ def test_table_and_summary_are_written(tmp_path):
     features, *files = (tmp_path / name for name in ("features", "trust", "summary"))
     write_table(FEATURES, table, features)
     run = ExperimentParameters.from_mapping({"probing": {"strategies": ["fixation"]}})
-    make_trust(Given("trust", {"features": [features]}, files, run))
+    make_trust(StepInputs("trust", {"features": [features]}, files, run))
     assert read_table(TRUST, files[0]).num_rows
     assert {one["views"] for one in json.loads(files[1].read_text())} == {1, 2}

@@ -17,7 +17,7 @@ from variants.page import COMMAND, render_variants_page, variants_figures
 from variants.summary import summarise
 from variants.tables import VARIANTS
 from variants.weighing import weigh_choices
-from visuohaptic.errors import ReportError
+from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.tables.schema import build_rows, write_table

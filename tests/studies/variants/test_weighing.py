@@ -20,7 +20,7 @@ from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import describe_conditions, plan_study
 from visuohaptic.studies.measuring import make_study_block
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES, KINESTHETIC_FEATURES, owners_of
 from visuohaptic.tables.schema import matrix, read_table, write_table
 
@@ -63,7 +63,7 @@ def made(features, tmp_path_factory):
     block, table, summary = (folder / name for name in ("block", "table", "summary"))
     chosen = conditions(DEFAULT, FEATURE_GROUPS, ONLINE_LATTICE)
     make_study_block("variants", chosen, [features], {}, block, RUN)
-    make_variants(Given("variants", {"blocks": [block]}, [table, summary], RUN))
+    make_variants(StepInputs("variants", {"blocks": [block]}, [table, summary], RUN))
     return read_table(VARIANTS, table).to_pylist(), json.loads(summary.read_text())
 
 
@@ -176,6 +176,6 @@ def test_one_variant_alone_has_the_figures_that_it_has_among_all(made, features,
     output = tmp_path / "variant.json"
     (condition,) = conditions(FEATURE_GROUPS)
     inputs = {"features": [features]}
-    make_variant(Given("variants", inputs, [output], RUN, condition=condition))
+    make_variant(StepInputs("variants", inputs, [output], RUN, condition=condition))
     own = [row | {"seconds": 0} for row in made[0] if row["variant"] == FEATURE_GROUPS]
     assert [row | {"seconds": 0} for row in json.loads(output.read_text())] == own

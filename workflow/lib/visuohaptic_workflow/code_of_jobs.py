@@ -13,14 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from visuohaptic.plugins import PlugIn
+    from visuohaptic.io.plugins import PlugIn
 
 LIBRARY = "visuohaptic"
-ALWAYS = ("errors", "optional_packages", "registry", "seeds", "whole_files")
+ALWAYS = ("base",)
 """What every row of `CODE` has beside its own places."""
 
 _TABLES = ("tables.phases", "tables.schema")
-_BY_OBJECT = ("one_phase", "visuohaptic_workflow.phase_jobs", "geometry", *_TABLES)
+_BY_OBJECT = ("io.phase_files", "visuohaptic_workflow.phase_jobs", "geometry", *_TABLES)
 _EYE = ("fixations", "attention", "scene", *_BY_OBJECT)
 _HAND = ("touches", "sensor", "scene", *_BY_OBJECT)
 _DESCRIBING = ("features", "contourlets", *_BY_OBJECT)
@@ -30,10 +30,9 @@ _PHASES = (
     *_HAND,
     *_DESCRIBING,
     "recognition",
-    "moved",
+    "io",
     "parameters",
     "pipeline",
-    "plugins",
 )
 _STUDIES = ("studies.conditions", "studies.measuring", "studies.study", "tables.studies")
 _MEASURING = (*_PHASES, *_STUDIES)
@@ -60,7 +59,7 @@ CODE = {
     "pictures": (
         "report.object_pictures", "report.models", "report.pictures", "geometry", "tables",
     ),
-    "report": (*STEP, "report", "stability", "job_logs", "__init__", "visuohaptic_workflow.studies_asked"),
+    "report": (*STEP, "report", "stability", "__init__", "visuohaptic_workflow.studies_asked"),
 }  # fmt: skip
 """Folders and modules of the library by rule: an edit of any file there makes the rule's jobs run again.
 

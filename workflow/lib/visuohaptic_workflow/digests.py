@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.whole_files import write_whole
+from visuohaptic.base.atomic_files import atomic_write_text
 
 TIMESTAMP = ".snakemake_timestamp"
 """The file in a folder that is an output by whose time Snakemake judges it."""
@@ -66,7 +66,7 @@ class Digests:
         """Keep what is known, where a file for it was named and can be written."""
         if self._memory is not None and self._changed:
             with suppress(OSError):
-                write_whole(self._memory, json.dumps(self._known))
+                atomic_write_text(self._memory, json.dumps(self._known))
 
 
 def stamps_of(files: Iterable[str | Path]) -> str:

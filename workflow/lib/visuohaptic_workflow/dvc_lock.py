@@ -12,8 +12,8 @@ from pathlib import Path
 
 import yaml
 
-from visuohaptic.errors import VisuohapticError
-from visuohaptic.whole_files import whole_file
+from visuohaptic.base.atomic_files import atomic_file
+from visuohaptic.base.errors import VisuohapticError
 from visuohaptic_workflow.keys import Keys
 
 LOCK = Path("dvc.lock")
@@ -138,5 +138,5 @@ def _restore(content: bytes | None) -> None:
     if content is None:
         LOCK.unlink(missing_ok=True)
         return
-    with whole_file(LOCK) as copy:
+    with atomic_file(LOCK) as copy:
         copy.write_bytes(content)

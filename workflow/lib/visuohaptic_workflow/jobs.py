@@ -13,10 +13,10 @@ from typing import Any
 
 import psutil
 
-from visuohaptic.errors import VisuohapticError
-from visuohaptic.interrupts import STOPPED
-from visuohaptic.job_logs import SECONDS
-from visuohaptic.optional_packages import keep_pandas_out
+from visuohaptic.base.errors import VisuohapticError
+from visuohaptic.base.optional_packages import keep_pandas_out
+from visuohaptic.io.interrupts import STOPPED
+from visuohaptic.io.job_logs import SECONDS
 from visuohaptic_workflow.one_run import hold_job_lock
 from visuohaptic_workflow.records import check_inputs, check_unchanged, write_record
 
@@ -42,7 +42,7 @@ def _is_studies_of_clone(path: Path) -> bool:
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[None]:
-    """Run a job's work: time it, log it for `visuohaptic.job_logs.read_seconds`, and end with one sentence where it can't be done.
+    """Run a job's work: time it, log it for `visuohaptic.io.job_logs.read_seconds`, and end with one sentence where it can't be done.
 
     After any error it exits with status 1: the sentence goes to standard error and the log, which alone gets a traceback
     where the error was not foreseen. Where the user stopped the run, with status 130 and nothing printed.

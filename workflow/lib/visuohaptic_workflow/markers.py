@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from visuohaptic.whole_files import whole_file
+from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic_workflow.keys import NEW
 from visuohaptic_workflow.one_run import not_writable
 
@@ -37,11 +37,11 @@ def mark_stale(record: str, reason: str, tables: Iterable[str] = ()) -> list[str
         with suppress(PermissionError):  # another user's has that time
             os.utime(marker, (_OF_A_MARKER, _OF_A_MARKER))
         # A copy takes its place: it may be a link to DVC's cache, whose times are its own, or another user's.
-        with whole_file(path) as copy:
+        with atomic_file(path) as copy:
             copy.write_bytes(path.read_bytes() if path.exists() else b"{}\n")
             os.utime(copy, (_OF_A_RECORD, _OF_A_RECORD))
         for table in filter(_is_protected, map(Path, tables)):
-            with whole_file(table) as copy:
+            with atomic_file(table) as copy:
                 shutil.copyfile(table, copy)
     except PermissionError:
         raise not_writable("permission denied") from None

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
-from visuohaptic.errors import VisuohapticError
+from visuohaptic.base.errors import VisuohapticError
 
 STATE = Path(".cache")
 _OWNER = STATE / "run.lock"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from visuohaptic.geometry.surface import meshes_in
-from visuohaptic.one_phase import Work, run_files
+from visuohaptic.io.phase_files import Work, run_phase_on_files
 
 
 def run_block(snakemake: Any, work: Work) -> None:
@@ -14,7 +14,7 @@ def run_block(snakemake: Any, work: Work) -> None:
         dict(part.items()) for part in (snakemake.params, snakemake.input, snakemake.output)
     )
     del params["key"], params["phase"], outputs["record"]
-    run_files(
+    run_phase_on_files(
         work=work,
         viewpoints=params.pop("viewpoints_of_block"),
         arguments=params,

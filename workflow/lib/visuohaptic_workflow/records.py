@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
-from visuohaptic.errors import VisuohapticError
-from visuohaptic.whole_files import write_whole
+from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.base.errors import VisuohapticError
 from visuohaptic_workflow.code_of_jobs import version_of
 from visuohaptic_workflow.digests import Digests, stamps_of
 from visuohaptic_workflow.keys import key_of, read_record
@@ -71,7 +71,7 @@ def write_record(snakemake: Any, given: Mapping[str, Any] | None) -> None:
         "tables": {file: Digests().of(file) for file in tables},
         "log": str(snakemake.log[0]),
     }
-    write_whole(path, json.dumps(record, indent=1, sort_keys=True) + "\n")
+    atomic_write_text(path, json.dumps(record, indent=1, sort_keys=True) + "\n")
 
 
 def _holds(file: str, digest: str) -> bool:

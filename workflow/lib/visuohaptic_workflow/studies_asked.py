@@ -9,7 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from visuohaptic import moved
+from visuohaptic.io import moved
 from visuohaptic_workflow.keys import read_record
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from .filters import LadderStep
-from .images import Floats
+from .images import FloatArray
 from .lattice import DirectionalTables, Stage
 
 
-def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:
+def _convolve(x: FloatArray, taps: tuple[float, ...], axis: int) -> FloatArray:
     """Convolve along an axis, without borders; samples with taps of one size are joined first."""
     length = len(taps)
     if length == 1:
@@ -24,10 +24,10 @@ def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:
     span = x.shape[axis] - length + 1
     head: tuple[slice, ...] = (slice(None),) * axis
 
-    def window(k: int) -> Floats:
+    def window(k: int) -> FloatArray:
         return x[(*head, slice(length - 1 - k, length - 1 - k + span))]
 
-    def weighted_pair(k: int, out: Floats | None = None) -> Floats:
+    def weighted_pair(k: int, out: FloatArray | None = None) -> FloatArray:
         join = np.add if taps[k] == taps[-1 - k] else np.subtract
         pair = join(window(k), window(length - 1 - k), out=out)
         pair *= x.dtype.type(taps[k])
@@ -42,14 +42,14 @@ def _convolve(x: Floats, taps: tuple[float, ...], axis: int) -> Floats:
     return total
 
 
-def _spread(y: Floats, taps: tuple[float, ...], axis: int) -> Floats:
+def _spread(y: FloatArray, taps: tuple[float, ...], axis: int) -> FloatArray:
     """Adjoint of `_convolve`."""
     reach = [(0, 0)] * y.ndim
     reach[axis] = (len(taps) - 1,) * 2
     return _convolve(np.pad(y, reach), taps[::-1], axis)
 
 
-def _filter(pixels: Floats, stage: Stage) -> Floats:
+def _filter(pixels: FloatArray, stage: Stage) -> FloatArray:
     """Run a stage's separable filter over its rectangle; keep the outputs that have a pixel."""
     rectangle = pixels.take(stage.source, axis=0)
     filtered = _convolve(_convolve(rectangle, stage.step.taps, 1), stage.step.taps, 2)
@@ -57,7 +57,7 @@ def _filter(pixels: Floats, stage: Stage) -> Floats:
     return flat if stage.keep is None else flat.take(stage.keep, axis=0)
 
 
-def _filter_adjoint(values: Floats, stage: Stage, pixels: Floats) -> None:
+def _filter_adjoint(values: FloatArray, stage: Stage, pixels: FloatArray) -> None:
     """Add the adjoint of `_filter` to `pixels`."""
     reach = stage.step.before + stage.step.after
     channels, rows, columns = stage.source.shape
@@ -72,7 +72,7 @@ def _gains(step: LadderStep, dtype: np.dtype[Any]) -> tuple[Any, Any]:
     return dtype.type(step.gain), dtype.type(step.weight)
 
 
-def analyse_directions(pixels: Floats, tables: DirectionalTables) -> list[Floats]:
+def analyse_directions(pixels: FloatArray, tables: DirectionalTables) -> list[FloatArray]:
     """Split images, (rows × columns, images), which are overwritten, into bands (rows, columns, images)."""
     for stage in tables.stages:
         gain, weight = _gains(stage.step, pixels.dtype)
@@ -80,7 +80,7 @@ def analyse_directions(pixels: Floats, tables: DirectionalTables) -> list[Floats
     return [pixels[band] for band in tables.bands]
 
 
-def synthesise_directions(bands: list[Floats], tables: DirectionalTables) -> Floats:
+def synthesise_directions(bands: list[FloatArray], tables: DirectionalTables) -> FloatArray:
     """Undo `analyse_directions`, each step of the ladder in reverse."""
     pixels = _gather(bands, tables)
     for stage in reversed(tables.stages):
@@ -89,7 +89,7 @@ def synthesise_directions(bands: list[Floats], tables: DirectionalTables) -> Flo
     return pixels
 
 
-def adjoin_directions(bands: list[Floats], tables: DirectionalTables) -> Floats:
+def adjoin_directions(bands: list[FloatArray], tables: DirectionalTables) -> FloatArray:
     """Apply the adjoint (the matrix transpose) of `analyse_directions`."""
     pixels = _gather(bands, tables)
     for stage in reversed(tables.stages):
@@ -100,7 +100,7 @@ def adjoin_directions(bands: list[Floats], tables: DirectionalTables) -> Floats:
     return pixels
 
 
-def _gather(bands: list[Floats], tables: DirectionalTables) -> Floats:
+def _gather(bands: list[FloatArray], tables: DirectionalTables) -> FloatArray:
     count = sum(band.size for band in tables.bands)
     pixels = np.zeros((count, bands[0].shape[-1]), bands[0].dtype)
     for band, values in zip(tables.bands, bands, strict=True):

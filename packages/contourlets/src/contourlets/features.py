@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import LevelsError
-from .images import Array, Floats, blocks, check_images, check_stack, exponents, scale
+from .images import Array, FloatArray, blocks, check_images, check_stack, exponents, scale
 from .lattice import Extension
 from .transform import Contourlet
 
@@ -79,13 +79,17 @@ def band_names(transform: Contourlet) -> list[str]:
     ]
 
 
-def _band_sizes(transform: Contourlet, images: Floats) -> list[int]:
+def _band_sizes(transform: Contourlet, images: FloatArray) -> list[int]:
     levels = transform.band_shapes((images.shape[-2], images.shape[-1]))[1:]
     return [rows * columns for level in levels for rows, columns in level]
 
 
 def _describe_bands(
-    images: Floats, transform: Contourlet, statistic: Callable[[Floats], Floats], *, degree: int
+    images: FloatArray,
+    transform: Contourlet,
+    statistic: Callable[[FloatArray], FloatArray],
+    *,
+    degree: int,
 ) -> Array:
     """Compute a statistic, (n, coefficients) to (n,), of every band; a band × a has the statistic × a^degree."""
     stack = images.reshape(-1, *images.shape[-2:])

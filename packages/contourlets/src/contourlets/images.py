@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import ImageError
 
 Array = NDArray[np.float64]
-Floats = NDArray[np.floating[Any]]
+FloatArray = NDArray[np.floating[Any]]
 _Real = TypeVar("_Real", bound=np.floating[Any])
 
 BLOCK_ELEMENTS = 1 << 18
 """Pixels per block, unless one image has more: a few MB of working memory."""
 
 
-def check_images(images: ArrayLike) -> Floats:
+def check_images(images: ArrayLike) -> FloatArray:
     """Check images and give them as a float32 or float64 array.
 
     Raises `ImageError` on any other type, less than 2 × 2 pixels, and values that are not finite.
@@ -36,7 +36,7 @@ def check_images(images: ArrayLike) -> Floats:
     return array
 
 
-def check_stack(images: ArrayLike) -> Floats:
+def check_stack(images: ArrayLike) -> FloatArray:
     """Check images of the shape (n, rows, columns), as `check_images` does."""
     array = check_images(images)
     if array.ndim != 3:
@@ -51,7 +51,7 @@ def blocks(count: int, pixels: int) -> Iterator[slice]:
         yield slice(start, min(start + run, count))
 
 
-def exponents(images: Floats, axes: tuple[int, ...]) -> NDArray[np.intc]:
+def exponents(images: FloatArray, axes: tuple[int, ...]) -> NDArray[np.intc]:
     """Powers of two, one an image, by which images are divided before any arithmetic.
 
     Zero if the largest magnitude is in the middle of the type's range: scaling by a power of two

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .filters import ladder_steps, pyramid_filters
-from .images import Array, Floats
+from .images import Array, FloatArray
 from .lattice import Extension, Indices, in_order, ladder_geometry
 from .pyramid import analysis_offsets, fold_indices, synthesis_offsets
 from .transform import Parts, PyramidalTransform, Shapes
@@ -64,8 +64,8 @@ class NonsubsampledContourlet(PyramidalTransform):
         """Give the image's shape for the coarse image and for each band of every level."""
         return ((shape,), *((shape,) * 2**level for level in self.levels))
 
-    def _analyse(self, block: Floats) -> list[Floats]:
-        found: list[Floats] = []
+    def _analyse(self, block: FloatArray) -> list[FloatArray]:
+        found: list[FloatArray] = []
         for scale, level in enumerate(reversed(self.levels)):
             coarse = self._lower(block, scale)
             detail = block - self._raise(coarse, scale)
@@ -73,7 +73,7 @@ class NonsubsampledContourlet(PyramidalTransform):
             block = coarse
         return [block, *found]
 
-    def _synthesise(self, parts: Parts) -> Floats:
+    def _synthesise(self, parts: Parts) -> FloatArray:
         block = parts[0][0]
         depth = len(self.levels)
         for index, bands in enumerate(parts[1:]):
@@ -81,15 +81,15 @@ class NonsubsampledContourlet(PyramidalTransform):
             block = detail + self._raise(block, depth - 1 - index)
         return block
 
-    def _lower(self, x: Floats, scale: int) -> Floats:
+    def _lower(self, x: FloatArray, scale: int) -> FloatArray:
         taps = pyramid_filters(self.pyramid_filter).analysis
         return self._separable(x, taps, analysis_offsets(len(taps)) << scale)
 
-    def _raise(self, x: Floats, scale: int) -> Floats:
+    def _raise(self, x: FloatArray, scale: int) -> FloatArray:
         taps = pyramid_filters(self.pyramid_filter).synthesis
         return self._separable(x, taps, synthesis_offsets(len(taps)) << scale)
 
-    def _separable(self, x: Floats, taps: Array, offsets: Indices) -> Floats:
+    def _separable(self, x: FloatArray, taps: Array, offsets: Indices) -> FloatArray:
         """Filter along both axes, with gain 1 at frequency zero."""
         odd = len(taps) % 2 == 1
         for axis in (0, 1):
@@ -103,8 +103,8 @@ class NonsubsampledContourlet(PyramidalTransform):
         return x
 
     def _split(
-        self, x: Floats, level: int, depth: int = 1, number: int = 0, parent: Indices = _WHOLE
-    ) -> list[Floats]:
+        self, x: FloatArray, level: int, depth: int = 1, number: int = 0, parent: Indices = _WHOLE
+    ) -> list[FloatArray]:
         """Divide a channel of the tree, at a depth and of a number there, down to `level`."""
         if depth > level:
             return [x]
@@ -117,8 +117,8 @@ class NonsubsampledContourlet(PyramidalTransform):
         ]
 
     def _join(
-        self, bands: list[Floats], depth: int = 1, number: int = 0, parent: Indices = _WHOLE
-    ) -> Floats:
+        self, bands: list[FloatArray], depth: int = 1, number: int = 0, parent: Indices = _WHOLE
+    ) -> FloatArray:
         """Undo `_split`."""
         if len(bands) == 1:
             return bands[0]
@@ -136,7 +136,7 @@ class NonsubsampledContourlet(PyramidalTransform):
         return _Ladder(self.directional_filter, matrix, neighbour, turned, self.extension)
 
 
-def _second_half_reversed(bands: list[Floats]) -> list[Floats]:
+def _second_half_reversed(bands: list[FloatArray]) -> list[FloatArray]:
     half = (len(bands) + 1) // 2
     return bands[:half] + bands[half:][::-1]
 
@@ -151,7 +151,7 @@ class _Ladder:
     turned: bool
     extension: Extension
 
-    def split(self, x: Floats) -> tuple[Floats, Floats]:
+    def split(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give the first and the second channel."""
         half = x.dtype.type(0.5)
         if self.filter_name == "haar":
@@ -160,20 +160,20 @@ class _Ladder:
         first = half * (x - self._filter(x, 0))
         return first, -x - self._filter(first, 1)
 
-    def join(self, first: Floats, second: Floats) -> Floats:
+    def join(self, first: FloatArray, second: FloatArray) -> FloatArray:
         """Undo `split`."""
         if self.filter_name == "haar":
             return first + self._filter(second, 0)
         residue = -self._filter(first, 0) - second
         return first + residue.dtype.type(0.5) * (residue + self._filter(residue, 0))
 
-    def _filter(self, x: Floats, target: int) -> Floats:
+    def _filter(self, x: FloatArray, target: int) -> FloatArray:
         """Apply the ladder's filter F, from the second channel's places to the first's or back."""
         if self.turned:
             return self._run(x.swapaxes(0, 1), target).swapaxes(0, 1)
         return self._run(x, target)
 
-    def _run(self, x: Floats, target: int) -> Floats:
+    def _run(self, x: FloatArray, target: int) -> FloatArray:
         step = next(s for s in ladder_steps(self.filter_name) if s.target == target)
         reach = step.after - np.arange(len(step.taps))
         shift = self.neighbour if target == 0 else -self.neighbour
@@ -190,7 +190,7 @@ class _Ladder:
             y = self._extend(y, 0, inner[0])
         return _displaced_sum(y, step.taps, along_rows, inner, whole)
 
-    def _extend(self, x: Floats, axis: int, span: tuple[int, int]) -> Floats:
+    def _extend(self, x: FloatArray, axis: int, span: tuple[int, int]) -> FloatArray:
         indices = fold_indices(np.arange(*span), x.shape[axis], self.extension, odd=True)
         return x.take(indices, axis=axis)
 
@@ -204,11 +204,11 @@ def _reached(spans: Spans, displacements: Indices) -> Spans:
 
 
 def _displaced_sum(
-    x: Floats, taps: tuple[float, ...], displacements: Indices, given: Spans, wanted: Spans
-) -> Floats:
+    x: FloatArray, taps: tuple[float, ...], displacements: Indices, given: Spans, wanted: Spans
+) -> FloatArray:
     """Sum displaced copies of `x`, which covers the span `given`, over the span `wanted`."""
 
-    def copy(k: int) -> Floats:
+    def copy(k: int) -> FloatArray:
         spans = (
             slice(w[0] - g[0] + int(d), w[1] - g[0] + int(d))
             for w, g, d in zip(wanted, given, displacements[:, k], strict=True)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from .errors import LevelsError
-from .images import Floats, check_images, exponents, scale
+from .images import FloatArray, check_images, exponents, scale
 from .transform import Coefficients, Contourlet, gather
 
 BLOCK_IMAGES = 32
@@ -43,7 +43,7 @@ class ContourletOperator:
 
     transform: Contourlet
     image_shape: tuple[int, int]
-    matrix: Floats
+    matrix: FloatArray
 
     def forward(self, images: ArrayLike) -> Coefficients:
         """Transform images of the operator's size, (..., rows, columns), in its type.
@@ -66,7 +66,7 @@ class ContourletOperator:
         bands = [part.reshape(*lead, *size) for part, size in zip(parts, flat_sizes, strict=True)]
         return gather(bands, sizes, self.image_shape)
 
-    def adjoint(self, coefficients: Coefficients) -> Floats:
+    def adjoint(self, coefficients: Coefficients) -> FloatArray:
         """Apply the transposed matrix: `(..., rows, columns)`."""
         values = coefficients.ravel()
         flat = values.reshape(-1, self.matrix.shape[1])
@@ -74,7 +74,7 @@ class ContourletOperator:
         return back.reshape(*values.shape[:-1], *self.image_shape)
 
 
-def blockwise_product(rows: Floats, matrix: Floats) -> Floats:
+def blockwise_product(rows: FloatArray, matrix: FloatArray) -> FloatArray:
     """Multiply row vectors with a matrix; a row's result depends on that row alone, bit for bit."""
     outer = matrix.shape[1]
     width = -(-outer // _ALIGNMENT) * _ALIGNMENT

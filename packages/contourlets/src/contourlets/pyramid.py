@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from .filters import PyramidFilters
-from .images import Array, Floats
+from .images import Array, FloatArray
 from .lattice import Extension, Indices
 
 
@@ -66,7 +66,7 @@ def _synthesis_table(
     return fold_indices(fine // 2, size // 2, extension, odd=False), tuple(taps.tolist())
 
 
-def _weigh(x: Floats, table: Indices, taps: list[float], axis: int) -> Floats:
+def _weigh(x: FloatArray, table: Indices, taps: list[float], axis: int) -> FloatArray:
     """Sum weighted slices of `x` along an axis; the table has one row per tap."""
     total = x.take(table[0], axis=axis)
     total *= x.dtype.type(taps[0])
@@ -77,7 +77,9 @@ def _weigh(x: Floats, table: Indices, taps: list[float], axis: int) -> Floats:
     return total
 
 
-def _weigh_adjoint(y: Floats, table: Indices, taps: list[float], axis: int, size: int) -> Floats:
+def _weigh_adjoint(
+    y: FloatArray, table: Indices, taps: list[float], axis: int, size: int
+) -> FloatArray:
     """Adjoint of `_weigh`."""
     shape = list(y.shape)
     shape[axis] = size
@@ -88,14 +90,14 @@ def _weigh_adjoint(y: Floats, table: Indices, taps: list[float], axis: int, size
     return total
 
 
-def _down(x: Floats, taps: Array, extension: Extension) -> Floats:
+def _down(x: FloatArray, taps: Array, extension: Extension) -> FloatArray:
     for axis in (0, 1):
         table = _analysis_table(x.shape[axis], len(taps), extension)
         x = _weigh(x, table, taps.tolist(), axis)
     return x
 
 
-def _up(c: Floats, taps: Array, extension: Extension) -> Floats:
+def _up(c: FloatArray, taps: Array, extension: Extension) -> FloatArray:
     for axis in (0, 1):
         shape = list(c.shape)
         shape[axis] *= 2
@@ -110,7 +112,7 @@ def _up(c: Floats, taps: Array, extension: Extension) -> Floats:
     return c
 
 
-def _down_adjoint(c: Floats, taps: Array, extension: Extension) -> Floats:
+def _down_adjoint(c: FloatArray, taps: Array, extension: Extension) -> FloatArray:
     for axis in (1, 0):
         size = 2 * c.shape[axis]
         table = _analysis_table(size, len(taps), extension)
@@ -118,7 +120,7 @@ def _down_adjoint(c: Floats, taps: Array, extension: Extension) -> Floats:
     return c
 
 
-def _up_adjoint(x: Floats, taps: Array, extension: Extension) -> Floats:
+def _up_adjoint(x: FloatArray, taps: Array, extension: Extension) -> FloatArray:
     for axis in (1, 0):
         head: tuple[Any, ...] = (slice(None),) * axis
         size = x.shape[axis]
@@ -132,8 +134,8 @@ def _up_adjoint(x: Floats, taps: Array, extension: Extension) -> Floats:
 
 
 def analyse_pyramid(
-    x: Floats, filters: PyramidFilters, extension: Extension
-) -> tuple[Floats, Floats]:
+    x: FloatArray, filters: PyramidFilters, extension: Extension
+) -> tuple[FloatArray, FloatArray]:
     """Split images (rows, columns, images), of even sides, into a coarse and a detail image.
 
     The coarse one has half the rows and columns, the detail image all.
@@ -143,16 +145,16 @@ def analyse_pyramid(
 
 
 def synthesise_pyramid(
-    coarse: Floats, detail: Floats, filters: PyramidFilters, extension: Extension
-) -> Floats:
+    coarse: FloatArray, detail: FloatArray, filters: PyramidFilters, extension: Extension
+) -> FloatArray:
     """Undo `analyse_pyramid` by the dual frame; coefficients of no image are projected."""
     remainder = coarse - _down(detail, filters.analysis, extension)
     return detail + _up(remainder, filters.synthesis, extension)
 
 
 def adjoin_pyramid(
-    coarse: Floats, detail: Floats, filters: PyramidFilters, extension: Extension
-) -> Floats:
+    coarse: FloatArray, detail: FloatArray, filters: PyramidFilters, extension: Extension
+) -> FloatArray:
     """Apply the adjoint (the matrix transpose) of `analyse_pyramid`."""
     remainder = coarse - _up_adjoint(detail, filters.synthesis, extension)
     return detail + _down_adjoint(remainder, filters.analysis, extension)

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from .directional import adjoin_directions, analyse_directions, synthesise_directions
 from .errors import CoefficientsError, LevelsError
 from .filters import ladder_steps, pyramid_filters
-from .images import Floats, blocks, check_images, exponents, scale
+from .images import FloatArray, blocks, check_images, exponents, scale
 from .lattice import (
     Extension,
     band_shapes,
@@ -29,7 +29,7 @@ from .lattice import (
 )
 from .pyramid import adjoin_pyramid, analyse_pyramid, synthesise_pyramid
 
-Parts = list[list[Floats]]
+Parts = list[list[FloatArray]]
 Shapes = tuple[tuple[tuple[int, int], ...], ...]
 
 
@@ -47,21 +47,21 @@ class Coefficients:
         Rows and columns of the images, before any padding.
     """
 
-    coarse: Floats
-    levels: tuple[tuple[Floats, ...], ...]
+    coarse: FloatArray
+    levels: tuple[tuple[FloatArray, ...], ...]
     image_shape: tuple[int, int]
 
     @property
-    def bands(self) -> tuple[Floats, ...]:
+    def bands(self) -> tuple[FloatArray, ...]:
         """The coarse image and all bands in one tuple, the coarsest level first."""
         return (self.coarse, *(band for level in self.levels for band in level))
 
-    def ravel(self) -> Floats:
+    def ravel(self) -> FloatArray:
         """Give all coefficients of an image in one row: `(..., coefficients)`."""
         flat = [band.reshape(*band.shape[:-2], math.prod(band.shape[-2:])) for band in self.bands]
         return np.concatenate(flat, axis=-1)
 
-    def map(self, function: Callable[[Floats], Floats]) -> Self:
+    def map(self, function: Callable[[FloatArray], FloatArray]) -> Self:
         """Apply a function to every directional band; the coarse image is unchanged."""
         levels = tuple(tuple(function(band) for band in level) for level in self.levels)
         return type(self)(self.coarse, levels, self.image_shape)
@@ -97,11 +97,11 @@ class PyramidalTransform(ABC):
         """Shapes of the coarse image (first, alone) and of the bands of every level, coarsest first."""
 
     @abstractmethod
-    def _analyse(self, block: Floats) -> list[Floats]:
+    def _analyse(self, block: FloatArray) -> list[FloatArray]:
         """Transform `(rows, columns, images)`; give the coarse image, then all bands."""
 
     @abstractmethod
-    def _synthesise(self, parts: Parts) -> Floats:
+    def _synthesise(self, parts: Parts) -> FloatArray:
         """Undo `_analyse`."""
 
     def forward(self, images: ArrayLike) -> Coefficients:
@@ -126,7 +126,7 @@ class PyramidalTransform(ABC):
         bands = [output.reshape(*array.shape[:-2], *output.shape[1:]) for output in outputs]
         return gather(bands, sizes, shape)
 
-    def inverse(self, coefficients: Coefficients) -> Floats:
+    def inverse(self, coefficients: Coefficients) -> FloatArray:
         """Rebuild images, (..., rows, columns), from their coefficients.
 
         Raises `CoefficientsError` when their shapes or type differ from what `forward` gives.
@@ -134,7 +134,9 @@ class PyramidalTransform(ABC):
         rows, columns = coefficients.image_shape
         return self._backward(coefficients, self._synthesise)[..., :rows, :columns]
 
-    def _backward(self, coefficients: Coefficients, rebuild: Callable[[Parts], Floats]) -> Floats:
+    def _backward(
+        self, coefficients: Coefficients, rebuild: Callable[[Parts], FloatArray]
+    ) -> FloatArray:
         sizes = self.band_shapes(coefficients.image_shape)
         _check_coefficients(coefficients, sizes)
         bands = [band.reshape(-1, *band.shape[-2:]) for band in coefficients.bands]
@@ -148,13 +150,13 @@ class PyramidalTransform(ABC):
         return images.reshape(*coefficients.coarse.shape[:-2], rows, columns)
 
 
-def _nest(parts: list[Floats], sizes: Shapes) -> Parts:
+def _nest(parts: list[FloatArray], sizes: Shapes) -> Parts:
     """Group a flat list of bands by pyramid level, the coarse image first."""
     remaining = iter(parts)
     return [[next(remaining) for _ in level] for level in sizes]
 
 
-def gather(bands: list[Floats], sizes: Shapes, shape: tuple[int, int]) -> Coefficients:
+def gather(bands: list[FloatArray], sizes: Shapes, shape: tuple[int, int]) -> Coefficients:
     """Give a flat list of bands, the coarse image first, as the coefficients of images of a shape."""
     (coarse,), *levels = _nest(bands, sizes)
     return Coefficients(coarse, tuple(map(tuple, levels)), shape)
@@ -238,7 +240,7 @@ class Contourlet(PyramidalTransform):
         )
         return (coarse, *fine)
 
-    def adjoint(self, coefficients: Coefficients) -> Floats:
+    def adjoint(self, coefficients: Coefficients) -> FloatArray:
         """Apply the transposed matrix of `forward`; not defined for images that are padded."""
         if self.padded_shape(coefficients.image_shape) != coefficients.image_shape:
             raise LevelsError(
@@ -247,9 +249,9 @@ class Contourlet(PyramidalTransform):
             )
         return self._backward(coefficients, self._adjoin)
 
-    def _analyse(self, block: Floats) -> list[Floats]:
+    def _analyse(self, block: FloatArray) -> list[FloatArray]:
         filters = pyramid_filters(self.pyramid_filter)
-        found: list[Floats] = []
+        found: list[FloatArray] = []
         for level in reversed(self.levels):
             size = (block.shape[0], block.shape[1])
             block, detail = analyse_pyramid(block, filters, self.extension)
@@ -257,15 +259,18 @@ class Contourlet(PyramidalTransform):
             found = analyse_directions(detail.reshape(-1, detail.shape[-1]), tables) + found
         return [block, *found]
 
-    def _synthesise(self, parts: Parts) -> Floats:
+    def _synthesise(self, parts: Parts) -> FloatArray:
         return self._back(parts, synthesise_directions, synthesise_pyramid)
 
-    def _adjoin(self, parts: Parts) -> Floats:
+    def _adjoin(self, parts: Parts) -> FloatArray:
         return self._back(parts, adjoin_directions, adjoin_pyramid)
 
     def _back(
-        self, parts: Parts, directions: Callable[..., Floats], pyramid: Callable[..., Floats]
-    ) -> Floats:
+        self,
+        parts: Parts,
+        directions: Callable[..., FloatArray],
+        pyramid: Callable[..., FloatArray],
+    ) -> FloatArray:
         """Go from the coarsest level to the image, by the inverse of each step or by its adjoint."""
         filters = pyramid_filters(self.pyramid_filter)
         block = parts[0][0]

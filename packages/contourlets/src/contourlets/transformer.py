@@ -12,7 +12,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from .errors import ImageError
 from .features import band_deviations, band_energies, band_names
-from .images import Array, Floats, check_stack
+from .images import Array, FloatArray, check_stack
 from .lattice import Extension
 from .transform import Contourlet
 from .wavelets import wavelet_band_names, wavelet_deviations
@@ -46,7 +46,7 @@ class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
         return np.asarray(self._names(), dtype=object)
 
     @abstractmethod
-    def _features(self, images: Floats) -> Array:
+    def _features(self, images: FloatArray) -> Array:
         """Compute the features of checked images, shape (n, features)."""
 
     @abstractmethod
@@ -94,7 +94,7 @@ class ContourletDeviations(_BandFeatures):
     def _contourlet(self) -> Contourlet:
         return Contourlet(self.levels, self.pyramid_filter, self.directional_filter, self.extension)
 
-    def _features(self, images: Floats) -> Array:
+    def _features(self, images: FloatArray) -> Array:
         statistics = {"deviation": band_deviations, "energy": band_energies}
         if self.statistic not in statistics:
             raise ImageError(
@@ -128,7 +128,7 @@ class WaveletDeviations(_BandFeatures):
         self.levels = levels
         self.mode = mode
 
-    def _features(self, images: Floats) -> Array:
+    def _features(self, images: FloatArray) -> Array:
         return wavelet_deviations(images, self.wavelet, self.levels, self.mode)
 
     def _names(self) -> list[str]:

@@ -8,13 +8,13 @@ from skimage.measure import find_contours
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
-from visuohaptic.fixations.looking import Look
-from visuohaptic.geometry.arrays import Booleans, Floats, Integers
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.fixations.attended_views import AttendedView
 
 _BETWEEN_PIXELS = 0.5
 
 
-def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
     """Follow the object's outline from its most salient place, a focus radius a step."""
     seen, place, saliency = one.seen, one.place, one.attended.saliency
     rows, columns = follow_outline(
@@ -36,8 +36,8 @@ def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
 
 
 def follow_outline(
-    mask: Booleans, point: Floats, saliency: NDArray[np.float32], step: float, count: int
-) -> tuple[Integers, Integers]:
+    mask: BoolArray, point: FloatArray, saliency: NDArray[np.float32], step: float, count: int
+) -> tuple[IntArray, IntArray]:
     """Find places along the longest outline of what a view shows, just inside it: rows and columns.
 
     The first is its most salient one; each next one is the first, in one direction, that is a step (in the
@@ -59,7 +59,7 @@ def follow_outline(
     return rows[chosen], columns[chosen]
 
 
-def outline_pixels(mask: Booleans) -> tuple[Integers, Integers]:
+def outline_pixels(mask: BoolArray) -> tuple[IntArray, IntArray]:
     """Give the object's pixels along its longest outline, in order, each once: rows and columns."""
     curves = find_contours(np.pad(mask, 1).astype(np.float64), _BETWEEN_PIXELS)
     if not curves:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.places import ProbingLocations, draw_by_area, face_outwards
-from visuohaptic.geometry.arrays import Floats, Integers
 from visuohaptic.geometry.surface import Surface
 
 CANDIDATES = 4096
@@ -15,7 +15,7 @@ CANDIDATES = 4096
 
 
 def choose(
-    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
+    one: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
     """Spread places over the whole surface."""
     spread = spread_far(one.caster.surface, attention.fixations, generator)
@@ -32,7 +32,7 @@ def spread_far(surface: Surface, count: int, generator: np.random.Generator) -> 
     return candidates.take(farthest_order(candidates.points, count))
 
 
-def farthest_order(points: Floats, count: int) -> Integers:
+def farthest_order(points: FloatArray, count: int) -> IntArray:
     """Order points (n, d) so that each is the farthest from those before it; the first starts, none is twice."""
     chosen = np.zeros(min(count, len(points)), dtype=np.int64)
     nearest = np.full(len(points), np.inf)

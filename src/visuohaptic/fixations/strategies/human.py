@@ -7,10 +7,10 @@ import numpy as np
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters, read_learnt
 from visuohaptic.attention.scanpath import Scanpath
-from visuohaptic.fixations.looking import Look
+from visuohaptic.fixations.attended_views import AttendedView
 
 
-def choose(one: Look, attention: AttentionParameters, *_: object) -> Scanpath:
+def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
     """Let the eye follow channels and terms by the weights that were fitted to people's gaze."""
     fitted = AttentionParameters.model_validate({"weights": "human_channels"}).weights
     (found,) = attend(

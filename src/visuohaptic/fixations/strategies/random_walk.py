@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.places import (
     BATCH,
     FRUITLESS_BATCHES,
@@ -13,7 +14,6 @@ from visuohaptic.fixations.places import (
     draw_by_area,
     face_outwards,
 )
-from visuohaptic.geometry.arrays import Booleans, Floats
 from visuohaptic.geometry.curvature import unit_vectors
 from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
@@ -34,7 +34,7 @@ _ROUNDING = 1e-6
 
 
 def choose(
-    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
+    one: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
     """Walk over the object from wherever chance puts the first place."""
     return walk(one.caster, attention.fixations, generator)
@@ -65,7 +65,7 @@ def walk(caster: RayCaster, count: int, generator: np.random.Generator) -> Probi
     )
 
 
-Vector = Floats
+Vector = FloatArray
 Place = tuple[Vector, Vector, int]
 """A point, its outward normal, and its face."""
 
@@ -138,5 +138,5 @@ def _tangent(normal: Vector, angle: float) -> Vector:
     return cosine * first + sine * np.cross(normal, first)
 
 
-def _is_open(caster: RayCaster, points: Floats, normals: Floats) -> Booleans:
+def _is_open(caster: RayCaster, points: FloatArray, normals: FloatArray) -> BoolArray:
     return ~caster.first_hits(points + _LIFT * normals, normals).hit

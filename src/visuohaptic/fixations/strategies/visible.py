@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.fixations.looking import Standpoint
+from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.places import (
     BATCH,
     FRUITLESS_BATCHES,
@@ -19,7 +19,7 @@ from visuohaptic.geometry.raycasting import RayCaster
 
 
 def choose(
-    one: Standpoint, attention: AttentionParameters, generator: np.random.Generator
+    one: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
     """Choose among what the viewpoint sees."""
     return draw_visible(one.caster, one.camera, attention.fixations, generator)

@@ -11,13 +11,13 @@ import numpy as np
 import pyarrow as pa
 from scipy.special import stdtrit
 
+from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.evaluation.intervals import Interval, PairedComparison, holm
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.arrays import Flags, Floats
 from visuohaptic.studies.cost.settings import ORDER, Setting, frontier_settings
 from visuohaptic.studies.figures import Cell, compare, condition_interval, ends, paired, read_cells
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.schema import build_rows, matrix, names_of, read_table, write_table
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
 
@@ -27,23 +27,23 @@ Row = dict[str, Any]
 _TIMES = ("seconds", *(name for name, _ in COST_PARTS))
 
 
-def make_frontier(given: Given) -> None:
+def make_frontier(step: StepInputs) -> None:
     """Join error rates and seconds of the frontier's settings: `tables.COST`."""
-    write_costs(given, frontier_settings(given.run))
+    write_costs(step, frontier_settings(step.run))
 
 
-def write_costs(given: Given, settings: Sequence[Setting]) -> None:
+def write_costs(step: StepInputs, settings: Sequence[Setting]) -> None:
     """Join error rates and seconds of all settings, and mark the front and the steps: `tables.COST`."""
-    found = read_cells(given.inputs["blocks"])
+    found = read_cells(step.inputs["blocks"])
     cells = [
         found[one.condition.name, one.pipeline, one.strategy, one.classifier] for one in settings
     ]
-    times = setting_times(settings, read_table(COST_SECONDS, given.inputs["tables"]))
-    rows = setting_rows(settings, cells, times, given.run)
-    write_table(COST, build_rows(COST, rows), given.outputs[0])
+    times = setting_times(settings, read_table(COST_SECONDS, step.inputs["tables"]))
+    rows = setting_rows(settings, cells, times, step.run)
+    write_table(COST, build_rows(COST, rows), step.outputs[0])
 
 
-def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> Floats:
+def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> FloatArray:
     """Give `tables.COST_SECONDS` by setting, object and turn: (s, o, t, p), NaN where there is none.
 
     The first of p is the whole recognition, the others are `COST_PARTS`.
@@ -58,7 +58,7 @@ def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> Floats:
 
 
 def setting_rows(
-    settings: Sequence[Setting], cells: Sequence[Cell], times: Floats, run: ExperimentParameters
+    settings: Sequence[Setting], cells: Sequence[Cell], times: FloatArray, run: ExperimentParameters
 ) -> list[Row]:
     """Give each setting with its error rate and seconds, and mark the front and the steps.
 
@@ -101,7 +101,7 @@ def _compare(cell: Cell | None, other: Cell, run: ExperimentParameters) -> Paire
     return compare(cell, other, run.recognition.intervals, run.seed, draws=("studies",))
 
 
-def time_quantiles(times: Floats) -> Row:
+def time_quantiles(times: FloatArray) -> Row:
     """Give the median and quartiles of a setting's seconds, and its parts' medians: of (o, t, p)."""
     known = times[np.isfinite(times[..., 0])]
     if not len(known):
@@ -111,7 +111,7 @@ def time_quantiles(times: Floats) -> Row:
     return row | {"seconds_low": low[0], "seconds_high": high[0], "recognitions": len(known)}
 
 
-def slower_settings(logarithms: Floats, confidence: float) -> Flags:
+def slower_settings(logarithms: FloatArray, confidence: float) -> BoolArray:
     """Tell which settings are significantly slower than which: (s, o, t) to (s, s), the slower second.
 
     An object's ratio of two times is the mean over the turns in which both were taken. Student's
@@ -124,7 +124,7 @@ def slower_settings(logarithms: Floats, confidence: float) -> Flags:
 
 
 def mark_steps(
-    rows: list[Row], cells: Sequence[Cell], slower: Flags, run: ExperimentParameters
+    rows: list[Row], cells: Sequence[Cell], slower: BoolArray, run: ExperimentParameters
 ) -> list[Row]:
     """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
 
@@ -180,7 +180,7 @@ def mark_front(rows: Sequence[Row]) -> list[Row]:
     return [{**row, "on_front": best, "dominated": worse} for row, best, worse in marks]
 
 
-def _points(rows: Sequence[Row]) -> Floats:
+def _points(rows: Sequence[Row]) -> FloatArray:
     """Give the seconds and error rates of rows, NaN where there is none."""
     return np.array(
         [[row[name] for row in rows] for name in ("seconds", "error")], dtype=np.float64

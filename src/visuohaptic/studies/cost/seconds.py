@@ -18,15 +18,15 @@ from threadpoolctl import threadpool_limits
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, object_of, read_surface, usable_meshes
-from visuohaptic.one_phase import Tables
+from visuohaptic.io.phase_files import Tables
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, passed_on
+from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, tables_for_next
 from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.pooling import spread_choices
-from visuohaptic.studies.conditions import Planned, plan_study, trained_alike
+from visuohaptic.studies.conditions import Planned, plan_study, training_key
 from visuohaptic.studies.cost.settings import FRONTIER, Setting, frontier_settings
 from visuohaptic.studies.measuring import REFUSALS, condition_features, features_by_key
-from visuohaptic.studies.study import Given, Study
+from visuohaptic.studies.study import StepInputs, Study
 from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_PARTS, COST_SECONDS
 
@@ -47,27 +47,29 @@ class FittedSetting:
     model: RecognitionModel
 
 
-def make_frontier_seconds(given: Given) -> None:
+def make_frontier_seconds(step: StepInputs) -> None:
     """Time every setting of the frontier side by side: `tables.COST_SECONDS`."""
-    write_seconds(given, FRONTIER, frontier_settings(given.run), FRONTIER_ROUNDS)
+    write_seconds(step, FRONTIER, frontier_settings(step.run), FRONTIER_ROUNDS)
 
 
-def write_seconds(given: Given, study: Study, settings: Sequence[Setting], rounds: int) -> None:
+def write_seconds(step: StepInputs, study: Study, settings: Sequence[Setting], rounds: int) -> None:
     """Time every setting of a study, one for each of its conditions, side by side: `tables.COST_SECONDS`."""
-    fitted = fit_settings(study, settings, given)
-    meshes = usable_meshes(given.inputs["meshes"]) if fitted else ()
+    fitted = fit_settings(study, settings, step)
+    meshes = usable_meshes(step.inputs["meshes"]) if fitted else ()
     surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
-    write_table(COST_SECONDS, measure_seconds(surfaces, fitted, rounds), given.outputs[0])
+    write_table(COST_SECONDS, measure_seconds(surfaces, fitted, rounds), step.outputs[0])
 
 
-def fit_settings(study: Study, settings: Sequence[Setting], given: Given) -> list[FittedSetting]:
+def fit_settings(
+    study: Study, settings: Sequence[Setting], step: StepInputs
+) -> list[FittedSetting]:
     """Train each setting that can be; one model where settings differ in the viewpoints alone."""
-    run, features = given.run, features_by_key(given.inputs["features"], given.made, given.objects)
+    run, features = step.run, features_by_key(step.inputs["features"], step.made, step.objects)
     planned = plan_study(study, run).conditions
     models: dict[tuple[str, str], RecognitionModel | None] = {}
     found: list[FittedSetting] = []
     for setting, one in zip(settings, planned, strict=True):
-        asked = trained_alike(one)
+        asked = training_key(one)
         if asked not in models:
             models[asked] = fit_setting(setting, one, features(one.key), run.seed)
         if model := models[asked]:
@@ -190,7 +192,7 @@ class Stage:
                 for part, name in (("render", "seen"), ("attend", "looks")):
                     with _timed(seconds, part):
                         getattr(done, name)
-            tables = self.tables | passed_on(phase, done)
+            tables = self.tables | tables_for_next(phase, done)
         if phase.verb == "touch":
             seconds["seconds_cast"] += caster.seconds - self.caster.seconds
         found = Stage(caster, tables, seconds)

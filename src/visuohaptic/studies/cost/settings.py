@@ -18,7 +18,14 @@ from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.studies.conditions import touches_of_run
-from visuohaptic.studies.study import NOT_OF_RESULTS, OF_CONDITIONS, Changes, Condition, Step, Study
+from visuohaptic.studies.study import (
+    DUMP_FOR_CONDITIONS,
+    SECTIONS_WITHOUT_EFFECT,
+    Changes,
+    Condition,
+    Step,
+    Study,
+)
 
 ORDER = (*STRATEGIES.names, "small_imprint", "cues", "paper")
 """The families of the frontier, as they are shown."""
@@ -149,7 +156,7 @@ def cost_study(
         works[0],
         (f"results/{name}_seconds.parquet",),
         takes=("meshes", "features", "made"),
-        needs={"exclude": {**OF_CONDITIONS["exclude"], **robot}},
+        needs={"exclude": {**DUMP_FOR_CONDITIONS["exclude"], **robot}},
         objects="timed",
         is_alone=not is_part_of_run,
         is_shown=False,
@@ -159,7 +166,7 @@ def cost_study(
         works[1],
         (f"results/{name}.parquet",),
         takes=("blocks", *seconds.files),
-        needs={"exclude": NOT_OF_RESULTS.keys() - {"cost"}},
+        needs={"exclude": SECTIONS_WITHOUT_EFFECT.keys() - {"cost"}},
     )
     return Study(
         name,

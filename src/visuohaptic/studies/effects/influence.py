@@ -25,7 +25,7 @@ from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import Placed
 from visuohaptic.sensor.touching import Touches, feel
-from visuohaptic.studies.study import Given
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FIXATIONS, by_object
 from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
@@ -135,13 +135,13 @@ def sum_influences(parts: Sequence[Row]) -> pa.Table:
     return build_rows(EFFECT_INFLUENCE, rows)
 
 
-def make_effect_influence(given: Given) -> None:
+def make_effect_influence(step: StepInputs) -> None:
     """Measure the effects on a sample of objects under every preset."""
-    run, parts = given.run, list[Row]()
+    run, parts = step.run, list[Row]()
     scenes, placed = measured_scenes(run.scene), place_cameras(run.viewpoints)
     wanted = Wanted(run.attention.fixations, run.probing.unreachable, run.probing.when_exhausted)
-    located = dict(by_object(read_table(FIXATIONS, given.inputs["fixations"])))
-    for mesh in given.inputs["meshes"]:
+    located = dict(by_object(read_table(FIXATIONS, step.inputs["fixations"])))
+    for mesh in step.inputs["meshes"]:
         key = object_of(mesh)
         if key not in located:  # set aside, or too slender for any view
             continue
@@ -153,7 +153,7 @@ def make_effect_influence(given: Given) -> None:
         cameras = [placed[number] for number in seen_from[:VIEWS]]
         parts += view_influence(caster, cameras, run.rendering, run.scene.effects)
         parts += touch_influence(caster, table, run.sensor, scenes, run.seed)
-    write_table(EFFECT_INFLUENCE, sum_influences(parts), given.outputs[0])
+    write_table(EFFECT_INFLUENCE, sum_influences(parts), step.outputs[0])
 
 
 def _scene_influence(

@@ -9,9 +9,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import plain_interval, rate_interval
 from visuohaptic.evaluation.summary import select
-from visuohaptic.seeds import spawn_generator
 from visuohaptic.studies.figures import rows_by
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 
-from visuohaptic.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.pooling import spread_choices
 from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from visuohaptic.geometry.arrays import Floats, Integers
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import Scene
@@ -16,7 +16,7 @@ from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.touching import Touches, touch
 
-Height = Callable[[Floats, Floats], Floats]
+Height = Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -122,12 +122,12 @@ def build_surface(vertices: ArrayLike, faces: ArrayLike) -> Surface:
     return Surface(vertices, faces, np.full((len(faces), 3), 128, dtype=np.uint8))
 
 
-def _split_quads(*corners: Integers) -> Integers:
+def _split_quads(*corners: IntArray) -> IntArray:
     a, b, c, d = (corner.reshape(-1) for corner in corners)
     return np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
 
 
-def _wrap_rings(rings: int, steps: int) -> Integers:
+def _wrap_rings(rings: int, steps: int) -> IntArray:
     index = np.arange(rings * steps).reshape(rings, steps)
     beside = np.roll(index, -1, axis=1)
     return _split_quads(index[:-1], index[1:], beside[1:], beside[:-1])

@@ -6,8 +6,8 @@ from typing import Annotated
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from visuohaptic.errors import RegistryError
-from visuohaptic.registry import Registry
+from visuohaptic.base.errors import RegistryError
+from visuohaptic.base.registry import Registry
 
 
 @dataclass(frozen=True)

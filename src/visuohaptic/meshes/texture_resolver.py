@@ -7,7 +7,7 @@ from pathlib import Path
 
 from trimesh.resolvers import Resolver
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES
 
 LARGEST_BYTES = 50 * 10**6

@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from visuohaptic.seeds import spawn_generator
+from visuohaptic.base.seeds import spawn_generator
 
 names = st.lists(st.text(max_size=5) | st.integers(0, 20), max_size=4)
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.fixations.attended_views import AttendedView, Viewpoint
 from visuohaptic.fixations.locations import locate
-from visuohaptic.fixations.looking import Look, Standpoint
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.fixations.rendering import Views, render_views
@@ -30,7 +30,7 @@ MAP_PIXELS = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class ObjectViews:
     """What an object shows from its viewpoints; each part is computed when it is asked for.
 
     Its fields are the object and the phase's arguments, as `pipeline.PHASES` lists them.
@@ -57,12 +57,12 @@ class Sight:
         return render_views(self.subject.caster, cameras, self.rendering, self.modes)
 
     @cached_property
-    def looks(self) -> list[Look]:
+    def looks(self) -> list[AttendedView]:
         """Saliency and fixations of each view."""
         key, caster = self.subject.key, self.subject.caster
         attended = attend(**self.seen.arrays(), parameters=self.attention)
         return [
-            Look(key, number, caster, camera, self.seen, place, attended[place])
+            AttendedView(key, number, caster, camera, self.seen, place, attended[place])
             for place, (number, camera) in enumerate(self.cameras.items())
         ]
 
@@ -72,19 +72,19 @@ class Sight:
         return any(STRATEGIES[name].looks for name in self.strategies)
 
     @cached_property
-    def stands(self) -> Sequence[Standpoint]:
+    def viewpoints_used(self) -> Sequence[Viewpoint]:
         """Where the strategies choose from: looks, or viewpoints alone if none of them looks."""
         if self.needs_looks:
             return self.looks
         key, caster = self.subject.key, self.subject.caster
-        return [Standpoint(key, number, caster, one) for number, one in self.cameras.items()]
+        return [Viewpoint(key, number, caster, one) for number, one in self.cameras.items()]
 
     @property
     def fixations(self) -> pa.Table:
         """Where to touch, by every strategy: rows of `tables.FIXATIONS`."""
         tables = [
             locate(one, strategy, self.attention, self.seed)
-            for one in self.stands
+            for one in self.viewpoints_used
             for strategy in self.strategies
         ]
         return pa.concat_tables(tables).combine_chunks()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from importlib.util import find_spec
 
-from visuohaptic.errors import MissingPackageError
+from visuohaptic.base.errors import MissingPackageError
 
 
 def require(extra: str, *packages: str) -> None:

@@ -8,16 +8,16 @@ import pytest
 import typer.main
 from typer.testing import CliRunner
 
+from visuohaptic.base.errors import ParameterError, PlugInError
 from visuohaptic.cli.commands import app
-from visuohaptic.errors import ParameterError, PlugInError
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.moved import COMMANDS, CONSTANTS, FOLDERS, PARAMETERS, STUDIES, TARGETS
+from visuohaptic.io.moved import COMMANDS, CONSTANTS, FOLDERS, PARAMETERS, STUDIES, TARGETS
+from visuohaptic.io.plugins import load_files
 from visuohaptic.parameters import ExperimentParameters, as_parameters, leaves
-from visuohaptic.plugins import load_files
 from visuohaptic.studies.conditions import with_changes
 from visuohaptic.studies.registry import REPOSITORY, find_studies
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 RUN = ExperimentParameters()
 COMMAND = typer.main.get_command(app)
 SNAKEFILES = (ROOT / "workflow/Snakefile", *(ROOT / "workflow/rules").glob("*.smk"))

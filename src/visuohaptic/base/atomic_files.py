@@ -13,7 +13,7 @@ _unfinished: set[Path] = set()
 
 
 @contextmanager
-def whole_file(path: str | Path) -> Iterator[Path]:
+def atomic_file(path: str | Path) -> Iterator[Path]:
     """Give an empty file beside a path, which takes its place once it is written; its folder is made.
 
     A reader finds the old file or the new one; where writing fails, the old one stays. The hidden name has
@@ -52,7 +52,7 @@ def remove_unfinished() -> None:
             unfinished.unlink(missing_ok=True)
 
 
-def write_whole(path: str | Path, text: str) -> None:
+def atomic_write_text(path: str | Path, text: str) -> None:
     """Write a UTF-8 text file whole or not at all."""
-    with whole_file(path) as unfinished:
+    with atomic_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")

@@ -16,7 +16,7 @@ from visuohaptic.geometry.raycasting import RayCaster
 
 
 @dataclass(frozen=True)
-class Standpoint:
+class Viewpoint:
     """One viewpoint of an object, `class/name`, without a look."""
 
     key: str
@@ -26,7 +26,7 @@ class Standpoint:
 
 
 @dataclass(frozen=True)
-class Look(Standpoint):
+class AttendedView(Viewpoint):
     """One viewpoint with its view, at `place` among those that were `seen` together, and attention in it."""
 
     seen: Views

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.errors import ParameterError
-from visuohaptic.geometry.arrays import Booleans, Floats
+from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.random_fields import RandomFields
 
 
 @dataclass(frozen=True)
-class Situation:
+class TouchBatch:
     """Input of the effects for n touches; r is the sensor's resolution.
 
     `gaps_m` (n, r, r), float64, are the metres from the sensor's plane down to the object,
@@ -27,8 +27,8 @@ class Situation:
     """
 
     scene: Scene
-    gaps_m: Floats
-    cell_edges_m: Floats
+    gaps_m: FloatArray
+    cell_edges_m: FloatArray
     fields: RandomFields | None
 
     def __len__(self) -> int:
@@ -43,8 +43,8 @@ class Situation:
             )
         return self.fields
 
-    def select(self, rows: NDArray[np.intp]) -> Situation:
-        """Give the situation of some touches alone."""
+    def select(self, rows: NDArray[np.intp]) -> TouchBatch:
+        """Give the batch of some touches alone."""
         return replace(
             self,
             gaps_m=self.gaps_m[rows],
@@ -61,14 +61,14 @@ class Signal:
     if nothing was released.
     """
 
-    now: Floats
-    peak: Floats
+    now: FloatArray
+    peak: FloatArray
 
     def select(self, rows: NDArray[np.intp]) -> Signal:
         """Give the signal of some touches alone."""
         return self.map(lambda values: values[rows])
 
-    def map(self, change: Callable[[Floats], Floats]) -> Signal:
+    def map(self, change: Callable[[FloatArray], FloatArray]) -> Signal:
         """Apply one function to both outputs, once where they are the same."""
         now = change(self.now)
         return Signal(now, now if self.peak is self.now else change(self.peak))
@@ -82,10 +82,10 @@ class Signal:
 
 
 @dataclass(frozen=True)
-class Need:
+class EffectDecision:
     """Whether touches need an effect, shape (n,), bool, and why or why not."""
 
-    rows: Booleans
+    rows: BoolArray
     reason: str
 
 
@@ -113,8 +113,8 @@ class Effect:
     """
 
     name: str
-    need: Callable[[Situation, Signal], Need]
-    run: Callable[[Situation, Signal], Signal]
+    need: Callable[[TouchBatch, Signal], EffectDecision]
+    run: Callable[[TouchBatch, Signal], Signal]
     example: Mapping[str, object]
     description: str = ""
     settings: Mapping[str, tuple[Any, Any]] = field(default_factory=dict)
@@ -122,23 +122,23 @@ class Effect:
 
 
 def apply_effect(
-    effect: Effect, mode: Mode, situation: Situation, signal: Signal
+    effect: Effect, mode: Mode, batch: TouchBatch, signal: Signal
 ) -> tuple[Signal, EffectRecord]:
     """Simulate an effect for the touches that its mode selects; the signal that is given stays as it is."""
     started = time.process_time()
-    need = effect.need(situation, signal)
-    running = np.full(len(situation), mode == "always") if mode != "auto" else need.rows
+    need = effect.need(batch, signal)
+    running = np.full(len(batch), mode == "always") if mode != "auto" else need.rows
     rows = np.flatnonzero(running)
-    if len(rows) == len(situation) > 0:
-        signal = effect.run(situation, signal)
+    if len(rows) == len(batch) > 0:
+        signal = effect.run(batch, signal)
     elif len(rows):
-        part = effect.run(situation.select(rows), signal.select(rows))
+        part = effect.run(batch.select(rows), signal.select(rows))
         signal = signal.put(rows, part)
     record = EffectRecord(
         effect.name,
         mode,
         need.reason,
-        len(situation),
+        len(batch),
         int(need.rows.sum()),
         len(rows),
         time.process_time() - started,
@@ -146,7 +146,7 @@ def apply_effect(
     return signal, record
 
 
-def _put(values: Floats, rows: NDArray[np.intp], part: Floats) -> Floats:
+def _put(values: FloatArray, rows: NDArray[np.intp], part: FloatArray) -> FloatArray:
     values = values.copy()
     values[rows] = part
     return values

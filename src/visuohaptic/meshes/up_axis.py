@@ -7,14 +7,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from visuohaptic.geometry.arrays import Floats
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.surface import Surface
 
 _FOOT = 0.02
 """Vertices this near to the lowest one, as a share of the height, are what an object stands on: cushions sag, feet differ."""
 
 
-def steadiest_axis(surface: Surface, rotations: Mapping[str, Floats]) -> str:
+def steadiest_axis(surface: Surface, rotations: Mapping[str, FloatArray]) -> str:
     """Choose the axis along which an object leans farthest before it tips over, of equal ones the first.
 
     `rotations` holds for each axis the one, (3, 3), that turns it to y.
@@ -29,7 +29,7 @@ def steadiest_axis(surface: Surface, rotations: Mapping[str, Floats]) -> str:
     return max(angles, key=angles.__getitem__)
 
 
-def tipping_angle(offsets: Floats) -> float:
+def tipping_angle(offsets: FloatArray) -> float:
     """Give the angle by which an object may lean, in its least steady direction, before it tips over, radians.
 
     `offsets` (n, 3) are vertices from the centre of mass, y up. The angle is negative where the

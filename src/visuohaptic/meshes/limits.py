@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 
 MOST_LINES = 20_000_000
 """Lines of a text format."""

@@ -25,7 +25,7 @@ Tables = dict[str, pa.Table]
 Work = Callable[..., Any]
 
 
-def run_files(
+def run_phase_on_files(
     work: Work,
     arguments: Mapping[str, Any],
     meshes: Files,

@@ -11,11 +11,11 @@ import pytest
 import trimesh
 from source_folders import PYTHONPATH, link_installed
 
-from visuohaptic import optional_packages
-from visuohaptic.errors import MissingPackageError
+from visuohaptic.base import optional_packages
+from visuohaptic.base.errors import MissingPackageError
 from visuohaptic.report.compare_runs import read_metrics
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")

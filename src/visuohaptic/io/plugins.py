@@ -1,7 +1,7 @@
 """Plug-ins: strategies, channels, effects, classifiers, maps and descriptors of the user's own.
 
 A plug-in is Python that calls `register`: a file that ``plugins`` in ``params.yaml`` names, a module
-of an installed package (entry points of the group ``visuohaptic.plugins``), or a cell of a
+of an installed package (entry points of the group ``visuohaptic.io.plugins``), or a cell of a
 notebook. It runs with all rights of the user, as any code that the user writes or installs.
 """
 
@@ -21,13 +21,13 @@ from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from visuohaptic.errors import PlugInError, VisuohapticError
-from visuohaptic.moved import FOLDERS
+from visuohaptic.base.errors import PlugInError, VisuohapticError
+from visuohaptic.io.moved import FOLDERS
 
 if TYPE_CHECKING:
     from types import CodeType
 
-GROUP = "visuohaptic.plugins"
+GROUP = "visuohaptic.io.plugins"
 """The entry points of installed plug-ins: each names a module."""
 
 GIVEN = "VISUOHAPTIC_PLUGINS"

@@ -8,10 +8,10 @@ import pytest
 import trimesh
 from numerics.surfaces import build_plain_surface, of_trimesh
 
-from visuohaptic.errors import MeshError
+from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import UP_AXES, place_surface
-from visuohaptic.meshes.standing import steadiest_axis, tipping_angle
+from visuohaptic.meshes.up_axis import steadiest_axis, tipping_angle
 
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 

@@ -8,7 +8,7 @@ from typing import Generic, Protocol, TypeVar
 
 from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 
-from visuohaptic.errors import RegistryError
+from visuohaptic.base.errors import RegistryError
 
 
 class Named(Protocol):

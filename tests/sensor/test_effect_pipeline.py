@@ -7,14 +7,14 @@ from sensor.shapes import PLATE
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.scene.records import merge_records
-from visuohaptic.sensor import SensorParameters, Situation, simulate, touch
+from visuohaptic.sensor import SensorParameters, TouchBatch, simulate, touch
+from visuohaptic.sensor.effect_pipeline import Effect, EffectDecision, Signal, apply_effect
 from visuohaptic.sensor.effects import peak_depth_m
-from visuohaptic.sensor.planner import Effect, Need, Signal, apply_effect
 
 
-def situation(count=4, **scene):
+def batch(count=4, **scene):
     gaps = np.zeros((count, 3, 3)) + np.arange(count)[:, None, None] * 1e-3
-    return Situation(Scene(**scene), gaps, np.full(count, 1e-3), None)
+    return TouchBatch(Scene(**scene), gaps, np.full(count, 1e-3), None)
 
 
 def doubling(needing, seen):
@@ -22,7 +22,7 @@ def doubling(needing, seen):
         seen.append(len(touches))
         return signal.map(lambda values: 2 * values)
 
-    return Effect("doubling", lambda *_: Need(np.array(needing), "because"), run, {})
+    return Effect("doubling", lambda *_: EffectDecision(np.array(needing), "because"), run, {})
 
 
 @pytest.mark.parametrize(
@@ -32,7 +32,7 @@ def doubling(needing, seen):
 def test_an_effect_runs_for_the_touches_of_its_mode_alone(mode, factors, runs):
     ones, seen = np.ones((4, 3, 3)), []
     effect = doubling([False, True, False, True], seen)
-    signal, record = apply_effect(effect, mode, situation(), Signal(ones, ones))
+    signal, record = apply_effect(effect, mode, batch(), Signal(ones, ones))
     np.testing.assert_array_equal(signal.now[:, 0, 0], factors)
     assert signal.peak is signal.now
     assert seen == ([runs] if runs else [])
@@ -44,14 +44,14 @@ def test_an_effect_runs_for_the_touches_of_its_mode_alone(mode, factors, runs):
 def test_a_separate_peak_goes_through_an_effect_too():
     ones = np.ones((4, 3, 3))
     effect = doubling([True, False, False, False], [])
-    signal, _ = apply_effect(effect, "auto", situation(), Signal(ones, 5 * ones))
+    signal, _ = apply_effect(effect, "auto", batch(), Signal(ones, 5 * ones))
     np.testing.assert_array_equal(signal.now[:, 0, 0], [2, 1, 1, 1])
     np.testing.assert_array_equal(signal.peak[:, 0, 0], [10, 5, 5, 5])
 
 
 def test_an_elastic_cover_is_pressed_only_where_it_reaches_the_object():
     outputs, records = simulate(
-        situation(cover="winkler", press_depths_m=(1.5e-3,)), np.ones((4, 3, 3))
+        batch(cover="winkler", press_depths_m=(1.5e-3,)), np.ones((4, 3, 3))
     )
     cover = next(record for record in records if record.effect == "elastic_cover")
     assert (cover.needed, cover.runs) == (2, 2)

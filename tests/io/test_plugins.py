@@ -13,10 +13,10 @@ from source_folders import PYTHONPATH
 
 import visuohaptic as vh
 from visuohaptic.attention.errors import AttentionError
-from visuohaptic.errors import PlugInError
-from visuohaptic.plugins import load_files
+from visuohaptic.base.errors import PlugInError
+from visuohaptic.io.plugins import load_files
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 CUBE = """v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"""
 PLUG_IN = "import visuohaptic as vh\nvh.register(vh.{kind})\n"
 MAP = 'Map("mine", "mine", None, None)'
@@ -45,7 +45,7 @@ import numpy as np
 import visuohaptic as vh
 from visuohaptic.attention.saliency import saliency_map
 from visuohaptic.parameters import ExperimentParameters, as_parameters
-from visuohaptic.sensor import Situation, simulate
+from visuohaptic.sensor import TouchBatch, simulate
 before = ExperimentParameters()
 for name in ("redness", "zero_offset", "closest", "grid_means", "principal", "extra_trees"):
     runpy.run_path({str(EXAMPLES)!r} + f"/{{name}}.py")
@@ -59,7 +59,7 @@ print(as_parameters(made.model_dump()) == made, as_parameters(None).attention.we
 print(as_parameters({{"attention.weights": "human_channels"}}).attention.weights.redness)
 contact = np.full((1, 2, 2), 0.5)
 for scene in (made.scene, before.scene):
-    readings, _ = simulate(Situation(scene, contact, np.ones(1), None), contact)
+    readings, _ = simulate(TouchBatch(scene, contact, np.ones(1), None), contact)
     print(readings.max())
 print(before.attention.weights.model_dump().get("redness"), saliency_map({{}}, before.attention).max())
 """
@@ -88,7 +88,7 @@ def test_a_cell_of_a_notebook_can_run_twice_and_two_files_can_not_share_a_name(t
         (tmp_path / name).write_text(PLUG_IN.format(kind=MAP))
     code = f"""
 import visuohaptic as vh
-from visuohaptic.plugins import load_files
+from visuohaptic.io.plugins import load_files
 for _ in range(2):
     vh.register(vh.Map("again", "again", None, None))
 load_files(["a.py", "a.py"], {str(tmp_path)!r})
@@ -127,11 +127,11 @@ def test_plug_ins_of_installed_packages_are_found(tmp_path):
     about = tmp_path / "mine_installed-1.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: mine-installed\nVersion: 1\n")
-    (about / "entry_points.txt").write_text("[visuohaptic.plugins]\nmine = mine_installed\n")
+    (about / "entry_points.txt").write_text("[visuohaptic.io.plugins]\nmine = mine_installed\n")
     code = """
 from visuohaptic.parameters import as_parameters
 chosen = as_parameters({"recognition.self_organising_map.output": "mine"})
-from visuohaptic.plugins import loaded
+from visuohaptic.io.plugins import loaded
 print(chosen.recognition.self_organising_map.output, [one.package for one in loaded()])
 """
     assert printed(code, path=tmp_path) == ["mine ['mine-installed']"]
@@ -140,7 +140,7 @@ print(chosen.recognition.self_organising_map.output, [one.package for one in loa
 def test_a_process_loads_what_another_hands_on_or_ends_with_a_sentence(tmp_path):
     code = """
 import os, subprocess, sys
-from visuohaptic.plugins import hand_on, load_files
+from visuohaptic.io.plugins import hand_on, load_files
 load_files(["mine.py"])
 hand_on()
 child = "from visuohaptic.recognition.maps import MAPS; print(*MAPS.names)"
