@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import io
 import os
 import posixpath
 import re
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import unquote
 from zipfile import ZipFile
 
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES
-
-if TYPE_CHECKING:
-    from PIL.Image import Image
+from visuohaptic.meshes.textures import PackedImage, open_image
 
 LARGEST_BYTES = 50 * 10**6
 """A material or image above this size is not read; a buffer of a glTF neither."""
@@ -57,33 +53,19 @@ class Companions:
                 self.missing.append(clause)
             raise MeshError(f"it refers to {clause}") from None
 
-    def image(self, name: str, beside: str = "") -> Image | None:
-        """Open an image; None, and a clause in `missing`, where it is not there or no image.
+    def image(self, name: str, beside: str = "") -> PackedImage | None:
+        """Return an image; None, and a clause in `missing`, where it is not there or no image.
 
         Raises `MeshError` for more pixels than any image may have.
         """
-        import PIL.Image
-
         try:
             data = self.read(name, beside)
         except MeshError:
             return None
-        try:
-            with warnings.catch_warnings():
-                # Pixels are counted, by limits of our own, before any is decoded.
-                warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
-                return PIL.Image.open(io.BytesIO(data))
-        except PIL.Image.DecompressionBombError as error:
-            raise MeshError(f"its image {name!r} is too large: {error}") from error
-        except (
-            OSError,
-            ValueError,
-            SyntaxError,
-            TypeError,
-            EOFError,
-        ):  # of whatever Pillow's plug-ins meet
-            self.missing.append(f"{name!r}, which is no image that can be read")
-            return None
+        image = open_image(data, f"its image {name[:_LONGEST_SHOWN]!r}")
+        if image is None:
+            self.missing.append(f"{name[:_LONGEST_SHOWN]!r}, which is no image that can be read")
+        return image
 
     def _read(self, name: str, beside: str) -> bytes:  # noqa: ARG002 - the signature of all
         raise MeshError("is not there, for an open file brings no files beside it")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import io
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, BinaryIO
 from zipfile import ZipFile
@@ -18,15 +19,20 @@ from visuohaptic.meshes.companions import (
     FolderCompanions,
     as_resolver,
 )
-from visuohaptic.meshes.gltf_files import add_wraps, check_gltf, gltf_document
+from visuohaptic.meshes.gltf_files import read_gltf
 from visuohaptic.meshes.in_memory import reason_of, surface_of_trimesh
 from visuohaptic.meshes.obj_files import checked_obj
 from visuohaptic.meshes.off_files import read_off
+from visuohaptic.meshes.parts import Part, join_parts
 from visuohaptic.meshes.ply_files import checked_ply
 from visuohaptic.meshes.stl_files import checked_stl
 from visuohaptic.meshes.three_mf import read_3mf
 
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae")
+_READERS: dict[str, Callable[[bytes, Companions], list[Part]]] = {
+    "glb": read_gltf,
+    "gltf": read_gltf,
+}
 # What trimesh reads as it is meant once these have checked it.
 _CHECKED = {"obj": checked_obj, "ply": checked_ply, "stl": checked_stl, "dae": checked_collada}
 
@@ -91,6 +97,8 @@ def _surface(data: bytes, name: str, suffix: str, companions: Companions) -> Sur
         data = data.removeprefix(codecs.BOM_UTF8)
     # A parser fed with a broken file may fail in any way.
     try:
+        if kind in _READERS:
+            return join_parts(_READERS[kind](data, companions))
         found = _read(data, kind, companions)
     except Exception as error:
         raise MeshError(f"{name} can't be read as {kind.upper()}: {reason_of(error)}.") from error
@@ -105,13 +113,9 @@ def _read(data: bytes, kind: str, companions: Companions) -> Any:
         return read_off(data)
     if kind == "3mf":
         return trimesh.Trimesh(*read_3mf(data), process=False)
-    if kind in _CHECKED:
-        data = _CHECKED[kind](data)
-    else:
-        document = gltf_document(data, kind)
-        check_gltf(document, len(data))
-    resolver = as_resolver(companions)
-    scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=resolver, process=False)
-    if kind not in _CHECKED:
-        add_wraps(scene, document)
-    return scene
+    return trimesh.load_scene(
+        io.BytesIO(_CHECKED[kind](data)),
+        file_type=kind,
+        resolver=as_resolver(companions),
+        process=False,
+    )
