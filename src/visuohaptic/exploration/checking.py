@@ -8,18 +8,23 @@ from numpy.typing import ArrayLike
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
 
+FARTHEST = 1e100
+"""Coordinates and lengths beyond are refused: their squares would overflow."""
+
 
 def point_rows(values: ArrayLike | None, name: str) -> FloatArray:
-    """Give an array (n, 3) of finite numbers; `ParameterError`, which names it, where it is none."""
+    """Return an array (n, 3) of numbers below `FARTHEST`; `ParameterError`, which names it, where it is none."""
     try:
         rows = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise ParameterError(f"{name} holds no numbers; an array (n, 3) is needed.") from None
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise ParameterError(f"{name} has the shape {rows.shape}; (n, 3) is needed.")
-    broken = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    broken = np.flatnonzero(~(np.abs(rows) < FARTHEST).all(axis=1))
     if len(broken):
-        raise ParameterError(f"{name} has NaN or infinite numbers, the first in row {broken[0]}.")
+        raise ParameterError(
+            f"{name} has NaN, infinite numbers or such beyond {FARTHEST:g}, the first in row {broken[0]}."
+        )
     return rows
 
 
