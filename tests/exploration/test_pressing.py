@@ -61,7 +61,7 @@ def test_no_pose_gives_no_image():
         ({"resolution": 1}, ParameterError, "resolution is 1"),
         ({"depth": 0}, ParameterError, "depth holds 0"),
         ({"mesh": (np.zeros((3, 3)), np.zeros((0, 3), int))}, MeshError, "no faces"),
-        ({"mesh": (np.eye(3), [[0, 1, 3]])}, MeshError, "3 vertices and faces that name others"),
+        ({"mesh": (np.eye(3), [[0, 1, 3]])}, MeshError, "a face names vertex 3; 0 to 2 are there"),
         ({"mesh": "mug.obj"}, MeshError, "type str; a trimesh.Trimesh"),
     ],
 )

@@ -7,8 +7,8 @@ from meshes.generated import BOARD, FACES, POINTS, as_gltf, write_square
 from PIL import Image
 
 from visuohaptic.base.errors import MeshError
-from visuohaptic.meshes.in_memory import GREY
 from visuohaptic.meshes.model_files import read_model
+from visuohaptic.meshes.parts import GREY
 
 
 @pytest.mark.parametrize("image", ["", "map_Kd gone.png\n", "map_Kd ../secret.png\n"])

@@ -292,13 +292,9 @@ def _unit_surface(mesh: Mesh) -> tuple[Surface, FloatArray, float]:
         raise MeshError(
             f"The mesh is of type {type(mesh).__name__}; a trimesh.Trimesh or (vertices, faces) is needed."
         )
-    vertices, faces = surface.vertices, surface.faces
-    if not len(faces) or not np.isfinite(vertices).all():
-        raise MeshError(
-            "The mesh has no faces, or vertices that are not finite; a surface is needed."
-        )
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        raise MeshError(f"The mesh has {len(vertices)} vertices and faces that name others.")
+    vertices = surface.vertices
+    if not np.isfinite(vertices).all():
+        raise MeshError("The mesh has vertices that are not finite; a surface is needed.")
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     radius = float(np.linalg.norm(vertices - centre, axis=1).max())
     if not radius > 0:

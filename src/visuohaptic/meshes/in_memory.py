@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from visuohaptic.base.arrays import IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.polygons import check_corners
-from visuohaptic.meshes.textures import add_textures
-
-GREY = (160, 160, 160)
-"""Colour, sRGB, of a face that has none."""
+from visuohaptic.geometry.texture import REPEAT
+from visuohaptic.meshes.parts import Paint, Part, join_parts
 
 
 def surface_of_arrays(vertices: ArrayLike, faces: ArrayLike, name: str) -> Surface:
@@ -27,25 +24,41 @@ def surface_of_arrays(vertices: ArrayLike, faces: ArrayLike, name: str) -> Surfa
     corners = _check_columns(faces, "faces", name)
     if not np.issubdtype(corners.dtype, np.integer):
         raise MeshError(f"{name} has faces of {corners.dtype}; integers are needed.")
-    points = _check_columns(vertices, "vertices", name)
-    colours = np.tile(np.array(GREY, dtype=np.uint8), (len(corners), 1))
-    return Surface(points.astype(np.float64), corners.astype(np.int64), colours)
+    return _joined([Part(_check_columns(vertices, "vertices", name), corners)], name)
 
 
 def surface_of_trimesh(mesh: Any, name: str) -> Surface:
-    """Give the surface of a ``trimesh.Trimesh``, or of all parts of a ``trimesh.Scene``.
+    """Return the surface of a ``trimesh.Trimesh``, or of all parts of a ``trimesh.Scene``.
 
-    Materials and vertex colours become a colour a face; images stay images. Raises `MeshError`
+    Materials and vertex colours become one colour per face; images stay images. Raises `MeshError`
     if there are no faces, or an image can't be read.
     """
     # Parts that don't fit each other may fail in any way; the scene is what is wrong.
     try:
-        parts = [part for part in _parts(mesh) if len(part.faces)]
-        if parts:
-            return _joined(parts)
+        parts = list(parts_of_trimesh(mesh))
     except Exception as error:
         raise MeshError(f"{name} can't be read as one surface: {reason_of(error)}.") from error
-    raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
+    return _joined(parts, name)
+
+
+def parts_of_trimesh(mesh: Any) -> Iterator[Part]:
+    """Return the parts of a ``trimesh.Trimesh`` or ``trimesh.Scene``, each where the scene puts it.
+
+    glTF's base colour multiplies an image as light, an MTL's `Kd` as stored, unless it is black, as
+    some programs write it beside an image.
+    """
+    if not hasattr(mesh, "geometry"):
+        if hasattr(mesh, "faces"):
+            yield _part(mesh, mesh.vertices, mesh.faces)
+        return
+    for node in mesh.graph.nodes_geometry:
+        transform, geometry = mesh.graph[node]
+        shape = mesh.geometry[geometry]
+        if hasattr(shape, "faces"):
+            # Images are not copied with it, which `Scene.dump` would do for each part.
+            moved = shape.copy(include_visual=False)
+            moved.apply_transform(transform)
+            yield _part(shape, moved.vertices, moved.faces)
 
 
 def reason_of(error: Exception) -> str:
@@ -53,50 +66,58 @@ def reason_of(error: Exception) -> str:
     return " ".join(str(error).split())[:200].rstrip(".!") or "it is broken or truncated"
 
 
-@dataclass(frozen=True)
-class _Part:
-    """A mesh where its scene puts it, with the colours and images of the one that it stands for."""
-
-    vertices: NDArray[Any]
-    faces: NDArray[Any]
-    visual: Any
-
-
-def _joined(parts: list[_Part]) -> Surface:
-    for part in parts:
-        if part.vertices.shape[1:] != (3,):
-            raise MeshError(f"vertices have the shape {part.vertices.shape}; (n, 3) is needed")
-        # An index too high would name a vertex of the next part.
-        check_corners(np.ravel(part.faces), len(part.vertices))
-    starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
-    colours = np.concatenate([face_colours(part) for part in parts])
-    colours, texture = add_textures(parts, colours)
-    return Surface(
-        np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),
-        np.concatenate(
-            [
-                np.asarray(part.faces, dtype=np.int64) + start
-                for part, start in zip(parts, starts, strict=True)
-            ]
-        ),
-        colours,
-        texture,
-    )
+def _joined(parts: list[Part], name: str) -> Surface:
+    if not any(len(part.faces) for part in parts):
+        raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
+    try:
+        return join_parts(parts)
+    # Colours or images that don't fit the faces may fail in any way.
+    except Exception as error:
+        raise MeshError(f"{name} can't be read as one surface: {reason_of(error)}.") from error
 
 
-def _parts(mesh: Any) -> Iterator[_Part]:
-    if not hasattr(mesh, "geometry"):
-        if hasattr(mesh, "faces"):
-            yield _Part(mesh.vertices, mesh.faces, mesh.visual)
-        return
-    for node in mesh.graph.nodes_geometry:
-        transform, geometry = mesh.graph[node]
-        part = mesh.geometry[geometry]
-        if hasattr(part, "faces"):
-            # Images are not copied with it, which `Scene.dump` would do for each part.
-            moved = part.copy(include_visual=False)
-            moved.apply_transform(transform)
-            yield _Part(moved.vertices, moved.faces, part.visual)
+def _part(mesh: Any, vertices: NDArray[Any], faces: NDArray[Any]) -> Part:
+    """Return the part of a mesh with moved vertices, and faces that may be turned over."""
+    # trimesh's arrays track changes, which costs time and is of no use here.
+    vertices, faces = np.asarray(vertices), np.asarray(faces)
+    return Part(vertices, faces, _face_colours(mesh.visual, faces), _paint(mesh, faces))
+
+
+def _face_colours(visual: Any, faces: IntArray) -> NDArray[np.uint8] | None:
+    """Return the colours (f, 3), sRGB, of the material, or the mean of the corners; None without."""
+    if visual.kind == "texture":
+        colour = np.asarray(visual.material.main_color)[:3].astype(np.uint8)
+        return np.tile(colour, (len(faces), 1))
+    if visual.kind == "vertex":
+        corners = np.asarray(visual.vertex_colors)[faces][..., :3]
+        return np.rint(corners.mean(axis=1)).astype(np.uint8)
+    if visual.kind == "face":
+        return np.asarray(visual.face_colors)[:, :3].astype(np.uint8)
+    return None
+
+
+def _paint(mesh: Any, faces: IntArray) -> Paint | None:
+    if mesh.visual.kind != "texture":
+        return None
+    material, places = mesh.visual.material, mesh.visual.uv
+    image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
+    if image is None or np.shape(places) != (len(mesh.vertices), 2):
+        return None
+    corners = np.asarray(places, dtype=np.float64)[faces]
+    wraps = getattr(material, "wraps", (REPEAT, REPEAT))
+    base = getattr(material, "baseColorFactor", None)
+    if base is not None:
+        return Paint(image, corners, wraps, _triple(np.asarray(base) / 255.0), linear=True)
+    # trimesh gives a diffuse colour to a material that has none: what the file says is beside it.
+    diffuse: Any = getattr(material, "kwargs", {}).get("kd")
+    if np.shape(diffuse) != (3,) or not np.any(diffuse):
+        return Paint(image, corners, wraps)
+    return Paint(image, corners, wraps, _triple(diffuse))
+
+
+def _triple(values: Any) -> tuple[float, float, float]:
+    red, green, blue = np.clip(np.nan_to_num(np.asarray(values, dtype=np.float64)[:3]), 0, 1)
+    return float(red), float(green), float(blue)
 
 
 def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
@@ -109,16 +130,3 @@ def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
     if array.ndim != 2 or array.shape[1] != 3:
         raise MeshError(f"{name} has {what} of shape {array.shape}; (n, 3) is needed.")
     return array
-
-
-def face_colours(part: Any) -> NDArray[np.uint8]:
-    """Give the colours (f, 3), uint8, sRGB, of a mesh's faces: of the material, or the corners' mean, or `GREY`."""
-    visual, count = part.visual, len(part.faces)
-    if visual.kind == "texture":
-        return np.tile(np.asarray(visual.material.main_color)[:3].astype(np.uint8), (count, 1))
-    if visual.kind == "vertex":
-        corners = np.asarray(visual.vertex_colors)[part.faces][..., :3]
-        return np.rint(corners.mean(axis=1)).astype(np.uint8)
-    if visual.kind == "face":
-        return np.asarray(visual.face_colors)[:, :3].astype(np.uint8)
-    return np.tile(np.array(GREY, dtype=np.uint8), (count, 1))

@@ -12,6 +12,12 @@ from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import why_unreadable
 from visuohaptic.meshes.collada import checked_collada
+from visuohaptic.meshes.companions import (
+    ArchiveCompanions,
+    Companions,
+    FolderCompanions,
+    as_resolver,
+)
 from visuohaptic.meshes.gltf_files import add_wraps, check_gltf, gltf_document
 from visuohaptic.meshes.in_memory import reason_of, surface_of_trimesh
 from visuohaptic.meshes.obj_files import checked_obj
@@ -23,7 +29,6 @@ from visuohaptic.meshes.three_mf import read_3mf
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae")
 # What trimesh reads as it is meant once these have checked it.
 _CHECKED = {"obj": checked_obj, "ply": checked_ply, "stl": checked_stl, "dae": checked_collada}
-_LARGEST_TEXTURE_BYTES = 50 * 10**6
 
 
 def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
@@ -36,14 +41,12 @@ def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
     """
     path = Path(path)
     _check_suffix(path.suffix, str(path))
-    from visuohaptic.meshes.texture_resolver import BesideResolver
-
     try:
         with path.open("rb") as stream:
             data = _read_bounded(stream, str(path), largest_megabytes)
     except OSError as error:
         raise MeshError(f"{path} can't be read: {error.strerror}.") from error
-    return _surface(data, str(path), path.suffix, BesideResolver(path.parent))
+    return _surface(data, str(path), path.suffix, FolderCompanions(path))
 
 
 def read_open_file(
@@ -54,20 +57,13 @@ def read_open_file(
     `suffix` is its format, such as ``.obj``. Raises `MeshError` also if the file gives text.
     """
     _check_suffix(suffix, name)
-    return _surface(_read_bounded(stream, name, largest_megabytes), name, suffix, None)
+    data = _read_bounded(stream, name, largest_megabytes)
+    return _surface(data, name, suffix, Companions())
 
 
 def surface_from_archive(data: bytes, name: str, archive: ZipFile) -> Surface:
     """Read a member of a zip archive as `read_model` does, its textures from its own folder there."""
-    from trimesh.resolvers import ZipResolver
-
-    folder, _, _ = name.rpartition("/")
-    beside = {
-        info.filename.removeprefix(f"{folder}/"): io.BytesIO(archive.read(info))
-        for info in archive.infolist()
-        if info.filename.startswith(f"{folder}/") and info.file_size <= _LARGEST_TEXTURE_BYTES
-    }
-    return _surface(data, name, Path(name).suffix, ZipResolver(beside))
+    return _surface(data, name, Path(name).suffix, ArchiveCompanions(archive, name))
 
 
 def _check_suffix(suffix: str, name: str) -> None:
@@ -89,19 +85,19 @@ def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> byte
     return data
 
 
-def _surface(data: bytes, name: str, suffix: str, resolver: Any) -> Surface:
+def _surface(data: bytes, name: str, suffix: str, companions: Companions) -> Surface:
     kind = suffix[1:].lower()
     if kind in _TEXT_KINDS:
         data = data.removeprefix(codecs.BOM_UTF8)
     # A parser fed with a broken file may fail in any way.
     try:
-        found = _read(data, kind, resolver)
+        found = _read(data, kind, companions)
     except Exception as error:
         raise MeshError(f"{name} can't be read as {kind.upper()}: {reason_of(error)}.") from error
     return surface_of_trimesh(found, name)
 
 
-def _read(data: bytes, kind: str, resolver: Any) -> Any:
+def _read(data: bytes, kind: str, companions: Companions) -> Any:
     """Give a ``trimesh.Scene`` or ``trimesh.Trimesh`` as the file means it; errors give the reason alone."""
     import trimesh
 
@@ -114,6 +110,7 @@ def _read(data: bytes, kind: str, resolver: Any) -> Any:
     else:
         document = gltf_document(data, kind)
         check_gltf(document, len(data))
+    resolver = as_resolver(companions)
     scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=resolver, process=False)
     if kind not in _CHECKED:
         add_wraps(scene, document)
