@@ -12,7 +12,7 @@ from zipfile import ZipFile
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import why_unreadable
-from visuohaptic.meshes.collada import checked_collada
+from visuohaptic.meshes.collada import read_collada
 from visuohaptic.meshes.companions import (
     ArchiveCompanions,
     Companions,
@@ -32,9 +32,11 @@ _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae")
 _READERS: dict[str, Callable[[bytes, Companions], list[Part]]] = {
     "glb": read_gltf,
     "gltf": read_gltf,
+    "dae": read_collada,
+    "3mf": read_3mf,
 }
 # What trimesh reads as it is meant once these have checked it.
-_CHECKED = {"obj": checked_obj, "ply": checked_ply, "stl": checked_stl, "dae": checked_collada}
+_CHECKED = {"obj": checked_obj, "ply": checked_ply, "stl": checked_stl}
 
 
 def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
@@ -111,8 +113,6 @@ def _read(data: bytes, kind: str, companions: Companions) -> Any:
 
     if kind == "off":
         return read_off(data)
-    if kind == "3mf":
-        return trimesh.Trimesh(*read_3mf(data), process=False)
     return trimesh.load_scene(
         io.BytesIO(_CHECKED[kind](data)),
         file_type=kind,
