@@ -311,7 +311,7 @@ def test_weights_of_a_skin_are_shares_of_their_sum():
 
 def test_a_skin_that_is_broken_is_refused():
     whole = (np.tile(np.float32([1, 0, 0, 0]), (8, 1)),)
-    with pytest.raises(MeshError, match="follows joint 7; 0 to 1 are there"):
+    with pytest.raises(MeshError, match="names joint 7; 0 to 1 are there"):
         read(with_skin(7 * FOLLOWS, whole).text())
     file = with_skin(FOLLOWS, whole)
     file.tree["nodes"][2]["children"] = [1]

@@ -33,11 +33,14 @@ class Companions:
     notes : list of str
         What else a user should know of the model, each a clause whose subject is the file: "has
         vertex colours that are not read".
+    up_axis : str or None
+        The axis, x, y or z, that the file says points up; None where it says none.
     """
 
     def __init__(self) -> None:
         self.missing: list[str] = []
         self.notes: list[str] = []
+        self.up_axis: str | None = None
 
     def read(self, name: str, beside: str = "") -> bytes:
         """Read a file by the name by which the model, or its companion `beside`, refers to it.

@@ -29,7 +29,13 @@ from visuohaptic.meshes.gltf_document import (
 from visuohaptic.meshes.limits import check_parts
 from visuohaptic.meshes.parts import Paint, Part
 from visuohaptic.meshes.polygons import check_corners
-from visuohaptic.meshes.skinning import fan_faces, rotation_matrices, skinned, strip_faces
+from visuohaptic.meshes.scenes import (
+    fan_faces,
+    placed,
+    rotation_matrices,
+    skinned,
+    strip_faces,
+)
 
 MOST_TINTS = 16
 """Vertex colours that multiply one image on one primitive; of more, their mean does."""
@@ -212,42 +218,7 @@ def _mesh_parts(document: GltfDocument, shown: _Shown) -> Iterator[Part]:
         if len(faces):
             vertices, matrices = _posed(document, shown, one)
             for part in one.painted(vertices, faces):
-                yield from _placed(part, matrices)
-
-
-def _placed(part: Part, matrices: FloatArray) -> Iterator[Part]:
-    """Put a part where each matrix says; those that mirror it turn its faces over (section 3.7.4)."""
-    mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
-    if not mirrored.all():
-        yield _repeated(part, matrices[~mirrored])
-    if mirrored.any():
-        paint = part.paint
-        yield _repeated(
-            Part(
-                part.vertices,
-                part.faces[:, ::-1],
-                part.colours,
-                None if paint is None else _with_corners(paint, paint.corners[:, ::-1]),
-            ),
-            matrices[mirrored],
-        )
-
-
-def _repeated(part: Part, matrices: FloatArray) -> Part:
-    count, paint = len(matrices), part.paint
-    vertices = np.einsum("nij,vj->nvi", matrices[:, :3, :3], part.vertices)
-    vertices += matrices[:, None, :3, 3]
-    starts = len(part.vertices) * np.arange(count)
-    return Part(
-        vertices.reshape(-1, 3),
-        (part.faces[None] + starts[:, None, None]).reshape(-1, 3),
-        None if part.colours is None else np.tile(part.colours, (count, 1)),
-        None if paint is None else _with_corners(paint, np.tile(paint.corners, (count, 1, 1))),
-    )
-
-
-def _with_corners(paint: Paint, corners: FloatArray) -> Paint:
-    return Paint(paint.image, corners, paint.wraps, paint.tint, paint.linear)
+                yield from placed(part, matrices)
 
 
 def _posed(document: GltfDocument, shown: _Shown, one: _Primitive) -> tuple[FloatArray, FloatArray]:
@@ -264,7 +235,9 @@ def _posed(document: GltfDocument, shown: _Shown, one: _Primitive) -> tuple[Floa
     weights = np.hstack([one.shares(name.replace("JOINTS", "WEIGHTS"), 4) for name in names])
     matrices = _joint_matrices(document, skin, f"node {shown.number}")
     # The node's own place does not count (section 3.7.3.3).
-    return skinned(vertices, joints, weights, matrices), np.eye(4)[None]
+    rows = np.repeat(np.arange(len(vertices)), joints.shape[1])
+    vertices = skinned(vertices, rows, joints.ravel(), weights.ravel(), matrices)
+    return vertices, np.eye(4)[None]
 
 
 def _joint_matrices(document: GltfDocument, skin: Any, place: str) -> FloatArray:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, why_unreadable
-from visuohaptic.meshes.collada import checked_collada
+from visuohaptic.meshes.collada import read_collada
 from visuohaptic.meshes.companions import (
     ArchiveCompanions,
     Companions,
@@ -198,6 +198,6 @@ _READERS: dict[str, Callable[[bytes, Companions], Sequence[Part]]] = {
     "off": read_off,
     "glb": read_gltf,
     "gltf": read_gltf,
-    "3mf": lambda data, _: [Part(*read_3mf(data))],
-    "dae": lambda data, companions: _by_trimesh(data, "dae", companions),
+    "3mf": read_3mf,
+    "dae": read_collada,
 }
