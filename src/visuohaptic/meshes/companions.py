@@ -57,6 +57,14 @@ class Companions:
                 self.missing.append(clause)
             raise MeshError(f"it refers to {clause}") from None
 
+    def has(self, name: str, beside: str = "") -> bool:
+        """Tell whether `read` returns a file by a name, which `missing` does not get."""
+        try:
+            self._read(name, beside)
+        except MeshError:
+            return False
+        return True
+
     def image(self, name: str, beside: str = "") -> Image | None:
         """Open an image; None, and a clause in `missing`, where it is not there or no image.
 

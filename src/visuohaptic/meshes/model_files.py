@@ -20,15 +20,16 @@ from visuohaptic.meshes.companions import (
 )
 from visuohaptic.meshes.gltf_files import add_wraps, check_gltf, gltf_document
 from visuohaptic.meshes.in_memory import reason_of, surface_of_trimesh
-from visuohaptic.meshes.obj_files import checked_obj
+from visuohaptic.meshes.obj_files import read_obj
 from visuohaptic.meshes.off_files import read_off
+from visuohaptic.meshes.parts import join_parts
 from visuohaptic.meshes.ply_files import checked_ply
 from visuohaptic.meshes.stl_files import checked_stl
 from visuohaptic.meshes.three_mf import read_3mf
 
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae")
 # What trimesh reads as it is meant once these have checked it.
-_CHECKED = {"obj": checked_obj, "ply": checked_ply, "stl": checked_stl, "dae": checked_collada}
+_CHECKED = {"ply": checked_ply, "stl": checked_stl, "dae": checked_collada}
 
 
 def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
@@ -91,6 +92,8 @@ def _surface(data: bytes, name: str, suffix: str, companions: Companions) -> Sur
         data = data.removeprefix(codecs.BOM_UTF8)
     # A parser fed with a broken file may fail in any way.
     try:
+        if kind == "obj":
+            return join_parts(read_obj(data, companions))
         found = _read(data, kind, companions)
     except Exception as error:
         raise MeshError(f"{name} can't be read as {kind.upper()}: {reason_of(error)}.") from error
