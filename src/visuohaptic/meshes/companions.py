@@ -7,7 +7,6 @@ import posixpath
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 from urllib.parse import unquote
 from zipfile import ZipFile
 
@@ -55,6 +54,14 @@ class Companions:
             if clause not in self.missing:
                 self.missing.append(clause)
             raise MeshError(f"it refers to {clause}") from None
+
+    def has(self, name: str, beside: str = "") -> bool:
+        """Tell whether `read` returns a file by a name, which `missing` does not get."""
+        try:
+            self._read(name, beside)
+        except MeshError:
+            return False
+        return True
 
     def image(self, name: str, beside: str = "") -> PackedImage | None:
         """Return an image; None, and a clause in `missing`, where it is not there or no image.
@@ -127,29 +134,6 @@ class ArchiveCompanions(Companions):
                 _check_size(found.file_size)
                 return self._archive.read(found)
         raise MeshError(f"is {_where(name)}")
-
-
-def as_resolver(companions: Companions) -> Any:
-    """Return what trimesh calls a resolver: it reads companions and nothing else."""
-    from trimesh.resolvers import Resolver
-
-    class CompanionResolver(Resolver):  # type: ignore[misc]
-        def __init__(self) -> None:
-            pass
-
-        def keys(self) -> Iterator[str]:
-            return iter(())
-
-        def namespaced(self, namespace: str) -> Any:
-            raise MeshError(f"{namespace} is not read.")
-
-        def write(self, name: str, data: str | bytes) -> None:  # noqa: ARG002 - trimesh's signature
-            raise MeshError(f"{name} is not written.")
-
-        def get(self, name: str) -> bytes:
-            return companions.read(name)
-
-    return CompanionResolver()
 
 
 def _places(name: str, beside: str) -> Iterator[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import io
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,15 +15,10 @@ from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, why_unreadable
 from visuohaptic.meshes.collada import read_collada
-from visuohaptic.meshes.companions import (
-    ArchiveCompanions,
-    Companions,
-    FolderCompanions,
-    as_resolver,
-)
+from visuohaptic.meshes.companions import ArchiveCompanions, Companions, FolderCompanions
 from visuohaptic.meshes.gltf_files import read_gltf
-from visuohaptic.meshes.in_memory import parts_in_memory, parts_of_trimesh
-from visuohaptic.meshes.obj_files import checked_obj
+from visuohaptic.meshes.in_memory import parts_in_memory
+from visuohaptic.meshes.obj_files import read_obj
 from visuohaptic.meshes.off_files import read_off
 from visuohaptic.meshes.parts import Part, join_parts
 from visuohaptic.meshes.ply_files import read_ply
@@ -180,19 +174,8 @@ def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> byte
     return data
 
 
-def _by_trimesh(data: bytes, kind: str, companions: Companions) -> list[Part]:
-    import trimesh
-
-    checked = {"obj": checked_obj, "dae": checked_collada}[kind](data)
-    resolver = as_resolver(companions)
-    scene = trimesh.load_scene(
-        io.BytesIO(checked), file_type=kind, resolver=resolver, process=False
-    )
-    return list(parts_of_trimesh(scene))
-
-
 _READERS: dict[str, Callable[[bytes, Companions], Sequence[Part]]] = {
-    "obj": lambda data, companions: _by_trimesh(data, "obj", companions),
+    "obj": read_obj,
     "ply": read_ply,
     "stl": read_stl,
     "off": read_off,
