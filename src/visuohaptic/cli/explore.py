@@ -53,11 +53,11 @@ ViewpointsOption = Annotated[
     int | None, typer.Option(min=1, help="Viewpoints around the object.", show_default="16")
 ]
 UpOption = Annotated[
-    Literal["y", "z", "auto"] | None,
+    Literal["file", "y", "z", "auto"] | None,
     typer.Option(
         "--up",
-        help="Axis of the file that points up; auto takes the one on which the object stands steadier.",
-        show_default="y",
+        help="Axis of the file that points up; auto takes the one of y and z on which the object stands steadier.",
+        show_default="as the file says, else y",
     ),
 ]
 UnitOption = Annotated[
@@ -148,6 +148,8 @@ def recognise(
     chosen_model = model or default_model()
     recogniser = read_recogniser(chosen_model)
     strategy, chosen = recogniser.model.strategy, recogniser.parameters
+    # Which axis points up is a matter of the file, whatever the model learnt from.
+    up = up or "file"
 
     def recognise_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
         made = _explore(mesh, up, None, viewpoints, strategy, chosen)
@@ -190,8 +192,13 @@ def recognise(
 def _lines_on_file(up: str | None, found: Exploration) -> list[str]:
     notes = [f"  note: {note}" for note in found.surface.notes]
     axis = found.frame.up_axis
-    said = f"  {axis} is taken as up, as the object stands steadier so; --up says otherwise"
-    return [*notes, said] if up == "auto" else notes
+    if up == "auto":
+        notes.append(
+            f"  {axis} is taken as up, as the object stands steadier so; --up says otherwise"
+        )
+    elif up in {None, "file"} and axis != "y":
+        notes.append(f"  {axis} is taken as up, as the file says; --up says otherwise")
+    return notes
 
 
 def _answer_line(mesh: Path, found: Recognition) -> str:

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,8 @@ class Surface:
     centre is the origin and its radius 1. `faces` (f, 3), int64, are rows of them. `face_colours`
     (f, 3), uint8, are sRGB; of a face that has an image, the mean. `texture` is None where no face
     has an image. `notes` are sentences that a user should read about the file that it came from, such
-    as that an image was missing.
+    as that an image was missing. `up_axis` is the axis that the file says points up, where it says so
+    and the surface is not turned yet.
     """
 
     vertices: FloatArray
@@ -51,6 +52,7 @@ class Surface:
     face_colours: NDArray[np.uint8]
     texture: Texture | None = None
     notes: tuple[str, ...] = ()
+    up_axis: Literal["x", "y", "z"] | None = None
 
     def __repr__(self) -> str:
         return f"<Surface: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"

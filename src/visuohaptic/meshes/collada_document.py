@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 from urllib.parse import unquote
 from zipfile import is_zipfile
 
@@ -23,6 +23,7 @@ from visuohaptic.meshes.textures import PackedImage
 MOST_ELEMENTS = 200_000
 """Elements other than the polygons of old files, which have one each."""
 
+_UP_AXES: dict[str, Literal["x", "y", "z"]] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 _LONGEST_SHOWN = 80
 _WRAPS = {"WRAP": REPEAT, "MIRROR": MIRROR, "CLAMP": CLAMP, "BORDER": CLAMP, "NONE": CLAMP}
 _WIDTHS = {"float2": 2, "float3": 3, "float4": 4, "float3x3": 9, "float4x4": 16}
@@ -85,14 +86,14 @@ class ColladaDocument:
         self._images: dict[str, PackedImage | None] = {}
 
     @property
-    def up_axis(self) -> str:
+    def up_axis(self) -> Literal["x", "y", "z"]:
         """The axis that points up: x, y or z."""
         said = (self.root.findtext("{*}asset/{*}up_axis") or "Y_UP").strip()
-        if said not in {"X_UP", "Y_UP", "Z_UP"}:
+        if said not in _UP_AXES:
             raise MeshError(
-                f"its up_axis is {said[:_LONGEST_SHOWN]!r}; X_UP, Y_UP, Z_UP are allowed"
+                f"its up_axis is {said[:_LONGEST_SHOWN]!r}; {', '.join(_UP_AXES)} are allowed"
             )
-        return said[0].lower()
+        return _UP_AXES[said]
 
     def referred(self, element: Any, kind: str, place: str, attribute: str = "url") -> Any:
         """Return the element of a kind, such as ``geometry``, that an element's attribute names."""

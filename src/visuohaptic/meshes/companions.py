@@ -7,6 +7,7 @@ import posixpath
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal
 from urllib.parse import unquote
 from zipfile import ZipFile
 
@@ -39,7 +40,7 @@ class Companions:
     def __init__(self) -> None:
         self.missing: list[str] = []
         self.notes: list[str] = []
-        self.up_axis: str | None = None
+        self.up_axis: Literal["x", "y", "z"] | None = None
 
     def read(self, name: str, beside: str = "") -> bytes:
         """Read a file by the name by which the model, or its companion `beside`, refers to it.

@@ -88,6 +88,7 @@ def read_gltf(data: bytes, companions: Companions) -> list[Part]:
     weights are applied. Colours are base colour times vertex colours, multiplied as light. Raises
     `MeshError`, with the reason only, if the file is broken, shows too much, or uses what is not read.
     """
+    companions.up_axis = "y"
     document = GltfDocument(data, companions)
     shown = _shown(document)
     _check_size(document, shown)

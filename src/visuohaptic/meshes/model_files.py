@@ -112,7 +112,7 @@ def _surface(
         surface = join_parts(read())
     except Exception as error:
         raise MeshError(f"{name} can't be read as {kind}: {_reason_of(error)}.") from error
-    return replace(surface, notes=_notes(name, companions))
+    return replace(surface, notes=_notes(name, companions), up_axis=companions.up_axis)
 
 
 def _notes(name: str, companions: Companions) -> tuple[str, ...]:

@@ -18,10 +18,12 @@ from visuohaptic.meshes.up_axis import leans_on_y, steadiest_axis
 MERGE_TOLERANCE = 1e-6
 """Vertices nearer than this, in object radii, become one: some ten steps of float32 at the unit sphere."""
 
-_SAY_UP = (".glb", ".gltf", ".dae")
-"""Formats whose readers know which axis points up."""
-
-UP_AXES = {"y": np.eye(3), "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])}
+UP_AXES = {
+    "x": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
+    "y": np.eye(3),
+    "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]),
+}
+"""The rotation, (3, 3), that turns each axis to y."""
 
 
 def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> Surface:
@@ -53,11 +55,15 @@ def _upright(
     axis: str = parameters.own_up_axis
     _check_finite(surface, name)
     if axis == "auto":
-        return UP_AXES[steadiest_axis(surface, UP_AXES)], []
-    if axis == "y" and not name.lower().endswith(_SAY_UP) and leans_on_y(surface, UP_AXES["z"]):
+        return UP_AXES[steadiest_axis(surface, {axis: UP_AXES[axis] for axis in "yz"})], []
+    if axis != "file":
+        return UP_AXES[axis], []
+    if surface.up_axis is not None:
+        return UP_AXES[surface.up_axis], []
+    if leans_on_y(surface, UP_AXES["z"]):
         note = f"{name} is taken as y-up, and would stand more steadily with z up"
-        return UP_AXES[axis], [f"{note}; if z is up, say so by --up z (meshes.own_up_axis)."]
-    return UP_AXES[axis], []
+        return UP_AXES["y"], [f"{note}; if so, say --up z (meshes.own_up_axis)."]
+    return UP_AXES["y"], []
 
 
 def normalise(
@@ -153,7 +159,7 @@ def _kept(surface: Surface, keep: BoolArray) -> Surface:
         renumbered.reshape(-1, 3).astype(np.int64),
         surface.face_colours[keep],
         None if surface.texture is None else surface.texture.take(keep),
-        surface.notes,
+        notes=surface.notes,
     )
 
 
