@@ -56,7 +56,9 @@ def read_ply(data: bytes, companions: Companions) -> list[Part]:
     if "vertex" not in tables:
         return []
     vertex = tables["vertex"]
-    points = np.column_stack([vertex[axis] for axis in "xyz"]).astype(np.float64)
+    points = np.empty((len(vertex.data), 3))
+    for axis, name in enumerate("xyz"):
+        points[:, axis] = vertex[name]
     images = _Images(data[: header.length], companions)
     return [*_faces(tables, points, images), *_strips(vertex, tables, points, images)]
 
@@ -96,7 +98,7 @@ def _faces(tables: PlyData, points: FloatArray, images: _Images) -> Iterator[Par
     corners, counts = _lists(face.data[name])
     check_corners(corners, len(points))
     triangles, owners = triangulate(points, corners, counts)
-    named = corners[triangles]
+    named = corners.reshape(-1, 3) if (counts == 3).all() else corners[triangles]
     numbers = np.zeros(len(face.data), dtype=np.int64)
     if "texnumber" in face.data.dtype.names:
         numbers = face.data["texnumber"].astype(np.int64)
