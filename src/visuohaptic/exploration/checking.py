@@ -8,6 +8,9 @@ from numpy.typing import ArrayLike
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
 
+LARGEST = 1e100
+"""Largest magnitude of a coordinate or a length, so that products of three are finite."""
+
 
 def point_rows(values: ArrayLike | None, name: str) -> FloatArray:
     """Give an array (n, 3) of finite numbers; `ParameterError`, which names it, where it is none."""
@@ -20,7 +23,26 @@ def point_rows(values: ArrayLike | None, name: str) -> FloatArray:
     broken = np.flatnonzero(~np.isfinite(rows).all(axis=1))
     if len(broken):
         raise ParameterError(f"{name} has NaN or infinite numbers, the first in row {broken[0]}.")
+    check_magnitudes(rows, name)
     return rows
+
+
+def check_magnitudes(rows: FloatArray, name: str) -> None:
+    """Raise `ParameterError`, which names the row, if an array (n, …) holds a number beyond `LARGEST`."""
+    large = np.argwhere(np.abs(rows) > LARGEST)
+    if len(large):
+        raise ParameterError(
+            f"{name} has {rows[tuple(large[0])]:g} in row {large[0, 0]}; numbers up to {LARGEST:g} are allowed."
+        )
+
+
+def lengths_of(directions: FloatArray) -> FloatArray:
+    """Compute the lengths of directions (n, k) of at most `LARGEST`, however short, shape (n, 1)."""
+    # Scaling by a power of two loses no digit, and squares of short directions are not 0.
+    exponents = np.frexp(np.abs(directions).max(axis=1, keepdims=True, initial=0.0))[1]
+    scaled = np.linalg.norm(np.ldexp(directions, -exponents), axis=1, keepdims=True)
+    lengths: FloatArray = np.ldexp(scaled, exponents)
+    return lengths
 
 
 def unit_rows(values: ArrayLike | None, name: str, count: int) -> FloatArray:
@@ -28,8 +50,8 @@ def unit_rows(values: ArrayLike | None, name: str, count: int) -> FloatArray:
     rows = point_rows(values, name)
     if len(rows) != count:
         raise ParameterError(f"There are {len(rows)} {name} for {count} points.")
-    lengths = np.linalg.norm(rows, axis=1, keepdims=True)
-    lost = np.flatnonzero(~(lengths > 0) | np.isinf(lengths))
+    lengths = lengths_of(rows)
+    lost = np.flatnonzero(lengths == 0)
     if len(lost):
         raise ParameterError(f"{name} has no direction in row {lost[0]}: {rows[lost[0]]}.")
     return rows / lengths

@@ -12,7 +12,7 @@ from PIL import Image
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError, ParameterError
-from visuohaptic.exploration.checking import point_rows, unit_rows
+from visuohaptic.exploration.checking import LARGEST, check_magnitudes, point_rows, unit_rows
 from visuohaptic.exploration.pose_files import matrices, turned
 from visuohaptic.exploration.showing import png_of
 from visuohaptic.exploration.sources import surface_in_memory
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
     Mesh: TypeAlias = Trimesh | tuple[ArrayLike, ArrayLike]
 
+MOST_RADII = 1e30
+"""Rays are cast in float32, which ends at 3e38."""
 ORIENTATIONS = ("upright", "transported")
 _MOST_PICTURED = 64
 _PIXELS = 96
@@ -183,6 +185,12 @@ def press(
     deep = float(_positive(np.array(largest / 3 if depth is None else depth), "depth"))
     high = float(_positive(np.array(largest if above is None else above), "above"))
     surface, centre, radius = _unit_surface(mesh)
+    farthest = max(np.abs(stands.points).max(initial=0.0), largest, high)
+    if farthest > MOST_RADII * radius:
+        raise ParameterError(
+            f"Points or lengths are up to {farthest:g} and the mesh's radius is {radius:g}; at most "
+            f"{MOST_RADII:g} radii are allowed."
+        )
     within = replace(stands, points=(stands.points - centre) / radius)
     lifts = np.full(len(stands), high / radius)
     heights = radius * cast_heights(
@@ -249,6 +257,7 @@ def _check_poses(poses: FloatArray) -> None:
         raise ParameterError(
             f"poses has the shape {poses.shape}; (n, 4, 4), all finite, is needed."
         )
+    check_magnitudes(poses, "poses")
     axes = poses[:, :3, :3]
     skew = np.abs(np.swapaxes(axes, 1, 2) @ axes - np.eye(3)).max(axis=(1, 2), initial=0.0)
     wrong = np.flatnonzero((skew > 1e-6) | (np.linalg.det(axes) < 0))
@@ -307,8 +316,9 @@ def _unit_surface(mesh: Mesh) -> tuple[Surface, FloatArray, float]:
 
 
 def _positive(values: FloatArray, name: str) -> FloatArray:
-    if not (np.isfinite(values) & (values > 0)).all():
+    wrong = values[~((values > 0) & (values <= LARGEST))]
+    if wrong.size:
         raise ParameterError(
-            f"{name} holds {values.min():g}; positive, finite lengths are allowed."
+            f"{name} holds {wrong[0]:g}; lengths above 0 and up to {LARGEST:g} are allowed."
         )
     return values
