@@ -100,7 +100,7 @@ def test_several_meshes_are_touched_into_a_folder_each_and_a_broken_one_is_named
     ended = visuohaptic("touch", "c.obj", "a.obj", "b.ply", *small, "--json")
     assert [value["mesh"] for value in json.loads(ended.out)] == ["a.obj", "b.ply"]
     assert ended.code == 1
-    assert ended.err.startswith("error: c.obj has no faces; ")
+    assert ended.err.startswith("error: c.obj can't be read as OBJ: it has no faces; ")
     assert not (tmp_path / "touched" / "c").exists()
 
 

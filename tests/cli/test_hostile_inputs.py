@@ -44,7 +44,7 @@ REFUSED = [
     (("touch", "a.obj"), "a.obj is empty", {"a.obj": b""}),
     (("touch", "a.glb"), "a.glb can't be read as GLB: ", {"a.glb": bytes(range(256))}),
     (("touch", "mug.fbx"), "ends in '.fbx', .* export it as .glb or .obj", {"mug.fbx": b"hello"}),
-    (("touch", "line\nbreak.obj"), r"line\\nbreak.obj has no faces", {"line\nbreak.obj": b"nothing"}),
+    (("touch", "line\nbreak.obj"), r"line\\nbreak.obj can't be read as OBJ: it has no faces", {"line\nbreak.obj": b"nothing"}),
     (("touch", "gone.obj"), "gone.obj can't be read: No such file", {}),
     (("touch", "."), "ends in nothing|Is a directory", {}),
     (("touch", "x" * 300 + ".obj"), "File name too long", {}),

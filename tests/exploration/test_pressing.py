@@ -61,8 +61,8 @@ def test_no_pose_gives_no_image():
         ({"resolution": 1}, ParameterError, "resolution is 1"),
         ({"depth": 0}, ParameterError, "depth holds 0"),
         ({"mesh": (np.zeros((3, 3)), np.zeros((0, 3), int))}, MeshError, "no faces"),
-        ({"mesh": (np.eye(3), [[0, 1, 3]])}, MeshError, "3 vertices and faces that name others"),
-        ({"mesh": "mug.obj"}, MeshError, "type str; a trimesh.Trimesh"),
+        ({"mesh": (np.eye(3), [[0, 1, 3]])}, MeshError, "a face names vertex 3; 0 to 2 are there"),
+        ({"mesh": 7}, MeshError, "type int; a path, a trimesh.Trimesh"),
     ],
 )
 def test_what_is_not_allowed_is_refused_in_a_sentence(change, error, sentence):

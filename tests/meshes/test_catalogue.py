@@ -16,7 +16,7 @@ from visuohaptic.meshes.catalogue import (
     models_of_set,
     read_catalogue,
 )
-from visuohaptic.meshes.texture_resolver import BesideResolver
+from visuohaptic.meshes.companions import FolderCompanions
 
 CATALOGUE = Path(__file__).parents[2] / "meshes" / "catalogue.csv"
 
@@ -106,7 +106,7 @@ def test_a_model_is_given_what_counts_as_its_companion_and_nothing_else(tmp_path
     given = []
     for file in sorted(file for file in tmp_path.rglob("*") if file.is_file()):
         with suppress(MeshError):
-            BesideResolver(tmp_path).get(str(file.relative_to(tmp_path)))
+            FolderCompanions(tmp_path / "a.obj").read(str(file.relative_to(tmp_path)))
             given.append(file)
     assert [file.name for file in given] == ["a.mtl", "oak.tif", "wood.JPG"]
     assert companions(models) == dict(zip(models, (given, given, []), strict=True))

@@ -9,8 +9,9 @@ import trimesh
 from numerics.surfaces import build_plain_surface, of_trimesh
 
 from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import UP_AXES, place_surface
+from visuohaptic.meshes.preparing import UP_AXES, place_object
 from visuohaptic.meshes.up_axis import steadiest_axis, tipping_angle
 
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
@@ -35,8 +36,8 @@ def test_a_table_is_found_upright_in_either_axis_and_placed_as_that_axis_does():
     assert steadiest_axis(of_trimesh(table()), UP_AXES) == "y"
     turned = of_trimesh(table().apply_transform(Y_TO_Z))
     assert steadiest_axis(turned, UP_AXES) == "z"
-    found, way = place_surface(turned, "table", MeshParameters(own_up_axis="auto"))
-    named, named_way = place_surface(turned, "table", MeshParameters(own_up_axis="z"))
+    found, way = place_object(Model("a", "table"), turned, MeshParameters(own_up_axis="auto"))
+    named, named_way = place_object(Model("a", "table"), turned, MeshParameters(own_up_axis="z"))
     np.testing.assert_array_equal(found.vertices, named.vertices)
     np.testing.assert_array_equal(way, named_way)
 
@@ -44,4 +45,4 @@ def test_a_table_is_found_upright_in_either_axis_and_placed_as_that_axis_does():
 def test_a_surface_without_area_is_refused_as_always():
     flat = build_plain_surface(np.zeros((3, 3)), [[0, 1, 2]])
     with pytest.raises(MeshError):
-        place_surface(flat, "flat", MeshParameters(own_up_axis="auto"))
+        place_object(Model("a", "flat"), flat, MeshParameters(own_up_axis="auto"))

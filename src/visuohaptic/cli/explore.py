@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from visuohaptic.base.errors import VisuohapticError
+from visuohaptic.base.errors import MeshWarning, VisuohapticError
 from visuohaptic.base.optional_packages import keep_pandas_out
 from visuohaptic.cli.printing import (
     JsonOption,
@@ -104,6 +105,7 @@ def touch(
         touches, views = found.touches.num_rows, found.views.num_rows
         values = {
             "mesh": mesh,
+            "notes": found.surface.notes,
             "strategy": found.strategy,
             "viewpoints": views,
             "touches": touches,
@@ -115,7 +117,7 @@ def touch(
         }
         return values, [
             f"{mesh}: {touches} touches from {views} viewpoints by {found.strategy}",
-            *_line_on_up(up, found),
+            *_lines_on_file(up, found),
             *(f"  {file}" for file in files),
         ]
 
@@ -152,6 +154,7 @@ def recognise(
         found, views = made.recognise(recogniser), made.views.num_rows
         values = {
             "mesh": mesh,
+            "notes": made.surface.notes,
             "model": chosen_model,
             "class": found.name,
             "probabilities": dict(found.probabilities),
@@ -168,7 +171,7 @@ def recognise(
         return values, [
             _answer_line(mesh, found),
             *(f"  {name:<20} {100 * value:5.1f} %" for name, value in found.probabilities.items()),
-            *_line_on_up(up, made),
+            *_lines_on_file(up, made),
             f"  {found.touches} touches from {views} viewpoints by {strategy}",
         ]
 
@@ -184,10 +187,11 @@ def recognise(
     _each(meshes, recognise_one, of_model, as_json=as_json)
 
 
-def _line_on_up(up: str | None, found: Exploration) -> list[str]:
+def _lines_on_file(up: str | None, found: Exploration) -> list[str]:
+    notes = [f"  note: {note}" for note in found.surface.notes]
     axis = found.frame.up_axis
     said = f"  {axis} is taken as up, as the object stands steadier so; --up says otherwise"
-    return [said] if up == "auto" else []
+    return [*notes, said] if up == "auto" else notes
 
 
 def _answer_line(mesh: Path, found: Recognition) -> str:
@@ -275,7 +279,10 @@ def _explore(
     from visuohaptic.exploration.exploring import load
 
     turned = {} if up is None else {"own_up_axis": up}
-    ready = load(mesh, parameters=parameters.meshes.model_copy(update=turned), unit=unit)
+    with warnings.catch_warnings():
+        # They are printed as lines of the command.
+        warnings.simplefilter("ignore", MeshWarning)
+        ready = load(mesh, parameters=parameters.meshes.model_copy(update=turned), unit=unit)
     track: Any = partial(show_progress, doing=f"touching {mesh.name}")
     return ready.touch(viewpoints, strategy, parameters, track)
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError, TableError
-from visuohaptic.exploration.checking import LARGEST, lengths_of
+from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
 from visuohaptic.io.text_tables import TextTable, read_text_table
 from visuohaptic.sensor.imprints import Poses, stand_on
 
@@ -82,7 +82,7 @@ def read_poses(path: str | Path) -> FloatArray:
 
 def turned(stands: Poses, roll: ArrayLike) -> Poses:
     """Turn sensors about their normals, by degrees; `ParameterError` if these are not finite or too many."""
-    angles = np.radians(np.asarray(roll, dtype=np.float64))
+    angles = np.radians(numbers(roll, "roll"))
     if angles.shape not in ((), (len(stands),)) or not np.isfinite(angles).all():
         raise ParameterError(
             f"roll has the shape {angles.shape}; a finite number, or one for each of {len(stands)} poses, is needed."
@@ -123,7 +123,7 @@ def _read_table(path: str | Path) -> TextTable:
 
 
 def _numbers(table: TextTable, names: Sequence[str]) -> FloatArray:
-    """Return named columns, shape (n, k), of numbers up to `LARGEST`."""
+    """Return named columns, shape (n, k), of numbers below `FARTHEST`."""
     for name in names:
         if table.names.count(name) != 1:
             raise ParameterError(
@@ -135,10 +135,10 @@ def _numbers(table: TextTable, names: Sequence[str]) -> FloatArray:
         values = table.numbers(chosen)
     except TableError as error:
         raise ParameterError(str(error)) from error
-    large = np.argwhere(np.abs(values) > LARGEST)
+    large = np.argwhere(np.abs(values) >= FARTHEST)
     if len(large):
         row, column = large[0].tolist()
         raise ParameterError(
-            f"{table.place(row, chosen[column])} is {values[row, column]:g}; numbers up to {LARGEST:g} are allowed."
+            f"{table.place(row, chosen[column])} is {values[row, column]:g}; numbers below {FARTHEST:g} are allowed."
         )
     return values

@@ -188,7 +188,7 @@ def check_classes(keys: Iterable[str]) -> None:
 
 
 def companions(models: Iterable[str | Path]) -> dict[Path, list[Path]]:
-    """List for each model the files beside it and below that `BesideResolver` gives it."""
+    """List for each model the files beside it and below that `FolderCompanions` reads for it."""
     found: dict[Path, list[Path]] = {}
     in_folder: dict[Path, list[Path]] = {}
     for file in map(Path, models):

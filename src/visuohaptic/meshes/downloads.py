@@ -16,7 +16,7 @@ import subprocess
 import tarfile
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import pooch
@@ -147,6 +147,8 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
         )
     with zipfile.ZipFile(library) as archive:
         surface = surface_from_archive(data, model.member, archive)
+    # Whoever runs the experiment can't mend a pinned archive.
+    surface = replace(surface, notes=())
     path = folder / f"{model.key}.ply.gz"
     part = path.with_name(f".{path.name}")
     write_surface(surface, part)

@@ -1,124 +1,144 @@
-"""Surfaces that a caller holds in memory: a trimesh mesh or scene, or arrays."""
+"""Meshes that a caller holds in memory: of trimesh, of Open3D, or two arrays."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from visuohaptic.base.arrays import IntArray
 from visuohaptic.base.errors import MeshError
-from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.polygons import check_corners
-from visuohaptic.meshes.textures import add_textures
+from visuohaptic.geometry.texture import REPEAT
+from visuohaptic.meshes.colours import as_bytes, mean_of_corners
+from visuohaptic.meshes.parts import GREY, Paint, Part
 
-GREY = (160, 160, 160)
-"""Colour, sRGB, of a face that has none."""
+_ALLOWED = (
+    "a path, a trimesh.Trimesh or Scene, an Open3D TriangleMesh, (vertices, faces) or an open binary "
+    "file is needed"
+)
 
 
-def surface_of_arrays(vertices: ArrayLike, faces: ArrayLike, name: str) -> Surface:
-    """Give a grey surface of vertices (v, 3), in any frame and unit, and faces (f, 3).
+def parts_in_memory(mesh: Any) -> list[Part]:
+    """Return the parts of a mesh or scene of trimesh, a triangle mesh of Open3D, or two arrays.
 
-    Raises `MeshError` if a shape or type is another; whether faces name vertices is checked when it
-    is prepared.
+    Raises `MeshError`, with the reason only, if it is of another type, or an array of another shape.
     """
-    corners = _check_columns(faces, "faces", name)
-    if not np.issubdtype(corners.dtype, np.integer):
-        raise MeshError(f"{name} has faces of {corners.dtype}; integers are needed.")
-    points = _check_columns(vertices, "vertices", name)
-    colours = np.tile(np.array(GREY, dtype=np.uint8), (len(corners), 1))
-    return Surface(points.astype(np.float64), corners.astype(np.int64), colours)
+    if isinstance(mesh, tuple) and len(mesh) == 2:
+        return [_part_of_arrays(*mesh)]
+    if hasattr(mesh, "geometry") or (hasattr(mesh, "faces") and hasattr(mesh, "visual")):
+        return list(parts_of_trimesh(mesh))
+    if hasattr(mesh, "triangles") and hasattr(mesh, "vertices"):
+        return list(_parts_of_open3d(mesh))
+    if hasattr(mesh, "triangle") and hasattr(mesh, "vertex") and hasattr(mesh, "to_legacy"):
+        return list(_parts_of_open3d(mesh.to_legacy()))
+    raise MeshError(f"it is of type {type(mesh).__name__}; {_ALLOWED}")
 
 
-def surface_of_trimesh(mesh: Any, name: str) -> Surface:
-    """Give the surface of a ``trimesh.Trimesh``, or of all parts of a ``trimesh.Scene``.
+def parts_of_trimesh(mesh: Any) -> Iterator[Part]:
+    """Return the parts of a ``trimesh.Trimesh`` or ``trimesh.Scene``, each where the scene puts it.
 
-    Materials and vertex colours become a colour a face; images stay images. Raises `MeshError`
-    if there are no faces, or an image can't be read.
+    glTF's base colour multiplies an image as light, an MTL's `Kd` as stored, unless it is black, as
+    some programs write it beside an image.
     """
-    # Parts that don't fit each other may fail in any way; the scene is what is wrong.
-    try:
-        parts = [part for part in _parts(mesh) if len(part.faces)]
-        if parts:
-            return _joined(parts)
-    except Exception as error:
-        raise MeshError(f"{name} can't be read as one surface: {reason_of(error)}.") from error
-    raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
-
-
-def reason_of(error: Exception) -> str:
-    """Give what went wrong in a library, on one line without a stop."""
-    return " ".join(str(error).split())[:200].rstrip(".!") or "it is broken or truncated"
-
-
-@dataclass(frozen=True)
-class _Part:
-    """A mesh where its scene puts it, with the colours and images of the one that it stands for."""
-
-    vertices: NDArray[Any]
-    faces: NDArray[Any]
-    visual: Any
-
-
-def _joined(parts: list[_Part]) -> Surface:
-    for part in parts:
-        if part.vertices.shape[1:] != (3,):
-            raise MeshError(f"vertices have the shape {part.vertices.shape}; (n, 3) is needed")
-        # An index too high would name a vertex of the next part.
-        check_corners(np.ravel(part.faces), len(part.vertices))
-    starts = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])])
-    colours = np.concatenate([face_colours(part) for part in parts])
-    colours, texture = add_textures(parts, colours)
-    return Surface(
-        np.concatenate([np.asarray(part.vertices, dtype=np.float64) for part in parts]),
-        np.concatenate(
-            [
-                np.asarray(part.faces, dtype=np.int64) + start
-                for part, start in zip(parts, starts, strict=True)
-            ]
-        ),
-        colours,
-        texture,
-    )
-
-
-def _parts(mesh: Any) -> Iterator[_Part]:
     if not hasattr(mesh, "geometry"):
-        if hasattr(mesh, "faces"):
-            yield _Part(mesh.vertices, mesh.faces, mesh.visual)
+        yield _part(mesh, mesh.vertices, mesh.faces)
         return
     for node in mesh.graph.nodes_geometry:
         transform, geometry = mesh.graph[node]
-        part = mesh.geometry[geometry]
-        if hasattr(part, "faces"):
+        shape = mesh.geometry[geometry]
+        if hasattr(shape, "faces"):
             # Images are not copied with it, which `Scene.dump` would do for each part.
-            moved = part.copy(include_visual=False)
+            moved = shape.copy(include_visual=False)
             moved.apply_transform(transform)
-            yield _Part(moved.vertices, moved.faces, part.visual)
+            yield _part(shape, moved.vertices, moved.faces)
 
 
-def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
+def _part_of_arrays(vertices: ArrayLike, faces: ArrayLike) -> Part:
+    corners = _columns(faces, "faces")
+    if not np.issubdtype(corners.dtype, np.integer):
+        raise MeshError(f"it has faces of {corners.dtype}; integers are needed")
+    return Part(_columns(vertices, "vertices"), corners)
+
+
+def _columns(values: ArrayLike, what: str) -> NDArray[Any]:
     try:
         array = np.asarray(values)
     except ValueError:
-        raise MeshError(f"{name} has {what} of unequal lengths; three each are needed.") from None
+        raise MeshError(f"it has {what} of unequal lengths; three each are needed") from None
     if array.dtype.kind not in "iuf":
-        raise MeshError(f"{name} has {what} of {array.dtype}; numbers are needed.")
+        raise MeshError(f"it has {what} of {array.dtype}; numbers are needed")
     if array.ndim != 2 or array.shape[1] != 3:
-        raise MeshError(f"{name} has {what} of shape {array.shape}; (n, 3) is needed.")
+        raise MeshError(f"it has {what} of shape {array.shape}; (n, 3) is needed")
     return array
 
 
-def face_colours(part: Any) -> NDArray[np.uint8]:
-    """Give the colours (f, 3), uint8, sRGB, of a mesh's faces: of the material, or the corners' mean, or `GREY`."""
-    visual, count = part.visual, len(part.faces)
+def _part(mesh: Any, vertices: NDArray[Any], faces: NDArray[Any]) -> Part:
+    """Return the part of a mesh with moved vertices, and faces that may be turned over."""
+    # trimesh's arrays track changes, which costs time and is of no use here.
+    vertices, faces = np.asarray(vertices), np.asarray(faces)
+    return Part(vertices, faces, _face_colours(mesh.visual, faces), _paint(mesh, faces))
+
+
+def _face_colours(visual: Any, faces: IntArray) -> NDArray[np.uint8] | None:
+    """Return the colours (f, 3), sRGB, of the material, or the mean of the corners; None without."""
     if visual.kind == "texture":
-        return np.tile(np.asarray(visual.material.main_color)[:3].astype(np.uint8), (count, 1))
+        colour = np.asarray(visual.material.main_color)[:3].astype(np.uint8)
+        return np.tile(colour, (len(faces), 1))
     if visual.kind == "vertex":
-        corners = np.asarray(visual.vertex_colors)[part.faces][..., :3]
-        return np.rint(corners.mean(axis=1)).astype(np.uint8)
+        return mean_of_corners(np.asarray(visual.vertex_colors)[:, :3], faces)
     if visual.kind == "face":
         return np.asarray(visual.face_colors)[:, :3].astype(np.uint8)
-    return np.tile(np.array(GREY, dtype=np.uint8), (count, 1))
+    return None
+
+
+def _paint(mesh: Any, faces: IntArray) -> Paint | None:
+    if mesh.visual.kind != "texture":
+        return None
+    material, places = mesh.visual.material, mesh.visual.uv
+    image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
+    if image is None or np.shape(places) != (len(mesh.vertices), 2):
+        return None
+    corners = np.asarray(places, dtype=np.float64)[faces]
+    wraps = getattr(material, "wraps", (REPEAT, REPEAT))
+    base = getattr(material, "baseColorFactor", None)
+    if base is not None:
+        return Paint(image, corners, wraps, _triple(np.asarray(base) / 255.0), linear=True)
+    # trimesh gives a diffuse colour to a material that has none: what the file says is beside it.
+    diffuse: Any = getattr(material, "kwargs", {}).get("kd")
+    if np.shape(diffuse) != (3,) or not np.any(diffuse):
+        return Paint(image, corners, wraps)
+    return Paint(image, corners, wraps, _triple(diffuse))
+
+
+def _triple(values: Any) -> tuple[float, float, float]:
+    red, green, blue = np.clip(np.nan_to_num(np.asarray(values, dtype=np.float64)[:3]), 0, 1)
+    return float(red), float(green), float(blue)
+
+
+def _parts_of_open3d(mesh: Any) -> Iterator[Part]:
+    """Return the parts of a legacy ``open3d.geometry.TriangleMesh``: one per image, or only one."""
+    from PIL.Image import fromarray
+
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles, dtype=np.int64)
+    colours = np.tile(np.array(GREY, np.uint8), (len(faces), 1))
+    if mesh.has_vertex_colors():
+        colours = mean_of_corners(as_bytes(np.asarray(mesh.vertex_colors)), faces)
+    corners = np.asarray(mesh.triangle_uvs).reshape(-1, 3, 2)
+    numbers = np.asarray(mesh.triangle_material_ids, dtype=np.int64)
+    if len(corners) != len(faces) or not mesh.textures:
+        yield Part(vertices, faces, colours)
+        return
+    if len(numbers) != len(faces):
+        numbers = np.zeros(len(faces), dtype=np.int64)
+    for number in np.unique(numbers):
+        shown = numbers == number
+        image = np.asarray(mesh.textures[number]) if 0 <= number < len(mesh.textures) else None
+        # Open3D keeps the lowest row of an image first.
+        paint = (
+            Paint(fromarray(np.ascontiguousarray(image[::-1])), corners[shown])
+            if image is not None and image.size
+            else None
+        )
+        yield Part(vertices, faces[shown], colours[shown], paint)

@@ -29,6 +29,7 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
     no_mesh = f"No mesh was found of {listed_in_short(meshless)}: no model to turn is shown there."
     return [
         *_objects_left_out(run),
+        *_notes_on_files(run),
         *_poor_views(run),
         *_short_sequences(run),
         *_unfitted_classifiers(run),
@@ -86,6 +87,13 @@ def _objects_left_out(run: Run) -> Iterator[str]:
         "touched, but never tested by recognition:",
         ". Protocol auto tests every object." if samples else ".",
     )
+
+
+def _notes_on_files(run: Run) -> Iterator[str]:
+    noted = sorted(run.notes)
+    for key in noted[:_MOST_REASONS]:
+        yield from (f"{key}: {note}" for note in run.notes[key])
+    yield from _warned(noted[_MOST_REASONS:], "more object", "with notes on the model's file:")
 
 
 def _views(run: Run) -> dict[tuple[str, int], int]:
