@@ -229,6 +229,32 @@ def test_any_coloured_polygons_are_those_that_plyfile_wrote(mesh, form, of_verti
     np.testing.assert_array_equal(surface.face_colours, np.array(colours)[number])
 
 
+@pytest.mark.filterwarnings("error:loadtxt")
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (text([], [], rows()).replace("float x", "float a"), "no numbers x, y and z"),
+        (
+            text([], [], rows()).replace("uchar int", "uchar float"),
+            "vertices by float32; whole numbers",
+        ),
+        (
+            text([], [], rows()).replace("1 0 0 ", "1,0 0 0 "),
+            "'vertex': row 1: property 'x': malformed",
+        ),
+        (
+            text([], ["list uchar uchar tags"], rows(of_faces=["0", "0"])).replace(
+                "3 0 1 2", "3 0 1 7"
+            ),
+            "names vertex 7",
+        ),
+    ],
+)
+def test_what_is_no_mesh_is_refused_by_its_place(data, says):
+    with pytest.raises(MeshError, match=says):
+        read(data)
+
+
 def test_a_truncated_list_is_named_by_its_row():
     data = generated.as_ply(SQUARE, [[0, 1, 2, 3], [0, 1, 2]])
     with pytest.raises(MeshError, match="2 rows of 'face', and 1 are there whole"):
