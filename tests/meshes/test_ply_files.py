@@ -235,8 +235,10 @@ def test_any_coloured_polygons_are_those_that_plyfile_wrote(mesh, form, of_verti
     [
         (text([], [], rows()).replace("float x", "float a"), "no numbers x, y and z"),
         (
-            text([], [], rows()).replace("uchar int", "uchar float"),
-            "vertices by float32; whole numbers",
+            text([], [], rows())
+            .replace("uchar int", "uchar float")
+            .replace("3 0 1 2", "3 0 1 2.5"),
+            "names vertex 2.5; whole numbers",
         ),
         (
             text([], [], rows()).replace("1 0 0 ", "1,0 0 0 "),
