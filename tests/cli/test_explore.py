@@ -50,6 +50,19 @@ def test_a_mesh_file_is_touched(visuohaptic, small, tmp_path, name):
     assert all(Path(file).is_file() for file in values["files"])
 
 
+def test_a_missing_material_and_the_axis_of_the_file_are_said_once(
+    visuohaptic, small, tmp_path, model
+):
+    (tmp_path / "a.obj").write_text(f"mtllib gone.mtl\n{ring(tmp_path / 'ring.obj').read_text()}")
+    for verb in (("touch", *small), ("recognise", "--model", model)):
+        ended = visuohaptic(verb[0], "a.obj", *verb[1:])
+        assert (ended.code, ended.err) == (0, "")
+        assert ended.out.count("note: a.obj refers to 'gone.mtl', which is not there") == 1
+        assert ended.out.count("note: a.obj is taken as y-up") == 1
+    notes = json.loads(visuohaptic("touch", "a.obj", *small, "--up", "y", "--json").out)["notes"]
+    assert ["gone.mtl" in note for note in notes] == [True]
+
+
 def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_path, model):
     ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--model", model, "--json")
     values = json.loads(ended.out)

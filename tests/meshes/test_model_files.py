@@ -3,12 +3,17 @@
 import numpy as np
 import pytest
 import trimesh
-from meshes.generated import BOARD, FACES, POINTS, as_gltf, write_square
+from meshes.generated import BOARD, FACES, POINTS, SQUARE, as_gltf, write_square
 from PIL import Image
 
-from visuohaptic.base.errors import MeshError
+import visuohaptic as vh
+from visuohaptic.base.errors import MeshError, MeshWarning
+from visuohaptic.geometry.surface import notes_of
+from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.model_files import read_mesh
+from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.parts import GREY
+from visuohaptic_workflow.closing import lines_at_end
 
 
 @pytest.mark.parametrize("image", ["", "map_Kd gone.png\n", "map_Kd ../secret.png\n"])
@@ -20,6 +25,30 @@ def test_a_material_gives_its_diffuse_colour_where_its_image_is_not_there_or_out
     surface = read_mesh(write_square(tmp_path / "models", material=f"Kd 1 0.5 0\n{image}"))
     np.testing.assert_allclose(surface.face_colours, [[255, 128, 0]] * 2, atol=1)
     assert surface.texture is None
+
+
+def test_what_a_file_names_and_is_not_there_is_one_note_and_a_warning_of_load(tmp_path):
+    path = write_square(
+        tmp_path, material="Kd 1 0.5 0\nmap_Kd gone.png\n", text="mtllib b.mtl\n" + SQUARE
+    )
+    (note,) = read_mesh(path).notes
+    assert note.startswith(f"{path} refers to ")
+    assert "'b.mtl', which is not there" in note
+    assert "'gone.png', which is not there" in note
+    with pytest.warns(MeshWarning) as warned:
+        surface = vh.load(path, parameters={"own_up_axis": "y"}).surface
+    assert [str(one.message) for one in warned] == [note] == list(surface.notes)
+
+
+def test_the_mesh_file_of_an_own_model_has_its_notes_and_a_run_says_them_at_its_end(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    path = write_square(tmp_path, text="mtllib b.mtl\n" + SQUARE)
+    make_mesh("cup/a", None, path, "results/meshes/cup/b0/a.ply", MeshParameters(own_up_axis="y"))
+    (note,) = notes_of("results/meshes/cup/b0/a.ply")
+    assert "'b.mtl', which is not there" in note
+    assert lines_at_end(report_is_current=False) == [f"warning: cup/a: {note}"]
 
 
 def test_vertex_colours_are_averaged_over_the_corners_and_a_file_without_is_grey(tmp_path):

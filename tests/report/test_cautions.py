@@ -6,6 +6,7 @@ import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.cautions import (
+    _notes_on_files,
     _objects_left_out,
     _short_sequences,
     _unfitted_classifiers,
@@ -31,6 +32,16 @@ def test_of_thousands_of_objects_some_are_named_and_the_others_counted():
     assert others.endswith("cup/0029 and 970 more.")
     assert "2,000 objects touched, but never tested by recognition: cup/1000, cup/1001" in untested
     assert "cup/1009 and 1,990 more. Protocol auto" in untested
+
+
+def test_notes_on_files_are_said_once_per_object_and_beyond_some_counted():
+    run = SimpleNamespace(
+        notes={f"cup/{k:02d}": ["a.mtl is missing.", "z is up."] for k in range(22)}
+    )
+    *said, others = _notes_on_files(run)
+    assert said[:2] == ["cup/00: a.mtl is missing.", "cup/00: z is up."]
+    assert len(said) == 40
+    assert others == "2 more objects with notes on the model's file: cup/20 and cup/21."
 
 
 def test_a_classifier_without_figures_is_named():

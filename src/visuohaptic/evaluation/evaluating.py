@@ -10,14 +10,14 @@ from typing import Any
 
 import pyarrow as pa
 
-from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.errors import ParameterError, RecognitionError, TableError, VisuohapticError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
 from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split, run_sequences
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.tables.phases import FEATURES
-from visuohaptic.tables.schema import build_table, read_table
+from visuohaptic.tables.schema import read_table, take_table
 
 _PIPELINE = "paper"
 
@@ -70,9 +70,9 @@ def evaluate(
         An unfitted scikit-learn classifier, of which each split fits a copy, or the name of a
         registered one, such as ``support_vector_machine``. It sees the paper's features of a sequence of
         touches, scaled as `parameters` say; all that is fitted sees training objects alone.
-    features : pyarrow.Table, pandas.DataFrame or path
+    features : pyarrow.Table, data frame, mapping of arrays or path
         Rows of `tables.FEATURES`: a run's ``results/features``, `Exploration.features` of several
-        objects, or an exported data set's ``features``.
+        objects, or an exported data set's ``features``. Other columns are left out.
     parameters : RecognitionParameters, optional
         The protocol, the sequences, and their encoding; without it those of the default run.
     strategy : str
@@ -90,7 +90,14 @@ def evaluate(
     RecognitionError
         If the features do not allow the experiment, or the classifier can't be fitted.
     """
-    parameters = parameters or RecognitionParameters()
+    if parameters is None:
+        parameters = RecognitionParameters()
+    if not isinstance(parameters, RecognitionParameters):
+        raise ParameterError(
+            f"parameters is of type {type(parameters).__name__}; RecognitionParameters are needed."
+        )
+    if not isinstance(estimator, str):
+        check_classifier(estimator)
     table, _ = take_strategy(_as_table(features), strategy, parameters.touches)
     if isinstance(estimator, str):
         classifier = CLASSIFIERS[estimator]
@@ -98,9 +105,18 @@ def evaluate(
         classifier = Classifier.of("estimator", estimator)
     sequences = gather_pipeline(table, parameters, _PIPELINE, seed)
     answer_split = partial(run_paper_split, sequences, parameters, classifiers=[classifier])
-    scores, predictions = run_sequences(
-        sequences, strategy, parameters, seed, _PIPELINE, answer_split
-    )
+    try:
+        scores, predictions = run_sequences(
+            sequences, strategy, parameters, seed, _PIPELINE, answer_split
+        )
+    except VisuohapticError:
+        raise
+    # An estimator may fail in any way.
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise RecognitionError(
+            f"{_short(estimator)} can't be fitted or tested on the sequences: {reason.rstrip('.')}."
+        ) from error
     summary = summarise(scores, predictions, parameters.intervals, seed)
     ((found,),) = (one.values() for one in summary["results"][_PIPELINE].values())
     accuracy = found["accuracy"]
@@ -110,14 +126,37 @@ def evaluate(
     )  # fmt: skip
 
 
-def _as_table(features: Any) -> pa.Table:
-    if isinstance(features, pa.Table):
-        return features
-    if isinstance(features, str | Path):
-        return read_table(FEATURES, features)
-    missing = [column.name for column in FEATURES.columns if column.name not in features]
-    if missing:
+def check_classifier(estimator: Any) -> None:
+    """Raise `RecognitionError`, which says what it is instead, unless an object is a scikit-learn classifier."""
+    from sklearn.utils import get_tags
+
+    if isinstance(estimator, type):
         raise RecognitionError(
-            f"The features have no column {missing[0]}; the columns of table `features` are needed."
+            f"{estimator.__name__} is a class; an object of it is needed, such as {estimator.__name__}()."
         )
-    return build_table(FEATURES, {name: features[name].to_numpy() for name in features.columns})
+    missing = [name for name in ("get_params", "fit") if not hasattr(estimator, name)]
+    kind = "of another kind"
+    if not missing and hasattr(estimator, "__sklearn_tags__"):
+        tagged = get_tags(estimator).estimator_type
+        if tagged == "classifier":
+            return
+        kind = f"of the kind {tagged.replace('_', ' ')}" if tagged else "no estimator of classes"
+    elif not missing and hasattr(estimator, "predict"):
+        return
+    raise RecognitionError(
+        f"{_short(estimator)} is {kind if not missing else f'without {missing[0]}'}; a scikit-learn classifier is needed."
+    )
+
+
+def _short(estimator: Any) -> str:
+    text = " ".join(repr(estimator).split())
+    return text if len(text) <= 100 else f"{text[:100]}…"
+
+
+def _as_table(features: Any) -> pa.Table:
+    try:
+        if isinstance(features, str | Path):
+            return read_table(FEATURES, features)
+        return take_table(FEATURES, features)
+    except TableError as error:
+        raise RecognitionError(f"The features can't be used: {error}") from error

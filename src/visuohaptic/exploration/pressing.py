@@ -12,7 +12,7 @@ from PIL import Image
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError, ParameterError
-from visuohaptic.exploration.checking import FARTHEST, point_rows, unit_rows
+from visuohaptic.exploration.checking import FARTHEST, numbers, point_rows, unit_rows
 from visuohaptic.exploration.pose_files import matrices, turned
 from visuohaptic.exploration.showing import png_of
 from visuohaptic.exploration.units import UNITS
@@ -183,8 +183,8 @@ def press(
     grid = _grid(resolution)
     sizes = _sizes(size, len(stands))
     largest = float(sizes.max(initial=0.0)) or 1.0
-    deep = float(_positive(np.array(largest / 3 if depth is None else depth), "depth"))
-    high = float(_positive(np.array(largest if above is None else above), "above"))
+    deep = _length(largest / 3 if depth is None else depth, "depth")
+    high = _length(largest if above is None else above, "above")
     _check_count(len(stands), grid)
     surface, centre, radius = _unit_surface(mesh)
     _check_lengths(stands, sizes, deep, high, radius)
@@ -267,7 +267,7 @@ def _stand(
     if (poses is None) == (points is None) or (points is None) != (normals is None):
         raise ParameterError("Sensors stand at points with normals, or at poses: give either.")
     if poses is not None:
-        found = np.asarray(poses, dtype=np.float64)
+        found = numbers(poses, "poses")
         _check_poses(found)
         columns, upwards, outward = (found[:, :3, axis] for axis in range(3))
         return Poses(found[:, :3, 3], outward, columns, -upwards)
@@ -294,7 +294,7 @@ def _check_poses(poses: FloatArray) -> None:
 
 def _grid(resolution: int | tuple[int, int]) -> tuple[int, int]:
     """Give rows and columns."""
-    counts = np.atleast_1d(np.asarray(resolution, dtype=np.float64))
+    counts = np.atleast_1d(numbers(resolution, "resolution"))
     allowed = (counts >= 2) & (counts <= MOST_ALONG_EDGE) & (np.floor(counts) == counts)
     if counts.shape not in ((1,), (2,)) or not allowed.all():
         raise ParameterError(
@@ -308,7 +308,7 @@ def _sizes(size: ArrayLike | None, count: int) -> FloatArray:
     """Give width and height of each sensor, shape (n, 2)."""
     if size is None:
         raise ParameterError("size is missing: the edge of the sensors, in the mesh's unit.")
-    given = np.asarray(size, dtype=np.float64)
+    given = numbers(size, "size")
     if isinstance(size, tuple) and given.shape == (2,):
         given = given[None]
     if given.ndim < 2:
@@ -337,6 +337,13 @@ def _unit_surface(mesh: Source) -> tuple[Surface, FloatArray, float]:
             "touch."
         )
     return replace(surface, vertices=(vertices - centre) / radius), centre, radius
+
+
+def _length(value: Any, name: str) -> float:
+    length = numbers(value, name)
+    if length.shape:
+        raise ParameterError(f"{name} has the shape {length.shape}; one number is needed.")
+    return float(_positive(length, name))
 
 
 def _positive(values: FloatArray, name: str) -> FloatArray:

@@ -117,7 +117,7 @@ def notes_of(path: str | Path) -> list[str]:
 def _sentences(path: str | Path, kind: str) -> Iterator[str]:
     start = f"comment {kind}"
     with Path(path).open("rb") as stream:
-        header = stream.read(_LONGEST_HEADER).partition(b"end_header")[0].decode(errors="replace")
+        header = stream.read(_LONGEST_HEADER).partition(b"\nend_header")[0].decode(errors="replace")
     for line in header.splitlines():
         if line.startswith(start):
             yield str(json.loads(line[len(start) :]))

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from visuohaptic.base.section import Section
 from visuohaptic.meshes.catalogue import ObjectSet
 
 
-class MeshParameters(BaseModel):
+class MeshParameters(Section):
     """Which objects take part, and how their models are prepared."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     set: ObjectSet = Field("paper", description="Objects of the catalogue that take part")
     own_up_axis: Literal["file", "y", "z", "auto"] = Field(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tempfile
+import warnings
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any, BinaryIO
@@ -56,7 +57,11 @@ def read_ply(data: bytes, companions: Companions) -> list[Part]:
     if "vertex" not in tables:
         return []
     vertex = tables["vertex"]
-    points = np.column_stack([vertex[axis] for axis in "xyz"]).astype(np.float64)
+    if not set("xyz") <= set(_scalars(vertex)):
+        raise MeshError("its vertices have no numbers x, y and z")
+    points = np.empty((len(vertex.data), 3))
+    for axis, name in enumerate("xyz"):
+        points[:, axis] = vertex[name]
     images = _Images(data[: header.length], companions)
     return [*_faces(tables, points, images), *_strips(vertex, tables, points, images)]
 
@@ -94,12 +99,14 @@ def _faces(tables: PlyData, points: FloatArray, images: _Images) -> Iterator[Par
     if face is None or name is None:
         return
     corners, counts = _lists(face.data[name])
+    if corners.dtype.kind == "f":
+        corners = _whole(corners)
     check_corners(corners, len(points))
     triangles, owners = triangulate(points, corners, counts)
-    named = corners[triangles]
+    named = corners.reshape(-1, 3) if (counts == 3).all() else corners[triangles]
     numbers = np.zeros(len(face.data), dtype=np.int64)
     if "texnumber" in face.data.dtype.names:
-        numbers = face.data["texnumber"].astype(np.int64)
+        numbers = np.nan_to_num(face.data["texnumber"], nan=-1).astype(np.int64)
     places = _places(tables["vertex"], named)
     if _PLACES in face.data.dtype.names:
         values, lengths = _lists(face.data[_PLACES])
@@ -147,6 +154,17 @@ def _name_of_corners(element: PlyElement) -> str | None:
     return next((one for one in lists if len(lists) == 1 or one in _CORNERS), None)
 
 
+def _whole(corners: NDArray[np.floating]) -> IntArray:
+    wrong = corners[~(np.abs(corners) < 2**53) | (np.floor(corners) != corners)]
+    if len(wrong):
+        raise MeshError(f"a face names vertex {wrong[0]:g}; whole numbers are needed")
+    return corners.astype(np.int64)
+
+
+def _scalars(element: PlyElement) -> list[str]:
+    return [one.name for one in element.properties if not isinstance(one, PlyListProperty)]
+
+
 def _lists(rows: NDArray[Any]) -> tuple[NDArray[Any], IntArray]:
     """Return the numbers of lists, row after row, and how many each row has."""
     if rows.dtype != object:
@@ -157,7 +175,7 @@ def _lists(rows: NDArray[Any]) -> tuple[NDArray[Any], IntArray]:
 
 def _places(vertex: PlyElement, named: IntArray) -> FloatArray | None:
     for names in _PLACES_OF_VERTICES:
-        if set(names) <= set(vertex.data.dtype.names):
+        if set(names) <= set(_scalars(vertex)):
             places = np.column_stack([vertex[name] for name in names]).astype(np.float64)
             return places[named]
     return None
@@ -183,7 +201,7 @@ def _face_colours(tables: PlyData, owners: IntArray, named: IntArray) -> NDArray
 def _colours(element: PlyElement) -> NDArray[np.uint8] | None:
     """Return the colours of an element's rows; None where it has none."""
     for names in _COLOURS:
-        if set(names) <= set(element.data.dtype.names) and len(element.data):
+        if set(names) <= set(_scalars(element)) and len(element.data):
             return as_bytes(np.column_stack([element[name] for name in names]))
     return None
 
@@ -204,7 +222,10 @@ def _read_tables(data: bytes, header: PlyHeader) -> PlyData:
 
 def _read_row_by_row(file: BinaryIO) -> PlyData:
     try:
-        return PlyData.read(file)
+        with warnings.catch_warnings():
+            # plyfile reads rows of text by NumPy, which warns of a list that is empty.
+            warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+            return PlyData.read(file)
     except PlyElementParseError as error:
         if error.row is None or "early end" not in error.message:
             raise

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
+
+from visuohaptic.base.section import Section
 
 Fit = tuple[Any, str | None]
 """A fitted classifier, and a note on its fit, such as another setting."""
 
 
-class ClassifierParameters(BaseModel):
+class ClassifierParameters(Section):
     """Settings of the classifiers.
 
     The defaults of the paper's five are scikit-learn's, for the paper names none. The
     pipeline `best` varies some of them inside the training objects.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     neighbours: int = Field(5, ge=1, description="Neighbours that vote (kNN)")
     svm_kernel: Literal["linear", "poly", "rbf"] = Field("rbf", description="Kernel (SVM)")

@@ -13,7 +13,7 @@ import pyarrow as pa
 
 from visuohaptic import __version__
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.errors import RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.certainty import (
     Calibration,
@@ -36,6 +36,8 @@ from visuohaptic.recognition.sequences import (
 from visuohaptic.recognition.short_sequences import ShortClassifier, fit_short_classifiers
 from visuohaptic.recognition.splits import check_two_classes
 from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import known_columns
 
 
 @dataclass(frozen=True)
@@ -121,6 +123,10 @@ class RecognitionModel:
 
     def answer(self, features: pa.Table) -> ModelAnswer:
         """Classify one object as `recognise` does, and say how sure that is."""
+        try:
+            features = known_columns(FEATURES, features)
+        except TableError as error:
+            raise RecognitionError(f"The features can't be used: {error}") from error
         parts = self._parts(features)
         found = pool_answers(
             [part.answer() for part in parts], [len(part.touches) for part in parts]

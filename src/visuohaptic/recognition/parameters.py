@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from visuohaptic.base.section import Section
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.maps import MAPS
@@ -32,11 +33,7 @@ Scaling = Literal["standardise", "none"]
 Protocol = Literal["auto", "leave_one_object_a_class_out", "grouped_folds", "new_viewpoint"]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class SelfOrganisingMapParameters(_Section):
+class SelfOrganisingMapParameters(Section):
     """The map that reduces a touch's 22 features to five."""
 
     output: Annotated[str, MAPS] = Field(
@@ -55,7 +52,7 @@ class SelfOrganisingMapParameters(_Section):
     )
 
 
-class SequenceParameters(_Section):
+class SequenceParameters(Section):
     """The statistics of a sequence and of its wavelet levels."""
 
     wavelet: str = Field("db2", description="Wavelet, by PyWavelets' name")
@@ -74,7 +71,7 @@ class SequenceParameters(_Section):
     )
 
 
-class ProtocolParameters(_Section):
+class ProtocolParameters(Section):
     """Which objects train and which are tested."""
 
     protocol: Protocol = Field(
@@ -117,7 +114,7 @@ class ProtocolParameters(_Section):
     )
 
 
-class IntervalParameters(_Section):
+class IntervalParameters(Section):
     """Resampling over objects."""
 
     confidence: float = Field(0.95, gt=0, lt=1, description="Confidence of the intervals")
@@ -141,7 +138,7 @@ _PAPER_CLASSIFIERS = (
 )
 
 
-class BestParameters(_Section):
+class BestParameters(Section):
     """Our own pipeline: descriptors of the whole sequence, everything else chosen by nested folds."""
 
     classifiers: tuple[ClassifierName, ...] = Field(
@@ -195,7 +192,7 @@ class BestParameters(_Section):
     )
 
 
-class RecognitionParameters(_Section):
+class RecognitionParameters(Section):
     """Recognition from tables of touch features."""
 
     pipelines: tuple[Literal["paper", "best"], ...] = Field(
