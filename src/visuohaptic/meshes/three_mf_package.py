@@ -185,12 +185,14 @@ class _Reader:
             **dict.fromkeys(("compositematerials", "multiproperties"), self._other_group),
         }
         parsed = etree.iterparse(
-            io.BytesIO(data), events=("end",), tag=[f"{{*}}{name}" for name in ends],
+            io.BytesIO(data), events=("end",),
             resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False,
             remove_comments=True, remove_pis=True,
         )  # fmt: skip
         for _, element in parsed:
             name = element.tag.rpartition("}")[2]
+            if name not in ends:
+                continue
             try:
                 ends[name](element)
             except (TypeError, ValueError) as error:
