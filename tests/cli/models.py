@@ -18,8 +18,8 @@ def fit_on_nonsense(folder):
     make_model(
         features=[folder / "features.parquet"],
         model=folder / "recogniser.skops",
-        pipeline="best",
-        classifier="support_vector_machine",
+        pipeline="order_free",
+        classifier="linear_discriminant",
         strategy="fixation",
         recognition=RecognitionParameters(),
         touching=ExperimentParameters.from_mapping(SMALL).model_dump(

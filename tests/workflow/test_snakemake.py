@@ -54,8 +54,8 @@ def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_
 ):
     models = ("results/models/recogniser.skops", "results/models/recogniser_random.skops")
     # The page is of another state then, and no word is said of it.
-    quick = {"cues": ["pose"], "calibration_folds": 2, "short_touches": []}
-    experiment.set(recognition={"best": quick})
+    quick = {"cues": ["pose"]}
+    experiment.set(recognition={"order_free": quick})
     assert "The report is at" not in experiment.snakemake("--", *models).stdout
     own = experiment.folder / "meshes/own/chair"
     own.mkdir()
