@@ -17,7 +17,7 @@ def fit_on_nonsense(folder):
     write_table(FEATURES, features_table(objects=(2, 2), viewpoints=3), folder / "features.parquet")
     make_model(
         features=[folder / "features.parquet"],
-        model=folder / "best.skops",
+        model=folder / "recogniser.skops",
         pipeline="best",
         classifier="support_vector_machine",
         strategy="fixation",
@@ -27,4 +27,4 @@ def fit_on_nonsense(folder):
         ),
         seed=1,
     )
-    return folder / "best.skops"
+    return folder / "recogniser.skops"

@@ -141,7 +141,7 @@ def recognise(
     They are touched as the objects were from which the model learnt. Where no run has fitted one, the
     model that comes with the package is taken: bottle, car, chair or quadruped.
 
-    Example: visuohaptic recognise mug.obj --model results/models/best.skops
+    Example: visuohaptic recognise mug.obj --model results/models/recogniser.skops
     """
     chosen_model = model or default_model()
     recogniser = read_recogniser(chosen_model)

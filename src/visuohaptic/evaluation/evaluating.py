@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
+from joblib import Parallel, delayed
+from tqdm import tqdm
 
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
-from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split, run_sequences
+from visuohaptic.recognition.experiment import predict_split, prediction_tables
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import take_strategy
+from visuohaptic.recognition.pipelines import PaperPipeline
+from visuohaptic.recognition.sequences import gather_pipeline, take_strategy
+from visuohaptic.recognition.splits import draw_splits
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table
 
@@ -61,6 +64,7 @@ def evaluate(
     parameters: RecognitionParameters | None = None,
     strategy: str = "fixation",
     seed: int = 2018,
+    n_jobs: int = 1,
 ) -> Evaluation:
     """Train and test a classifier on every split of the experiment, as the report does.
 
@@ -78,7 +82,9 @@ def evaluate(
     strategy : str
         How the touches were chosen.
     seed : int
-        The experiment's seed, which draws the splits; that of the default run.
+        The experiment's seed, which draws the splits; by default that of the default run.
+    n_jobs : int
+        Processes that share the splits, -1 for one per processor. The result does not depend on the number.
 
     Returns
     -------
@@ -97,10 +103,14 @@ def evaluate(
     else:
         classifier = Classifier.of("estimator", estimator)
     sequences = gather_pipeline(table, parameters, _PIPELINE, seed)
-    answer_split = partial(run_paper_split, sequences, parameters, classifiers=[classifier])
-    scores, predictions = run_sequences(
-        sequences, strategy, parameters, seed, _PIPELINE, answer_split
+    pipeline = PaperPipeline.of(parameters, {classifier.name: classifier})
+    rows, splits = pipeline.rows(sequences), draw_splits(sequences, parameters.protocol, seed)
+    parts = Parallel(n_jobs, return_as="generator")(
+        delayed(predict_split)(sequences, rows, pipeline, split, seed) for split in splits
     )
+    progress = tqdm(parts, "evaluating", len(splits), leave=False, disable=None, unit="split")
+    predicted = [prediction for part in progress for prediction in part]
+    scores, predictions = prediction_tables(sequences, predicted, _PIPELINE, strategy)
     summary = summarise(scores, predictions, parameters.intervals, seed)
     ((found,),) = (one.values() for one in summary["results"][_PIPELINE].values())
     accuracy = found["accuracy"]

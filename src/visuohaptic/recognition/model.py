@@ -135,7 +135,8 @@ class RecognitionModel:
         """Classify a sequence of zeros. Raises `ValueError` if the parts don't belong together."""
         zeros = np.zeros((1, self.touches, len(self.feature_names)))
         logs = self._pooled(self._describe([zeros]))
-        if logs.shape != (len(self.classes),) or not np.isfinite(logs).all():
+        learnt = np.array_equal(self.estimator[-1].classes_, np.arange(len(self.classes)))
+        if not learnt or logs.shape != (len(self.classes),) or not np.isfinite(logs).all():
             raise ValueError(f"no probabilities of {len(self.classes)} classes")
 
     def _pooled(self, rows: FloatArray) -> FloatArray:

@@ -36,9 +36,9 @@ class Split:
 class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
     """Tests whole groups. `y` (n,) is the class and `groups` (n,) the object of each row."""
 
-    def get_n_splits(self, X: Any = None, y: Any = None, groups: Any = None) -> int:
+    def get_n_splits(self, X: Any = None, y: Any = None, groups: Any = None) -> int:  # noqa: ARG002
         """Return the number of splits for these classes and objects."""
-        return sum(1 for _ in self.split(X, y, groups))
+        return len(self._test_groups(np.asarray(y), np.asarray(groups)))
 
     def _iter_test_masks(
         self, X: Any = None, y: Any = None, groups: Any = None

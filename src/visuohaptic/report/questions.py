@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from visuohaptic.report.comparison import (
+    HEADLINE_CLASSIFIERS,
     PAPER_PIPELINE,
     REFERENCE,
     ClassifierRow,
@@ -17,9 +18,6 @@ from visuohaptic.report.wording import counted, percent, points, spaced
 
 GAIN = 0.02
 """A gain, as a share, that is worth having."""
-
-BEST_OF_PAPER = "support_vector_machine"
-"""The paper's most accurate classifier; the answers are its, where it was run."""
 
 MAIN_OPPONENT = "random"
 REASONS: Mapping[Verdict, str] = {
@@ -153,8 +151,9 @@ def has_opponent(table: PipelineTable) -> bool:
 
 
 def row_of(table: PipelineTable) -> ClassifierRow:
-    """Give the classifier that the answers are about: the paper's best, or else the best here."""
-    return next((row for row in table.rows if row.key == BEST_OF_PAPER), table.best)
+    """Return the row of the pipeline's headline classifier, or of the best classifier if a run lacks it."""
+    headline = HEADLINE_CLASSIFIERS.get(table.name)
+    return next((row for row in table.rows if row.key == headline), table.best)
 
 
 def pipeline_name(name: str) -> str:

@@ -14,7 +14,7 @@ from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Protocol
-from visuohaptic.recognition.splits import settled_protocol
+
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
 from visuohaptic.report.cost import cost_verdict, cue_sentences
 from visuohaptic.report.effects import (
@@ -322,7 +322,7 @@ def methods_values(context: ReportContext) -> Values | None:
     sizes = Counter(key.split("/")[0] for key in run.tested_objects).values()
     return {
         "table": run.pipelines[0],
-        "protocol": settled_protocol(list(sizes), run.parameters.recognition.protocol),
+        "protocol": run.parameters.recognition.protocol.resolve(list(sizes)),
         "objects": len(run.objects),
         "classes": run.classes,
         "pipelines": _pipeline_texts(run),
