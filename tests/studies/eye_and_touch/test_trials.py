@@ -21,7 +21,7 @@ from eye_and_touch.trials import measure_senses
 from touch_curves.choosing import gather_candidates
 from visuohaptic.evaluation.summary import select
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.experiment import gather_pipeline
+from visuohaptic.recognition.sequences import gather_pipeline
 from visuohaptic.tables.schema import check_table
 
 pytestmark = pytest.mark.slow
@@ -31,7 +31,7 @@ RUN = ExperimentParameters.from_mapping(
         "attention": {"fixations": 2},
         "recognition": {
             "touches": 2,
-            "best": {"waves": 20},
+            "order_free": {"waves": 20},
             "protocol": {"maximum_splits": 1, "folds": 2, "fold_rounds": 1},
             "intervals": {"bootstrap_samples": 200},
         },
@@ -49,7 +49,7 @@ def sensed():
         features_table(strategy, (4, 4, 4), 2, touches, 1.0, seed)
         for seed, strategy in enumerate((*STRATEGIES, ADAPTIVE))
     ]
-    gathered = [gather_pipeline(table, recognition, "best") for table in tables[:-1]]
+    gathered = [gather_pipeline(table, recognition, "order_free") for table in tables[:-1]]
     candidates = gather_candidates(tables[-1], gathered[0].feature_names)
     sequences, generator = candidates.sequences, np.random.default_rng(11)
     of_class = generator.normal(size=(len(sequences.classes), 30))
