@@ -1,9 +1,8 @@
 """What classifiers say of test sequences."""
 
-from visuohaptic.recognition.pipelines import pipeline_of
-
 from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.pipelines import pipeline_of
 
 PARAMETERS = RecognitionParameters()
 

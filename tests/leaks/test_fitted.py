@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
 from sklearn.pipeline import Pipeline
-from visuohaptic.recognition.pipelines import OrderFreePipeline, PaperPipeline, pipeline_of
 
 from visuohaptic.recognition.encoding import SequenceEncoder
 from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.pipelines import OrderFreePipeline, PaperPipeline, pipeline_of
 from visuohaptic.recognition.sequences import gather_sequences
 from visuohaptic.recognition.splits import draw_splits
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from leaks.predicting import PARAMETERS, predict
-from visuohaptic.recognition.pipelines import PaperPipeline
 
 from visuohaptic.recognition.experiment import predict_splits
+from visuohaptic.recognition.pipelines import PaperPipeline
 from visuohaptic.recognition.sequences import gather_pipeline
 from visuohaptic.recognition.splits import draw_splits
 

@@ -4,14 +4,20 @@ import numpy as np
 import pytest
 from recognition.synthetic import clusters
 from sklearn.pipeline import Pipeline
+
+from visuohaptic.recognition.certainty import (
+    Certainty,
+    Reference,
+    fit_certainty,
+    fit_reference,
+    least_objects,
+)
 from visuohaptic.recognition.pipelines import (
     fit_calibrated,
     log_probabilities,
     make_order_free,
     pooled_log_probabilities,
 )
-
-from visuohaptic.recognition.certainty import Certainty, fit_certainty, least_objects
 
 
 def fit(rows, labels, owners):
@@ -37,9 +43,8 @@ def assessed(model, rows, coverage):
 def compared_with(nonconformity, labels):
     """Return training objects that are compared from one view."""
     scores = np.array([nonconformity], dtype=float)
-    return Certainty(
-        np.array(labels), np.ones(1, int), scores, np.zeros_like(scores), np.zeros((1, 1))
-    )
+    nowhere = Reference(np.eye(1), np.zeros((1, 1)))
+    return Certainty(np.array(labels), np.ones(1, int), scores, np.zeros_like(scores), nowhere)
 
 
 def log_of(nonconformity):
@@ -117,3 +122,20 @@ def test_no_training_object_is_compared_by_a_model_that_learnt_it():
         np.testing.assert_array_equal(caught, rows[np.isin(owners, [*known])])
     left_out = [owner for _, known in learnt for owner in {*owners.tolist()} - known]
     assert sorted(left_out) == sorted({*owners.tolist()})
+
+
+def test_novelty_is_the_mahalanobis_distance_by_the_views_of_an_object():
+    generator = np.random.default_rng(0)
+    spread = np.array([0.1, 1.0, 10.0])
+    centres = 100 * generator.normal(size=(4, 3))
+    rows = np.repeat(centres, 500, axis=0) + spread * generator.normal(size=(2000, 3))
+    reference = fit_reference(rows, np.repeat(np.arange(4), 500))
+    unshrunk = 0.9 * spread**2 + 0.1 * np.mean(spread**2)
+    moved = centres[2] + np.array([3.0, -2.0, 5.0])
+    expected = np.sqrt((np.array([3.0, -2.0, 5.0]) ** 2 / unshrunk).sum())
+    assert reference.novelty(moved[None]) == pytest.approx(expected, rel=0.15)
+
+
+def test_with_one_view_per_object_distances_are_euclidean():
+    reference = fit_reference(np.array([[0.0, 0.0], [3.0, 4.0]]), np.array([0, 1]))
+    assert reference.novelty(np.array([[0.0, 4.0]])) == pytest.approx(3.0)

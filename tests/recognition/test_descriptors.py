@@ -82,7 +82,9 @@ def test_single_touch_and_coincident_touches_are_finite():
 def test_cues_choose_their_columns():
     values = sequences()
     full = describe(values)
-    parts = [describe(values, parameters=OrderFreeParameters(cues=(cue,))) for cue in PARAMETERS.cues]
+    parts = [
+        describe(values, parameters=OrderFreeParameters(cues=(cue,))) for cue in PARAMETERS.cues
+    ]
     np.testing.assert_array_equal(np.concatenate(parts, axis=1), full)
 
 

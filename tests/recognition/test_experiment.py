@@ -8,7 +8,6 @@ import pyarrow.compute as pc
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table, with_column
 from sklearn.naive_bayes import GaussianNB
-from visuohaptic.recognition.pipelines import PaperPipeline
 
 from visuohaptic import recognition
 from visuohaptic.base.errors import RecognitionError
@@ -21,6 +20,7 @@ from visuohaptic.recognition.parameters import (
     RecognitionParameters,
     SelfOrganisingMapParameters,
 )
+from visuohaptic.recognition.pipelines import PaperPipeline
 from visuohaptic.recognition.sequences import gather_pipeline, shuffle_touches
 from visuohaptic.recognition.splits import draw_splits
 from visuohaptic.tables.phases import PREDICTIONS

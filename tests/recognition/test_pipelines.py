@@ -5,6 +5,10 @@ import pytest
 from recognition.synthetic import clusters, features_table
 from sklearn.base import clone
 from sklearn.model_selection import StratifiedGroupKFold, cross_val_score
+
+from visuohaptic import recognition
+from visuohaptic.recognition import pipelines
+from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.pipelines import (
     LEAST_LOG_PROBABILITY,
     fit_calibrated,
@@ -12,10 +16,6 @@ from visuohaptic.recognition.pipelines import (
     make_order_free,
     pooled_log_probabilities,
 )
-
-from visuohaptic import recognition
-from visuohaptic.recognition import pipelines
-from visuohaptic.recognition.classifiers import CLASSIFIERS
 
 
 def test_order_free_is_a_pipeline_for_cross_validation_by_objects():

@@ -148,7 +148,9 @@ def test_rows_without_a_covariance_are_refused(features, labels, reason):
 
 def test_scikit_learns_own_checks_pass():
     results = check_estimator(
-        QuadraticDiscriminant(), on_fail=None, expected_failed_checks={"check_fit2d_1sample": "a covariance needs two rows"}
+        QuadraticDiscriminant(),
+        on_fail=None,
+        expected_failed_checks={"check_fit2d_1sample": "a covariance needs two rows"},
     )
     assert len(results) > 40
     assert not [one["check_name"] for one in results if one["status"] == "failed"]

@@ -176,7 +176,7 @@ def recognise(
     classifier = recogniser.model.classifier.replace("_", " ")
     limits = (
         "an object of another class is classified as one of these all the same"
-        if recogniser.model.calibration is None
+        if recogniser.model.certainty is None
         else "an object that is stranger than nearly all of these is called unknown, and sets "
         "hold the class as often as stated for objects like these"
     )

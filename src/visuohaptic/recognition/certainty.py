@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from sklearn.covariance import ShrunkCovariance
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.recognition.pipelines import log_probabilities, pooled_log_probabilities
@@ -25,6 +26,9 @@ VIEWS = (1, 2, 4, 8, 16)
 FOLDS = 10
 """Folds of training objects, at most."""
 
+SHRINKAGE = 0.1
+"""Shrinkage of the covariance within objects, as of the linear discriminant."""
+
 
 @dataclass(frozen=True)
 class Assessment:
@@ -35,7 +39,7 @@ class Assessment:
     candidates : ndarray of shape (c,), bool
         The prediction set.
     novelty : float
-        Distance of the object from the nearest training object.
+        Distance of the object from the nearest training object, see `Reference`.
     strangeness : float
         Share of the training objects with a lower novelty score, in [0, 1].
     unknown : bool
@@ -46,6 +50,29 @@ class Assessment:
     novelty: float
     strangeness: float
     unknown: bool
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Training objects as points, in a space where views of one object differ by one unit in every direction.
+
+    Distances there are Mahalanobis distances by the common covariance of views within objects.
+
+    Attributes
+    ----------
+    whitening : ndarray of shape (d, d)
+        Maps prepared descriptors to this space.
+    centres : ndarray of shape (n, d)
+        Mean of the views of each training object, in this space.
+    """
+
+    whitening: FloatArray
+    centres: FloatArray
+
+    def novelty(self, rows: FloatArray) -> float:
+        """Compute the distance of an object, the mean of its prepared rows (v, d), from the nearest centre."""
+        own = rows.mean(axis=0) @ self.whitening
+        return float(np.linalg.norm(self.centres - own, axis=1).min())
 
 
 @dataclass(frozen=True)
@@ -62,15 +89,15 @@ class Certainty:
         1 minus the probability of the true class, from so many views of the object.
     novelty : ndarray of shape (k, n)
         Novelty score from so many views of the object.
-    centres : ndarray of shape (n, d)
-        Mean of the prepared descriptors of each training object.
+    reference : Reference
+        The training objects by the final model.
     """
 
     labels: IntArray
     views: IntArray
     nonconformity: FloatArray
     novelty: FloatArray
-    centres: FloatArray
+    reference: Reference
 
     def assess(self, rows: FloatArray, logs: FloatArray, coverage: float) -> Assessment:
         """Compare an object with the training objects.
@@ -85,7 +112,7 @@ class Certainty:
             Stated share of objects whose class is in the prediction set.
         """
         index = self._index(len(rows))
-        score = novelty_score(rows, self.centres)
+        score = self.reference.novelty(rows)
         stranger = 1 + int(np.sum(self.novelty[index] >= score))
         share = stranger / (1 + len(self.labels))
         return Assessment(
@@ -154,26 +181,31 @@ def fit_certainty(
         model = fit(rows[train], labels[train], owners[train])
         prepared = model[:-1].transform(rows[held_out])
         logs = log_probabilities(model[-1], prepared, int(labels.max()) + 1)
-        centres = object_means(model[:-1].transform(rows[train]), owners[train])
+        reference = fit_reference(model[:-1].transform(rows[train]), owners[train])
         for owner in np.unique(owners[held_out]):
             index = int(np.searchsorted(objects, owner))
             own = np.flatnonzero(owners[held_out] == owner)
             for place, chosen in enumerate(_views_of(len(own), index)):
                 pooled = pooled_log_probabilities(logs[own], chosen[None])[0]
                 nonconformity[place, index] = 1 - np.exp(pooled[labels[first[index]]])
-                novelty[place, index] = novelty_score(prepared[own][chosen], centres)
-    centres = object_means(final[:-1].transform(rows), owners)
-    return Certainty(labels[first], np.array(VIEWS), nonconformity, novelty, centres)
+                novelty[place, index] = reference.novelty(prepared[own][chosen])
+    reference = fit_reference(final[:-1].transform(rows), owners)
+    return Certainty(labels[first], np.array(VIEWS), nonconformity, novelty, reference)
 
 
-def novelty_score(rows: FloatArray, centres: FloatArray) -> float:
-    """Compute the distance of an object, the mean of its rows (v, d), from the nearest of `centres` (n, d)."""
-    return float(np.linalg.norm(centres - rows.mean(axis=0), axis=1).min())
+def fit_reference(rows: FloatArray, owners: IntArray) -> Reference:
+    """Fit the reference of prepared descriptors (s, d) of training objects (s,).
 
-
-def object_means(rows: FloatArray, owners: IntArray) -> FloatArray:
-    """Compute the mean row of each object: (s, d) to (n, d), sorted by object."""
-    return np.stack([rows[owners == owner].mean(axis=0) for owner in np.unique(owners)])
+    With one view per object there is no covariance within objects, and distances are Euclidean.
+    """
+    _, index = np.unique(owners, return_inverse=True)
+    means = np.stack([rows[index == number].mean(axis=0) for number in range(index.max() + 1)])
+    deviations = rows - means[index]
+    whitening = np.eye(rows.shape[1])
+    if deviations.any():
+        fitted = ShrunkCovariance(assume_centered=True, shrinkage=SHRINKAGE).fit(deviations)
+        whitening = np.linalg.inv(np.linalg.cholesky(fitted.covariance_)).T
+    return Reference(whitening, means @ whitening)
 
 
 def least_objects(coverage: float) -> int:

@@ -42,7 +42,7 @@ class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
 
     def _iter_test_masks(
         self, X: Any = None, y: Any = None, groups: Any = None
-    ) -> Iterator[BoolArray]:  # noqa: ARG002
+    ) -> Iterator[BoolArray]:
         for tested in self._test_groups(np.asarray(y), np.asarray(groups)):
             yield np.isin(groups, tested)
 

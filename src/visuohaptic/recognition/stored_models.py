@@ -15,7 +15,7 @@ from sklearn.svm import SVC
 
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.recognition.certainty import Certainty
+from visuohaptic.recognition.certainty import Certainty, Reference
 from visuohaptic.recognition.descriptors import WaveBasis
 from visuohaptic.recognition.model import RecognitionModel
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -110,8 +110,14 @@ def _read(path: Path) -> RecognitionModel:
         versions=description["versions"],
         estimator=estimator,
         waves=WaveBasis(**_arrays(WaveBasis, state["waves"])),
-        certainty=state["certainty"] and Certainty(**_arrays(Certainty, state["certainty"])),
+        certainty=None if state["certainty"] is None else _certainty(state["certainty"]),
     )
+
+
+def _certainty(state: dict[str, Any]) -> Certainty:
+    reference = Reference(**_arrays(Reference, state["reference"]))
+    arrays = _arrays(Certainty, {**state, "reference": reference.centres})
+    return Certainty(**{**arrays, "reference": reference})
 
 
 def _arrays(kind: type, state: dict[str, Any]) -> dict[str, Any]:

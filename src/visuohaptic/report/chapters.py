@@ -27,7 +27,7 @@ def _of_own_studies(run: Run) -> list[SourceTable]:
     return [figures_of(name) for name in names_of_own_studies(run)]
 
 
-BEST = SourceTable(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", "order_free")
+BEST = SourceTable(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", "best")
 COSTS = SourceTable("Settings of this run", COST, "frontier")
 STABLE = SourceTable("Each object's numbers", STABILITY, "stability")
 INFLUENCE = SourceTable(

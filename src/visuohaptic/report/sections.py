@@ -14,7 +14,6 @@ from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Protocol
-
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
 from visuohaptic.report.cost import cost_verdict, cue_sentences
 from visuohaptic.report.effects import (

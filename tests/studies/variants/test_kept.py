@@ -19,7 +19,7 @@ from variants.tables import VARIANTS
 from variants.weighing import weigh_choices
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.published import TABLE_1
-from visuohaptic.report.questions import BEST_OF_PAPER
+from visuohaptic.report.comparison import BEST_OF_PAPER
 from visuohaptic.tables.schema import build_rows, write_table
 
 ROOT = Path(__file__).parents[3]
