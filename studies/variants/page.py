@@ -19,7 +19,7 @@ from typing import Any
 from jinja2 import ChoiceLoader, PackageLoader
 from markupsafe import Markup
 
-from variants.choices import BY_NAME, CHOICES
+from variants.choices import BEST_OF_PAPER, BY_NAME, CHOICES
 from variants.design import is_default
 from variants.kept import OUTSIDE, MeasuredVariants, kept_variants, read_variants
 from variants.leads import PairLead, against_main, leads_by_option, strongest_pair, sum_up

@@ -54,7 +54,7 @@ def sensed():
     sequences, generator = candidates.sequences, np.random.default_rng(11)
     of_class = generator.normal(size=(len(sequences.classes), 30))
     seen = generator.normal(scale=5, size=(len(sequences.labels), len(SIGHTS), 30))
-    seen[:, 0] = of_class[sequences.labels] + generator.normal(scale=0.1, size=seen[:, 0].shape)
+    seen[:, 0] = of_class[sequences.labels] + generator.normal(scale=1.3, size=seen[:, 0].shape)
     touched = {name: one.features for name, one in zip(STRATEGIES, gathered, strict=True)}
     return Sensed(sequences, dict.fromkeys(CUES, seen.astype(np.float32)), touched, candidates)
 
@@ -87,7 +87,7 @@ def test_the_number_of_processes_changes_nothing(sensed, measured):
 
 def test_a_poor_sight_is_worse_and_its_checked_product_is_worth_touch_alone(measured):
     clean = mean(measured, answer=LOOK, sight=CLEAN)
-    assert clean > 0.9
+    assert clean > 0.8
     assert all(mean(measured, answer=LOOK, sight=one) < clean for one in set(SIGHTS) - {CLEAN})
     for strategy in STRATEGIES:
         touch, dark = (
