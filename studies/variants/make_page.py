@@ -13,10 +13,6 @@ from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
 from variants.leads import leads_by_option, strongest_pair, sum_up
 from variants.verdicts import lead_evidence, of_papers_question, verdict
-<<<<<<< HEAD
-from visuohaptic.report.comparison import BEST_OF_PAPER
-=======
->>>>>>> recst
 from visuohaptic.studies.figures import Row
 
 PAGE = Path(__file__).parent / "README.md"

@@ -18,10 +18,6 @@ from variants.page import variants_figures
 from variants.tables import VARIANTS
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from variants.weighing import summarise_variants, variant_figures
-<<<<<<< HEAD
-from visuohaptic.report.comparison import BEST_OF_PAPER
-=======
->>>>>>> recst
 from visuohaptic.report.variants import KEPT, Spread, VariantsSummary
 from visuohaptic.studies.figures import Row, write_json
 from visuohaptic.studies.study import StepInputs

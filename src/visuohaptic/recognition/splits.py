@@ -41,7 +41,10 @@ class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
         return len(self._test_groups(np.asarray(y), np.asarray(groups)))
 
     def _iter_test_masks(
-        self, X: Any = None, y: Any = None, groups: Any = None
+        self,
+        X: Any = None,  # noqa: ARG002
+        y: Any = None,
+        groups: Any = None,
     ) -> Iterator[BoolArray]:
         for tested in self._test_groups(np.asarray(y), np.asarray(groups)):
             yield np.isin(groups, tested)

@@ -37,13 +37,6 @@ PIPELINES: Mapping[str, str] = {
 }
 """What each pipeline is, and why."""
 
-BEST_OF_PAPER = "support_vector_machine"
-"""The best classifier of the paper's Table 1."""
-
-HEADLINE_CLASSIFIERS = {PAPER_PIPELINE: BEST_OF_PAPER, "order_free": "linear_discriminant"}
-"""The classifier of each pipeline whose figures are named first: the best of the paper's Table 1, and the classifier
-that was chosen on other objects (studies/classifier_settings). A table without it names its best classifier."""
-
 _ORDER = ("fixation", "random")
 
 

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.parameters import CostParameters
-from visuohaptic.report.comparison import HEADLINE_CLASSIFIERS, PAPER_PIPELINE
+from visuohaptic.report.comparison import PAPER_PIPELINE
 from visuohaptic.report.cost import on_robot, reference_row
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.cost.front import Row, read_costs
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from visuohaptic.report.comparison import (
-    HEADLINE_CLASSIFIERS,
     PAPER_PIPELINE,
     REFERENCE,
     ClassifierRow,
@@ -15,6 +14,7 @@ from visuohaptic.report.comparison import (
 from visuohaptic.report.estimates import with_interval
 from visuohaptic.report.variants import VariantsSummary, Verdict
 from visuohaptic.report.wording import counted, percent, points, spaced
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
 GAIN = 0.02
 """A gain, as a share, that is worth having."""
