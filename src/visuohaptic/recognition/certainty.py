@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial.distance import cdist
 from sklearn.covariance import ShrunkCovariance
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
@@ -71,8 +72,12 @@ class Reference:
 
     def novelty(self, rows: FloatArray) -> float:
         """Compute the distance of an object, the mean of its prepared rows (v, d), from the nearest centre."""
-        own = rows.mean(axis=0) @ self.whitening
-        return float(np.linalg.norm(self.centres - own, axis=1).min())
+        return float(self.distances(rows.mean(axis=0, keepdims=True))[0])
+
+    def distances(self, rows: FloatArray) -> FloatArray:
+        """Compute the distance of each prepared row from the nearest centre: (n, d) to (n,)."""
+        nearest: FloatArray = cdist(rows @ self.whitening, self.centres).min(axis=1)
+        return nearest
 
 
 @dataclass(frozen=True)

@@ -46,11 +46,17 @@ LEAST_LOG_PROBABILITY = -60.0
 class RecognitionPipeline(Protocol):
     """A way from sequences to predictions."""
 
-    name: str
-    preparation: Any
-    """Unfitted transformer of rows; fitted once per split."""
-    classifiers: Mapping[str, Any]
-    """Unfitted classifiers of prepared rows, by name."""
+    @property
+    def name(self) -> str:
+        """Name in parameters and tables."""
+
+    @property
+    def preparation(self) -> Any:
+        """Unfitted transformer of rows; fitted once per split."""
+
+    @property
+    def classifiers(self) -> Mapping[str, Any]:
+        """Unfitted classifiers of prepared rows, by name."""
 
     def rows(self, sequences: TouchSequences) -> FloatArray:
         """Return the input of `preparation`, one row per sequence; nothing is fitted."""
