@@ -107,9 +107,9 @@ class Sense:
     ----------
     model : sklearn.pipeline.Pipeline
         As `make_order_free` makes it.
-    centres : ndarray of shape (o, d)
     reference : Reference
-        The training objects, for the novelty of new views.
+        The training objects, from which the strangeness of views is measured.
+    classes : int
         Number of classes, also of those without training objects.
     """
 
