@@ -6,13 +6,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.distance import cdist
 from scipy.special import softmax
 from sklearn.pipeline import Pipeline
 
 from touch_curves.temperature import fit_temperature
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.recognition.certainty import Reference, fit_reference
 from visuohaptic.recognition.experiment import one_thread
 from visuohaptic.recognition.pipelines import (
     CALIBRATION_FOLDS,
@@ -107,14 +107,14 @@ class Sense:
     ----------
     model : sklearn.pipeline.Pipeline
         As `make_order_free` makes it.
-    reference : Reference
-        The training objects, from which the strangeness of views is measured.
+    centres : ndarray of shape (o, d)
+        Mean of the scaled descriptors of each training object.
     classes : int
         Number of classes, also of those without training objects.
     """
 
     model: Pipeline
-    reference: Reference
+    centres: FloatArray
     classes: int
 
     @classmethod
@@ -123,16 +123,20 @@ class Sense:
         rows = described[train].astype(np.float64)
         model = make_order_free(HEADLINE_CLASSIFIERS["order_free"])
         model.fit(rows, sequences.labels[train])
-        reference = fit_reference(model[:-1].transform(rows), sequences.object_index[train])
-        return cls(model, reference, len(sequences.classes))
+        scaled = model.named_steps["scaling"].transform(rows)
+        owners = sequences.object_index[train]
+        centres = np.stack([scaled[owners == one].mean(axis=0) for one in np.unique(owners)])
+        return cls(model, centres, len(sequences.classes))
 
     def answer(self, described: np.ndarray) -> FloatArray:
         """Compute log probabilities without a temperature: (n, d) to (n, c)."""
         return log_probabilities(self.model, described.astype(np.float64), self.classes)
 
     def strangeness(self, described: np.ndarray) -> FloatArray:
-        """Compute the distance from the nearest training object: (n, d) to (n,)."""
-        return self.reference.distances(self.model[:-1].transform(described.astype(np.float64)))
+        """Compute the distance from the nearest training object, after scaling: (n, d) to (n,)."""
+        scaled = self.model.named_steps["scaling"].transform(described.astype(np.float64))
+        nearest: FloatArray = cdist(scaled, self.centres).min(axis=1)
+        return nearest
 
 
 def ask_if_familiar(answered: Answered) -> Answered:
