@@ -17,6 +17,7 @@ from visuohaptic.report.wording import (
     probability,
     spaced,
 )
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
 PAPER_PIPELINE = "paper"
 REFERENCE = "fixation"
@@ -92,6 +93,12 @@ class PipelineTable:
     def best(self) -> ClassifierRow:
         """The classifier with the highest accuracy under the leading strategy."""
         return max(self.rows, key=lambda row: row.accuracy[self.leading].mean)
+
+    @property
+    def headline(self) -> ClassifierRow:
+        """The pipeline's headline classifier; the best classifier if a run lacks it."""
+        key = HEADLINE_CLASSIFIERS.get(self.name)
+        return next((row for row in self.rows if row.key == key), self.best)
 
 
 def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:

@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     REFERENCE,
-    ClassifierRow,
     PipelineTable,
 )
 from visuohaptic.report.estimates import with_interval
 from visuohaptic.report.variants import VariantsSummary, Verdict
 from visuohaptic.report.wording import counted, percent, points, spaced
-from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
 GAIN = 0.02
 """A gain, as a share, that is worth having."""
@@ -57,7 +55,7 @@ def recognition_answer(
 
     Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above it.
     """
-    found = [row_of(table).accuracy[table.leading] for table in tables]
+    found = [table.headline.accuracy[table.leading] for table in tables]
     chance = 1 / classes
     word: Verdict = "not shown"
     if all(figure.low is not None and figure.low > chance for figure in found):
@@ -73,7 +71,7 @@ def recognition_answer(
         word,
         with_interval(found[0], percent),
         f"of {touches}-touch sequences of {unseen} correctly classified by {pipeline_name(tables[0].name)} "
-        f"({row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
+        f"({tables[0].headline.name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
         "comparison",
     )
 
@@ -81,7 +79,9 @@ def recognition_answer(
 def fixation_answer(tables: Sequence[PipelineTable], variants: VariantsSummary) -> Answer | None:
     """Answer whether it helps to touch where the eye would fixate; None without random touches in reach."""
     compared = [
-        (table, row_of(table).comparisons[MAIN_OPPONENT]) for table in tables if has_opponent(table)
+        (table, table.headline.comparisons[MAIN_OPPONENT])
+        for table in tables
+        if has_opponent(table)
     ]
     if not compared:
         return None
@@ -115,7 +115,7 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         return None
     inside = sum(figure.holds(published) for figure, published in pairs)
     word: Verdict = "yes" if inside == len(pairs) else "depends" if inside else "no"
-    row = row_of(table)
+    row = table.headline
     number = against = ""
     if table.leading in row.published:
         here, published = row.accuracy[table.leading], row.published[table.leading]
@@ -147,13 +147,7 @@ def variants_sentence(variants: VariantsSummary) -> str:
 
 def has_opponent(table: PipelineTable) -> bool:
     """Return whether the answers' classifier was tried by fixation and by random touches in reach."""
-    return table.leading == REFERENCE and MAIN_OPPONENT in row_of(table).comparisons
-
-
-def row_of(table: PipelineTable) -> ClassifierRow:
-    """Return the row of the pipeline's headline classifier, or of the best classifier if a run lacks it."""
-    headline = HEADLINE_CLASSIFIERS.get(table.name)
-    return next((row for row in table.rows if row.key == headline), table.best)
+    return table.leading == REFERENCE and MAIN_OPPONENT in table.headline.comparisons
 
 
 def pipeline_name(name: str) -> str:

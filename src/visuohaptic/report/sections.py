@@ -37,7 +37,6 @@ from visuohaptic.report.questions import (
     has_opponent,
     recognition_answer,
     reproduction_answer,
-    row_of,
     variants_sentence,
 )
 from visuohaptic.report.run import Run
@@ -89,7 +88,7 @@ def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
     """Give the lines that print `shown`, of the ``shares`` that the answers' classifier gets right by strategy."""
     place = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
     return _SHARES.format(
-        place=place.as_posix(), pipeline=table.name, classifier=row_of(table).key, shown=shown
+        place=place.as_posix(), pipeline=table.name, classifier=table.headline.key, shown=shown
     )
 
 
@@ -254,9 +253,9 @@ def confusion_values(context: ReportContext) -> Values | None:
     if not context.run.pipelines:
         return None
     run, table = context.run, context.run.pipelines[0]
-    shares = table.best.class_accuracy
+    shares = table.headline.class_accuracy
     predicted = select(run.predictions, pipeline=table.name)
-    rows = sorted(table.rows, key=lambda row: row is not table.best)
+    rows = sorted(table.rows, key=lambda row: row is not table.headline)
     found = [
         (row, strategy, confusion(select(predicted, strategy=strategy, classifier=row.key)))
         for row in rows
@@ -265,8 +264,8 @@ def confusion_values(context: ReportContext) -> Values | None:
     ]
     return {
         "sentence": class_sentence(table),
-        "best": [(row.name, *rest) for row, *rest in found if row is table.best],
-        "others": [(row.name, *rest) for row, *rest in found if row is not table.best],
+        "best": [(row.name, *rest) for row, *rest in found if row is table.headline],
+        "others": [(row.name, *rest) for row, *rest in found if row is not table.headline],
         "class_accuracy": [
             {"class": one, "by": {strategy: found.get(one) for strategy, found in shares.items()}}
             for one in run.classes
@@ -277,13 +276,13 @@ def confusion_values(context: ReportContext) -> Values | None:
 
 def class_sentence(table: PipelineTable) -> str:
     """Say which classes the best classifier finds most and least often."""
-    shares = table.best.class_accuracy.get(table.leading, {})
+    shares = table.headline.class_accuracy.get(table.leading, {})
     if len(shares) < 2:
-        return f"{titled(table.best.name)}: one class alone can't be confused."
+        return f"{titled(table.headline.name)}: one class alone can't be confused."
     ordered = sorted(shares, key=lambda name: -shares[name].mean)
     most, least = (f"{name} ({percent(shares[name].mean)})" for name in (ordered[0], ordered[-1]))
     return (
-        f"Of the classes, the {table.best.name} finds {most} most often, and {least} least often, "
+        f"Of the classes, the {table.headline.name} finds {most} most often, and {least} least often, "
         f"with {strategy_name(table.leading)}."
     )
 
@@ -300,7 +299,7 @@ def objects_values(context: ReportContext) -> Values:
     return {
         "pages": context.pages,
         "credits": run.credits,
-        "best": run.pipelines[0].best.name if run.pipelines else "classifier",
+        "best": run.pipelines[0].headline.name if run.pipelines else "classifier",
         "classes": run.classes,
         "strategies": sorted(states),
         "states": [
