@@ -38,7 +38,7 @@ def results_table(metrics: dict[str, Any]) -> str:
     for classifier, label in LABELS.items():
         paper, best = (
             [percent(metrics["results"][name][one][classifier]["accuracy"]) for one in strategies]
-            for name in ("paper", "best")
+            for name in ("paper", "order_free")
         )
         published = [share(TABLE_1[classifier][one], 2) for one in strategies]
         read = [share(literal[one][classifier]) for one in strategies]

@@ -83,7 +83,7 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
 def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):
     ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--viewpoints", 1, "--json")
     values = json.loads(ended.out)
-    assert values["model"].endswith("visuohaptic/exploration/best.skops")
+    assert values["model"].endswith("visuohaptic/exploration/recogniser.skops")
     assert set(values["probabilities"]) == {"bottle", "car", "chair", "quadruped"}
 
 

@@ -56,7 +56,7 @@ REFUSED = [
     ((*RING, "--viewpoints", "100000"), "viewpoints.count is 100000", {}),
     (("recognise", "ring.obj", "--model", "gone"), r"gone is not there.*snakemake -j2 model_all", {}),
     (("recognise", "ring.obj", "--model", "."), "is a folder; the model in it is needed", {}),
-    (("recognise", "ring.obj", "--model", "m"), "m is no whole 'visuohaptic recognition model", {"m": b"no"}),
+    (("recognise", "ring.obj", "--model", "m"), "m is no complete 'visuohaptic recogniser", {"m": b"no"}),
     (("compare", "gone", "gone"), "^error: gone", {}),
     (("compare", "gone.json", "gone.json"), "gone.json can't be read: No such file", {}),
 ]  # fmt: skip

@@ -41,7 +41,7 @@ def answers(named, strategy="fixation"):
 
 @pytest.mark.parametrize(
     ("pipeline", "objects", "counts"),
-    [("paper", (3, 3, 3), (6, 9, 36)), ("best", (2, 4), (6, 6, 24))],
+    [("paper", (3, 3, 3), (6, 9, 36)), ("order_free", (2, 4), (6, 6, 24))],
 )
 def test_means_are_the_means_over_splits_whatever_the_classes_and_the_vote(
     pipeline, objects, counts

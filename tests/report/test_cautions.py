@@ -13,7 +13,7 @@ from visuohaptic.report.cautions import (
 )
 from visuohaptic.report.sections import count_missing, count_passed_over
 
-BEST = ExperimentParameters().recognition.best.classifiers
+BEST = ExperimentParameters().recognition.order_free.classifiers
 
 
 def test_of_thousands_of_objects_some_are_named_and_the_others_counted():
@@ -47,10 +47,10 @@ def test_notes_on_files_are_said_once_per_object_and_beyond_some_counted():
 def test_a_classifier_without_figures_is_named():
     run = SimpleNamespace(
         parameters=ExperimentParameters(),
-        metrics={"results": {"best": {"fixation": {name: {} for name in BEST[1:]}}}},
+        metrics={"results": {"order_free": {"fixation": {name: {} for name in BEST[1:]}}}},
     )
     (sentence,) = _unfitted_classifiers(run)
-    assert sentence.startswith("1 classifier of pipeline best left out")
+    assert sentence.startswith("1 classifier of pipeline order_free left out")
     assert sentence.endswith(f": {BEST[0].replace('_', ' ')}.")
 
 

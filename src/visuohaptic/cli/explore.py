@@ -143,7 +143,7 @@ def recognise(
     They are touched as the objects were from which the model learnt. Where no run has fitted one, the
     model that comes with the package is taken: bottle, car, chair or quadruped.
 
-    Example: visuohaptic recognise mug.obj --model results/models/best.skops
+    Example: visuohaptic recognise mug.obj --model results/models/recogniser.skops
     """
     chosen_model = model or default_model()
     recogniser = read_recogniser(chosen_model)
@@ -181,7 +181,7 @@ def recognise(
     classifier = recogniser.model.classifier.replace("_", " ")
     limits = (
         "an object of another class is classified as one of these all the same"
-        if recogniser.model.calibration is None
+        if recogniser.model.certainty is None
         else "an object that is stranger than nearly all of these is called unknown, and sets "
         "hold the class as often as stated for objects like these"
     )

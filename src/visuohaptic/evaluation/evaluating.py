@@ -4,18 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
+from joblib import Parallel, delayed
+from tqdm import tqdm
 
 from visuohaptic.base.errors import ParameterError, RecognitionError, TableError, VisuohapticError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
-from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split, run_sequences
+from visuohaptic.recognition.experiment import (
+    SplitPrediction,
+    one_thread,
+    predict_split,
+    prediction_tables,
+)
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import take_strategy
+from visuohaptic.recognition.pipelines import PaperPipeline
+from visuohaptic.recognition.sequences import gather_pipeline, take_strategy
+from visuohaptic.recognition.splits import draw_splits
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, take_table
 
@@ -61,6 +69,7 @@ def evaluate(
     parameters: RecognitionParameters | None = None,
     strategy: str = "fixation",
     seed: int = 2018,
+    n_jobs: int = 1,
 ) -> Evaluation:
     """Train and test a classifier on every split of the experiment, as the report does.
 
@@ -78,7 +87,9 @@ def evaluate(
     strategy : str
         How the touches were chosen.
     seed : int
-        The experiment's seed, which draws the splits; that of the default run.
+        The experiment's seed, which draws the splits; by default that of the default run.
+    n_jobs : int
+        Processes that share the splits, -1 for one per processor. The result does not depend on the number.
 
     Returns
     -------
@@ -104,19 +115,24 @@ def evaluate(
     else:
         classifier = Classifier.of("estimator", estimator)
     sequences = gather_pipeline(table, parameters, _PIPELINE, seed)
-    answer_split = partial(run_paper_split, sequences, parameters, classifiers=[classifier])
+    pipeline = PaperPipeline.of(parameters, {classifier.name: classifier})
+    rows, splits = pipeline.rows(sequences), draw_splits(sequences, parameters.protocol, seed)
+    parts = Parallel(n_jobs, return_as="generator")(
+        delayed(_predict_split)(sequences, rows, pipeline, split, seed) for split in splits
+    )
+    progress = tqdm(parts, "evaluating", len(splits), leave=False, disable=None, unit="split")
     try:
-        scores, predictions = run_sequences(
-            sequences, strategy, parameters, seed, _PIPELINE, answer_split
-        )
-    except VisuohapticError:
-        raise
+        predicted = [prediction for part in progress for prediction in part]
     # An estimator may fail in any way.
     except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
+        if isinstance(error, VisuohapticError) and error.__cause__ is None:
+            raise
+        cause = error.__cause__ or error
+        reason = " ".join(str(cause).split()) or type(cause).__name__
         raise RecognitionError(
             f"{_short(estimator)} can't be fitted or tested on the sequences: {reason.rstrip('.')}."
         ) from error
+    scores, predictions = prediction_tables(sequences, predicted, _PIPELINE, strategy)
     summary = summarise(scores, predictions, parameters.intervals, seed)
     ((found,),) = (one.values() for one in summary["results"][_PIPELINE].values())
     accuracy = found["accuracy"]
@@ -124,6 +140,11 @@ def evaluate(
         accuracy["mean"], accuracy["low"], accuracy["high"],
         {key: mean for key, (mean, _) in found["by_object"].items()}, found["splits"], predictions,
     )  # fmt: skip
+
+
+@one_thread()
+def _predict_split(*arguments: Any) -> list[SplitPrediction]:
+    return predict_split(*arguments)
 
 
 def check_classifier(estimator: Any) -> None:

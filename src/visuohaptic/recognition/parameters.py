@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -113,6 +115,13 @@ class ProtocolParameters(Section):
         description="How often splits and training are repeated with another seed, on the same touches",
     )
 
+    def resolve(self, sizes: Sequence[int]) -> Protocol:
+        """Return the protocol that runs for classes with `sizes` objects; only `auto` depends on the sizes."""
+        if self.protocol != "auto":
+            return self.protocol
+        fit = math.prod(sizes) <= self.maximum_splits
+        return "leave_one_object_a_class_out" if fit else "grouped_folds"
+
 
 class IntervalParameters(Section):
     """Resampling over objects."""
@@ -138,8 +147,8 @@ _PAPER_CLASSIFIERS = (
 )
 
 
-class BestParameters(Section):
-    """Our own pipeline: descriptors of the whole sequence, everything else chosen by nested folds."""
+class OrderFreeParameters(Section):
+    """Our own pipeline: descriptors of a sequence that do not depend on the order of its touches."""
 
     classifiers: tuple[ClassifierName, ...] = Field(
         (*_PAPER_CLASSIFIERS, "linear_discriminant"),
@@ -149,8 +158,8 @@ class BestParameters(Section):
     cues: tuple[Cue, ...] = Field(
         ("contourlet", "imprint", "sensor", "pose", "relations", "embedding"),
         min_length=1,
-        description="Groups of descriptors; those whose columns a table lacks are left out; `azimuth_free` "
-        "stands for `pose` and `embedding` where objects are upright and turned in unknown ways",
+        description="Groups of descriptors; a group whose columns a table lacks is left out; `azimuth_free` "
+        "replaces `pose` and `embedding` where objects are upright and turned in unknown ways",
     )
     waves: int = Field(
         300, ge=1, le=5000, description="Random waves of the kernel mean embedding of the poses"
@@ -163,42 +172,22 @@ class BestParameters(Section):
     normal_weight: float = Field(
         0.5, ge=0, description="Length of a unit normal beside positions in the embedding"
     )
-    components: int = Field(
-        64,
-        ge=1,
-        description="Principal components of the descriptors that classifiers see, at most",
-    )
-    bags: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        (1, 2, 4, 8, 16),
-        description="Viewpoints in the bags from which a linear discriminant learns, which answers beside "
-        "each classifier; with none each classifier answers alone",
-    )
-    short_touches: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        (1, 2, 3, 4),
-        description="Touches of shortened sequences from which a model that is saved also learns, with "
-        "`bags`, for views that are touched less often; with none it classifies these as if they were whole",
-    )
     coverage: float = Field(
         0.9,
         gt=0,
         lt=1,
         description="Stated share of objects of known classes whose class is in the prediction set, and "
-        "that are not taken for objects of an unknown class",
-    )
-    calibration_folds: int = Field(
-        10,
-        ge=2,
-        description="Folds of training objects by which a model's prediction sets are calibrated, at most",
+        "that are not called unknown",
     )
 
 
 class RecognitionParameters(Section):
     """Recognition from tables of touch features."""
 
-    pipelines: tuple[Literal["paper", "best"], ...] = Field(
-        ("paper", "best"),
+    pipelines: tuple[Literal["paper", "order_free"], ...] = Field(
+        ("paper", "order_free"),
         min_length=1,
-        description="Ways from features to an answer: that of the `paper`, and our own, `best`",
+        description="Ways from features to an answer: that of the `paper`, and our own, `order_free`",
     )
     classifiers: tuple[ClassifierName, ...] = Field(
         _PAPER_CLASSIFIERS,
@@ -228,6 +217,6 @@ class RecognitionParameters(Section):
     self_organising_map: SelfOrganisingMapParameters = SelfOrganisingMapParameters()
     sequence: SequenceParameters = SequenceParameters()
     classifier: ClassifierParameters = ClassifierParameters()
-    best: BestParameters = BestParameters()
+    order_free: OrderFreeParameters = OrderFreeParameters()
     protocol: ProtocolParameters = ProtocolParameters()
     intervals: IntervalParameters = IntervalParameters()

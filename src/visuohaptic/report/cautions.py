@@ -131,7 +131,7 @@ def _short_sequences(run: Run) -> list[str]:
 
 def _unfitted_classifiers(run: Run) -> Iterator[str]:
     recognition = run.parameters.recognition
-    asked = {"paper": recognition.classifiers, "best": recognition.best.classifiers}
+    asked = {"paper": recognition.classifiers, "order_free": recognition.order_free.classifiers}
     for pipeline, strategies in run.metrics["results"].items():
         fitted = {name for classifiers in strategies.values() for name in classifiers}
         yield from _warned(

@@ -14,14 +14,10 @@ from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.section import Section
 from visuohaptic.io.yaml_files import read_yaml
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import AS_RUN, plan_study
+from visuohaptic.studies.conditions import AS_RUN, ONE_CLASSIFIER, plan_study
 from visuohaptic.studies.study import Changes, Condition, Study
 
-USUAL: Changes = {
-    "recognition.pipelines": ["paper"],
-    "recognition.classifiers": ["support_vector_machine"],
-    "recognition.best.classifiers": ["support_vector_machine"],
-}
+USUAL: Changes = {"recognition.pipelines": ["paper"], **ONE_CLASSIFIER}
 """What all conditions of an own study have, unless the file's `common` says otherwise."""
 
 MOST_CONDITIONS = 20_000

@@ -55,10 +55,10 @@ def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
         figures = (
             f"{strategy_name(strategy)} {percent(figure.mean)}{_interval(figure.low, figure.high)}"
             for strategy in table.strategies
-            if (figure := table.best.accuracy.get(strategy)) is not None
+            if (figure := table.headline.accuracy.get(strategy)) is not None
         )
         lines.append(
-            f"Pipeline {table.name}, {table.best.name}, correctly classified: {', '.join(figures)}."
+            f"Pipeline {table.name}, {table.headline.name}, correctly classified: {', '.join(figures)}."
         )
     return lines
 
