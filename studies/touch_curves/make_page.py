@@ -21,8 +21,9 @@ from filling import (
     share,
     table,
 )
-from make_claims import CLASSIFIER, PIPELINES
 from matplotlib.figure import Figure
+
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
 REPORTS = DOCS.parent / "reports"
 HERE = Path(__file__).parent
@@ -32,7 +33,7 @@ KEPT = HERE / "kept"
 SHOWN = (1, 2, 3, 5, 8, 16)
 """Touches of the table."""
 OF_A_POINT = ("accuracy", "low", "high")
-TITLES = {"paper": "the paper's pipeline", "best": "ours"}
+TITLES = {"paper": "the paper's pipeline", "order_free": "ours"}
 COLOURS = (
     *("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e", "#b0182b"),
     *("#00737a", "#8a6d00", "#555555", "#c2185b"),
@@ -43,33 +44,28 @@ def figures_of_run() -> Figures:
     """Give what the page takes of the run that is there: ``curves`` and ``needed``, by pipeline and strategy."""
     measured = read_json(REPORTS / "studies" / "touch_curves.json")
     needed = read_json(REPORTS / "touch_curves.json")
-    curves = {
-        pipeline: {
-            strategy: [[cell[value] for value in OF_A_POINT] for cell in found[CLASSIFIER].values()]
-            for strategy, found in measured[pipeline].items()
+    curves: dict[str, dict[str, list[list[float]]]] = {}
+    areas: dict[str, dict[str, Figures]] = {}
+    for pipeline, classifier in HEADLINE_CLASSIFIERS.items():
+        curves[pipeline] = {
+            strategy: [[cell[value] for value in OF_A_POINT] for cell in cells[classifier].values()]
+            for strategy, cells in measured[pipeline].items()
         }
-        for pipeline in PIPELINES
-    }
-    return {
-        "curves": curves,
-        "needed": {
-            pipeline: {name: found[CLASSIFIER] for name, found in needed[pipeline].items()}
-            for pipeline in PIPELINES
-        },
-    }
+        areas[pipeline] = {name: rows[classifier] for name, rows in needed[pipeline].items()}
+    return {"curves": curves, "needed": areas}
 
 
 def curve_table(figures: Figures) -> str:
     """Set accuracy by touches, the largest area first, and what fixation gains in area."""
     rows = []
-    for pipeline in PIPELINES:
+    for pipeline, title in TITLES.items():
         needed = figures["needed"][pipeline]
         for strategy in sorted(needed, key=lambda name: -needed[name]["area"]):
             curve, row = figures["curves"][pipeline][strategy], needed[strategy]
             reached = (share(curve[touches - 1][0]) for touches in SHOWN)
             touches = "never" if row["touches"] is None else row["touches"]
             gain = difference(row, "gain", "gain_low", "gain_high", "p_value")
-            rows.append([TITLES[pipeline], f"`{strategy}`", *reached, touches, gain])
+            rows.append([title, f"`{strategy}`", *reached, touches, gain])
     after = ("touches for 90 %", "fixation's area is larger by")
     return table(["pipeline", "strategy", *map(str, SHOWN), *after], rows)
 
@@ -77,10 +73,10 @@ def curve_table(figures: Figures) -> str:
 def draw(sets: Mapping[str, Figures]) -> Figure:
     """Draw accuracy against touches, and the interval of fixation: a column a set, a row a pipeline."""
     figure = Figure(figsize=(5.4 * len(sets), 8.4), layout="constrained")
-    axes = figure.subplots(len(PIPELINES), len(sets), sharex=True, squeeze=False)
-    strategies = sorted({name for one in sets.values() for name in one["needed"]["best"]})
+    axes = figure.subplots(len(TITLES), len(sets), sharex=True, squeeze=False)
+    strategies = sorted({name for one in sets.values() for name in one["needed"]["order_free"]})
     for column, (name, figures) in enumerate(sets.items()):
-        for panel, pipeline in zip(axes[:, column], PIPELINES, strict=True):
+        for panel, pipeline in zip(axes[:, column], TITLES, strict=True):
             panel.set_title(f"{SETS[name]}, {TITLES[pipeline]}")
             panel.grid(alpha=0.3)
             for strategy, colour in zip(strategies, COLOURS, strict=False):
