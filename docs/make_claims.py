@@ -62,7 +62,7 @@ def strategy_table(figures: Figures) -> str:
     for strategy, words in STRATEGIES.items():
         cells = [of_classifier(figures[name][strategy])["as run"] for name in pipelines_of(figures)]
         rows.append([words, *(text for cell in cells for text in (accuracy(cell), lead(cell)))])
-    return table(["SVM, places of touch", "paper's pipeline", ahead, "ours", ahead], rows)
+    return table(["places of touch", "paper's pipeline", ahead, "ours", ahead], rows)
 
 
 def cue_table(sets: Mapping[str, Figures]) -> str:
