@@ -5,6 +5,7 @@ import pickle
 import zipfile
 
 import numpy as np
+import pyarrow as pa
 import pytest
 import skops.io
 from recognition.synthetic import features_table, with_column
@@ -156,3 +157,21 @@ def test_a_model_whose_parts_do_not_belong_together_is_refused_in_a_sentence(
     path.write_bytes(skops.io.dumps(state))
     with pytest.raises(RecognitionError, match=f"is no whole .*{reason}"):
         recognition.load_model(path)
+
+
+def test_tables_of_pandas_and_of_other_types_of_text_get_the_same_answer():
+    model = fit(TABLE, "linear_discriminant")
+    rows = rows_of(TABLE, "class0", "object0")
+    expected = model.answer(rows)
+    fields = [
+        field.with_type(pa.large_string()) if field.type == pa.string() else field
+        for field in rows.schema
+    ]
+    for same in (
+        rows.cast(pa.schema(fields)),
+        rows.to_pandas(),
+        rows.to_pandas().astype({"class": "category"}),
+    ):
+        assert model.answer(same) == expected
+    with pytest.raises(RecognitionError, match="it is of type list"):
+        model.answer([1])
