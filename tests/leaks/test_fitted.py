@@ -8,10 +8,11 @@ import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
 from sklearn.pipeline import Pipeline
 
+from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.encoding import SequenceEncoder
 from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.pipelines import OrderFreePipeline, PaperPipeline, pipeline_of
+from visuohaptic.recognition.pipelines import pipeline_of
 from visuohaptic.recognition.sequences import gather_sequences
 from visuohaptic.recognition.splits import draw_splits
 
@@ -20,12 +21,11 @@ SEQUENCES = gather_sequences(features_table(separation=2.0), PAPER_FEATURES, 5)
 SPLITS = draw_splits(SEQUENCES, PARAMETERS.protocol, 0)[::27]
 
 
-FITTING = [
-    (SequenceEncoder, "fit"),
-    (Pipeline, "fit"),
-    (PaperPipeline, "fit"),
-    (OrderFreePipeline, "fit"),
+CLASSIFYING = [
+    type(CLASSIFIERS[name].make(PARAMETERS.classifier))
+    for name in PARAMETERS.order_free.classifiers
 ]
+FITTING = [(SequenceEncoder, "fit"), (Pipeline, "fit"), *((kind, "fit") for kind in CLASSIFYING)]
 
 
 def changed(split, change):

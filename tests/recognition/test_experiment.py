@@ -94,8 +94,7 @@ def run_few_sequences(names, pipeline):
     chosen = RecognitionParameters(
         protocol=SMALL.protocol, classifiers=names, order_free={"classifiers": names}
     )
-    objects = (2, 2) if pipeline == "paper" else (3, 3)
-    table = features_table(objects=objects, viewpoints=1)
+    table = features_table(objects=(2, 2), viewpoints=1)
     return recognition.run_pipeline(table, chosen, 1, pipeline)
 
 

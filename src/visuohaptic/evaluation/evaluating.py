@@ -14,7 +14,12 @@ from tqdm import tqdm
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
-from visuohaptic.recognition.experiment import predict_split, prediction_tables
+from visuohaptic.recognition.experiment import (
+    SplitPrediction,
+    one_thread,
+    predict_split,
+    prediction_tables,
+)
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.pipelines import PaperPipeline
 from visuohaptic.recognition.sequences import gather_pipeline, take_strategy
@@ -106,7 +111,7 @@ def evaluate(
     pipeline = PaperPipeline.of(parameters, {classifier.name: classifier})
     rows, splits = pipeline.rows(sequences), draw_splits(sequences, parameters.protocol, seed)
     parts = Parallel(n_jobs, return_as="generator")(
-        delayed(predict_split)(sequences, rows, pipeline, split, seed) for split in splits
+        delayed(_predict_split)(sequences, rows, pipeline, split, seed) for split in splits
     )
     progress = tqdm(parts, "evaluating", len(splits), leave=False, disable=None, unit="split")
     predicted = [prediction for part in progress for prediction in part]
@@ -118,6 +123,11 @@ def evaluate(
         accuracy["mean"], accuracy["low"], accuracy["high"],
         {key: mean for key, (mean, _) in found["by_object"].items()}, found["splits"], predictions,
     )  # fmt: skip
+
+
+@one_thread()
+def _predict_split(*arguments: Any) -> list[SplitPrediction]:
+    return predict_split(*arguments)
 
 
 def _as_table(features: Any) -> pa.Table:

@@ -89,8 +89,9 @@ def predict_splits(
     Yields one prediction per split and classifier.
     """
     rows = pipeline.rows(sequences)
-    for split in splits:
-        yield from predict_split(sequences, rows, pipeline, split, seed)
+    with one_thread():
+        for split in splits:
+            yield from predict_split(sequences, rows, pipeline, split, seed)
 
 
 def predict_split(
@@ -104,25 +105,23 @@ def predict_split(
 
     Classifiers that can't be fitted are left out, and the log says why. Raises the last error if none can be fitted.
     """
-    labels, owners = sequences.labels[split.train], sequences.object_index[split.train]
-    classes = len(sequences.classes)
+    labels, classes = sequences.labels[split.train], len(sequences.classes)
     predictions: list[SplitPrediction] = []
     failure: Exception | None = None
-    with one_thread():
-        generator = spawn_generator(seed, "recognition", pipeline.name, split.repeat, split.number)
-        preparation = seeded(clone(pipeline.preparation), generator).fit(rows[split.train])
-        train, test = (preparation.transform(rows[part]) for part in (split.train, split.test))
-        for name, own_seed in pipeline.seeds(generator).items():
-            try:
-                classifier = seeded(clone(pipeline.classifiers[name]), own_seed)
-                model = pipeline.fit(classifier, train, labels, owners)
-                predicted = model.predict(test)
-                logs = pipeline.log_probabilities(model, test, classes)
-            except UNFIT as error:
-                logger.warning("%s is left out: %s", name, error)
-                failure = error
-                continue
-            predictions.append(SplitPrediction(split, name, predicted, logs, _note(model)))
+    generator = spawn_generator(seed, "recognition", pipeline.name, split.repeat, split.number)
+    preparation = seeded(clone(pipeline.preparation), generator).fit(rows[split.train])
+    train, test = (preparation.transform(rows[part]) for part in (split.train, split.test))
+    for name, own_seed in pipeline.seeds(generator).items():
+        try:
+            model = seeded(clone(pipeline.classifiers[name]), own_seed).fit(train, labels)
+            predicted = model.predict(test)
+            logs = pipeline.log_probabilities(model, test, classes)
+        except UNFIT as error:
+            logger.warning("%s is left out: %s", name, error)
+            failure = error
+            continue
+        note = getattr(model, "note_", None)
+        predictions.append(SplitPrediction(split, name, predicted, logs, note))
     if failure is not None and not predictions:
         raise RecognitionError(str(failure)) from failure
     return predictions
@@ -180,13 +179,6 @@ def seeded(estimator: Any, random_state: Any) -> Any:
     if "random_state" in estimator.get_params(deep=False):
         estimator.set_params(random_state=random_state)
     return estimator
-
-
-def _note(model: Any) -> str | None:
-    """Return the remark of a fitted classifier, also of one within a calibrated classifier."""
-    (inner, *_) = getattr(model, "calibrated_classifiers_", [model])
-    note: str | None = getattr(getattr(inner, "estimator", inner), "note_", None)
-    return note
 
 
 def _vote(sequences: TouchSequences, prediction: SplitPrediction) -> tuple[IntArray, FloatArray]:

@@ -22,6 +22,7 @@ from visuohaptic.recognition.descriptors import WaveBasis, describe_sequences, d
 from visuohaptic.recognition.experiment import one_thread, seeded
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.pipelines import (
+    fit_calibrated,
     log_probabilities,
     pipeline_of,
     pooled_log_probabilities,
@@ -200,12 +201,15 @@ def fit_model(
         preparation = seeded(clone(parts.preparation), generator).fit(rows, labels)
         (own_seed,) = parts.seeds(generator).values()
         model = seeded(clone(parts.classifiers[classifier]), own_seed)
-        fitted = parts.fit(model, preparation.transform(rows), labels, owners)
+        prepared = preparation.transform(rows)
+        fitted = (
+            fit_calibrated(model, prepared, labels, owners) if own else model.fit(prepared, labels)
+        )
         return Pipeline([("preparation", preparation), ("classifier", fitted)])
 
+    own = pipeline == "order_free"
     with one_thread():
         estimator = fit(rows, labels, owners)
-        own = pipeline == "order_free"
         certainty = fit_certainty(fit, estimator, rows, labels, owners) if own else None
     waves = draw_waves(parameters.order_free, seed) if own else None
     return RecognitionModel(

@@ -1,7 +1,8 @@
-"""The two pipelines of recognition: unfitted scikit-learn parts, and how a classifier is fitted on prepared rows."""
+"""The two pipelines of recognition: unfitted scikit-learn parts, and probabilities of what is fitted."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -22,6 +23,8 @@ from visuohaptic.recognition.encoding import SequenceEncoder
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.splits import held_out_folds
+
+logger = logging.getLogger(__name__)
 
 ORDER_FREE_SETTINGS = ClassifierParameters(
     neighbours=15,
@@ -64,9 +67,6 @@ class RecognitionPipeline(Protocol):
     def seeds(self, generator: np.random.Generator) -> dict[str, int]:
         """Return the seed of each classifier's fit."""
 
-    def fit(self, classifier: Any, rows: FloatArray, labels: IntArray, owners: IntArray) -> Any:
-        """Fit a classifier on prepared rows (n, d) of classes and objects (n,)."""
-
     def log_probabilities(self, fitted: Any, rows: FloatArray, classes: int) -> FloatArray | None:
         """Return the log probability of each class, (n, classes), if the pipeline has probabilities."""
 
@@ -96,10 +96,6 @@ class PaperPipeline:
         """Draw one seed per classifier, whether the classifier uses the seed or not."""
         return {name: int(generator.integers(2**31)) for name in self.classifiers}
 
-    def fit(self, classifier: Any, rows: FloatArray, labels: IntArray, owners: IntArray) -> Any:  # noqa: ARG002
-        """Fit a classifier on prepared rows."""
-        return classifier.fit(rows, labels)
-
     def log_probabilities(self, fitted: Any, rows: FloatArray, classes: int) -> FloatArray | None:  # noqa: ARG002
         """Return None: the paper's objects are classified by the majority of their sequences."""
         return None
@@ -107,7 +103,7 @@ class PaperPipeline:
 
 @dataclass(frozen=True)
 class OrderFreePipeline:
-    """Our pipeline: descriptors that do not depend on the order of touches, calibrated probabilities."""
+    """Our pipeline: descriptors that do not depend on the order of touches, classifiers with probabilities."""
 
     parameters: RecognitionParameters
     seed: int
@@ -130,10 +126,6 @@ class OrderFreePipeline:
         """Return an independent seed per classifier."""
         seed = int(generator.integers(2**31))
         return {name: int(spawn_generator(seed, name).integers(2**31)) for name in self.classifiers}
-
-    def fit(self, classifier: Any, rows: FloatArray, labels: IntArray, owners: IntArray) -> Any:
-        """Fit a classifier with a temperature for its probabilities, as `fit_calibrated` does."""
-        return fit_calibrated(classifier, rows, labels, owners)
 
     def log_probabilities(self, fitted: Any, rows: FloatArray, classes: int) -> FloatArray:
         """Return log probabilities: (n, d) to (n, classes), `LEAST_LOG_PROBABILITY` for classes without training."""
@@ -159,13 +151,18 @@ def fit_calibrated(classifier: Any, rows: FloatArray, labels: IntArray, owners: 
     """Fit a classifier on rows (n, d) of classes and objects (n,), with a temperature for its probabilities.
 
     The temperature is fitted on training objects that copies of the classifier did not learn (C. Guo et al., "On
-    calibration of modern neural networks", ICML 2017). If a class has one object, the classifier has no temperature.
+    calibration of modern neural networks", ICML 2017). If a class has one object, or no temperature is found, the
+    classifier has none.
     """
     folds = held_out_folds(labels, owners, CALIBRATION_FOLDS)
     if not folds:
         return classifier.fit(rows, labels)
     calibrated = CalibratedClassifierCV(classifier, method="temperature", cv=folds, ensemble=False)
-    return calibrated.fit(rows, labels)
+    try:
+        return calibrated.fit(rows, labels)
+    except RuntimeError as error:  # scores so far apart that their exponentials overflow
+        logger.warning("%s has no temperature: %s", type(classifier).__name__, error)
+        return classifier.fit(rows, labels)
 
 
 def pipeline_of(name: str, parameters: RecognitionParameters, seed: int) -> RecognitionPipeline:
