@@ -225,6 +225,13 @@ def test_positions_may_be_integers_of_any_width(kind, largest, normalized):
     np.testing.assert_allclose(extent(surface)[1], 1 if normalized else 3)
 
 
+def test_the_lowest_normalised_integer_is_minus_one():
+    file = Gltf()
+    position = {"POSITION": file.put((-128 * CUBE).astype("i1"), normalized=True)}
+    file.show({"mesh": file.mesh(attributes=position)})
+    np.testing.assert_array_equal(extent(read(file.text())), [[-1, -1, -1], [0, 0, 0]])
+
+
 def test_rows_that_are_sparse_are_put_in_their_places():
     for base in (True, False):
         file = Gltf()

@@ -38,6 +38,7 @@ _NAMESPACES = "http://schemas.microsoft.com/3dmanufacturing/"
 _READ = tuple(
     f"{_NAMESPACES}{name}/" for name in ("core", "production", "material", "trianglesets", "slice")
 )
+_MANY = {"vertex", "triangle"}
 _INSIDE_OBJECT = {"mesh", "components", "metadatagroup"}
 _INSIDE_MESH = {"vertices", "triangles", "trianglesets"}
 _WRAPS = {"wrap": REPEAT, "mirror": MIRROR, "clamp": CLAMP, "none": CLAMP}
@@ -184,19 +185,22 @@ class _Reader:
             **dict.fromkeys(("compositematerials", "multiproperties"), self._other_group),
         }
         parsed = etree.iterparse(
-            io.BytesIO(data), events=("end",), tag=[f"{{*}}{name}" for name in ends],
+            io.BytesIO(data), events=("end",),
             resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False,
             remove_comments=True, remove_pis=True,
         )  # fmt: skip
         for _, element in parsed:
-            name = _tag(element)
+            name = element.tag.rpartition("}")[2]
+            if name not in ends:
+                continue
             try:
                 ends[name](element)
             except (TypeError, ValueError) as error:
                 found = str(dict(element.attrib))[:_LONGEST_SHOWN]
                 raise MeshError(f"{self._file}: {name} {found} can't be read") from error
-            if name in {"vertex", "triangle"}:
-                _drop_before(element)
+            # The elements before it are read; without them the tree stays small.
+            if name in _MANY and element.getprevious() is not None:
+                del element.getparent()[0]
         root = parsed.root
         if root.getroottree().docinfo.internalDTD is not None:
             raise MeshError("it has a DOCTYPE, which could name other files; none is allowed")
@@ -272,13 +276,6 @@ class _Reader:
             _WRAPS.get(element.get(name, "wrap"), REPEAT) for name in ("tilestyleu", "tilestylev")
         )
         self._model.images[element.get("id", "")] = element.get("path", ""), (across, up)
-
-
-def _drop_before(element: Any) -> None:
-    """Take the elements before one out of the tree."""
-    parent = element.getparent()
-    while element.getprevious() is not None:
-        del parent[0]
 
 
 def _unknown(element: Any) -> str:
