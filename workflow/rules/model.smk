@@ -7,7 +7,10 @@ results/models/recogniser_random.skops. Study `trust` measures how far the answe
 
 MODELS = {
     "recogniser": PARAMETERS.probing.strategies[0],
-    **{f"recogniser_{strategy}": strategy for strategy in PARAMETERS.probing.strategies[1:]},
+    **{
+        f"recogniser_{strategy}": strategy
+        for strategy in PARAMETERS.probing.strategies[1:]
+    },
 }
 VALUES_OF_RULES["model"] = [{"model": name} for name in MODELS]
 

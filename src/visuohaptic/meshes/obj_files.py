@@ -19,8 +19,9 @@ from visuohaptic.meshes.polygons import cuts
 from visuohaptic.meshes.wavefront import as_utf_8, shown
 
 _NO_MATERIAL = frozenset({"", "None", "(null)"})  # Blender's names of none
+_AT_ONCE = 1 << 18  # faces
 _LARGEST_BYTE = 255.0
-_HALVES = np.array([[0, 1, 2], [2, 3, 0]])  # of a quadrilateral
+_HALVES = np.array([[0, 1, 2], [2, 3, 0]], dtype=np.int32)  # of a quadrilateral
 _ALMOST_ONE = 1.05  # a colour of 1 as rounding may leave it
 
 
@@ -54,11 +55,11 @@ def read_obj(data: bytes, companions: Companions) -> list[Part]:
         _vertex_colours(said, companions),
         np.frombuffer(said.places).reshape(-1, 2),
     )
-    parts = [
-        part
-        for name, polygons in reversed(said.polygons.items())
-        for part in _parts(polygons, materials.find(name) or Material(), vertices, companions)
-    ]
+    parts = []
+    while said.polygons:
+        # What is said of a material is not needed beside its part.
+        name, polygons = said.polygons.popitem()
+        parts += _parts(polygons, materials.find(name) or Material(), vertices, companions)
     return parts if len(parts) == 1 else [_with_own_vertices(part) for part in parts]
 
 
@@ -89,10 +90,8 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _vertex_colours(said: ObjStatements, companions: Companions) -> NDArray[np.float32] | None:
-    """Return colours (v, 3) from 0 to 1, NaN where a vertex has none; None where no vertex has one.
-
-    Some programs write them from 0 to 1, others from 0 to 255.
-    """
+    """Return colours (v, 3) from 0 to 1, NaN where a vertex has none; None where no vertex has one."""
+    # Some programs write colours from 0 to 1, others from 0 to 255.
     if not said.colours:
         return None
     colours = np.full((len(said.points) // 3, 3), np.nan, dtype=np.float32)
@@ -116,15 +115,22 @@ def _parts(
 ) -> list[Part]:
     corners = _corners(polygons, len(vertices.points))
     triangles = _triangles(polygons, corners, vertices.points)
-    faces = corners[triangles].astype(np.int64)
+    faces = np.empty(triangles.shape, dtype=np.int64)
+    for start in range(0, len(faces), _AT_ONCE):
+        faces[start : start + _AT_ONCE] = corners[triangles[start : start + _AT_ONCE]]
     plain = Part(vertices.points, faces, _face_colours(faces, material, vertices.colours))
     image_map = material.image_map
-    if image_map is None or not any(polygons.places):
+    if image_map is None:
+        return [plain]
+    image = companions.image(image_name(image_map, companions), image_map.beside)
+    if image is None:
+        return [plain]
+    if not polygons.places:
+        companions.notes.append("names images for faces that have no image coordinates (vt)")
         return [plain]
     places = _places(polygons, len(vertices.places), companions)[triangles]
     painted: BoolArray = np.all(places >= 0, axis=1)
-    image = companions.image(image_name(image_map, companions), image_map.beside)
-    if image is None or not painted.any():
+    if not painted.any():
         return [plain]
     uv = image_map.placed(vertices.places[places[painted]])
     shown = replace(
@@ -147,7 +153,8 @@ def _corners(polygons: Polygons, vertices: int) -> NDArray[np.int32]:
 
 def _places(polygons: Polygons, places: int, companions: Companions) -> NDArray[np.int32]:
     """Return corners as rows of image coordinates, -1 where there are none."""
-    corners = np.frombuffer(polygons.places, np.int32)
+    corners = np.zeros(len(polygons.corners), dtype=np.int32)
+    corners[: len(polygons.places)] = polygons.places
     wrong = np.flatnonzero((corners < 0) | (corners > places))
     if len(wrong):
         companions.notes.append(
@@ -162,33 +169,36 @@ def _line(polygons: Polygons, corner: int) -> int:
     return polygons.lines[int(np.searchsorted(ends, corner, side="right"))]
 
 
-def _triangles(polygons: Polygons, corners: NDArray[np.int32], points: FloatArray) -> IntArray:
+def _triangles(
+    polygons: Polygons, corners: NDArray[np.int32], points: FloatArray
+) -> NDArray[np.int32]:
     """Cut polygons into triangles (t, 3), whose numbers are rows of `corners`, polygon after polygon."""
-    counts = np.array(polygons.counts, dtype=np.int64)
+    counts = np.frombuffer(polygons.counts, np.int32)
     if (counts == 3).all():
-        return np.arange(len(corners)).reshape(-1, 3)
-    cut = cuts(points, corners.astype(np.int64), counts)
-    starts = np.cumsum(counts) - counts
+        return np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
+    cut = cuts(points, corners.astype(np.int64), counts.astype(np.int64))
+    starts = np.cumsum(counts, dtype=np.int32) - counts
     if not cut and (counts == 4).all() and _of_one_form(polygons):
         # All first halves come first, as in the benchmark's surfaces since they were first made.
         return np.concatenate([starts[:, None] + half for half in _HALVES])
     sizes = counts - 2
     for polygon, triangles in cut.items():
         sizes[polygon] = len(triangles)
-    of = np.repeat(np.arange(len(counts)), sizes)
-    firsts = np.cumsum(sizes) - sizes
-    second = np.arange(len(of)) - firsts[of] + 1
+    of = np.repeat(np.arange(len(counts), dtype=np.int32), sizes)
+    firsts = np.cumsum(sizes, dtype=np.int32) - sizes
+    second = np.arange(1, len(of) + 1, dtype=np.int32) - firsts[of]
     fans = np.column_stack([np.zeros_like(second), second, second + 1])
     fans[(counts[of] == 4) & (second == 2)] = _HALVES[1]
     for polygon, triangles in cut.items():
         fans[firsts[polygon] : firsts[polygon] + len(triangles)] = triangles
-    return starts[of, None] + fans
+    fans += starts[of, None]
+    return fans
 
 
 def _of_one_form(polygons: Polygons) -> bool:
     """Tell whether all corners have image coordinates, or none."""
     places = np.frombuffer(polygons.places, np.int32)
-    return bool(places.all() or not places.any())
+    return not len(places) or (len(places) == len(polygons.corners) and bool(places.all()))
 
 
 def _face_colours(

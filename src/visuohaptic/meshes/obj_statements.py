@@ -45,7 +45,7 @@ class Polygons:
     ----------
     corners, places : array of int
         Numbers of vertices and of image coordinates, from 1, polygon after polygon; a place is 0 where
-        a corner has none.
+        a corner has none, and there are none for polygons behind the last one with a place.
     counts, lines : array of int
         Number of corners, and line in the file, per polygon.
     """
@@ -122,8 +122,10 @@ class ObjStatements:
             polygons = self.polygons[self.material] = Polygons()
         corners = [row[0] for row in rows]
         places = [row[1] if len(row) > 1 else 0 for row in rows]
+        if any(places):
+            polygons.places.extend(repeat(0, len(polygons.corners) - len(polygons.places)))
+            polygons.places.extend(_from_the_first(places, len(self.places) // 2))
         polygons.corners.extend(_from_the_first(corners, len(self.points) // 3))
-        polygons.places.extend(_from_the_first(places, len(self.places) // 2))
         polygons.counts.append(len(rows))
         polygons.lines.append(line)
 

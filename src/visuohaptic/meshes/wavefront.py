@@ -42,7 +42,7 @@ def as_utf_8(data: bytes) -> bytes:
     Raises `UnicodeDecodeError` where UTF-16 is broken.
     """
     if data.startswith(_UTF_16):
-        return data.decode("utf-16").encode()
+        data = data.decode("utf-16").encode()
     return data.removeprefix(codecs.BOM_UTF8)
 
 
