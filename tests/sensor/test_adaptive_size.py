@@ -53,9 +53,9 @@ def test_a_wall_bounds_the_square_however_thin_or_low(wall, size):
     "direction", [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]
 )
 def test_a_narrow_wall_on_any_side_and_at_any_corner_bounds_the_square(direction):
-    x, z = 0.07 * np.array(direction)
+    middle = 0.07 * np.array(direction)
     across = 5e-4 * np.array([-direction[1], direction[0]])
-    (left, front), (right, back) = (x, z) - across, (x, z) + across
+    (left, front), (right, back) = middle - across, middle + across
     wall = surface_of(
         [[left, 0, front], [right, 0, back], [right, 0.5, back], [left, 0.5, front]],
         [[0, 1, 2], [0, 2, 3]],
