@@ -13,9 +13,10 @@ from recognition.synthetic import features_table, with_column
 from visuohaptic import recognition
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import select
-from visuohaptic.recognition import stored_models
+from visuohaptic.recognition import certainty, pipelines, stored_models
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.splits import held_out_folds
 from visuohaptic.recognition.stored_models import FORMAT
 
 TABLE = features_table(objects=(3, 3), separation=3.0)
@@ -102,6 +103,23 @@ def test_a_small_file_that_unpacks_to_a_large_one_is_refused_before_it_is_unpack
 def test_single_class_can_not_be_learnt():
     with pytest.raises(RecognitionError, match="one class"):
         fit(features_table(objects=(3,)), "naive_bayes")
+
+
+def test_temperature_and_certainty_are_fitted_on_folds_of_whole_objects(monkeypatch):
+    sequences_of_object = []
+
+    def catching(labels, owners, *further):
+        sequences_of_object.append(np.unique(owners, return_counts=True)[1])
+        return held_out_folds(labels, owners, *further)
+
+    for module in (pipelines, certainty):
+        monkeypatch.setattr(module, "held_out_folds", catching)
+    table = features_table(objects=(3, 4), viewpoints=4)
+    model = fit(table, "naive_bayes")
+    # The final model and its certainty see all objects, the models of certainty's folds fewer.
+    assert [len(counts) for counts in sequences_of_object[:2]] == [7, 7]
+    assert {*np.concatenate(sequences_of_object)} == {4}
+    assert len(model.certainty.labels) == 7
 
 
 def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
