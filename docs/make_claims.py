@@ -1,12 +1,13 @@
 """Fill the tables of the paper's claims, and draw the lead of fixation, from kept figures of study `claims`: `make readme`.
 
 docs/figures/claims_paper.json and claims_benchmark.json are reports/studies/claims.json of the paper's
-twelve objects and of the catalogue's 142: by pipeline, strategy, classifier and condition.
+twelve objects and of the catalogue's 142: by pipeline, strategy, classifier and condition. Figures of before our own
+pipeline became `order_free` are those of pipeline `best`, and keep this name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
 from filling import (
@@ -26,8 +27,6 @@ from matplotlib.figure import Figure
 PAGE = DOCS / "claims.md"
 PICTURE = DOCS / "pictures" / "lead.png"
 KEPT = DOCS / "figures" / "claims"
-PIPELINES = ("paper", "best")
-CLASSIFIER = "support_vector_machine"
 OPPONENTS = {
     "random": "random, in reach",
     "random_visible": "random, among what the eye sees",
@@ -45,14 +44,25 @@ OTHERS = (
 )
 
 
+def pipelines_of(names: Iterable[str]) -> list[str]:
+    """Return the names of the pipelines that kept figures have, the paper's first and then ours."""
+    return sorted(names, key=lambda name: name != "paper")
+
+
+def of_classifier(figures: Figures) -> Figures:
+    """Return the figures of the one classifier with which a study measures a pipeline."""
+    (found,) = figures.values()
+    return found
+
+
 def strategy_table(figures: Figures) -> str:
     """Set each strategy's accuracy, and the lead of fixation over it, in both pipelines."""
     ahead = "fixation is ahead by"
     rows = []
     for strategy, words in STRATEGIES.items():
-        cells = [figures[name][strategy][CLASSIFIER]["as run"] for name in PIPELINES]
+        cells = [of_classifier(figures[name][strategy])["as run"] for name in pipelines_of(figures)]
         rows.append([words, *(text for cell in cells for text in (accuracy(cell), lead(cell)))])
-    return table(["SVM, places of touch", "paper's pipeline", ahead, "ours", ahead], rows)
+    return table(["places of touch", "paper's pipeline", ahead, "ours", ahead], rows)
 
 
 def cue_table(sets: Mapping[str, Figures]) -> str:
@@ -62,11 +72,11 @@ def cue_table(sets: Mapping[str, Figures]) -> str:
             SETS[name],
             pipeline,
             words,
-            accuracy(figures[pipeline]["fixation"][CLASSIFIER][cue]),
-            *(lead(figures[pipeline][one][CLASSIFIER][cue]) for one in OPPONENTS),
+            accuracy(of_classifier(figures[pipeline]["fixation"])[cue]),
+            *(lead(of_classifier(figures[pipeline][one])[cue]) for one in OPPONENTS),
         ]
         for name, figures in sets.items()
-        for pipeline in PIPELINES
+        for pipeline in pipelines_of(figures)
         for cue, words in CUES.items()
     ]
     ahead = (f"ahead of {words}" for words in OPPONENTS.values())
@@ -79,8 +89,9 @@ def share_table(sets: Mapping[str, Figures]) -> str:
     heads = ["objects", "pipeline", "anywhere", "and in reach", "and in sight", "and salient"]
     rows = []
     for name, figures in sets.items():
-        for pipeline in PIPELINES:
-            reached = [figures[pipeline][one][CLASSIFIER]["as run"]["accuracy"] for one in order]
+        for pipeline in pipelines_of(figures):
+            found = (of_classifier(figures[pipeline][one]) for one in order)
+            reached = [conditions["as run"]["accuracy"] for conditions in found]
             steps = (points(after - before) for before, after in pairwise(reached))
             whole = points(reached[-1] - reached[0])
             rows.append([SETS[name], pipeline, share(reached[0]), *steps, whole])
@@ -92,7 +103,9 @@ def change_table(sets: Mapping[str, Figures]) -> str:
     rows = []
     for condition in OTHERS:
         for name, figures in sets.items():
-            cells = [figures[one]["fixation"][CLASSIFIER][condition] for one in PIPELINES]
+            cells = [
+                of_classifier(figures[one]["fixation"])[condition] for one in pipelines_of(figures)
+            ]
             against = cells[0]["compared_with"] or "as run"
             rows.append([condition, against, SETS[name], *map(change, cells)])
     return table(["condition", "compared with", "objects", "paper's pipeline", "ours"], rows)
@@ -111,13 +124,13 @@ def change(cell: Figures) -> str:
 def draw(sets: Mapping[str, Figures]) -> Figure:
     """Draw the lead of fixation with its interval: a panel a set and pipeline, a row a cue."""
     figure = Figure(figsize=(10, 6.4), layout="constrained")
-    axes = figure.subplots(len(sets), len(PIPELINES), sharey=True)
+    axes = figure.subplots(len(sets), 2, sharey=True)
     for row, (name, figures) in zip(axes, sets.items(), strict=True):
-        for panel, pipeline in zip(row, PIPELINES, strict=True):
+        for panel, pipeline in zip(row, pipelines_of(figures), strict=True):
             panel.set_title(f"{SETS[name]}, pipeline {pipeline}")
             panel.axvline(0, color="#555d66", linewidth=1)
             for place, strategy in enumerate(OPPONENTS):
-                cells = [figures[pipeline][strategy][CLASSIFIER][cue] for cue in CUES]
+                cells = [of_classifier(figures[pipeline][strategy])[cue] for cue in CUES]
                 leads = [100 * cell["lead"] for cell in cells]
                 ends = [
                     [abs(100 * cell[end] - one) for cell, one in zip(cells, leads, strict=True)]

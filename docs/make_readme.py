@@ -22,6 +22,7 @@ LABELS = {
     "decision_tree": "decision tree",
     "quadratic_discriminant": "quadratic discriminant",
     "naive_bayes": "naïve Bayes",
+    "linear_discriminant": "linear discriminant",
 }
 RUNS = {
     "cold_run": "cold `snakemake -j2`, meshes to report",
@@ -36,16 +37,29 @@ def results_table(metrics: dict[str, Any]) -> str:
     literal, strategies = read_variants().literal, ("fixation", "random")
     rows = []
     for classifier, label in LABELS.items():
-        paper, best = (
-            [percent(metrics["results"][name][one][classifier]["accuracy"]) for one in strategies]
-            for name in ("paper", "best")
+        paper, ours = (
+            [cell_of(metrics["results"][name][one], classifier) for one in strategies]
+            for name in ("paper", "order_free")
         )
-        published = [share(TABLE_1[classifier][one], 2) for one in strategies]
-        read = [share(literal[one][classifier]) for one in strategies]
-        rows.append([label, paper[0], published[0], paper[1], published[1], *read, *best])
+        published = [
+            share(TABLE_1[classifier][one], 2) if classifier in TABLE_1 else ""
+            for one in strategies
+        ]
+        read = [
+            share(literal[one][classifier]) if classifier in literal[one] else ""
+            for one in strategies
+        ]
+        rows.append([label, paper[0], published[0], paper[1], published[1], *read, *ours])
     heads = ["classifier", "eye fixations", "published", "random probing", "published"]
     heads += ["literal, fixations", "literal, random walk", "ours, fixations", "ours, random"]
     return table(heads, rows)
+
+
+def cell_of(by_classifier: dict[str, Any], classifier: str) -> str:
+    """Write the accuracy of a classifier, empty for a classifier that the pipeline does not have."""
+    if classifier not in by_classifier:
+        return ""
+    return percent(by_classifier[classifier]["accuracy"])
 
 
 def percent(interval: dict[str, float]) -> str:

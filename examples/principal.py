@@ -22,11 +22,11 @@ vh.register(Map("principal", "its first principal components", fit, reduce))
 if __name__ == "__main__":
     import numpy as np
 
-    from visuohaptic.recognition.encoding import fit_sequence_encoder
+    from visuohaptic.recognition.encoding import SequenceEncoder
     from visuohaptic.recognition.parameters import RecognitionParameters
 
     chosen = RecognitionParameters(self_organising_map={"output": "principal", "outputs": 3})
     generator = np.random.default_rng(0)
     sequences = generator.normal(size=(20, 5, 22)) * np.arange(1, 23)
-    reduced = fit_sequence_encoder(sequences, chosen, generator).reduce(sequences)
+    reduced = SequenceEncoder(chosen).fit(sequences).reduce(sequences)
     print(reduced.shape, *reduced.std(axis=(0, 1)).round(1))

@@ -32,7 +32,7 @@ OF_AN_EXTRA = {
         ("src/visuohaptic", "geometry/compiled_open3d.py", "open3d", "geometry/compiled_open3d.py"),
         ("src/visuohaptic", "report/", "report", "cli/report.py"),
         ("src/visuohaptic", "report/compare_runs.py", "workflow", "report/compare_runs.py"),
-        ("src/visuohaptic", "meshes/collada.py", "formats", "meshes/catalogue.py"),
+        ("src/visuohaptic", "meshes/three_mf_package.py", "formats", "meshes/catalogue.py"),
         ("src/visuohaptic", "meshes/limits.py", "formats", "meshes/catalogue.py"),
     )
 }

@@ -1,6 +1,5 @@
 """Parameters are checked as a whole, and every fault is named with its path."""
 
-import re
 import subprocess
 import sys
 
@@ -13,9 +12,7 @@ from visuohaptic.parameters import (
     IMPRINT_MULTIPLE,
     ExperimentParameters,
     as_parameters,
-    check_config,
     check_run,
-    check_spelling,
     read_parameters,
 )
 
@@ -33,7 +30,7 @@ def test_what_is_dumped_reads_back():
         ({"attention": {"weights": {"glare": 1}}}, r"attention\.weights\.glare is no parameter"),
         ({"scene": {"effects": {"rust": "auto"}}}, r"scene\.effects\.rust is no parameter"),
         ({"seed": True}, "seed is True: a number is needed"),
-        ({"cost": {"touches": [2, True]}}, "cost.touches is True: a number is needed"),
+        ({"cost": {"touches": [2, True]}}, r"cost.touches is \[2, True\]: a number is needed"),
         ({"sensor": {"smallest_size": 1.0}}, "smallest_size is 1.0; at most largest_size"),
         ({"recognition": {"classifiers": ["naive_bayes"] * 3}}, "classifiers names naive_bayes 3"),
         (
@@ -113,49 +110,12 @@ def test_the_multiple_is_that_of_the_contourlets():
     assert side_multiple(DIRECTIONS.bit_length() - 1) == IMPRINT_MULTIPLE
 
 
-@pytest.mark.parametrize(
-    ("line", "sentence"),
-    [
-        ("seed: 010", "seed (line 1) is 010"),
-        ("seed: 1:30", "seed (line 1) is 1:30"),
-        ("sensor: {reach: -1.0e+400}", "sensor.reach (line 1) is -1.0e+400"),
-        ("meshes:\n  set: [yes]", "meshes.set (line 2) is yes"),
-        ("sensor: {reach: 1}\nsensor: {}", "sensor is in line 1 and again in line 2"),
-        ("sensor:\n  reach: 1\n  reach: 2", "sensor.reach is in line 2 and again in line 3"),
-    ],
-)
-def test_what_yaml_would_change_is_refused_with_its_line(tmp_path, line, sentence):
+def test_a_file_with_a_name_twice_or_of_broken_yaml_is_refused_with_the_line(tmp_path):
     path = tmp_path / "params.yaml"
-    path.write_text(f"{line}\n")
-    with pytest.raises(ParameterError, match=re.escape(sentence)):
-        read_parameters(path)
-
-
-@pytest.mark.parametrize(
-    ("given", "sentence"),
-    [
-        ("seed=1:30", "--config: seed (line 1) is 1:30"),
-        ("sensor={reach: 1, reach: 2}", "--config: sensor.reach is in line 1 and again in line 1"),
-    ],
-)
-def test_a_value_of_the_command_line_that_yaml_would_change_is_refused(given, sentence):
-    with pytest.raises(ParameterError, match=re.escape(sentence)):
-        check_config(given)
-
-
-@pytest.mark.parametrize(
-    "value", ["10", "0", "0.5", "-1e-3", "true", "False", '"010"', "'yes'", "null", "[a.py]"]
-)
-def test_a_value_that_yaml_reads_as_written_passes(tmp_path, value):
-    path = tmp_path / "params.yaml"
-    path.write_text(f"seed: {value}\n")
-    check_spelling(path)
-    check_config(f"seed={value}")
-
-
-def test_broken_yaml_is_named_in_a_file_and_left_to_snakemake_on_its_command_line(tmp_path):
-    path = tmp_path / "params.yaml"
-    path.write_text("seed: 1\nsensor: {resolution: 8\nprobing: 3\n")
-    with pytest.raises(ParameterError, match=r"params\.yaml can't be read: .*line 3"):
-        read_parameters(path)
-    check_config("a={b")
+    for text, sentence in (
+        ("seed: 1\nseed: 2\n", "seed is in line 1"),
+        ("seed: [", "can't be read"),
+    ):
+        path.write_text(text)
+        with pytest.raises(ParameterError, match=sentence):
+            read_parameters(path)

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import math
-import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.base.errors import ParameterError
+from visuohaptic.base.section import Section
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import (
     RenderingParameters,
@@ -24,6 +21,7 @@ from visuohaptic.fixations.parameters import (
 from visuohaptic.fixations.probing_parameters import ProbingParameters
 from visuohaptic.io.moved import unknown_parameter
 from visuohaptic.io.plugins import load_files, load_installed
+from visuohaptic.io.yaml_files import read_yaml
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import Scene
@@ -41,8 +39,8 @@ _WITHOUT_REPEATS = (
     "probing.strategies",
     "recognition.pipelines",
     "recognition.classifiers",
-    "recognition.best.classifiers",
-    "recognition.best.cues",
+    "recognition.order_free.classifiers",
+    "recognition.order_free.cues",
     "cost.touches",
     "cost.viewpoints",
     "cost.imprint_resolutions",
@@ -53,10 +51,8 @@ _WITHOUT_REPEATS = (
 )
 
 
-class WorkflowParameters(BaseModel):
+class WorkflowParameters(Section):
     """How the work is divided into jobs, and what is kept current; no result depends on it."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     views_per_job: int = Field(16, ge=1, le=1024, description="Viewpoints that one job covers")
     objects_per_job: int = Field(
@@ -74,10 +70,8 @@ class WorkflowParameters(BaseModel):
     )
 
 
-class CostParameters(BaseModel):
+class CostParameters(Section):
     """The settings that are tried beside the run's own, and how they are timed."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
         (1, 2, 3, 4, 5, 6, 8, 10, 12, 16), min_length=1, description="Touches from one viewpoint"
@@ -138,10 +132,8 @@ class CostParameters(BaseModel):
     )
 
 
-class ExperimentParameters(BaseModel):
+class ExperimentParameters(Section):
     """Every parameter; a section left out takes its defaults."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     seed: int = Field(2018, ge=0, description="Random seed")
     plugins: tuple[str, ...] = Field(
@@ -183,25 +175,10 @@ class ExperimentParameters(BaseModel):
         Raises `ParameterError`, which names the source, and each unknown name or wrong value.
         """
         try:
-            checked = cls.model_validate(dict(values))
+            return cls.model_validate(dict(values))
         except ValidationError as error:
             found = "; ".join(_sentence(problem) for problem in error.errors())
             raise ParameterError(f"{source}: {found}.") from None
-        if wrong := list(_truth_values(values, checked.model_dump())):
-            raise ParameterError(f"{source}: {'; '.join(wrong)}.")
-        return checked
-
-
-def _truth_values(given: Any, checked: Any, name: str = "") -> Iterator[str]:
-    """Find truth values where a number is needed: pydantic reads them as 1 and 0."""
-    if isinstance(given, Mapping) and isinstance(checked, Mapping):
-        for key in given.keys() & checked.keys():
-            yield from _truth_values(given[key], checked[key], f"{name}.{key}")
-    elif isinstance(given, list | tuple) and isinstance(checked, list | tuple):
-        for one, other in zip(given, checked, strict=False):
-            yield from _truth_values(one, other, name)
-    elif isinstance(given, bool) and not isinstance(checked, bool):
-        yield f"{name.removeprefix('.')} is {given}: a number is needed"
 
 
 def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
@@ -259,34 +236,12 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     PlugInError
         If a plug-in that it names can't be loaded.
     """
-    try:
-        check_spelling(path)
-        values = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ParameterError(f"{path} can't be read: {_reason(error)}.") from error
+    values = read_yaml(path)
     if not isinstance(values, dict):
         raise ParameterError(f"{path} holds no parameters; sections as in params.yaml are needed.")
     load_installed()
     load_files(values.get("plugins", ()), Path(path).parent)
     return ExperimentParameters.from_mapping(values, str(path))
-
-
-def check_spelling(path: str | Path) -> None:
-    """Refuse a YAML file with values that a parser reads as others than are written, or a name twice.
-
-    ``yes`` would be a truth value, ``010`` be 8, ``1:30`` be 90, ``1e400`` be infinite, and the last of two
-    equal names would count. Raises `ParameterError`, which gives the line.
-    """
-    text = Path(path).read_text(encoding="utf-8")
-    _check_node(yaml.compose(text, Loader=yaml.SafeLoader), str(path), "")
-
-
-def check_config(given: str) -> None:
-    """Refuse ``section=value``, as Snakemake's ``--config`` takes it, as `check_spelling` does."""
-    section, _, value = given.partition("=")
-    # What is no YAML is text for Snakemake, and refused as the section's value.
-    with suppress(yaml.YAMLError):
-        _check_node(yaml.compose(value, Loader=yaml.SafeLoader), "--config", section)
 
 
 def as_parameters(
@@ -328,42 +283,6 @@ def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
     return nested
 
 
-def _check_node(node: Any, source: str, above: str) -> None:
-    kind = getattr(node, "id", None)
-    if kind == "scalar":
-        _check_scalar(node, f"{source}: {above} (line {node.start_mark.line + 1})")
-    for item in node.value if kind == "sequence" else ():
-        _check_node(item, source, above)
-    lines: dict[str, int] = {}
-    for key, value in node.value if kind == "mapping" else ():
-        name = f"{above}.{key.value}" if above else str(key.value)
-        line = key.start_mark.line + 1
-        if name in lines:
-            raise ParameterError(
-                f"{source}: {name} is in line {lines[name]} and again in line {line}; once is allowed."
-            )
-        lines[name] = line
-        _check_node(value, source, name)
-
-
-def _check_scalar(node: Any, place: str) -> None:
-    """Refuse a plain value that YAML 1.1 reads in another way than people do."""
-    if node.style is not None:  # in quotes
-        return
-    text, kind = str(node.value), node.tag.rpartition(":")[2]
-    if kind == "bool" and text.lower() not in {"true", "false"}:
-        raise ParameterError(
-            f'{place} is {text}, which YAML takes for a truth value; write true or false, or "{text}".'
-        )
-    if kind in {"int", "float"} and (":" in text or re.fullmatch(r"[-+]?0[0-9_]+", text)):
-        raise ParameterError(
-            f"{place} is {text}, which YAML takes for another number; write it in decimal digits."
-        )
-    with suppress(ValueError):
-        if math.isinf(float(text)) and "inf" not in text.lower():
-            raise ParameterError(f"{place} is {text}, which is too large for a number.")
-
-
 def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
     """Give each value that is no section, with its dotted name."""
     for name, value in values.items():
@@ -384,8 +303,3 @@ def _sentence(problem: Mapping[str, object]) -> str:
     if problem["type"] == "value_error":
         return f"{path}: {message}" if path else message
     return f"{path} is {problem['input']!r}: {message[0].lower()}{message[1:]}"
-
-
-def _reason(error: Exception) -> str:
-    text = error.strerror if isinstance(error, OSError) else str(error)
-    return " ".join(str(text).split())

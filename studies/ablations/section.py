@@ -9,7 +9,6 @@ from visuohaptic.report.wording import spaced
 
 NAMES = {
     "whole_method": "whole method",
-    "without_bags": "no classifier of bags",
     "turned_upright": "each object turned about the vertical",
     "turned_any_way": "each object's poses turned in any way",
     "azimuth_free": "no azimuth in the descriptors",

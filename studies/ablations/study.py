@@ -15,11 +15,11 @@ WHOLE = "whole_method"
 
 _SKIN = ("contourlet", "imprint", "sensor")
 _POSE = ("pose", "relations", "embedding")
-_ONE_DESCRIPTOR: Changes = {"recognition.best.cues": ("contourlet", "sensor", *_POSE)}
+_ONE_DESCRIPTOR: Changes = {"recognition.order_free.cues": ("contourlet", "sensor", *_POSE)}
 
 _AZIMUTH_FREE: Changes = {
-    "recognition.best.cues": (*_SKIN, "relations", "azimuth_free"),
-    "recognition.pipelines": ("best",),
+    "recognition.order_free.cues": (*_SKIN, "relations", "azimuth_free"),
+    "recognition.pipelines": ("order_free",),
 }
 
 OTHER_DESCRIPTORS = tuple(entry for entry in DESCRIPTORS if entry.name != "contourlet")
@@ -27,8 +27,11 @@ OTHER_DESCRIPTORS = tuple(entry for entry in DESCRIPTORS if entry.name != "conto
 
 PARTS: dict[str, Changes] = {
     WHOLE: {},
-    "cutaneous_only": {"recognition.cues": ("cutaneous",), "recognition.best.cues": _SKIN},
-    "kinesthetic_only": {"recognition.cues": ("kinesthetic",), "recognition.best.cues": _POSE},
+    "cutaneous_only": {"recognition.cues": ("cutaneous",), "recognition.order_free.cues": _SKIN},
+    "kinesthetic_only": {
+        "recognition.cues": ("kinesthetic",),
+        "recognition.order_free.cues": _POSE,
+    },
     "contourlet_only": _ONE_DESCRIPTOR,
     **{
         entry.name: {"features.descriptor": entry.name, **_ONE_DESCRIPTOR}
@@ -39,7 +42,6 @@ PARTS: dict[str, Changes] = {
         "recognition.self_organising_map.output": "none",
         "recognition.pipelines": ("paper",),
     },
-    "without_bags": {"recognition.best.bags": (), "recognition.pipelines": ("best",)},
     "turned_upright": {"recognition.protocol.turns": "vertical"},
     "turned_any_way": {"recognition.protocol.turns": "any"},
     "azimuth_free": _AZIMUTH_FREE,

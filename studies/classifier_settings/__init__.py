@@ -1,0 +1,1 @@
+"""Settings of pipeline `order_free`, chosen on objects that report nothing."""

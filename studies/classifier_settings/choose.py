@@ -26,16 +26,18 @@ from sklearn.svm import SVC
 from sklearn.tree import DecisionTreeClassifier
 
 from visuohaptic.meshes.catalogue import Model, models_of_set
+from visuohaptic.recognition.descriptors import touch_descriptors
 from visuohaptic.recognition.quadratic_discriminant import QuadraticDiscriminant
-from visuohaptic.recognition.touch_classifier import touch_descriptors
+from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
 HALVES_SEED = 5
 ROUNDS = 3
 FOLDS = 5
+TOUCHES = 5
 STRATEGIES = ("fixation", "random")
-PROJECTIONS = ("passthrough", PCA(64, svd_solver="full"), PCA(256, svd_solver="full"))
+ROTATIONS = ("passthrough", PCA(svd_solver="full"))
 
 GRIDS: Mapping[str, tuple[Any, Mapping[str, Sequence[Any]]]] = {
     "k_nearest_neighbours": (KNeighborsClassifier(), {"n_neighbors": (5, 1, 15)}),
@@ -43,7 +45,7 @@ GRIDS: Mapping[str, tuple[Any, Mapping[str, Sequence[Any]]]] = {
     "decision_tree": (DecisionTreeClassifier(random_state=0), {"min_samples_leaf": (1, 8)}),
     "quadratic_discriminant": (
         QuadraticDiscriminant(regularisation="always", target="mean_variance"),
-        {"shrinkage": ("ledoit_wolf", 0.9, 0.6, 0.3)},
+        {"shrinkage": (0.9, 0.6, 0.3)},
     ),
     "naive_bayes": (GaussianNB(), {"var_smoothing": (1e-9, 0.01, 0.1)}),
     "linear_discriminant": (
@@ -73,7 +75,7 @@ def scores_of(
     """Yield each setting and its mean accuracy over strategies, rounds and folds of whole objects."""
     steps = [
         ("scaling", StandardScaler()),
-        ("projection", "passthrough"),
+        ("rotation", "passthrough"),
         ("classifier", estimator),
     ]
     settings = {f"classifier__{name}": values for name, values in grid.items()}
@@ -83,7 +85,7 @@ def scores_of(
         for round_number in range(ROUNDS):
             folds = StratifiedGroupKFold(FOLDS, shuffle=True, random_state=round_number)
             search = GridSearchCV(
-                Pipeline(steps), {"projection": PROJECTIONS, **settings}, cv=folds, refit=False
+                Pipeline(steps), {"rotation": ROTATIONS, **settings}, cv=folds, refit=False
             ).fit(rows, classes, groups=objects)
             means.append(search.cv_results_["mean_test_score"])
     for setting, score in zip(search.cv_results_["params"], np.mean(means, axis=0), strict=True):
@@ -102,7 +104,7 @@ def main() -> None:
     features = read_table(FEATURES, files)
     keys = pc.binary_join_element_wise(features["class"], features["object"], "/")
     features = features.filter(pc.is_in(keys, value_set=pa.array(sorted(half))))
-    tables = [features.filter(pc.equal(features["strategy"], name)) for name in STRATEGIES]
+    tables = [take_strategy(features, name, TOUCHES)[0] for name in STRATEGIES]
     scores = {}
     for name, (estimator, grid) in GRIDS.items():
         scores[name] = dict(scores_of(estimator, grid, tables))

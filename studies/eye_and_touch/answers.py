@@ -4,130 +4,143 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.spatial.distance import cdist
+from scipy.special import softmax
+from sklearn.pipeline import Pipeline
 
+from touch_curves.temperature import fit_temperature
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.recognition.classifiers import fit_classifier
-from visuohaptic.recognition.experiment import fitting
-from visuohaptic.recognition.memory import REMEMBERED_SEQUENCES, FitMemory
-from visuohaptic.recognition.pooling import LEAST_SCORE, best_temperature, softmax
-from visuohaptic.recognition.tuning import fit_best_classifiers, make_inner_folds
-
-if TYPE_CHECKING:
-    from visuohaptic.recognition.parameters import RecognitionParameters
-    from visuohaptic.recognition.sequences import TouchSequences
-    from visuohaptic.recognition.splits import Split
-    from visuohaptic.recognition.tuning import InnerFold, Projection, TunedClassifier
+from visuohaptic.recognition.experiment import one_thread
+from visuohaptic.recognition.pipelines import (
+    CALIBRATION_FOLDS,
+    LEAST_LOG_PROBABILITY,
+    log_probabilities,
+    make_order_free,
+)
+from visuohaptic.recognition.sequences import TouchSequences
+from visuohaptic.recognition.splits import Split, held_out_folds
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
 FAMILIAR = 0.95
 """Share of held-out training views that count as familiar."""
 
-Trial = tuple["Split", int]
-"""A split and its repeat, as `recognition.experiment.draw_splits` gives them."""
-
-Descriptors = NDArray[np.floating]
-
 
 @dataclass(frozen=True)
 class Answered:
-    """Class probabilities of one split, and how strange each sequence is: how far from what was learnt.
+    """Class probabilities of one split, and how strange each sequence is.
 
-    `tested` (k, n, c) are of the n test sequences in each of k conditions of the test; `held_out` (m, c)
-    of the training sequences `places` (m,), by models that learnt from other objects.
+    Attributes
+    ----------
+    tested : ndarray of shape (k, n, c)
+        Of the n test sequences in each of k conditions of the test.
+    held_out : ndarray of shape (m, c)
+        Of the m training sequences, by models that learnt from other objects.
+    indices : ndarray of shape (m,)
+        Which sequences were held out.
+    strange : ndarray of shape (k, n)
+        Distance of each test sequence from the nearest training object.
+    held_out_strange : ndarray of shape (m,)
+        Distance of each held-out sequence from the nearest object of its model's training.
     """
 
-    tested: NDArray[np.float64]
-    held_out: NDArray[np.float64]
-    places: NDArray[np.int64]
-    strange: NDArray[np.float64]
-    held_out_strange: NDArray[np.float64]
+    tested: FloatArray
+    held_out: FloatArray
+    indices: IntArray
+    strange: FloatArray
+    held_out_strange: FloatArray
 
 
-def answer_trials(
-    trials: Sequence[Trial],
-    described: Iterable[Sequence[Descriptors]],
+def answer_splits(
+    splits: Sequence[Split],
+    described: Iterable[Sequence[np.ndarray]],
     sequences: TouchSequences,
-    parameters: RecognitionParameters,
-    seed: int,
 ) -> list[Answered]:
-    """Train and test pipeline `best` with its first classifier in every trial, by recognition's own draws.
+    """Train and test the headline classifier of pipeline `order_free` in every split.
 
-    `described` holds for each trial the descriptors of all s sequences, (s, d), in each condition of the
-    test; the first is learnt. Raises `RecognitionError` if no training object can be held out.
+    `described` holds per split the descriptors of all s sequences, (s, d), in each condition of the test; the first
+    condition is learnt. Raises `RecognitionError` if no training object can be held out.
     """
-    memory = FitMemory(REMEMBERED_SEQUENCES)
-    with fitting():
+    with one_thread():
         return [
-            _answer_trial(trial, own, sequences, parameters, seed, memory)
-            for trial, own in zip(trials, described, strict=True)
+            _answer_split(split, own, sequences)
+            for split, own in zip(splits, described, strict=True)
         ]
 
 
-def _answer_trial(
-    trial: Trial,
-    described: Sequence[Descriptors],
-    sequences: TouchSequences,
-    parameters: RecognitionParameters,
-    seed: int,
-    memory: FitMemory,
+def _answer_split(
+    split: Split, described: Sequence[np.ndarray], sequences: TouchSequences
 ) -> Answered:
-    split, repeat = trial
-    draws = partial(spawn_generator, seed, "recognition", "best", repeat, split.number)
-    training = np.asarray(described[0][split.train], dtype=np.float64)
-    labels, owners = sequences.labels[split.train], sequences.object_index[split.train]
-    learnt = (training, labels, owners)
-    projection, fits = fit_best_classifiers(
-        *learnt, len(sequences.classes), parameters, draws(), memory
-    )
-    name, classifier, _ = fits[0]
-    # The first draws are those of the folds, so these are the same folds.
-    folds = make_inner_folds(*learnt, parameters.best, draws(), memory)
+    labels, owners = sequences.labels, sequences.object_index
+    folds = held_out_folds(labels[split.train], owners[split.train], CALIBRATION_FOLDS)
     if not folds:
         raise RecognitionError(
-            "Every class has one training object; two are needed to know how sure answers are."
+            "A class has one training object; two are needed to know how sure answers are."
         )
-    tests = [one[split.test].astype(np.float64) for one in described]
-    members = [np.isin(owners, fold.held_out_owners) for fold in folds]
-    strange = [
-        strangeness(fold.fits.projection, training[member])
-        for fold, member in zip(folds, members, strict=True)
-    ]
+    learnt = described[0]
+    logs, strange, indices = [], [], []
+    for train, held_out in folds:
+        indices.append(split.train[held_out])
+        sense = Sense.learn(learnt, split.train[train], sequences)
+        logs.append(sense.answer(learnt[indices[-1]]))
+        strange.append(sense.strangeness(learnt[indices[-1]]))
+    held_out_logs, index = np.concatenate(logs), np.concatenate(indices)
+    temperature = fit_temperature(held_out_logs, labels[index], _doubt(owners[index]))
+    sense = Sense.learn(learnt, split.train, sequences)
+    tests = [one[split.test] for one in described]
     return Answered(
-        np.stack([classifier.ballots(projection.apply(one)).alone() for one in tests]),
-        np.concatenate([_without(name, classifier, fold, draws()) for fold in folds]),
-        np.concatenate([split.train[member] for member in members]),
-        np.stack([strangeness(projection, one) for one in tests]),
+        np.stack([softmax(sense.answer(one) / temperature, axis=1) for one in tests]),
+        softmax(held_out_logs / temperature, axis=1),
+        index,
+        np.stack([sense.strangeness(one) for one in tests]),
         np.concatenate(strange),
     )
 
 
-def _without(
-    name: str, classifier: TunedClassifier, fold: InnerFold, generator: np.random.Generator
-) -> NDArray[np.float64]:
-    """Give the answers for a fold's held-out sequences, (m, c), by what learnt from the others."""
-    fits = fold.fits
-    fitted, _ = fit_classifier(name, classifier.parameters, fits.train, fits.labels, generator)
-    bags = None if classifier.bags is None else fits.bags
-    return replace(classifier, estimator=fitted, bags=bags).ballots(fold.projected).alone()
+@dataclass(frozen=True)
+class Sense:
+    """A classifier of descriptors, fitted on some sequences.
 
-
-def strangeness(projection: Projection, described: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give how far descriptors (n, d) are from the space that the training ones span: (n,).
-
-    The squared distance after scaling: what principal components do not reconstruct.
+    Attributes
+    ----------
+    model : sklearn.pipeline.Pipeline
+        As `make_order_free` makes it.
+    centres : ndarray of shape (o, d)
+        Mean of the scaled descriptors of each training object.
+    classes : int
+        Number of classes, also of those without training objects.
     """
-    scaled = projection.scaling.apply(described)
-    kept = scaled @ projection.components
-    return np.einsum("nd,nd->n", scaled, scaled) - np.einsum("nq,nq->n", kept, kept)
+
+    model: Pipeline
+    centres: FloatArray
+    classes: int
+
+    @classmethod
+    def learn(cls, described: np.ndarray, train: IntArray, sequences: TouchSequences) -> Sense:
+        """Fit on the sequences with the indices `train` (n,), of which `described` (s, d) has the descriptors."""
+        rows = described[train].astype(np.float64)
+        model = make_order_free(HEADLINE_CLASSIFIERS["order_free"])
+        model.fit(rows, sequences.labels[train])
+        scaled = model.named_steps["scaling"].transform(rows)
+        owners = sequences.object_index[train]
+        centres = np.stack([scaled[owners == one].mean(axis=0) for one in np.unique(owners)])
+        return cls(model, centres, len(sequences.classes))
+
+    def answer(self, described: np.ndarray) -> FloatArray:
+        """Compute log probabilities without a temperature: (n, d) to (n, c)."""
+        return log_probabilities(self.model, described.astype(np.float64), self.classes)
+
+    def strangeness(self, described: np.ndarray) -> FloatArray:
+        """Compute the distance from the nearest training object, after scaling: (n, d) to (n,)."""
+        scaled = self.model.named_steps["scaling"].transform(described.astype(np.float64))
+        nearest: FloatArray = cdist(scaled, self.centres).min(axis=1)
+        return nearest
 
 
 def ask_if_familiar(answered: Answered) -> Answered:
-    """Take any class for equally likely where a sequence is stranger than `FAMILIAR` of those held out."""
+    """Replace answers by equal probabilities where a sequence is stranger than `FAMILIAR` of those held out."""
     limit = np.quantile(answered.held_out_strange, FAMILIAR)
     none = 1 / answered.tested.shape[2]
     return replace(
@@ -137,23 +150,27 @@ def ask_if_familiar(answered: Answered) -> Answered:
     )
 
 
-def multiply(
-    first: Answered, second: Answered, labels: NDArray[np.int64], owners: NDArray[np.int64]
-) -> Answered:
-    """Take the product of two calibrated answers, of which the second was tested in one condition.
+def multiply(first: Answered, second: Answered, labels: IntArray, owners: IntArray) -> Answered:
+    """Return the product of two calibrated answers; the second was tested in one condition.
 
     Two senses that err alike make the product too sure, so it has a temperature, which is fitted on
     held-out training sequences. `labels` and `owners` are of all sequences, shape (s,).
     """
     held_out = _log(first.held_out) + _log(second.held_out)
     tested = _log(first.tested) + _log(second.tested)
-    # That all of n objects were right doesn't make the next one certain: the rule of succession.
-    doubt = 1 / (len(np.unique(owners[first.places])) + 2)
-    _, temperature = best_temperature(held_out, labels[first.places], doubt)
+    temperature = fit_temperature(held_out, labels[first.indices], _doubt(owners[first.indices]))
     return replace(
-        first, tested=softmax(tested / temperature), held_out=softmax(held_out / temperature)
+        first,
+        tested=softmax(tested / temperature, axis=-1),
+        held_out=softmax(held_out / temperature, axis=-1),
     )
 
 
-def _log(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.log(np.maximum(probabilities, np.exp(LEAST_SCORE)))
+def _doubt(owners: IntArray) -> float:
+    # That all of n objects were right doesn't make the next one certain: the rule of succession.
+    return float(1 / (len(np.unique(owners)) + 2))
+
+
+def _log(probabilities: FloatArray) -> FloatArray:
+    logs: FloatArray = np.log(np.maximum(probabilities, np.exp(LEAST_LOG_PROBABILITY)))
+    return logs

@@ -23,8 +23,12 @@ from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, phase, tables_for_next
 from visuohaptic.pipeline import run as run_phases
-from visuohaptic.recognition.experiment import gather_pipeline
-from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, whole_sequences
+from visuohaptic.recognition.sequences import (
+    TouchSequences,
+    classes_of_two,
+    gather_pipeline,
+    whole_sequences,
+)
 from visuohaptic.studies.conditions import touches_of_run, with_changes
 
 if TYPE_CHECKING:
@@ -112,7 +116,9 @@ def sense_all(
         whole, candidates = _both(whole, candidates), _both(candidates, whole)
     recognition = run.recognition.model_copy(update={"touches": touches})
     gathered = {
-        strategy: gather_pipeline(select(whole, strategy=strategy), recognition, "best", run.seed)
+        strategy: gather_pipeline(
+            select(whole, strategy=strategy), recognition, "order_free", run.seed
+        )
         for strategy in STRATEGIES
     }
     sequences = gathered[STRATEGIES[0]]

@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 
 from eye_and_touch.answers import (
     Answered,
-    Descriptors,
-    Trial,
-    answer_trials,
+    answer_splits,
     ask_if_familiar,
     multiply,
 )
@@ -43,11 +41,10 @@ from eye_and_touch.summary import sum_up_senses
 from eye_and_touch.tables import CONFIDENCE_BINS, EYE_AND_TOUCH
 from touch_curves.choosing import choose_features
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
-from visuohaptic.recognition.experiment import draw_splits
-from visuohaptic.studies.conditions import CLASSIFIER, touches_of_run, with_changes
+from visuohaptic.recognition.splits import Split, draw_splits
+from visuohaptic.studies.conditions import touches_of_run
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
@@ -84,28 +81,27 @@ def measure_senses(sensed: Sensed, run: ExperimentParameters, processes: int) ->
     Looking is learnt in clean sight and tested in every sight. Touches are those that a clean look
     leads to, in every sight.
     """
-    run = with_changes(run, {"recognition.best.classifiers": (CLASSIFIER,)})
-    trials = list(draw_splits(sensed.sequences, run.recognition, run.seed))
-    answers = _answer_all(sensed, trials, run, processes)
+    splits = draw_splits(sensed.sequences, run.recognition.protocol, run.seed)
+    answers = _answer_all(sensed, splits, run, processes)
     parts = [
         part
         for key, paid in _paid_answers(answers, sensed.sequences, run)
-        for trial, (tested, seconds) in zip(trials, paid, strict=True)
-        for part in _columns(key, trial, tested, seconds, sensed.sequences)
+        for split, (tested, seconds) in zip(splits, paid, strict=True)
+        for part in _columns(key, split, tested, seconds, sensed.sequences)
     ]
     columns = {name: list(chain(*(part[name] for part in parts))) for name in parts[0]}
     return build_table(EYE_AND_TOUCH, columns)
 
 
 def _answer_all(
-    sensed: Sensed, trials: Sequence[Trial], run: ExperimentParameters, processes: int
+    sensed: Sensed, splits: Sequence[Split], run: ExperimentParameters, processes: int
 ) -> dict[object, list[Answered]]:
     """Train and test every cue, both senses side by side, and every strategy by number of touches."""
-    touched = {name: [features] * len(trials) for name, features in sensed.touched.items()}
+    touched = {name: [features] * len(splits) for name, features in sensed.touched.items()}
     if sensed.candidates is not None:
         touched[ADAPTIVE] = Parallel(processes)(
             delayed(choose_features)(sensed.candidates, split, most_touches(run), run)
-            for split, _ in trials
+            for split in splits
         )
     tasks: dict[object, dict[str, Any]] = {cue: {"seen": sensed.seen[cue]} for cue in CUES}
     side_by_side = {"touched": touched[STRATEGIES[0]], "touches": touches_of_run(run)}
@@ -114,37 +110,37 @@ def _answer_all(
         for touches in range(1, most_touches(run) + 1):
             tasks[strategy, touches] = {"touched": features, "touches": touches}
     found = Parallel(processes)(
-        delayed(_answer)(trials, sensed.sequences, run, **task) for task in tasks.values()
+        delayed(_answer)(splits, sensed.sequences, run, **task) for task in tasks.values()
     )
     return dict(zip(tasks, found, strict=True))
 
 
 def _answer(
-    trials: Sequence[Trial], sequences: TouchSequences, run: ExperimentParameters, **task: Any
+    splits: Sequence[Split], sequences: TouchSequences, run: ExperimentParameters, **task: Any
 ) -> list[Answered]:
-    described = _describe(len(trials), sequences.feature_names, run, **task)
-    return answer_trials(trials, described, sequences, run.recognition, run.seed)
+    described = _describe(len(splits), sequences.feature_names, run, **task)
+    return answer_splits(splits, described, sequences)
 
 
 def _describe(
-    trials: int,
+    splits: int,
     names: Sequence[str],
     run: ExperimentParameters,
     seen: NDArray[np.float32] | None = None,
     touched: Sequence[NDArray[np.float64]] = (),
     touches: int = 0,
-) -> Iterator[Sequence[Descriptors]]:
-    """Describe views, (s, sights, d), or the first touches of each trial, or both, in each condition of its test."""
+) -> Iterator[Sequence[NDArray[np.floating]]]:
+    """Describe views, (s, sights, d), or the first touches of each split, or both, in each condition of its test."""
     views = [] if seen is None else list(np.moveaxis(seen, 1, 0))
     if not touched:
-        yield from [views] * trials
+        yield from [views] * splits
         return
-    best = run.recognition.best
-    waves = draw_waves(best, spawn_generator(run.seed, "recognition", "waves"))
+    own = run.recognition.order_free
+    waves = draw_waves(own, run.seed)
     of: NDArray[np.float64] | None = None
     for features in touched:
         if features is not of:
-            felt, of = describe_sequences(features[:, :touches], names, waves, best), features
+            felt, of = describe_sequences(features[:, :touches], names, waves, own), features
         yield [np.concatenate([felt, view], axis=1) for view in views] or [felt]
 
 
@@ -152,7 +148,7 @@ Key = Mapping[str, object]
 """Of `EYE_AND_TOUCH`: answer, strategy, touches and budget."""
 
 Paid = tuple[NDArray[np.float64], NDArray[np.float64] | float]
-"""A trial's answers in the first k sights, (k, n, c), and the seconds that each took, (k, n)."""
+"""A split's answers in the first k sights, (k, n, c), and the seconds that each took, (k, n)."""
 
 
 def _paid_answers(
@@ -160,7 +156,7 @@ def _paid_answers(
     sequences: TouchSequences,
     run: ExperimentParameters,
 ) -> Iterator[tuple[Key, list[Paid]]]:
-    """Give every answer with the robot's time, trial by trial."""
+    """Give every answer with the robot's time, split by split."""
     look, touches = run.cost.look_seconds, touches_of_run(run)
     for cue in CUES:
         yield _key(cue, "none", 0), _paid(answers[cue], look)
@@ -206,8 +202,8 @@ def _of_strategy(
         yield _key(PRODUCT, strategy, touches), _paid(products, both)
         yield _key(CHECKED, strategy, touches), _paid(certain, both)
     for budget in cost.budgets:
-        trials = zip(*checked, strict=True)
-        stopped = [_stop(one, sequences.labels, budget, cost) for one in trials]
+        of_splits = zip(*checked, strict=True)
+        stopped = [_stop(one, sequences.labels, budget, cost) for one in of_splits]
         yield _key(STOPPING, strategy, len(felt), budget), stopped
 
 
@@ -217,10 +213,10 @@ def _stop(
     budget: float,
     cost: CostParameters,
 ) -> Paid:
-    """Answer a trial under the rule of a budget, which is learnt on its training objects."""
+    """Answer a split under the rule of a budget, which is learnt on its training objects."""
     rehearsed = np.stack([one.held_out for one in by_touches])
     confidence = rehearsed.max(axis=2)
-    correct = rehearsed.argmax(axis=2) == labels[by_touches[0].places]
+    correct = rehearsed.argmax(axis=2) == labels[by_touches[0].indices]
     pace = learn_pace(correct, confidence, cost.touch_seconds)
     affordable = max(budget - cost.look_seconds, 0) / cost.touch_seconds
     worth = worth_of_budget(expected_gain(pace, confidence), affordable)
@@ -279,13 +275,12 @@ def worth_of_budget(gain: NDArray[np.float64], most_touches: float) -> float:
 
 def _columns(
     key: Key,
-    trial: Trial,
+    split: Split,
     tested: NDArray[np.float64],
     seconds: NDArray[np.float64] | float,
     sequences: TouchSequences,
 ) -> Iterator[dict[str, Any]]:
-    """Give columns of `EYE_AND_TOUCH` of a trial in each sight: a row an object."""
-    split, repeat = trial
+    """Give columns of `EYE_AND_TOUCH` of a split in each sight: a row an object."""
     owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
     objects, count = np.array(sequences.objects, dtype=object)[owners], np.bincount(row)
     taken = np.broadcast_to(seconds, tested.shape[:2])
@@ -296,7 +291,7 @@ def _columns(
         bins = np.minimum((confidence * CONFIDENCE_BINS).astype(int), CONFIDENCE_BINS - 1)
         gaps = np.zeros((len(owners), CONFIDENCE_BINS))
         np.add.at(gaps, (row, bins), correct - confidence)
-        same = {**key, "sight": sight, "split": split.number, "repeat": repeat}
+        same = {**key, "sight": sight, "split": split.number, "repeat": split.repeat}
         yield {
             **{name: [value] * len(owners) for name, value in same.items()},
             "class": objects[:, 0],

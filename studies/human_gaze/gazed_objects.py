@@ -40,7 +40,7 @@ from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.model_files import read_model
+from visuohaptic.meshes.model_files import read_mesh
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.parameters import ExperimentParameters
 
@@ -167,7 +167,7 @@ def look_at(
     if file.mesh is None:
         raw = reconstruct(recording)
     else:
-        mesh = read_model(str(file.mesh), settings.largest_megabytes)
+        mesh = read_mesh(file.mesh, largest_megabytes=settings.largest_megabytes)
         raw = grey_surface(mesh.vertices, mesh.faces)
     points = _recorded_points(recording, raw)
     surface = normalise(raw, file.name)

@@ -1,15 +1,15 @@
 """Recordings of gaze: files that say how long people looked at each point of a mesh.
 
-Text has a point a line: x y z seconds, x y z and a normal and seconds, or the same with a last column that
-is not used; or one number, a line for each vertex of the mesh. An npz file has `seconds`, and may have
-`points` and `normals`.
+Text has a line per point: x y z seconds, x y z and a normal and seconds, or the same with a last column that
+is not used; or one number per line for each vertex of the mesh. Below a header, columns x, y, z, nx, ny, nz
+and seconds are read by their names. An npz file has `seconds`, and may have `points` and `normals`.
 """
 
 from __future__ import annotations
 
 import hashlib
 import io
-import warnings
+import math
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -18,7 +18,8 @@ from zipfile import ZipFile
 import numpy as np
 
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.base.errors import VisuohapticError
+from visuohaptic.base.errors import TableError, VisuohapticError
+from visuohaptic.io.text_tables import TextTable, read_text_table
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
 GAZE_SUFFIXES = (".txt", ".npz")
@@ -26,13 +27,13 @@ GAZE_SUFFIXES = (".txt", ".npz")
 
 MOST_POINTS = 1_000_000
 MOST_FILES = 10_000
-# What the columns of a text file hold, by their number.
-_PLACE, _NORMAL = slice(3), slice(3, 6)
-_COLUMNS: dict[int, dict[str, int | slice]] = {
-    1: {"seconds": 0},
-    4: {"points": _PLACE, "seconds": 3},
-    7: {"points": _PLACE, "normals": _NORMAL, "seconds": 6},
-    8: {"points": _PLACE, "normals": _NORMAL, "seconds": 6},
+_PLACE, _NORMAL, _SECONDS = ("x", "y", "z"), ("nx", "ny", "nz"), ("seconds",)
+# What the columns of a text without a header hold, by their number.
+_COLUMNS = {
+    1: _SECONDS,
+    4: (*_PLACE, *_SECONDS),
+    7: (*_PLACE, *_NORMAL, *_SECONDS),
+    8: (*_PLACE, *_NORMAL, *_SECONDS, "not used"),
 }
 
 
@@ -69,7 +70,8 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
     """List the recordings in a folder and below, by name.
 
     A recording is a test where a folder between has ``test`` in its name. Raises `GazeError` if there is no
-    such folder, more than 10,000 files of gaze and meshes in it, no recording, or two of one name.
+    such folder, more than 10,000 files of gaze and meshes in it, no recording, or two recordings or two meshes
+    of one name.
     """
     folder = Path(folder)
     if not folder.is_dir():
@@ -81,7 +83,10 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
         raise GazeError(
             f"{folder} has more than {MOST_FILES:,} files of gaze and meshes, which is the most."
         )
-    meshes = {path.stem: path for path in files if path.suffix.lower() in MODEL_SUFFIXES}
+    meshes: dict[str, list[Path]] = {}
+    for path in files:
+        if path.suffix.lower() in MODEL_SUFFIXES:
+            meshes.setdefault(path.stem, []).append(path)
     found: dict[str, RecordingFile] = {}
     for path in files:
         if path.suffix.lower() not in GAZE_SUFFIXES or path.stem.lower() == "readme":
@@ -91,9 +96,14 @@ def find_recordings(folder: str | Path) -> list[RecordingFile]:
                 f"{found[path.stem].gaze} and {path} are recordings of one name; one is allowed, "
                 "for an object must not be in two parts."
             )
+        named = meshes.get(path.stem, [])
+        if len(named) > 1:
+            raise GazeError(
+                f"{path} has {len(named)} meshes of its name, {named[0]} and {named[1]}; one is allowed."
+            )
         parts = path.relative_to(folder).parts[:-1]
         is_test = any("test" in part.lower() for part in parts)
-        found[path.stem] = RecordingFile(path.stem, path, meshes.get(path.stem), is_test)
+        found[path.stem] = RecordingFile(path.stem, path, named[0] if named else None, is_test)
     if not found:
         raise GazeError(
             f"{folder} has no recording of gaze; files ending in {' or '.join(GAZE_SUFFIXES)} are."
@@ -105,16 +115,10 @@ def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recordi
     """Read one recording; `GazeError`, which names the file and the reason, if it is none or too large."""
     path = Path(path)
     data = read_bounded(path, largest_megabytes)
-    read = _read_archive if path.suffix.lower() == ".npz" else _read_text
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # of an empty file NumPy only warns
-            arrays = read(data, largest_megabytes)
-        _check(arrays)
-    # A damaged archive may fail in any way.
-    except Exception as error:
-        reason = next(iter(str(error).splitlines()), type(error).__name__).rstrip(".")
-        raise GazeError(f"{path} holds no recording of gaze: {reason}.") from error
+    if path.suffix.lower() == ".npz":
+        arrays = _read_archive(data, path, largest_megabytes)
+    else:
+        arrays = _read_text(data, path)
     normals = arrays.get("normals")
     if normals is not None:
         lengths = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -139,26 +143,90 @@ def read_bounded(path: Path, largest_megabytes: float) -> bytes:
 _Arrays = dict[str, FloatArray]
 
 
-def _read_text(data: bytes, _: float) -> _Arrays:
-    lines = io.StringIO(data.decode("ascii").replace(",", " "))
-    table = np.loadtxt(lines, ndmin=2, max_rows=MOST_POINTS + 1)
-    if table.shape[1] not in _COLUMNS:
+def _read_text(data: bytes, path: Path) -> _Arrays:
+    try:
+        table = read_text_table(data, str(path), MOST_POINTS, _COLUMNS, {*_PLACE})
+        names = tuple(name.lower() for name in table.names) or _unnamed_columns(table)
+        groups: dict[str, tuple[str, ...]] = {"seconds": _SECONDS}
+        if names != _SECONDS:
+            groups["points"] = _PLACE
+        if set(_NORMAL) & {*names}:
+            groups["normals"] = _NORMAL
+        chosen = [name for group in groups.values() for name in group]
+        for name in chosen:
+            if names.count(name) != 1:
+                raise GazeError(
+                    f"{path} has {names.count(name)} columns {name} in its header; {', '.join(chosen)} are "
+                    "needed, each once."
+                )
+        values = table.numbers([names.index(name) for name in chosen])
+    except TableError as error:
+        raise GazeError(str(error)) from error
+    arrays = {
+        kind: values[:, [chosen.index(name) for name in group]] for kind, group in groups.items()
+    }
+    arrays["seconds"] = arrays["seconds"][:, 0]
+    _check_seconds(arrays["seconds"], path)
+    return arrays
+
+
+def _unnamed_columns(table: TextTable) -> tuple[str, ...]:
+    width = len(table.columns)
+    if width not in _COLUMNS:
         allowed = ", ".join(map(str, _COLUMNS))
-        raise ValueError(f"{table.shape[1]} columns; {allowed} are allowed")
-    return {name: table[:, place] for name, place in _COLUMNS[table.shape[1]].items()}
+        raise GazeError(
+            f"{table.place(0)} has {width} columns; without a header {allowed} are allowed."
+        )
+    return _COLUMNS[width]
 
 
-def _read_archive(data: bytes, largest_megabytes: float) -> _Arrays:
+def _read_archive(data: bytes, path: Path, largest_megabytes: float) -> _Arrays:
+    try:
+        arrays = _read_arrays(data, int(largest_megabytes * 10**6))
+        _check(arrays)
+    # A damaged archive may fail in any way.
+    except Exception as error:
+        reason = next(iter(str(error).splitlines()), type(error).__name__).rstrip(".")
+        raise GazeError(f"{path} holds no recording of gaze: {reason}.") from error
+    _check_seconds(arrays["seconds"], path)
+    return arrays
+
+
+def _read_arrays(data: bytes, largest_bytes: int) -> _Arrays:
+    found: _Arrays = {}
+    left = largest_bytes
     with ZipFile(io.BytesIO(data)) as packed:
-        if sum(info.file_size for info in packed.infolist()) > largest_megabytes * 10**6:
-            raise ValueError(f"it unpacks to more than {largest_megabytes:g} MB")
-    with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-        known = [name for name in ("points", "normals", "seconds") if name in archive]
-        found = {name: archive[name] for name in known}
-    for name, values in found.items():
-        if not isinstance(values, np.ndarray):
-            raise TypeError(f"{name} is no array")
-    return {name: values.astype(np.float64) for name, values in found.items()}
+        members = {name.removesuffix(".npy"): name for name in packed.namelist()}
+        for name in ("points", "normals", "seconds"):
+            if name not in members:
+                continue
+            with packed.open(members[name]) as stream:
+                # What the archive says of a member's size may be wrong.
+                content = stream.read(left + 1)
+            left -= len(content)
+            if left < 0:
+                raise ValueError(f"it unpacks to more than {largest_bytes / 1e6:g} MB")
+            found[name] = _read_array(content, name)
+    return found
+
+
+def _read_array(content: bytes, name: str) -> FloatArray:
+    if not content.startswith(np.lib.format.MAGIC_PREFIX):
+        raise ValueError(f"{name} is no array")
+    stream = io.BytesIO(content)
+    major, _ = np.lib.format.read_magic(stream)
+    is_first = major == 1  # the third version is for names of columns, which numbers have not
+    read_header = (
+        np.lib.format.read_array_header_1_0 if is_first else np.lib.format.read_array_header_2_0
+    )
+    shape, _, dtype = read_header(stream)
+    if dtype.kind not in "iuf":
+        raise ValueError(f"{name} holds {dtype} and no numbers")
+    # Memory is taken for what the header says.
+    if math.prod(shape) * dtype.itemsize != len(content) - stream.tell():
+        raise ValueError(f"{name} holds other than the {shape} numbers that its header says")
+    array = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
+    return np.asarray(array, dtype=np.float64)
 
 
 def _check(arrays: _Arrays) -> None:
@@ -171,7 +239,10 @@ def _check(arrays: _Arrays) -> None:
         shape = seconds.shape if name == "seconds" else (len(seconds), 3)
         if array.shape != shape or not np.isfinite(array).all():
             raise ValueError(f"{name} of shape {array.shape}; {shape}, all finite, is allowed")
+
+
+def _check_seconds(seconds: FloatArray, path: Path) -> None:
     if (seconds < 0).any() or not seconds.any():
-        raise ValueError(
-            "times below 0, or none above; at least one point must have been looked at"
+        raise GazeError(
+            f"{path} has times below 0, or none above; at least one point must have been looked at."
         )

@@ -27,7 +27,10 @@ def families_of(run: ExperimentParameters) -> Families:
     )
     lean = {"rendering.resolution": cost.lean_view_resolution, "attention.weights": classic}
     views = {counted(count, "viewpoint"): {"viewpoints": count} for count in cost.viewpoints}
-    classifiers = {"paper": run.recognition.classifiers, "best": run.recognition.best.classifiers}
+    classifiers = {
+        "paper": run.recognition.classifiers,
+        "order_free": run.recognition.order_free.classifiers,
+    }
     return {
         "touches": {counted(count, "touch", "es"): {"touches": count} for count in cost.touches},
         "viewpoints": views,

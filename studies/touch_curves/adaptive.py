@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from functools import cache, partial
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
-import numpy as np
 import pyarrow as pa
 
 from touch_curves.choosing import choose_features, gather_candidates
 from touch_curves.study import STUDY as TOUCH_CURVES
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.summary import select
 from visuohaptic.fixations.attended_views import Viewpoint
@@ -23,28 +22,19 @@ from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import run
-from visuohaptic.recognition.experiment import gather_pipeline, split_runner
-from visuohaptic.recognition.sequences import classes_of_two
-from visuohaptic.studies.conditions import CLASSIFIER, Planned, plan_study
-from visuohaptic.studies.measuring import (
-    REFUSALS,
-    Predictions,
-    cell_rows,
-    error_rows,
-    predict_objects,
-)
+from visuohaptic.pipeline import run as run_phases
+from visuohaptic.recognition.experiment import SplitPrediction, predict_split
+from visuohaptic.recognition.pipelines import pipeline_of
+from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, gather_pipeline
+from visuohaptic.recognition.splits import Split, draw_splits
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, Planned, plan_study
+from visuohaptic.studies.measuring import REFUSALS, Predictions, cell_rows, error_rows
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
 from visuohaptic.touches.choosing import in_reach
 from visuohaptic.touches.touching import touch_tables
-
-if TYPE_CHECKING:
-    from touch_curves.choosing import Candidates
-    from visuohaptic.recognition.experiment import Answer
-    from visuohaptic.recognition.splits import Split
 
 CANDIDATES = 256
 """Places of an object among which `adaptive` chooses where a viewpoint sees them."""
@@ -69,7 +59,7 @@ def make_candidates(step: StepInputs) -> None:
             located = located.filter(pa.array(in_reach(caster, located, parameters.sensor)))
         scene, seed = parameters.scene, parameters.seed
         touches, _ = touch_tables(caster, located, parameters.sensor, scene, seed)
-        features.append(run(subject, parameters, {"touches": touches})["features"])
+        features.append(run_phases(subject, parameters, {"touches": touches})["features"])
     write_table(FEATURES, pa.concat_tables(features), step.outputs[0])
 
 
@@ -84,51 +74,72 @@ def make_adaptive_rows(step: StepInputs) -> None:
 def adaptive_rows(
     features: pa.Table, planned: Sequence[Planned], pipeline: str
 ) -> Iterator[pa.Table]:
-    """Choose each split's touches by its training objects, then train and test.
+    """Choose the touches of every split by its training objects, then train and test.
 
-    `features` are those that `make_candidates` writes; the conditions differ in the number of
-    touches. Yields `tables.STUDY` of each condition, by strategy ``adaptive``.
+    `features` are those that `make_candidates` writes; the conditions differ in the number of touches. Yields
+    `tables.STUDY` of each condition, by strategy ``adaptive``.
     """
-    chooser = cache(partial(_Chooser, features, planned, pipeline))
-    for one in planned:
-        key = (TOUCH_CURVES.name, one.condition.name, pipeline, "adaptive")
+    keys = [(TOUCH_CURVES.name, one.condition.name, pipeline, "adaptive") for one in planned]
+    classifiers = (HEADLINE_CLASSIFIERS[pipeline],)
+    try:
+        chosen = choose_for_splits(features, planned)
+    except REFUSALS as refusal:
+        yield from (error_rows(key, classifiers, str(refusal)) for key in keys)
+        return
+    for key, one in zip(keys, planned, strict=True):
         try:
-            yield from cell_rows(key, chooser().predict_objects(one.parameters))
+            yield from cell_rows(key, predict_chosen(chosen, one.parameters, pipeline))
         except REFUSALS as refusal:
-            yield error_rows(key, (CLASSIFIER,), str(refusal))
+            yield error_rows(key, classifiers, str(refusal))
 
 
-class _Chooser:
-    """Touches that are chosen once a split, as many as the longest sequence needs."""
+@dataclass(frozen=True)
+class ChosenTouches:
+    """Touches that were chosen for each split, as many as the longest sequence needs.
 
-    def __init__(self, features: pa.Table, planned: Sequence[Planned], pipeline: str) -> None:
-        features = classes_of_two(features)
-        # The columns that a pipeline takes are those that it takes of one touch a sequence.
-        first = select(features, touch=0)
-        single = planned[0].parameters.recognition.model_copy(update={"touches": 1})
-        best, names = (
-            gather_pipeline(first, single, name).feature_names for name in ("best", pipeline)
-        )
-        self._candidates: Candidates = gather_candidates(features, best)
-        self._used = [best.index(name) for name in names]
-        self._most = max(one.parameters.recognition.touches or 1 for one in planned)
-        self._chosen: dict[tuple[int, ...], np.ndarray] = {}
-        self._pipeline = pipeline
+    Attributes
+    ----------
+    sequences : TouchSequences
+        The sequences without features.
+    first : pyarrow.Table
+        The features of the first candidate of each sequence, which show the columns of a pipeline.
+    splits : list of Split
+    features : list of ndarray of shape (s, t, k)
+        Features of the chosen touches of all sequences, per split.
+    """
 
-    def predict_objects(self, parameters: ExperimentParameters) -> Predictions:
-        """Train and test every split on its own touches."""
-        whole, recognition = self._candidates.sequences, parameters.recognition
+    sequences: TouchSequences
+    first: pa.Table
+    splits: list[Split]
+    features: list[FloatArray]
 
-        def answer(split: Split, generator: np.random.Generator) -> Iterator[Answer]:
-            key = tuple(split.test.tolist())
-            if key not in self._chosen:
-                self._chosen[key] = choose_features(self._candidates, split, self._most, parameters)
-            sequences = replace(
-                whole,
-                features=self._chosen[key][:, : recognition.touches, self._used],
-                feature_names=tuple(whole.feature_names[column] for column in self._used),
-            )
-            runner = split_runner(sequences, recognition, parameters.seed, self._pipeline)
-            return runner(split, generator)
 
-        return predict_objects(whole, parameters, self._pipeline, parameters.seed, answer)
+def choose_for_splits(features: pa.Table, planned: Sequence[Planned]) -> ChosenTouches:
+    """Choose touches for every split; `planned` conditions differ only in the number of touches."""
+    features, run = classes_of_two(features), planned[0].parameters
+    first = select(features, touch=0)
+    candidates = gather_candidates(features, _columns_of(first, run, "order_free"))
+    splits = draw_splits(candidates.sequences, run.recognition.protocol, run.seed)
+    most = max(one.parameters.recognition.touches or 1 for one in planned)
+    chosen = [choose_features(candidates, split, most, run) for split in splits]
+    return ChosenTouches(candidates.sequences, first, splits, chosen)
+
+
+def predict_chosen(chosen: ChosenTouches, run: ExperimentParameters, pipeline: str) -> Predictions:
+    """Train and test every split on its own touches."""
+    started = time.process_time()
+    names = _columns_of(chosen.first, run, pipeline)
+    columns = [chosen.sequences.feature_names.index(name) for name in names]
+    parts = pipeline_of(pipeline, run.recognition, run.seed)
+    predictions: list[SplitPrediction] = []
+    for split, features in zip(chosen.splits, chosen.features, strict=True):
+        touched = features[:, : run.recognition.touches, columns]
+        sequences = replace(chosen.sequences, features=touched, feature_names=names)
+        predictions += predict_split(sequences, parts.rows(sequences), parts, split, run.seed)
+    return Predictions(chosen.sequences, predictions, time.process_time() - started)
+
+
+def _columns_of(first: pa.Table, run: ExperimentParameters, pipeline: str) -> tuple[str, ...]:
+    """Return the columns that a pipeline uses of candidates, by one touch per sequence."""
+    single = run.recognition.model_copy(update={"touches": 1})
+    return gather_pipeline(first, single, pipeline).feature_names

@@ -14,13 +14,13 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from touch_curves.temperature import fit_temperature
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import LEAST_SIZE, POSE
 from visuohaptic.recognition.encoding import fit_standardiser
-from visuohaptic.recognition.parameters import BestParameters
-from visuohaptic.recognition.pooling import best_temperature
+from visuohaptic.recognition.parameters import OrderFreeParameters
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
 from visuohaptic.recognition.splits import Split
 from visuohaptic.tables.schema import matrix
@@ -83,7 +83,7 @@ class TouchModel:
     owner: NDArray[np.int64]
     class_of_owner: NDArray[np.int64]
     classes: int
-    parameters: BestParameters
+    parameters: OrderFreeParameters
 
     def log_likelihood(self, poses: NDArray[np.float64], left_out: int) -> NDArray[np.float64]:
         """Give the log likelihood of each word at each pose, by class: (n, 6) to (n, m, c).
@@ -150,7 +150,7 @@ def choose_sequences(
     candidates: Candidates,
     split: Split,
     touches: int,
-    parameters: BestParameters,
+    parameters: OrderFreeParameters,
     focus_radius: float,
     generator: np.random.Generator,
 ) -> NDArray[np.int64]:
@@ -187,10 +187,10 @@ def choose_sequences(
 def choose_features(
     candidates: Candidates, split: Split, touches: int, run: ExperimentParameters
 ) -> NDArray[np.float64]:
-    """Give the features of every sequence's chosen touches, (s, touches, k), by the draws of the split."""
+    """Return the features of every sequence's chosen touches, (s, touches, k), by the draws of the split."""
     generator = spawn_generator(run.seed, "adaptive", *split.test.tolist())
-    best, focus = run.recognition.best, run.attention.focus_radius
-    return candidates.features[choose_sequences(candidates, split, touches, best, focus, generator)]
+    own, focus = run.recognition.order_free, run.attention.focus_radius
+    return candidates.features[choose_sequences(candidates, split, touches, own, focus, generator)]
 
 
 def choose_touches(
@@ -260,7 +260,7 @@ def expected_entropy(
 def fit_touch_model(
     candidates: Candidates,
     split: Split,
-    parameters: BestParameters,
+    parameters: OrderFreeParameters,
     generator: np.random.Generator,
 ) -> tuple[TouchModel, NDArray[np.int64]]:
     """Fit the touch model on the candidates of a split's training objects, each place once; also give all words, (n,).
@@ -306,7 +306,7 @@ def imprint_words(
     return np.argmin(np.einsum("mq,mq->m", centres, centres) - 2 * products, axis=1), count
 
 
-def scale_poses(poses: NDArray[np.float64], parameters: BestParameters) -> NDArray[np.float64]:
+def scale_poses(poses: NDArray[np.float64], parameters: OrderFreeParameters) -> NDArray[np.float64]:
     """Scale poses for a Gaussian kernel of unit width, left and right being alike: (n, 6) both."""
     scaled = poses / parameters.wave_length
     scaled[:, 3:] *= parameters.normal_weight
@@ -338,4 +338,4 @@ def _fit_temperature(
         drawn = generator.integers(len(rows), size=(views, REHEARSED_TOUCHES))
         scores.append(likelihood[seen[drawn], kinds[drawn]].sum(axis=1))
         labels.append(np.full(views, classes[place]))
-    return best_temperature(np.concatenate(scores), np.concatenate(labels))[1]
+    return fit_temperature(np.concatenate(scores), np.concatenate(labels))

@@ -2,7 +2,8 @@
 
 kept_paper.json and kept_benchmark.json hold what the page takes of reports/studies/touch_curves.json and
 reports/touch_curves.json, of the paper's twelve objects and of the catalogue's 142, with the command that gives them and
-the date. `python -m touch_curves.make_page paper COMMAND` keeps those of the run that is there.
+the date. `python -m touch_curves.make_page paper COMMAND` keeps those of the run that is there. Figures of before our own
+pipeline became `order_free` are those of pipeline `best`, and keep this name.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from filling import (
     share,
     table,
 )
-from make_claims import CLASSIFIER, PIPELINES
+from make_claims import of_classifier, pipelines_of
 from matplotlib.figure import Figure
 
 REPORTS = DOCS.parent / "reports"
@@ -32,7 +33,6 @@ KEPT = HERE / "kept"
 SHOWN = (1, 2, 3, 5, 8, 16)
 """Touches of the table."""
 OF_A_POINT = ("accuracy", "low", "high")
-TITLES = {"paper": "the paper's pipeline", "best": "ours"}
 COLOURS = (
     *("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e", "#b0182b"),
     *("#00737a", "#8a6d00", "#555555", "#c2185b"),
@@ -45,31 +45,38 @@ def figures_of_run() -> Figures:
     needed = read_json(REPORTS / "touch_curves.json")
     curves = {
         pipeline: {
-            strategy: [[cell[value] for value in OF_A_POINT] for cell in found[CLASSIFIER].values()]
+            strategy: [
+                [cell[value] for value in OF_A_POINT] for cell in of_classifier(found).values()
+            ]
             for strategy, found in measured[pipeline].items()
         }
-        for pipeline in PIPELINES
+        for pipeline in pipelines_of(measured)
     }
     return {
         "curves": curves,
         "needed": {
-            pipeline: {name: found[CLASSIFIER] for name, found in needed[pipeline].items()}
-            for pipeline in PIPELINES
+            pipeline: {name: of_classifier(found) for name, found in needed[pipeline].items()}
+            for pipeline in pipelines_of(needed)
         },
     }
+
+
+def title(pipeline: str) -> str:
+    """Name a pipeline on the page: the paper's, or ours."""
+    return "the paper's pipeline" if pipeline == "paper" else "ours"
 
 
 def curve_table(figures: Figures) -> str:
     """Set accuracy by touches, the largest area first, and what fixation gains in area."""
     rows = []
-    for pipeline in PIPELINES:
+    for pipeline in pipelines_of(figures["needed"]):
         needed = figures["needed"][pipeline]
         for strategy in sorted(needed, key=lambda name: -needed[name]["area"]):
             curve, row = figures["curves"][pipeline][strategy], needed[strategy]
             reached = (share(curve[touches - 1][0]) for touches in SHOWN)
             touches = "never" if row["touches"] is None else row["touches"]
             gain = difference(row, "gain", "gain_low", "gain_high", "p_value")
-            rows.append([TITLES[pipeline], f"`{strategy}`", *reached, touches, gain])
+            rows.append([title(pipeline), f"`{strategy}`", *reached, touches, gain])
     after = ("touches for 90 %", "fixation's area is larger by")
     return table(["pipeline", "strategy", *map(str, SHOWN), *after], rows)
 
@@ -77,11 +84,11 @@ def curve_table(figures: Figures) -> str:
 def draw(sets: Mapping[str, Figures]) -> Figure:
     """Draw accuracy against touches, and the interval of fixation: a column a set, a row a pipeline."""
     figure = Figure(figsize=(5.4 * len(sets), 8.4), layout="constrained")
-    axes = figure.subplots(len(PIPELINES), len(sets), sharex=True, squeeze=False)
-    strategies = sorted({name for one in sets.values() for name in one["needed"]["best"]})
+    axes = figure.subplots(2, len(sets), sharex=True, squeeze=False)
+    strategies = sorted({name for one in sets.values() for name in one["needed"]["paper"]})
     for column, (name, figures) in enumerate(sets.items()):
-        for panel, pipeline in zip(axes[:, column], PIPELINES, strict=True):
-            panel.set_title(f"{SETS[name]}, {TITLES[pipeline]}")
+        for panel, pipeline in zip(axes[:, column], pipelines_of(figures["curves"]), strict=True):
+            panel.set_title(f"{SETS[name]}, {title(pipeline)}")
             panel.grid(alpha=0.3)
             for strategy, colour in zip(strategies, COLOURS, strict=False):
                 points = figures["curves"][pipeline][strategy]

@@ -8,20 +8,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
-from numpy.typing import NDArray
+from sklearn.pipeline import Pipeline
 
 from trust.tables import STATED_COVERAGES, TRUST
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.summary import select
-from visuohaptic.recognition.certainty import fit_calibration, one_classifier
+from visuohaptic.recognition.certainty import Certainty, fit_certainty
 from visuohaptic.recognition.descriptors import describe_all
-from visuohaptic.recognition.experiment import fitting, gather_pipeline
-from visuohaptic.recognition.pooling import spread_choices
-from visuohaptic.recognition.sequences import take_strategy
+from visuohaptic.recognition.experiment import one_thread
+from visuohaptic.recognition.pipelines import (
+    fit_calibrated,
+    log_probabilities,
+    make_order_free,
+    pooled_log_probabilities,
+)
+from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline, take_strategy
 from visuohaptic.recognition.splits import grouped_folds, objects_of_classes
-from visuohaptic.recognition.tuning import fit_best_classifiers
-from visuohaptic.studies.conditions import CLASSIFIER
+from visuohaptic.recognition.voting import evenly_spaced_subsets
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
 from visuohaptic.studies.figures import write_json
 from visuohaptic.studies.study import StepInputs
@@ -30,7 +36,6 @@ from visuohaptic.tables.schema import build_rows, read_table, write_table
 
 if TYPE_CHECKING:
     from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
-    from visuohaptic.recognition.sequences import TouchSequences
 
 
 def measure_trust(
@@ -42,24 +47,36 @@ def measure_trust(
 ) -> pa.Table:
     """Classify known and unknown objects by models that lack one whole class each: `TRUST`.
 
-    Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the
-    rest trains and calibrates pipeline `best`. Raises `RecognitionError` of fewer than three classes.
+    Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the rest trains
+    pipeline `order_free`. Raises `RecognitionError` if there are fewer than three classes, or too few objects.
     """
     table, _ = take_strategy(features, strategy, parameters.touches)
-    sequences = gather_pipeline(table, parameters, "best", seed)
+    sequences = gather_pipeline(table, parameters, "order_free", seed)
     if len(sequences.classes) < 3:
         raise RecognitionError(
             f"There are {len(sequences.classes)} classes; at least three are needed to leave one out."
         )
-    described = describe_all(sequences, parameters.best, seed)
-    one = one_classifier(parameters, classifier)
+    described = describe_all(sequences, parameters.order_free, seed)
     rows: list[dict[str, object]] = []
-    with fitting():
+    with one_thread():
         for left_out in range(len(sequences.classes)):
             generator = spawn_generator(seed, "certainty", left_out)
-            rows += _without_class(sequences, described, left_out, one, generator)
-    key = {"strategy": strategy, "classifier": classifier}
-    return build_rows(TRUST, [{**key, **row} for row in rows])
+            tested = _draw_tested(sequences, left_out, parameters.protocol.folds, generator)
+            unseen = np.isin(sequences.object_index, tested)
+            unseen |= sequences.labels == left_out
+            model = fit_without(sequences, described, unseen, classifier, generator)
+            if model is None:
+                raise RecognitionError(
+                    f"Without class {sequences.classes[left_out]} and the tested objects a class has one "
+                    "training object; at least three objects of every class are needed."
+                )
+            for index in np.unique(sequences.object_index[unseen]):
+                answers = _classify(sequences, described, model, index, parameters)
+                rows += [{"left_out": sequences.classes[left_out], **row} for row in answers]
+    same = {"strategy": strategy, "classifier": classifier}
+    return build_rows(
+        TRUST, [{**same, "known": row["class"] != row["left_out"], **row} for row in rows]
+    )
 
 
 def summarise_trust(
@@ -82,77 +99,89 @@ def make_trust(step: StepInputs) -> None:
     """Make `TRUST` of every strategy, and its summary as JSON."""
     run, (table, metrics) = step.run, step.outputs
     rows = read_table(FEATURES, step.inputs["features"])
+    classifier = HEADLINE_CLASSIFIERS["order_free"]
     measured = pa.concat_tables(
-        measure_trust(rows, strategy, CLASSIFIER, run.recognition, run.seed)
+        measure_trust(rows, strategy, classifier, run.recognition, run.seed)
         for strategy in run.probing.strategies
     )
     write_table(TRUST, measured, table)
     recognition = run.recognition
-    found = summarise_trust(measured, recognition.best.coverage, recognition.intervals, run.seed)
+    found = summarise_trust(
+        measured, recognition.order_free.coverage, recognition.intervals, run.seed
+    )
     write_json(found, metrics)
 
 
-def _without_class(
-    sequences: TouchSequences,
-    described: NDArray[np.float64],
-    left_out: int,
-    parameters: RecognitionParameters,
-    generator: np.random.Generator,
-) -> Iterator[dict[str, object]]:
-    """Train without a class and without a fold of the others, and classify both."""
+def _draw_tested(
+    sequences: TouchSequences, left_out: int, folds: int, generator: np.random.Generator
+) -> tuple[int, ...]:
+    """Draw one fold of the objects of all classes but one."""
     members = objects_of_classes(sequences)
-    others = [objects for place, objects in enumerate(members) if place != left_out]
-    folds = grouped_folds(others, parameters.protocol.folds, generator)
-    tested = folds[left_out % len(folds)]
-    owners = sequences.object_index
-    trained = ~np.isin(owners, (*tested, *members[left_out]))
-    known = sequences.take(trained)
-    training = (known.labels, known.object_index, len(known.classes), parameters)
-    projection, fits = fit_best_classifiers(described[trained], *training, generator)
-    calibration = fit_calibration(known, described[trained], parameters, projection, generator)
-    if calibration is None:
-        raise RecognitionError(
-            f"Without class {sequences.classes[left_out]} and the tested objects no class has two "
-            "training objects; at least three objects of one class are needed."
-        )
-    tuned = fits[0][1]
-    most = int(np.bincount(owners).max())
-    for place in (*tested, *members[left_out]):
-        category, name = sequences.objects[place]
-        label = sequences.classes.index(category)
-        projected = projection.apply(described[owners == place])
-        touches = sequences.features[owners == place]
-        ballots = tuned.ballots(projected)
-        for views in sorted({min(views, most) for views in VIEWS}):
-            # An object with fewer views gives all.
-            choices = spread_choices(len(projected), min(views, len(projected)))
-            bag = choices[place % len(choices)]
-            member = np.isin(np.arange(len(projected)), bag)
-            answer = ballots.together(member[None])[0]
-            of_bag = touches[bag].reshape(-1, touches.shape[2])
-            sure = calibration.assess(
-                tuned, projected[bag], of_bag, answer, parameters.best.coverage
-            )
-            yield {
-                "class": category,
-                "object": name,
-                "left_out": sequences.classes[left_out],
-                "known": label != left_out,
-                "views": views,
-                "correct": bool(answer.argmax() == label),
-                "covered": bool(sure.candidates[label]),
-                "covered_at": [
-                    stated
-                    for stated in STATED_COVERAGES
-                    if calibration.prediction_set(answer, tuned.trained, len(bag), stated / 100)[
-                        label
-                    ]
-                ],
-                "candidates": int(sure.candidates.sum()),
-                "strangeness": sure.strangeness,
-                "evidence": sure.evidence,
-                "unknown": sure.unknown,
-            }
+    others = [objects for label, objects in enumerate(members) if label != left_out]
+    dealt = grouped_folds(others, folds, generator)
+    return dealt[left_out % len(dealt)]
+
+
+def fit_without(
+    sequences: TouchSequences,
+    described: FloatArray,
+    unseen: BoolArray,
+    classifier: str,
+    generator: np.random.Generator,
+) -> tuple[Pipeline, Certainty] | None:
+    """Fit pipeline `order_free`, and how sure its answers are, on all sequences that are not `unseen` (s,).
+
+    Returns None if a class has one training object.
+    """
+
+    def fit(rows: FloatArray, labels: IntArray, owners: IntArray) -> Pipeline:
+        pipeline = make_order_free(classifier)
+        preparation = pipeline[:-1].fit(rows)
+        fitted = fit_calibrated(pipeline[-1], preparation.transform(rows), labels, owners)
+        return Pipeline([("preparation", preparation), ("classifier", fitted)])
+
+    training = (described[~unseen], sequences.labels[~unseen], sequences.object_index[~unseen])
+    model = fit(*training)
+    certainty = fit_certainty(fit, model, *training, generator)
+    return None if certainty is None else (model, certainty)
+
+
+def _classify(
+    sequences: TouchSequences,
+    described: FloatArray,
+    model: tuple[Pipeline, Certainty],
+    index: int,
+    parameters: RecognitionParameters,
+) -> Iterator[dict[str, object]]:
+    """Classify an object from several numbers of its views."""
+    pipeline, certainty = model
+    category, name = sequences.objects[index]
+    label, coverage = sequences.classes.index(category), parameters.order_free.coverage
+    rows = pipeline[:-1].transform(described[sequences.object_index == index])
+    logs = log_probabilities(pipeline[-1], rows, len(sequences.classes))
+    most = int(np.bincount(sequences.object_index).max())
+    for views in sorted({min(views, most) for views in VIEWS}):
+        # All views of an object that has fewer.
+        choices = evenly_spaced_subsets(len(rows), min(views, len(rows)))
+        chosen = np.isin(np.arange(len(rows)), choices[index % len(choices)])
+        answer = pooled_log_probabilities(logs, chosen[None])[0]
+        sure = certainty.assess(rows[chosen], answer, coverage)
+        sets = {
+            stated: certainty.prediction_set(answer, chosen.sum(), stated / 100)
+            for stated in STATED_COVERAGES
+        }
+        yield {
+            "class": category,
+            "object": name,
+            "views": views,
+            "correct": bool(answer.argmax() == label),
+            "covered": bool(sure.candidates[label]),
+            "covered_at": [stated for stated, candidates in sets.items() if candidates[label]],
+            "candidates": int(sure.candidates.sum()),
+            "strangeness": sure.strangeness,
+            "evidence": sure.novelty,
+            "unknown": sure.unknown,
+        }
 
 
 def _area(rows: pa.Table) -> float:

@@ -32,7 +32,7 @@ TRUST = Schema(
         ),
         CANDIDATES,
         share("strangeness", "share of known objects that are less strange"),
-        Column("evidence", REAL, "by which objects are compared: larger is stranger"),
+        Column("evidence", REAL, "distance from the nearest training object; larger is stranger"),
         UNKNOWN,
     ),
 )

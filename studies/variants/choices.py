@@ -16,7 +16,11 @@ from typing import Literal
 
 from visuohaptic.attention.parameters import read_learnt
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.study import Changes
+
+BEST_OF_PAPER = HEADLINE_CLASSIFIERS["paper"]
+"""The classifier with the highest accuracy in the paper, whose figures are shown first."""
 
 Kind = Literal["equivalent", "uncertain", "not equivalent"]
 Where = Literal["upstream", "recognition", "opponent"]

@@ -8,12 +8,11 @@ from pathlib import Path
 
 from filling import DOCS, fill_page, points, share, table
 
-from variants.choices import BY_NAME, OPPONENTS
+from variants.choices import BEST_OF_PAPER, BY_NAME, OPPONENTS
 from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
 from variants.leads import leads_by_option, strongest_pair, sum_up
 from variants.verdicts import lead_evidence, of_papers_question, verdict
-from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.studies.figures import Row
 
 PAGE = Path(__file__).parent / "README.md"

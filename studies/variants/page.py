@@ -19,7 +19,7 @@ from typing import Any
 from jinja2 import ChoiceLoader, PackageLoader
 from markupsafe import Markup
 
-from variants.choices import BY_NAME, CHOICES
+from variants.choices import BEST_OF_PAPER, BY_NAME, CHOICES
 from variants.design import is_default
 from variants.kept import OUTSIDE, MeasuredVariants, kept_variants, read_variants
 from variants.leads import PairLead, against_main, leads_by_option, strongest_pair, sum_up
@@ -28,7 +28,6 @@ from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.page import content_policy, make_environment
-from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.study import StepInputs

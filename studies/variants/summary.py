@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import visuohaptic.report
+from variants.choices import BEST_OF_PAPER
 from variants.design import is_literal
 from variants.kept import OUTSIDE, PAPER_SET, MeasuredVariants, kept_variants
 from variants.leads import sum_up
@@ -17,7 +18,6 @@ from variants.page import variants_figures
 from variants.tables import VARIANTS
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from variants.weighing import summarise_variants, variant_figures
-from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.report.variants import KEPT, Spread, VariantsSummary
 from visuohaptic.studies.figures import Row, write_json
 from visuohaptic.studies.study import StepInputs

@@ -10,10 +10,9 @@ PANEL = as_views(np.zeros((SIZE, SIZE, 3)))
 
 
 def flat_panel(saliency, mask=PANEL["mask"][0], parameters=None):
-    point, normal = PANEL["point"][0], PANEL["normal"][0]
-    parameters = parameters or AttentionParameters()
-    face = ROWS * SIZE + COLUMNS
-    return scan(saliency.astype(np.float32), mask, point, normal, face, parameters)
+    surface = (mask, PANEL["point"][0], PANEL["normal"][0], ROWS * SIZE + COLUMNS)
+    seen = [part[: len(saliency)] for part in surface]
+    return scan(saliency.astype(np.float32), *seen, parameters or AttentionParameters())
 
 
 def bump(row, column, height=1.0, width=3.0):
@@ -30,6 +29,24 @@ def test_peaks_are_visited_from_the_highest_down():
     np.testing.assert_allclose(path.saliency, [1.0, 0.8, 0.6], atol=1e-5)
     np.testing.assert_array_equal(path.faces, path.rows * SIZE + path.columns)
     np.testing.assert_allclose(path.points[0], [20 / SIZE, -50 / SIZE, 0.0])
+    assert not path.exhausted
+
+
+def test_return_is_inhibited_within_a_fraction_of_the_longer_edge_of_the_image():
+    saliency = (bump(24, 20) + bump(24, 34, 0.9) + bump(24, 60, 0.8))[:48]
+    parameters = AttentionParameters(
+        fixations=2, inhibition="image", focus_fraction=0.2, inhibition_falloff=0.0
+    )
+    path = flat_panel(saliency, parameters=parameters)
+    # The radius is 0.2 * 96 = 19 pixels: more than 34 - 20, less than 60 - 20.
+    np.testing.assert_array_equal(path.columns, [20, 60])
+
+
+def test_a_peak_on_the_outline_is_fixated_a_margin_inside():
+    path = flat_panel(bump(48, 30), mask=COLUMNS >= 30)
+    # The margin is 0.016 * 96 = 1.5 pixels; column 30 is one pixel from the outside, 31 two.
+    assert (path.rows[0], path.columns[0]) == (48, 31)
+    assert path.columns.min() == 31
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-7, 1e-6])

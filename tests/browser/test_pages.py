@@ -27,7 +27,7 @@ EVERY_READER = pytest.mark.parametrize(
 def folder(tmp_path_factory):
     """A report with everything on it, names that mean harm among them."""
     folder = tmp_path_factory.mktemp("pages")
-    files = write_run(folder, NAMES, pipelines=("paper", "best"))
+    files = write_run(folder, NAMES, pipelines=("paper", "order_free"))
     make_report(files, folder / "report.html", PARAMETERS, [*NAMES, "cup/lost"])
     return folder
 

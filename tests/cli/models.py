@@ -17,9 +17,9 @@ def fit_on_nonsense(folder):
     write_table(FEATURES, features_table(objects=(2, 2), viewpoints=3), folder / "features.parquet")
     make_model(
         features=[folder / "features.parquet"],
-        model=folder / "best.skops",
-        pipeline="best",
-        classifier="support_vector_machine",
+        model=folder / "recogniser.skops",
+        pipeline="order_free",
+        classifier="linear_discriminant",
         strategy="fixation",
         recognition=RecognitionParameters(),
         touching=ExperimentParameters.from_mapping(SMALL).model_dump(
@@ -27,4 +27,4 @@ def fit_on_nonsense(folder):
         ),
         seed=1,
     )
-    return folder / "best.skops"
+    return folder / "recogniser.skops"

@@ -50,6 +50,19 @@ def test_a_mesh_file_is_touched(visuohaptic, small, tmp_path, name):
     assert all(Path(file).is_file() for file in values["files"])
 
 
+def test_a_missing_material_and_the_axis_of_the_file_are_said_once(
+    visuohaptic, small, tmp_path, model
+):
+    (tmp_path / "a.obj").write_text(f"mtllib gone.mtl\n{ring(tmp_path / 'ring.obj').read_text()}")
+    for verb in (("touch", *small), ("recognise", "--model", model)):
+        ended = visuohaptic(verb[0], "a.obj", *verb[1:])
+        assert (ended.code, ended.err) == (0, "")
+        assert ended.out.count("note: a.obj refers to 'gone.mtl', which is not there") == 1
+        assert ended.out.count("note: a.obj is taken as y-up") == 1
+    notes = json.loads(visuohaptic("touch", "a.obj", *small, "--up", "y", "--json").out)["notes"]
+    assert ["gone.mtl" in note for note in notes] == [True]
+
+
 def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_path, model):
     ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--model", model, "--json")
     values = json.loads(ended.out)
@@ -70,7 +83,7 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
 def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):
     ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--viewpoints", 1, "--json")
     values = json.loads(ended.out)
-    assert values["model"].endswith("visuohaptic/exploration/best.skops")
+    assert values["model"].endswith("visuohaptic/exploration/recogniser.skops")
     assert set(values["probabilities"]) == {"bottle", "car", "chair", "quadruped"}
 
 
@@ -100,7 +113,7 @@ def test_several_meshes_are_touched_into_a_folder_each_and_a_broken_one_is_named
     ended = visuohaptic("touch", "c.obj", "a.obj", "b.ply", *small, "--json")
     assert [value["mesh"] for value in json.loads(ended.out)] == ["a.obj", "b.ply"]
     assert ended.code == 1
-    assert ended.err.startswith("error: c.obj has no faces; ")
+    assert ended.err.startswith("error: c.obj can't be read as OBJ: it has no faces; ")
     assert not (tmp_path / "touched" / "c").exists()
 
 

@@ -44,7 +44,7 @@ REFUSED = [
     (("touch", "a.obj"), "a.obj is empty", {"a.obj": b""}),
     (("touch", "a.glb"), "a.glb can't be read as GLB: ", {"a.glb": bytes(range(256))}),
     (("touch", "mug.fbx"), "ends in '.fbx', .* export it as .glb or .obj", {"mug.fbx": b"hello"}),
-    (("touch", "line\nbreak.obj"), r"line\\nbreak.obj has no faces", {"line\nbreak.obj": b"nothing"}),
+    (("touch", "line\nbreak.obj"), r"line\\nbreak.obj can't be read as OBJ: it has no faces", {"line\nbreak.obj": b"nothing"}),
     (("touch", "gone.obj"), "gone.obj can't be read: No such file", {}),
     (("touch", "."), "ends in nothing|Is a directory", {}),
     (("touch", "x" * 300 + ".obj"), "File name too long", {}),
@@ -56,7 +56,7 @@ REFUSED = [
     ((*RING, "--viewpoints", "100000"), "viewpoints.count is 100000", {}),
     (("recognise", "ring.obj", "--model", "gone"), r"gone is not there.*snakemake -j2 model_all", {}),
     (("recognise", "ring.obj", "--model", "."), "is a folder; the model in it is needed", {}),
-    (("recognise", "ring.obj", "--model", "m"), "m is no whole 'visuohaptic recognition model", {"m": b"no"}),
+    (("recognise", "ring.obj", "--model", "m"), "m is no complete 'visuohaptic recogniser", {"m": b"no"}),
     (("compare", "gone", "gone"), "^error: gone", {}),
     (("compare", "gone.json", "gone.json"), "gone.json can't be read: No such file", {}),
 ]  # fmt: skip

@@ -84,7 +84,7 @@ def run_snakemake(folder, arguments):
         cwd=folder, check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
     assert result.returncode == 0, result.stdout[-3000:]
-    assert (folder / "results/models/best.skops").is_file()
+    assert (folder / "results/models/recogniser.skops").is_file()
 
 
 def test_the_tour_shows_every_command():

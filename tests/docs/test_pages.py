@@ -27,7 +27,8 @@ from report.synthetic import lay_out
 from visuohaptic.cli.commands import app
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT
-from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
+from visuohaptic.studies.evaluation.models import read_evaluation, summarise_evaluation
 from visuohaptic.studies.registry import find_studies
 
 ROOT = Path(__file__).parents[2]
@@ -210,6 +211,20 @@ def test_a_page_shows_the_figures_that_are_kept(script, run_script):
     sets = run_script("docs/filling")["kept_figures"](made["KEPT"])
     for block, content in made["blocks"](sets).items():
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text, f"run {script}"
+
+
+def test_the_page_of_recognition_shows_the_kept_answers_for_odd_objects():
+    measured = read_evaluation(None)
+    rows = summarise_evaluation(measured.table, IntervalParameters(), ExperimentParameters().seed)
+    assert len(rows) == 6
+    text = (ROOT / "docs" / "recognition.md").read_text()
+    for row in rows:
+        shares = [
+            "{:.1f} % ({:.1f}–{:.1f})".format(*(100 * value for value in row[name]))
+            for name in ("accuracy", "coverage", "false_unknown")
+        ]
+        shares.insert(2, f"{row['set_size']:.2f}")
+        assert f"| {row['strategy']} | {row['views']} | {' | '.join(shares)} |" in text
 
 
 def test_the_page_of_architecture_names_every_folder_of_the_library():

@@ -1,11 +1,20 @@
 """Any classifier is evaluated on the experiment's own protocol."""
 
+import numpy as np
+import pyarrow as pa
 import pytest
 from recognition.synthetic import features_table
-from sklearn.svm import SVC
+from sklearn.cluster import KMeans
+from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
+from sklearn.ensemble import IsolationForest
+from sklearn.naive_bayes import MultinomialNB
+from sklearn.neighbors import KNeighborsClassifier
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVC, SVR
 
 import visuohaptic as vh
-from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.errors import ParameterError, RecognitionError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import run_pipeline
@@ -43,3 +52,143 @@ def test_an_estimator_is_tested_on_the_same_sequences_of_a_table_or_a_data_frame
 def test_columns_that_are_missing_are_named(features):
     with pytest.raises(RecognitionError, match="contourlet_01"):
         vh.evaluate(SVC(), features.to_pandas().drop(columns="contourlet_01"), FEW)
+
+
+def as_large_text(table):
+    return table.cast(
+        pa.schema(
+            [
+                field.with_type(pa.large_string()) if field.type == pa.string() else field
+                for field in table.schema
+            ]
+        )
+    )
+
+
+def as_categories(table):
+    for name in ("class", "object", "strategy", "contact_state"):
+        index = table.schema.get_field_index(name)
+        table = table.set_column(index, name, table.column(name).dictionary_encode())
+    return table
+
+
+OTHERS = {
+    "large text": as_large_text,
+    "text views": lambda table: table.set_column(
+        0, "class", table.column("class").cast(pa.string_view())
+    ),
+    "categories": as_categories,
+    "categories of pandas": lambda table: table.to_pandas().astype(
+        {"class": "category", "object": "category"}
+    ),
+    "an index of pandas": lambda table: table.to_pandas().set_index(["class", "object"]),
+    "a mapping": lambda table: {name: table.column(name).to_numpy() for name in table.column_names},
+    "lists": lambda table: table.to_pydict(),
+    "other widths": lambda table: table.to_pandas().astype(
+        {"viewpoint": "int64", "touch": "float64"}
+    ),
+    "one more column": lambda table: table.append_column("mine", table.column("x")),
+    "another order": lambda table: table.select(table.column_names[::-1]),
+}
+
+
+@pytest.mark.parametrize("kind", OTHERS)
+def test_tables_of_every_kind_have_the_same_figure(features, kind):
+    expected = vh.evaluate(SVM, features, FEW)
+    assert vh.evaluate(SVM, OTHERS[kind](features), FEW).accuracy == expected.accuracy
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda table: table.drop_columns(["contourlet_01"]), "no column contourlet_01"),
+        (lambda table: table.append_column("x", table.column("y")), "column x is there twice"),
+        (
+            lambda table: table.set_column(0, "class", pa.array([1] * len(table))),
+            "class is int64 and does not fit string",
+        ),
+        (
+            lambda table: table.to_pandas().assign(touch=0.5),
+            "touch is double and does not fit int32",
+        ),
+        (lambda table: table.to_pandas().assign(x=True), "x is bool and does not fit double"),
+        (
+            lambda table: table.to_pandas().assign(x=float("nan")),
+            "column x has .* missing values|NaN",
+        ),
+        (lambda table: {"x": [1.0], "y": [1.0, 2.0]}, "Arrow can't take it over"),
+        (lambda table: [1, 2], "it is of type list"),
+        (lambda table: None, "it is of type NoneType"),
+    ],
+)
+def test_tables_that_lack_something_are_refused_in_a_sentence(features, change, sentence):
+    with pytest.raises(RecognitionError, match=sentence):
+        vh.evaluate(SVM, change(features), FEW)
+
+
+def test_nobody_is_told_to_delete_a_file_of_their_own(tmp_path):
+    (tmp_path / "mine.csv").write_text("class,object\n" * 9)
+    for name, sentence in (
+        ("mine.csv", "can't be read as Parquet"),
+        ("none.parquet", "there is no file"),
+    ):
+        with pytest.raises(RecognitionError, match=sentence) as error:
+            vh.evaluate(SVM, tmp_path / name, FEW)
+        assert "; delete" not in str(error.value)
+
+
+class Failing(SVC):
+    """A classifier that can be fitted and can't predict."""
+
+    def predict(self, _rows):
+        return self.nothing
+
+
+class Duck:
+    """A classifier that knows scikit-learn's names only."""
+
+    def get_params(self, deep=True):
+        return {}
+
+    def set_params(self, **_):
+        return self
+
+    def fit(self, _rows, labels):
+        self.classes_ = np.unique(labels)
+        return self
+
+    def predict(self, rows):
+        return np.zeros(len(rows), dtype=int)
+
+
+@pytest.mark.parametrize(
+    ("estimator", "sentence"),
+    [
+        (SVC, r"SVC is a class; .* SVC\(\)"),
+        (None, "None is without get_params"),
+        (SVR(), "is of the kind regressor"),
+        (KMeans(), "is of the kind clusterer"),
+        (StandardScaler(), "is no estimator of classes"),
+        (make_pipeline(StandardScaler(), SVR()), "is of the kind regressor"),
+        (IsolationForest(), "is of the kind outlier detector"),
+        (SVC(kernel="precomputed"), "can't be fitted or tested .* square matrix"),
+        (KNeighborsClassifier(10_000), "can't be fitted or tested .* n_neighbors"),
+        (MultinomialNB(), "can't be fitted or tested .* Negative"),
+        (LinearDiscriminantAnalysis(solver="eigen"), "can't be fitted or tested"),
+        (Failing(), "can't be fitted or tested .* 'nothing'"),
+    ],
+)
+def test_what_is_no_classifier_or_does_not_fit_is_refused_with_the_reason(
+    features, estimator, sentence
+):
+    with pytest.raises(RecognitionError, match=sentence):
+        vh.evaluate(estimator, features, FEW)
+
+
+def test_an_object_with_the_names_of_a_classifier_is_one(features):
+    assert vh.evaluate(Duck(), features, FEW).accuracy == pytest.approx(0.25)
+
+
+def test_parameters_of_another_section_are_refused(features):
+    with pytest.raises(ParameterError, match="parameters is of type dict"):
+        vh.evaluate(SVM, features, {"touches": 3})

@@ -13,6 +13,7 @@ from visuohaptic.evaluation.intervals import (
     object_interval,
     object_intervals,
     rate_interval,
+    resample_objects,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
 
@@ -41,6 +42,26 @@ def test_interval_holds_the_mean_of_normal_objects_nearly_as_often_as_it_says(ob
 def test_expanded_tail_tends_to_the_plain_one():
     assert expanded_tail(10**6, 0.95) == pytest.approx(0.025, rel=1e-4)
     assert expanded_tail(3, 0.95) < expanded_tail(12, 0.95) < 0.025
+
+
+def test_the_ends_for_few_objects_are_expanded_percentiles():
+    # Student's quantile with 4 degrees of freedom is 2.7764, times sqrt(5 / 4) 3.1042.
+    tail = 0.000954
+    assert expanded_tail(5, 0.95) == pytest.approx(tail, abs=1e-6)
+    values = np.array([0.0, 0.2, 0.5, 0.6, 1.0])
+    means = resample_objects(5, 1000, drawing()) @ values / 5
+    interval = object_interval(values, np.ones(5), PARAMETERS, drawing())
+    expected = np.quantile(means, [tail, 1 - tail])
+    assert (interval.low, interval.high) == pytest.approx(expected, abs=1e-3)
+    assert interval.low < np.quantile(means, 0.025) - 0.05
+    assert interval.high > np.quantile(means, 0.975) + 0.05
+
+
+def test_the_balanced_interval_of_one_class_is_the_plain_interval():
+    values = np.array([0.0, 0.2, 0.5, 0.6, 1.0])
+    plain = object_interval(values, np.ones(5), PARAMETERS, drawing())
+    balanced = balanced_interval(values, np.zeros(5, dtype=int), PARAMETERS, drawing())
+    assert vars(balanced) == pytest.approx(vars(plain), rel=1e-12)
 
 
 def test_figures_of_the_same_objects_have_the_intervals_that_each_has_alone():
@@ -91,10 +112,10 @@ def test_no_difference_among_twelve_objects_is_no_proof_of_equality():
 
 
 def test_balanced_mean_gives_every_class_the_same_say():
-    values, classes = np.array([1.0, 1.0, 1.0, 0.0]), np.array([0, 0, 0, 1])
+    values, classes = np.array([1.0, 1.0, 1.0, 0.25, 0.0]), np.array([0, 0, 0, 1, 2])
     interval = balanced_interval(values, classes, PARAMETERS, drawing())
-    assert interval.mean == 0.5
-    assert interval.low <= 0.5 <= interval.high
+    assert interval.mean == pytest.approx(1.25 / 3)
+    assert interval.low <= interval.mean <= interval.high
 
 
 def test_p_value_counts_every_sign_change():
@@ -108,6 +129,18 @@ def test_p_value_counts_every_sign_change():
     assert comparison.exact
     assert comparison.p_value == pytest.approx(expected)
     assert comparison.difference.mean == pytest.approx(differences.mean())
+
+
+def test_a_paired_difference_and_its_p_value_weigh_objects():
+    first, second = np.array([0.9, 0.5, 0.7, 0.2]), np.array([0.1, 0.6, 0.4, 0.0])
+    weights = np.array([1.0, 6.0, 1.0, 2.0])
+    parts = np.array([0.8, -0.6, 0.3, 0.4])  # differences times weights
+    sums = [abs(np.dot(signs, parts)) for signs in itertools.product([-1, 1], repeat=4)]
+    comparison = compare_paired(first, second, weights, PARAMETERS, drawing())
+    assert comparison.difference.mean == pytest.approx(0.9 / 10)
+    assert comparison.p_value == np.mean([total >= 0.9 - 1e-9 for total in sums])
+    expected = object_interval(first - second, weights, PARAMETERS, drawing())
+    assert vars(comparison.difference) == pytest.approx(vars(expected))
 
 
 def test_many_objects_are_sampled_and_the_observed_one_counts():

@@ -18,6 +18,9 @@ PARAMETERS = RecognitionParameters(
     protocol=ProtocolParameters(protocol="leave_one_object_a_class_out", maximum_splits=6),
     classifiers=("k_nearest_neighbours", "naive_bayes"),
 )
+UNEVEN_FOLDS = PARAMETERS.model_copy(
+    update={"protocol": ProtocolParameters(protocol="grouped_folds", folds=3, repeats=2)}
+)
 
 
 def both(*runs):
@@ -40,15 +43,19 @@ def answers(named, strategy="fixation"):
 
 
 @pytest.mark.parametrize(
-    ("pipeline", "objects", "counts"),
-    [("paper", (3, 3, 3), (6, 9, 36)), ("best", (2, 4), (6, 6, 24))],
+    ("pipeline", "objects", "counts", "parameters"),
+    [
+        ("paper", (3, 3, 3), (6, 9, 36), PARAMETERS),
+        ("order_free", (2, 4), (6, 6, 24), PARAMETERS),
+        ("paper", (3, 5, 2), (3, 10, 40), UNEVEN_FOLDS),
+    ],
 )
 def test_means_are_the_means_over_splits_whatever_the_classes_and_the_vote(
-    pipeline, objects, counts
+    pipeline, objects, counts, parameters
 ):
     runs = [
         recognition.run_pipeline(
-            features_table(strategy, objects, separation=2, seed=seed), PARAMETERS, 1, pipeline
+            features_table(strategy, objects, separation=2, seed=seed), parameters, 1, pipeline
         )
         for seed, strategy in enumerate(("fixation", "random"))
     ]
@@ -95,6 +102,13 @@ def test_comparison_is_fixation_minus_the_other_strategy():
     assert compared["random"]["difference"]["mean"] == pytest.approx(3 / 8)
     assert compared["random"]["p_value"] == 0.5
     assert compared["random"]["objects"] == 2
+
+
+def test_a_comparison_weighs_objects_by_their_sequences():
+    good = answers({("cup", "a"): ["cup"] * 6, ("car", "c"): ["car"] * 2})
+    bad = answers({("cup", "a"): ["car"] * 6, ("car", "c"): ["car"] * 2}, strategy="random")
+    compared = summarise(*both(good, bad))["comparisons"]["paper"]["naive_bayes"]
+    assert compared["random"]["difference"]["mean"] == pytest.approx(6 / 8)
 
 
 FIRST = answers({("cup", "a"): ["cup", "car"], ("cup", "d"): ["cup"], ("car", "c"): ["car"]})

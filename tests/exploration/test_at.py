@@ -50,7 +50,7 @@ def test_what_is_felt_at_given_points_is_what_the_eye_lets_feel_there(ball):
     ("choices", "sentence"),
     [
         ({"at": np.zeros((0, 3))}, "at has no points"),
-        ({"at": [[np.nan, 0, 0]]}, "at has NaN .* row 0"),
+        ({"at": [[np.nan, 0, 0]]}, "at has NaN, infinite .* row 0"),
         ({"at": [[0, 0, 9]]}, "point 0 of at is 8 object radii off"),
         ({"at": "here"}, "at holds no numbers"),
         ({"normals": [[0, 0, 1]]}, "normals need at"),

@@ -72,7 +72,7 @@ def test_touches_of_another_kind_than_the_model_learnt_are_refused(ring_file):
 
 def test_a_model_that_does_not_say_how_its_touches_were_made_is_refused(tmp_path):
     fit_on_nonsense(tmp_path)
-    path = tmp_path / "best.skops"
+    path = tmp_path / "recogniser.skops"
     assert vh.read_recogniser(path).parameters.viewpoints.count == 2
     save_model(replace(load_model(path), touching=None), path)
     with pytest.raises(RecognitionError, match="does not say how the touches were made"):

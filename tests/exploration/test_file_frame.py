@@ -1,5 +1,8 @@
 """What was touched is found again in the frame of the object's file, and pressed again there."""
 
+import re
+import warnings
+
 import numpy as np
 import pyarrow.compute as pc
 import pytest
@@ -107,13 +110,17 @@ def test_a_file_of_points_normals_empty_lines_and_a_byte_order_mark_stands_as_pr
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("x,y,z\n1,2,3\n", "no column normal_x"),
-        ("x,y,z,qw,qx,qy,qz\n1,2,3,0,0,0,0\n", "pose 0 .* qz of length 0"),
-        ("x,y,z,qw,qx,qy,qz\n1,2,inf,1,0,0,0\n", "pose 0 .* not finite"),
-        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,a,0,1\n", "Row #2: .* 'a'"),
-        ("x,y,z,qw,qx,qy,qz,a,a\n1,2,3,1,0,0,0,1,1\n", "column a, or more than one"),
-        ("", "Empty"),
-        ("x,y,z,\xff\n", "holds no numbers"),
+        ("x,y,z\n1,2,3\n", "0 columns normal_x"),
+        ("x,y,z,qw,qx,qy,qz\n\n1,2,3,0,0,0,0\n", "line 3: qw, qx, qy, qz are all 0"),
+        ("x,y,z,qw,qx,qy,qz\n1,2,inf,1,0,0,0\n", "line 2, column z is 'inf': a finite number"),
+        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,a,0,1\n", "line 2, column normal_x is 'a'"),
+        ("x,y,z,normal_x,normal_y,normal_z\n1,2,3,1e200,0,1\n", r"normal_x is 1e\+200; .* 1e\+100"),
+        ("x;y;z;qw;qx;qy;qz\n1;2;1e308;1;0;0;0\n", r"column z is 1e\+308"),
+        ("x,y,z,qw,qx,qy,qz,x\n1,2,3,1,0,0,0,1\n", "2 columns x"),
+        ("1,2,3,1,0,0,0\n", "line 1 holds numbers; a header is needed"),
+        ("", "no rows"),
+        ("x,y,z,\xff\n", "no row of numbers below"),
+        ("x,y,z\n\0", "zero bytes"),
     ],
 )
 def test_a_wrong_file_of_poses_is_refused_in_a_sentence(tmp_path, text, sentence):
@@ -122,14 +129,63 @@ def test_a_wrong_file_of_poses_is_refused_in_a_sentence(tmp_path, text, sentence
         read_poses(tmp_path / "poses.csv")
 
 
-def test_a_file_of_more_poses_than_allowed_is_refused_before_it_is_read_whole(
-    tmp_path, monkeypatch
-):
+@pytest.mark.parametrize(
+    ("text", "encoding"),
+    [
+        ("x;y;z;qw;qx;qy;qz;part\r\n0,5;0;1;2;0;0;0;a, b\r\n", "utf-16"),
+        ("x\ty\tz\tqw\tqx\tqy\tqz\n0.5\t0\t1\t2\t0\t0\t0\n", "utf-8-sig"),
+        (
+            "sep=;\n# of a part\nx;y;z;normal_x;normal_y;normal_z;Größe\n0,5;0;1;0;0;1e-200;1\n",
+            "latin-1",
+        ),
+        ('x,y,z,normal_x,normal_y,normal_z\n"0,5",0,1,0,0,"7,5"\n', "utf-8"),
+    ],
+)
+def test_poses_are_read_as_spreadsheets_of_any_locale_write_them(tmp_path, text, encoding):
+    (tmp_path / "poses.csv").write_bytes(text.encode(encoding))
+    (pose,) = read_poses(tmp_path / "poses.csv")
+    np.testing.assert_array_equal(pose[:3, 3], [0.5, 0, 1])
+    np.testing.assert_array_equal(pose[:3, 2], [0, 0, 1])
+
+
+@pytest.mark.parametrize("kind", ["poses", "points", "normals", "size", "depth", "above"])
+@pytest.mark.parametrize("large", [1e39, 1e100, 1e200, 1e308])
+def test_numbers_beyond_the_range_of_rays_are_refused_in_a_sentence(kind, large):
+    pose = np.eye(4)
+    given = {"points": [[0.0, 0, 1]], "normals": [[0.0, 0, 1]], "size": 0.2}
+    if kind == "poses":
+        pose[0, 3] = large
+        given = {"poses": [pose], "size": 0.2}
+    elif kind in {"points", "normals"}:
+        given[kind] = [[0, 0, large]]
+    else:
+        given[kind] = large
+    ball = trimesh.creation.icosphere(2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        if large == 1e39 and kind == "normals":
+            vh.press(ball, **given)
+            return
+        with pytest.raises(ParameterError, match=rf"{re.escape(f'{large:g}')}|beyond 1e\+100"):
+            vh.press(ball, **given)
+
+
+@pytest.mark.parametrize(
+    "name", ["points", "normals", "size", "depth", "above", "resolution", "roll"]
+)
+def test_truth_values_and_text_are_no_numbers(name):
+    given = {"points": [[0.0, 0, 1]], "normals": [[0.0, 0, 1]], "size": 0.2}
+    for wrong in (True, "1 mm"):
+        values = [[wrong] * 3] if name in {"points", "normals"} else wrong
+        with pytest.raises(ParameterError, match=f"^{name} "):
+            vh.press(trimesh.creation.icosphere(2), **given | {name: values})
+
+
+def test_a_file_of_more_poses_than_allowed_is_refused(tmp_path, monkeypatch):
     file = tmp_path / "poses.csv"
-    # Of the lines behind the first megabyte none is read, so that the wrong one is not seen.
-    file.write_text("x,y,z,qw,qx,qy,qz\n" + "0,0,1,1,0,0,0\n" * 150_000 + "wrong\n")
+    file.write_text("x,y,z,qw,qx,qy,qz\n" + "0,0,1,1,0,0,0\n" * 3)
     monkeypatch.setattr("visuohaptic.exploration.pose_files.MOST_POSES", 2)
-    with pytest.raises(ParameterError, match=r"poses\.csv holds more than 2 poses"):
+    with pytest.raises(ParameterError, match=r"poses\.csv has more than 2 rows"):
         read_poses(file)
     write_poses(np.tile(np.eye(4), (2, 1, 1)), file)
     assert len(read_poses(file)) == 2

@@ -6,6 +6,7 @@ import trimesh
 
 import visuohaptic as vh
 from visuohaptic.base.errors import MeshError, ParameterError
+from visuohaptic.exploration import pressing
 
 BALL = trimesh.creation.icosphere(5, radius=40.0)
 
@@ -62,10 +63,69 @@ def test_no_pose_gives_no_image():
         ({"depth": 0}, ParameterError, "depth holds 0"),
         ({"mesh": (np.zeros((3, 3)), np.zeros((0, 3), int))}, MeshError, "no faces"),
         ({"mesh": (np.eye(3), [[0, 1, 3]])}, MeshError, "a face names vertex 3; 0 to 2 are there"),
-        ({"mesh": "mug.obj"}, MeshError, "type str; a trimesh.Trimesh"),
+        ({"mesh": 7}, MeshError, "type int; a path, a trimesh.Trimesh"),
     ],
 )
 def test_what_is_not_allowed_is_refused_in_a_sentence(change, error, sentence):
     given = {"mesh": BALL, "points": [[0, 40, 0]], "normals": [[0, 1, 0]], "size": 1.0} | change
     with pytest.raises(error, match=sentence):
         vh.press(**given)
+
+
+CUBE = trimesh.creation.box((1, 1, 1))
+TOP = {"points": [[0, 0, 0.5]], "normals": [[0, 0, 1]], "size": 0.2, "resolution": 8}
+
+
+@pytest.mark.parametrize("far", [[1e8, 0, 0], [np.nan, 0, 0], [np.inf, 0, 0], [1e300, 0, 0]])
+def test_a_vertex_that_no_face_names_is_no_part_of_the_mesh(far):
+    felt = vh.press((np.vstack([CUBE.vertices, [far]]), CUBE.faces), **TOP)
+    np.testing.assert_array_equal(felt.heights, vh.press(CUBE, **TOP).heights)
+
+
+def test_a_file_is_pressed_as_the_mesh_that_it_holds(tmp_path):
+    CUBE.export(tmp_path / "cube.stl")
+    np.testing.assert_array_equal(vh.press(tmp_path / "cube.stl", **TOP).images, np.ones((1, 8, 8)))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"resolution": 5000}, "resolution is 5000; a whole number from 2 to 1024"),
+        ({"resolution": np.nan}, "resolution is nan"),
+        (
+            {"resolution": 1024, "points": np.zeros((100, 3)), "normals": np.ones((100, 3))},
+            "100 sensors of 1024 x 1024 have 104857600 sensing points",
+        ),
+        ({"points": [[1e200, 0, 0]]}, r"points has NaN, infinite .* row 0"),
+        ({"points": [[0, 1e308, 0]]}, "beyond 1e[+]100"),
+        ({"normals": [[0, 1e308, 1e308]]}, "normals has NaN, infinite"),
+        ({"points": [[1e50, 0, 0]]}, "radii are allowed"),
+        ({"size": 1e200}, r"size holds 1e[+]200"),
+        ({"depth": 1e60}, "radii are allowed"),
+        ({"above": np.inf}, "above holds inf"),
+    ],
+)
+def test_sizes_are_bounded_before_memory_is_taken_and_numbers_before_they_overflow(change, says):
+    with pytest.raises(ParameterError, match=says):
+        vh.press(CUBE, **{**TOP, **change})
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("scale", [1e200, 1e308, 1e-200])
+def test_a_mesh_of_coordinates_that_no_ray_meets_is_refused(scale):
+    with pytest.raises(MeshError, match="vertices"):
+        vh.press((CUBE.vertices * scale, CUBE.faces), **TOP)
+
+
+def test_blocks_of_sensors_give_what_one_batch_gives(monkeypatch):
+    normals = poses(7)
+    given = {"points": normals * 40, "normals": normals, "size": 5.0, "resolution": 8}
+    scene = {"scene": "worn_fsr", "unit": "mm", "seed": 3}
+    whole = [vh.press(BALL, **given), vh.press(BALL, **given, **scene)]
+    monkeypatch.setattr(pressing, "_POINTS_AT_ONCE", 3 * 64)
+    for expected, found in zip(
+        whole, [vh.press(BALL, **given), vh.press(BALL, **given, **scene)], strict=True
+    ):
+        np.testing.assert_array_equal(expected.images, found.images)
+        np.testing.assert_array_equal(expected.heights, found.heights)

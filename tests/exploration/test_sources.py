@@ -76,7 +76,7 @@ def test_what_is_no_surface_is_one_sentence(source, sentence):
 
 def test_a_scene_whose_parts_can_not_be_laid_out_is_one_sentence(monkeypatch):
     monkeypatch.setattr(trimesh.Trimesh, "apply_transform", None)
-    with pytest.raises(MeshError, match="object can't be read as one surface"):
+    with pytest.raises(MeshError, match="object can't be read as a mesh: "):
         vh.load(trimesh.Scene([RING]))
 
 

@@ -10,6 +10,7 @@ from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import (
     Surface,
     as_stored,
+    notes_of,
     read_surface,
     set_aside_reason,
     usable_meshes,
@@ -69,6 +70,19 @@ def test_an_object_that_is_set_aside_says_why_and_is_not_usable(tetrahedron, tmp
     assert len(read_surface(path).faces) == 0
     write_surface(tetrahedron, tmp_path / "a.ply")
     assert usable_meshes([path, tmp_path / "a.ply"]) == [tmp_path / "a.ply"]
+
+
+def test_notes_stay_with_the_surface_in_its_file_and_are_read_without_it(tetrahedron, tmp_path):
+    notes = ("a.obj refers to 'käse\n.mtl'.", "end_header")
+    write_surface(tetrahedron, tmp_path / "plain.ply")
+    for name in ("noted.ply", "noted.ply.gz"):
+        write_surface(replace(tetrahedron, notes=notes), tmp_path / name)
+        found = read_surface(tmp_path / name)
+        assert found.notes == notes
+        np.testing.assert_array_equal(found.vertices, tetrahedron.vertices)
+    assert notes_of(tmp_path / "noted.ply") == list(notes)
+    assert notes_of(tmp_path / "plain.ply") == []
+    assert set_aside_reason(tmp_path / "noted.ply") is None
 
 
 @pytest.fixture

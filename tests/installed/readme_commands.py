@@ -34,7 +34,7 @@ SMALL = {
         # More combinations than this: folds of whole objects.
         "protocol": {"maximum_splits": 1, "fold_rounds": 1},
         "intervals": {"bootstrap_samples": 200},
-        "best": {"waves": 20, "classifiers": ["support_vector_machine"]},
+        "order_free": {"waves": 20, "classifiers": ["linear_discriminant"]},
     },
     "cost": {
         "touches": [1, 5], "viewpoints": [1, 2], "imprint_resolutions": [16], "view_resolutions": [64],

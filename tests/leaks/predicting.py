@@ -1,20 +1,18 @@
 """What classifiers say of test sequences."""
 
-import numpy as np
-
-from visuohaptic.recognition.experiment import fitting, split_runner
+from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.pipelines import pipeline_of
 
 PARAMETERS = RecognitionParameters()
 
 
 def predict(sequences, split, pipeline):
-    """Return the classes, or the probabilities, of a split's test sequences by classifier."""
-    answer_split = split_runner(sequences, PARAMETERS, 0, pipeline)
-    with fitting():
-        return {
-            answer.classifier: answer.predicted
-            if answer.ballots is None
-            else answer.ballots.alone()
-            for answer in answer_split(split, np.random.default_rng(0))
-        }
+    """Return the classes, or the log probabilities, of a split's test sequences by classifier."""
+    parts = pipeline_of(pipeline, PARAMETERS, 0)
+    return {
+        prediction.classifier: prediction.predicted
+        if prediction.log_probabilities is None
+        else prediction.log_probabilities
+        for prediction in predict_splits(sequences, parts, [split], 0)
+    }

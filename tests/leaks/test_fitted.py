@@ -6,22 +6,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
-from sklearn import config_context
+from sklearn.pipeline import Pipeline
 
-from visuohaptic.recognition import experiment, tuning
+from visuohaptic.recognition.classifiers import CLASSIFIERS
+from visuohaptic.recognition.encoding import SequenceEncoder
+from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.pipelines import pipeline_of
 from visuohaptic.recognition.sequences import gather_sequences
-from visuohaptic.recognition.splits import make_splits
+from visuohaptic.recognition.splits import draw_splits
 
 PARAMETERS = RecognitionParameters()
 SEQUENCES = gather_sequences(features_table(separation=2.0), PAPER_FEATURES, 5)
-SPLITS = make_splits(SEQUENCES, PARAMETERS.protocol, np.random.default_rng(0))[::27]
+SPLITS = draw_splits(SEQUENCES, PARAMETERS.protocol, 0)[::27]
 
 
-FITTING = {
-    experiment: ("fit_classifier", "fit_sequence_encoder"),
-    tuning: ("fit_classifier", "fit_projection", "fit_tuned_classifier"),
-}
+CLASSIFYING = [
+    type(CLASSIFIERS[name].make(PARAMETERS.classifier))
+    for name in PARAMETERS.order_free.classifiers
+]
+FITTING = [(SequenceEncoder, "fit"), (Pipeline, "fit"), *((kind, "fit") for kind in CLASSIFYING)]
 
 
 def changed(split, change):
@@ -52,12 +56,10 @@ def everything_fitted(pipeline, sequences, split, monkeypatch):
 
         return wrapper
 
-    with monkeypatch.context() as patch, config_context(assume_finite=True):
-        for module, names in FITTING.items():
-            for name in names:
-                patch.setattr(module, name, catching(getattr(module, name)))
-        answer = experiment.split_runner(sequences, PARAMETERS, 6, pipeline)
-        list(answer(split, np.random.default_rng(5)))
+    with monkeypatch.context() as patch:
+        for kind, name in FITTING:
+            patch.setattr(kind, name, catching(getattr(kind, name)))
+        list(predict_splits(sequences, pipeline_of(pipeline, PARAMETERS, 6), [split], 6))
     return caught
 
 
@@ -88,7 +90,7 @@ CHANGES = {
 }
 CASES = [
     pytest.param(*case, marks=pytest.mark.slow if place else ())
-    for place, case in enumerate(itertools.product(["paper", "best"], CHANGES, SPLITS))
+    for place, case in enumerate(itertools.product(["paper", "order_free"], CHANGES, SPLITS))
 ]
 
 
@@ -101,7 +103,7 @@ def test_other_test_objects_change_nothing_that_is_fitted(pipeline, change, spli
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pipeline", ["paper", "best"])
+@pytest.mark.parametrize("pipeline", ["paper", "order_free"])
 def test_one_other_training_touch_changes_what_is_fitted(pipeline, monkeypatch):
     split = SPLITS[0]
     touched = changed(split, lambda values: values)

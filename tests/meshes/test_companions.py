@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes import textures
 from visuohaptic.meshes.companions import ArchiveCompanions, Companions, FolderCompanions
 
 
@@ -144,6 +145,6 @@ def test_an_image_that_is_none_or_not_there_is_missing_and_a_huge_one_is_refused
         clause[: len(f"'b.png', which is no{end}")]
         for clause, end in zip(companions.missing, (" image", "t there"), strict=True)
     ] == ["'b.png', which is no image", "'c.png', which is not there"]
-    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 99)
-    with pytest.raises(MeshError, match=r"'a\.png' is too large"):
+    monkeypatch.setattr(textures, "MOST_PIXELS", 199)
+    with pytest.raises(MeshError, match=r"'a\.png' has 20 × 10 pixels"):
         companions.image("a.png")

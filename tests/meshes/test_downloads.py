@@ -5,6 +5,8 @@ import http.server
 import shutil
 import subprocess
 import threading
+import tracemalloc
+import zipfile
 from dataclasses import replace
 from functools import partial
 
@@ -117,6 +119,29 @@ def test_a_member_that_is_not_there_or_too_large_is_refused(library):
     library.write_bytes(b"hello")
     with pytest.raises(DownloadError, match=r"Some\.sh3f can't be read"):
         read_member(library, "x", 10)
+
+
+@pytest.mark.parametrize(("place", "value"), [(8, 1), (10, 99)])
+def test_a_member_that_is_encrypted_or_of_an_unknown_compression_is_refused(library, place, value):
+    data = bytearray(library.read_bytes())
+    for start, shift in ((data.index(b"PK\x01\x02"), 0), (data.index(b"PK\x03\x04"), -2)):
+        data[start + place + shift] = value
+    library.write_bytes(data)
+    with pytest.raises(DownloadError, match="can't be read"):
+        read_member(library, MODEL.member, 100)
+
+
+def test_a_member_is_read_up_to_the_limit_whatever_its_archive_says_of_its_size(tmp_path):
+    content = bytes(10_000_000)
+    path = tmp_path / "a.zip"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("a", content)
+    tracemalloc.start()
+    with pytest.raises(DownloadError, match="unpacks to more than"):
+        read_member(path, "a", 1000)
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < len(content) / 4
 
 
 def test_credits_name_every_author(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 from meshes import generated
 
 from visuohaptic.meshes import polygons
-from visuohaptic.meshes.model_files import read_model, read_open_file
+from visuohaptic.meshes.model_files import read_mesh
 
 PENTAGON = np.array([[0.0, 0], [4, 0], [4, 4], [2, 1], [0, 4]])
 FLAT = np.column_stack([PENTAGON, np.zeros(5)])
@@ -90,7 +90,7 @@ def test_texture_and_colours_stay_with_the_corners_of_a_cut_polygon(tmp_path):
     rows = [f"v {x} {y} {z}" for z in (0, 1) for x, y in PENTAGON]
     faces = ["f " + " ".join(f"{k}/{k}" for k in range(start, start + 5)) for start in (1, 6)]
     text = "\n".join(["mtllib a.mtl", *rows, spots.strip(), "usemtl paint", *faces, ""])
-    surface = read_model(generated.write_square(tmp_path, halves, text=text))
+    surface = read_mesh(generated.write_square(tmp_path, halves, text=text))
     low = surface.triangles[..., 2].max(axis=1) == 0
     assert surface.face_areas[low].sum() == pytest.approx(10)
     assert (surface.face_colours[low] == [200, 0, 0]).all()
@@ -103,7 +103,7 @@ def test_a_ply_keeps_a_colour_for_each_polygon():
     head = generated.as_ply(np.zeros((10, 3)), [[0]] * 2, "ascii").split(b"end_header")[0]
     colours = b"".join(b"property uchar %s\n" % name for name in (b"red", b"green", b"blue"))
     data = head + colours + b"end_header\n" + "\n".join([*rows, ""]).encode()
-    surface = read_open_file(io.BytesIO(data), "model.ply", ".ply")
+    surface = read_mesh(io.BytesIO(data), "ply")
     low = surface.triangles[..., 2].max(axis=1) == 0
     assert surface.face_areas.sum() == pytest.approx(20)
     assert (surface.face_colours[low] == [9, 8, 7]).all()

@@ -1,6 +1,8 @@
 """A file that is cut, contradicts itself, refers elsewhere or asks for without end is refused at once."""
 
+import base64
 import gzip
+import io
 import time
 import tracemalloc
 import zipfile
@@ -23,6 +25,7 @@ from meshes.generated import (
     shape_of,
     three_mf,
 )
+from PIL import Image
 
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.catalogue import Model
@@ -45,7 +48,31 @@ gltf = partial(as_gltf, POINTS, FACES)
 
 def crowd(document):
     document["accessors"][0]["count"] = 300_000
-    document["nodes"] *= 3000
+    document["nodes"] = [{"mesh": 0}] * 3000
+    document["scenes"][0]["nodes"] = list(range(3000))
+
+
+def rows_without_data(document):
+    view = {"bufferView": 0, "componentType": 5121}
+    sparse = {"count": 0, "indices": view, "values": view}
+    document["accessors"][1] = {
+        "count": 5_000_000, "type": "VEC3", "componentType": 5126, "sparse": sparse,
+    }  # fmt: skip
+
+
+def large_images(document):
+    """Name two small files of 12,000 x 12,000 pixels, one after another."""
+    stream = io.BytesIO()
+    Image.new("1", (12_000, 12_000)).save(stream, "PNG")
+    uri = "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode()
+    document["images"] = [{"uri": uri}, {"uri": uri}]
+    document["textures"] = [{"source": 0}, {"source": 1}]
+    document["materials"] = [
+        {"pbrMetallicRoughness": {"baseColorTexture": {"index": n}}} for n in (0, 1)
+    ]
+    part = document["meshes"][0]["primitives"][0]
+    part["attributes"]["TEXCOORD_0"] = part["attributes"]["POSITION"]
+    document["meshes"][0]["primitives"] = [{**part, "material": n} for n in (0, 1)]
 
 
 def two_parts(document):
@@ -91,20 +118,20 @@ HOSTILE = {
     "wide.obj": (VERTICES + b"f 1 2 3\n" * 100_000 + b"f 1 2 " + b"9" * 3000, "can't be read as OBJ"),
     "index.obj": (VERTICES + b"f 1 2 4\n", "names vertex 4; 1 to 3"),
     "backwards.obj": (VERTICES + b"f 1 2 -4\n", "names vertex 0; 1 to 3"),
-    "flat.obj": (b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", r"shape \(3, 2\)"),
-    "solids.stl": (TEXT_STL * 6000, "6000 solids"),
+    "flat.obj": (b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "line 1: a vertex has 2 coordinates"),
     "rest.stl": (STL + bytes(50), "holds too much: .* 2 faces"),
-    "short_text.stl": (TEXT_STL + TEXT_STL[:150], "truncated: 2 solids"),
-    "nodes.gltf": (gltf(nodes=[{"mesh": 0}] * 50_000), "50000 nodes"),
+    "short_text.stl": (TEXT_STL + TEXT_STL[:150], "truncated: 4 faces and so 12 corners .* no end of the last solid"),
+    "nodes.gltf": (gltf(nodes=[{"mesh": 0}] * 50_000, scenes=[{"nodes": list(range(50_000))}]), "5001 nodes"),
     "crowd.gltf": (gltf(crowd), "vertices and corners"),
-    "nothing.gltf": (gltf(lambda document: document["accessors"].append({"count": 5_000_000})), "5000000 rows without data"),
-    "sparse.gltf": (gltf(lambda document: document["accessors"][1].update(sparse={})), "accessor 1 is sparse"),
+    "nothing.gltf": (gltf(rows_without_data), "5000000 rows without data"),
+    "sparse.gltf": (gltf(lambda document: document["accessors"][1].update(sparse={})), "accessor 1 needs 'count'"),
+    "images.gltf": (gltf(large_images), "image 0 has 12000 × 12000 pixels"),
+    "cycle.gltf": (gltf(nodes=[{"children": [1]}, {"children": [0]}], scenes=[{"nodes": [0]}]), "node 0 stands twice"),
     "view.gltf": (gltf(lambda document: document["bufferViews"][1].update(byteLength=9999)), "can't be read as GLTF"),
     "two_parts.gltf": (gltf(two_parts), "names vertex 3; 0 to 2|one surface"),
-    "fan.gltf": (gltf(lambda document: document["meshes"][0]["primitives"][0].update(mode=6)), "mode 6"),
     "draco.gltf": (gltf(extensionsRequired=["KHR_draco"]), "KHR_draco, which"),
     "deep.gltf": (b"[" * 1_000_000, "can't be read as GLTF"),
-    "other.3mf": (packed({"a.txt": "a"}), "holds no 3D/3dmodel.model"),
+    "other.3mf": (packed({"a.txt": "a"}), "holds no '3d/3dmodel.model'"),
     "bomb.3mf": (three_mf(bytes(200_000_000)), "200 MB of XML"),
     "files.3mf": (packed({f"{n}": "" for n in range(6000)}), "6000 files"),
     "lzma.3mf": (packed({"3D/3dmodel.model": model(TRIANGLE)}, zipfile.ZIP_LZMA), "packed in a way"),
@@ -117,7 +144,7 @@ HOSTILE = {
     "comment.dae": (collada().encode() + b"<!--" + packed({"a.dae": collada()}) + b"-->", "is a zip archive"),
     "polygons.dae": (collada(shape_of("polylist", "<vcount>2000000000</vcount><p>0 1 2</p>")), "claim 2000000000"),
     "index.dae": (as_dae(POINTS, FACES).replace(b"<p>0", b"<p>9"), "names vertex 9; 0 to 3"),
-    "strips.dae": (as_dae(POINTS, FACES).replace(b"polylist", b"tristrips"), "has tristrips"),
+    "holes.dae": (as_dae(POINTS, FACES, "polygons").replace(b"<p>", b"<ph/><p>", 1), "polygons with holes"),
     "doubling.dae": (collada(nodes=nodes(60), scene='<node><instance_node url="#n0"/></node>'), "500. parts"),
     "crowd.dae": (collada(shape_of("triangles", f"<p>{'0 1 2 ' * 10_000}</p>"), PLACED * 2000), "vertices and corners"),
     "array.dae": (collada(shape_of("triangles", f"<p>{'0 1 2 ' * 2_000_000}</p>")), "can't be read as DAE"),

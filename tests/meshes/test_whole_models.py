@@ -9,11 +9,11 @@ from meshes import generated
 from meshes.generated import FACES, POINTS
 
 from visuohaptic.base.errors import MeshError
-from visuohaptic.meshes.model_files import read_open_file
+from visuohaptic.meshes.model_files import read_mesh
 
 
 def read(data, kind):
-    return read_open_file(io.BytesIO(data), f"model.{kind}", f".{kind}")
+    return read_mesh(io.BytesIO(data), kind)
 
 
 @pytest.mark.parametrize("name", ["obj", "off", "text ply", "stl_ascii", "dae", "gltf"])

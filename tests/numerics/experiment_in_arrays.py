@@ -72,7 +72,7 @@ def recognition_arrays(pipeline):
 
 def main(file, *paths):
     """Write every array by `phase/object/column`."""
-    parts = [(f"recognition/{name}", recognition_arrays(name)) for name in ("paper", "best")]
+    parts = [(f"recognition/{name}", recognition_arrays(name)) for name in ("paper", "order_free")]
     for path in paths:
         name = Path(path).name.partition(".")[0]
         parts += [(f"{phase}/{name}", arrays) for phase, arrays in object_arrays(path)]

@@ -12,12 +12,12 @@ from visuohaptic.recognition.descriptors import (
     draw_waves,
     embed_poses,
 )
-from visuohaptic.recognition.parameters import BestParameters
+from visuohaptic.recognition.parameters import OrderFreeParameters
 from visuohaptic.recognition.sequences import gather_sequences, turn_objects
 from visuohaptic.tables.schema import matrix
 
-PARAMETERS = BestParameters()
-WAVES = draw_waves(PARAMETERS, np.random.default_rng(1))
+PARAMETERS = OrderFreeParameters()
+WAVES = draw_waves(PARAMETERS, 1)
 NAMES = ("contourlet_01", "imprint_mean", "sensor_size", "contact_full", *POSE)
 
 
@@ -41,8 +41,8 @@ def test_a_row_depends_on_its_own_sequence_alone_in_any_order_of_its_touches():
 
 
 def test_products_of_embeddings_tend_to_the_gaussian_kernel():
-    parameters = BestParameters(waves=5000, wave_length=0.5, normal_weight=0.25)
-    many = draw_waves(parameters, np.random.default_rng(2))
+    parameters = OrderFreeParameters(waves=5000, wave_length=0.5, normal_weight=0.25)
+    many = draw_waves(parameters, 2)
     values = sequences(count=8, touches=1)
     embedded = embed_poses(values[..., 4:7], values[..., 7:], many)
     values[..., [4, 7]] = np.abs(values[..., [4, 7]])  # left and right are alike
@@ -82,7 +82,9 @@ def test_single_touch_and_coincident_touches_are_finite():
 def test_cues_choose_their_columns():
     values = sequences()
     full = describe(values)
-    parts = [describe(values, parameters=BestParameters(cues=(cue,))) for cue in PARAMETERS.cues]
+    parts = [
+        describe(values, parameters=OrderFreeParameters(cues=(cue,))) for cue in PARAMETERS.cues
+    ]
     np.testing.assert_array_equal(np.concatenate(parts, axis=1), full)
 
 
@@ -90,14 +92,14 @@ def test_columns_that_a_table_lacks_are_left_out_or_named():
     values = sequences()[..., 4:]
     assert np.isfinite(describe(values, POSE)).all()
     with pytest.raises(RecognitionError, match="no column for the cues imprint"):
-        describe(values, POSE, BestParameters(cues=("imprint",)))
+        describe(values, POSE, OrderFreeParameters(cues=("imprint",)))
     with pytest.raises(RecognitionError, match="normal_z of the pose"):
         describe(values[..., :-1], POSE[:-1])
 
 
 def test_azimuth_free_descriptors_do_not_feel_a_turn_about_the_vertical():
     table = features_table(objects=(2, 2), seed=3)
-    best = BestParameters(cues=("contourlet", "relations", "azimuth_free"))
+    best = OrderFreeParameters(cues=("contourlet", "relations", "azimuth_free"))
     found = []
     for turns in ("none", "vertical", "any"):
         turned = gather_sequences(turn_objects(table, turns), PAPER_FEATURES, 5)

@@ -10,7 +10,6 @@ from visuohaptic.evaluation.summary import select, summarise
 from visuohaptic.recognition import files
 from visuohaptic.recognition.model import fit_model
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import whole_sequences
 from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
 from visuohaptic.tables.schema import read_table, write_table
 
@@ -18,7 +17,7 @@ pytestmark = pytest.mark.slow
 QUICK = RecognitionParameters.model_validate(
     {
         "classifiers": ["naive_bayes", "k_nearest_neighbours"],
-        "best": {"classifiers": ["naive_bayes"], "waves": 20},
+        "order_free": {"classifiers": ["naive_bayes"], "waves": 20},
     }
 )
 
@@ -42,7 +41,7 @@ def table():
     return pa.concat_tables(parts)
 
 
-@pytest.mark.parametrize("pipeline", ["paper", "best"])
+@pytest.mark.parametrize("pipeline", ["paper", "order_free"])
 def test_recognition_goes_on_without_those_views(table, tmp_path, caplog, pipeline):
     write_table(FEATURES, table, tmp_path / "features.parquet")
     for strategy in ("fixation", "random"):
@@ -59,14 +58,13 @@ def test_recognition_goes_on_without_those_views(table, tmp_path, caplog, pipeli
     assert summarise(scores, predictions)["comparisons"][pipeline]["naive_bayes"]
 
 
-@pytest.mark.parametrize("pipeline", ["paper", "best"])
+@pytest.mark.parametrize("pipeline", ["paper", "order_free"])
 def test_a_model_names_by_the_views_that_show_enough(pipeline, table):
     of_needle = select(table, object="needle", strategy="fixation")
-    whole, _ = whole_sequences(table, 5)
-    model = fit_model(select(whole, strategy="fixation"), pipeline, "naive_bayes", QUICK, 1)
+    model = fit_model(select(table, strategy="fixation"), pipeline, "naive_bayes", QUICK, 1)
     assert sum(model.recognise(of_needle).values()) == pytest.approx(1)
     four = of_needle.filter(pa.compute.less(of_needle["touch"], 4))
-    if pipeline == "best":
+    if pipeline == "order_free":
         assert sum(model.recognise(four).values()) == pytest.approx(1)
         return
     with pytest.raises(RecognitionError, match="No viewpoint has 5 touches"):

@@ -6,15 +6,19 @@ from collections import Counter
 import numpy as np
 import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
+from sklearn.dummy import DummyClassifier
+from sklearn.model_selection import cross_val_score
 
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.parameters import ProtocolParameters
 from visuohaptic.recognition.sequences import gather_sequences
 from visuohaptic.recognition.splits import (
+    GroupedFolds,
+    LeaveOneObjectPerClassOut,
+    draw_splits,
     grouped_folds,
-    leave_one_out_a_class,
-    make_splits,
-    settled_protocol,
+    held_out_folds,
+    leave_one_out_per_class,
 )
 
 
@@ -22,8 +26,7 @@ def splits_of(objects, viewpoints=2, seed=0, **settings):
     sequences = gather_sequences(
         features_table(objects=objects, viewpoints=viewpoints), PAPER_FEATURES, 5
     )
-    generator = np.random.default_rng(seed)
-    return sequences, make_splits(sequences, ProtocolParameters(**settings), generator)
+    return sequences, draw_splits(sequences, ProtocolParameters(**settings), seed)
 
 
 @pytest.mark.parametrize("protocol", ["auto", "leave_one_object_a_class_out", "grouped_folds"])
@@ -65,8 +68,10 @@ def places_of_tests(splits):
 def test_auto_takes_all_combinations_where_they_fit_and_draws_nothing(objects):
     sequences, splits = splits_of(objects, protocol="leave_one_object_a_class_out")
     generator = np.random.default_rng(4)
-    auto = make_splits(sequences, ProtocolParameters(), generator)
+    splitter = LeaveOneObjectPerClassOut(81, generator)
+    assert splitter.get_n_splits(None, sequences.labels, sequences.object_index) == len(splits)
     assert generator.random() == np.random.default_rng(4).random()
+    auto = draw_splits(sequences, ProtocolParameters(), 4)
     assert places_of_tests(auto) == places_of_tests(splits)
     tested = [places_tested(sequences, split) for split in auto]
     assert len(set(tested)) == len(tested) == np.prod(objects)
@@ -106,9 +111,9 @@ def test_rounds_of_folds_are_drawn_anew_and_the_first_is_that_of_grouped_folds()
     ],
 )
 def test_auto_turns_to_folds_above_the_most_combinations(sizes, maximum, settled):
-    assert settled_protocol(sizes, ProtocolParameters(maximum_splits=maximum)) == settled
+    assert ProtocolParameters(maximum_splits=maximum).resolve(sizes) == settled
     named = ProtocolParameters(protocol="new_viewpoint", maximum_splits=maximum)
-    assert settled_protocol(sizes, named) == "new_viewpoint"
+    assert named.resolve(sizes) == "new_viewpoint"
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -122,7 +127,7 @@ def test_auto_turns_to_folds_above_the_most_combinations(sizes, maximum, settled
 )  # fmt: skip
 def test_few_combinations_are_sampled_distinct_and_balanced(sizes, maximum, seed):
     members = members_of(sizes)
-    chosen = leave_one_out_a_class(members, maximum, np.random.default_rng(seed))
+    chosen = leave_one_out_per_class(members, maximum, np.random.default_rng(seed))
     assert len(set(chosen)) == len(chosen) == maximum
     for tested, objects in zip(zip(*chosen, strict=True), members, strict=True):
         counts = [tested.count(place) for place in objects]
@@ -132,12 +137,12 @@ def test_few_combinations_are_sampled_distinct_and_balanced(sizes, maximum, seed
 
 def test_where_no_combination_comes_twice_each_draw_is_kept():
     members = members_of((9,) * 5)
-    chosen = leave_one_out_a_class(members, 12, np.random.default_rng(2))
+    chosen = leave_one_out_per_class(members, 12, np.random.default_rng(2))
     assert (chosen[0], chosen[-1]) == ((2, 11, 20, 33, 41), (7, 12, 18, 32, 37))
 
 
 def test_pairs_of_objects_of_two_classes_are_tested_together_in_many_ways():
-    chosen = leave_one_out_a_class(members_of((3,) * 5), 81, np.random.default_rng(0))
+    chosen = leave_one_out_per_class(members_of((3,) * 5), 81, np.random.default_rng(0))
     for first, second in itertools.combinations(zip(*chosen, strict=True), 2):
         assert len(set(zip(first, second, strict=True))) == 9
 
@@ -161,3 +166,35 @@ def test_new_viewpoint_keeps_every_object_in_training_and_no_viewpoint_in_both()
 def test_what_can_not_be_divided_is_named(objects, settings, sentence):
     with pytest.raises(RecognitionError, match=sentence):
         splits_of(objects, **settings)
+
+
+def test_repeats_are_numbered_and_drawn_anew():
+    _, splits = splits_of((6, 6), protocol="grouped_folds", folds=2, repeats=2)
+    assert [(split.repeat, split.number) for split in splits] == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    assert splits[0].test.tolist() != splits[2].test.tolist()
+
+
+@pytest.mark.parametrize("objects", [(2, 2), (2, 5, 3)])
+def test_held_out_folds_hold_whole_objects_and_train_every_class(objects):
+    labels = np.repeat(np.repeat(np.arange(len(objects)), objects), 4)
+    owners = np.repeat(np.arange(sum(objects)), 4)
+    folds = held_out_folds(labels, owners, 3)
+    held_out = np.concatenate([part for _, part in folds])
+    assert sorted(held_out.tolist()) == list(range(len(labels)))
+    for train, part in folds:
+        assert not {*owners[train]} & {*owners[part]}
+        assert {*labels[train]} == {*labels}
+
+
+def test_a_class_of_one_object_leaves_nothing_to_hold_out():
+    assert held_out_folds(np.array([0, 0, 1, 1]), np.array([0, 1, 2, 2]), 3) == []
+
+
+def test_a_splitter_serves_scikit_learn():
+    classes = np.repeat(["cup", "lamp"], 12)
+    objects = np.repeat(np.arange(8), 3)
+    scores = cross_val_score(
+        DummyClassifier(strategy="most_frequent"), np.zeros((24, 1)), classes,
+        groups=objects, cv=GroupedFolds(4, random_state=0),
+    )  # fmt: skip
+    assert scores.tolist() == [0.5] * 4

@@ -27,7 +27,7 @@ PARAMETERS = ExperimentParameters.from_mapping(
     {
         "viewpoints": {"count": 4},
         "rendering": {"resolution": 48},
-        "recognition": {"classifiers": CLASSIFIERS, "best": {"classifiers": CLASSIFIERS}},
+        "recognition": {"classifiers": CLASSIFIERS, "order_free": {"classifiers": CLASSIFIERS}},
     }
 )
 VIEWPOINTS = 4

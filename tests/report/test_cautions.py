@@ -6,13 +6,14 @@ import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.cautions import (
+    _notes_on_files,
     _objects_left_out,
     _short_sequences,
     _unfitted_classifiers,
 )
 from visuohaptic.report.sections import count_missing, count_passed_over
 
-BEST = ExperimentParameters().recognition.best.classifiers
+BEST = ExperimentParameters().recognition.order_free.classifiers
 
 
 def test_of_thousands_of_objects_some_are_named_and_the_others_counted():
@@ -33,13 +34,23 @@ def test_of_thousands_of_objects_some_are_named_and_the_others_counted():
     assert "cup/1009 and 1,990 more. Protocol auto" in untested
 
 
+def test_notes_on_files_are_said_once_per_object_and_beyond_some_counted():
+    run = SimpleNamespace(
+        notes={f"cup/{k:02d}": ["a.mtl is missing.", "z is up."] for k in range(22)}
+    )
+    *said, others = _notes_on_files(run)
+    assert said[:2] == ["cup/00: a.mtl is missing.", "cup/00: z is up."]
+    assert len(said) == 40
+    assert others == "2 more objects with notes on the model's file: cup/20 and cup/21."
+
+
 def test_a_classifier_without_figures_is_named():
     run = SimpleNamespace(
         parameters=ExperimentParameters(),
-        metrics={"results": {"best": {"fixation": {name: {} for name in BEST[1:]}}}},
+        metrics={"results": {"order_free": {"fixation": {name: {} for name in BEST[1:]}}}},
     )
     (sentence,) = _unfitted_classifiers(run)
-    assert sentence.startswith("1 classifier of pipeline best left out")
+    assert sentence.startswith("1 classifier of pipeline order_free left out")
     assert sentence.endswith(f": {BEST[0].replace('_', ' ')}.")
 
 

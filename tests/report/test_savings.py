@@ -11,7 +11,7 @@ def test_a_saving_is_of_the_run_with_one_thing_made_smaller():
     own = ("own", 0.1, 0.01, {"lost": 0.0, "lost_low": 0.0, "lost_high": 0.0})
     lost = {"lost": 0.001, "lost_low": -0.002, "lost_high": 0.009, "changes": RENDER}
     lean = ("lean", 0.06, 0.02, lost)
-    named = ("other cues", 0.05, 0.02, {**lost, "changes": '{"recognition.best.cues": []}'})
+    named = ("other cues", 0.05, 0.02, {**lost, "changes": '{"recognition.order_free.cues": []}'})
     fewer = ("fewer touches", 0.04, 0.02, {**lost, "touches": 2})
     alike = ("as quick as chance allows", 0.1, 0.02, lost)
     (found,) = find_savings(cost_rows([own, lean, named, fewer, alike]))

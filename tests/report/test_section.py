@@ -116,8 +116,8 @@ def test_the_named_rows_give_the_accuracy_of_the_page(folder, sources):
 
 
 def test_files_are_those_of_the_pipeline_that_is_selected_where_it_has_its_own():
-    files = [Path("results/predictions", name, "0.parquet") for name in ("paper", "best")]
-    assert files_of_rows(files, {"pipeline": "best"}) == files[1:]
+    files = [Path("results/predictions", name, "0.parquet") for name in ("paper", "order_free")]
+    assert files_of_rows(files, {"pipeline": "order_free"}) == files[1:]
     assert files_of_rows(files, {"pipeline": "other"}) == files
 
 

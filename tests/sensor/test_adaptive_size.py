@@ -49,6 +49,21 @@ def test_a_wall_bounds_the_square_however_thin_or_low(wall, size):
     assert not placement.blocked[0]
 
 
+@pytest.mark.parametrize(
+    "direction", [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)]
+)
+def test_a_narrow_wall_on_any_side_and_at_any_corner_bounds_the_square(direction):
+    middle = 0.07 * np.array(direction)
+    across = 5e-4 * np.array([-direction[1], direction[0]])
+    (left, front), (right, back) = middle - across, middle + across
+    wall = surface_of(
+        [[left, 0, front], [right, 0, back], [right, 0.5, back], [left, 0.5, front]],
+        [[0, 1, 2], [0, 2, 3]],
+    )
+    placement = placed(joined(PLATE, wall), (0, 0, 0), (0, 1, 0))
+    assert placement.sizes[0] == pytest.approx(0.14, rel=1e-6)
+
+
 def test_an_overhang_beside_the_way_in_bounds_the_square():
     shelf = joined(PLATE, box((0.06, 0.3, -0.5), (0.5, 0.32, 0.5)))
     placement = placed(shelf, (0, 0, 0), (0, 1, 0))

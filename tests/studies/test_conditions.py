@@ -112,7 +112,7 @@ def test_thousands_of_conditions_become_blocks_of_25():
 
 
 def test_few_conditions_of_few_trainings_share_a_job():
-    one = {"recognition.pipelines": ["best"], "probing.strategies": ["fixation"]}
+    one = {"recognition.pipelines": ["order_free"], "probing.strategies": ["fixation"]}
     alone = plan(*({**one, "recognition.touches": touches} for touches in (1, 2, 3, 4)))
     assert list(make_blocks(alone, None)) == ["0000-0003"]
     assert len(make_blocks(alone, 1)) == 4

@@ -1,6 +1,5 @@
 """A condition changes what it names, from as late a table as it allows, and breaks alone."""
 
-from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
@@ -42,10 +41,8 @@ from visuohaptic.tables.studies import STUDY
 # for SkylakeX, Haswell and Prescott and NumPy's for AVX-512, AVX2 and older.
 EARLIER = {
     ("whole_method", "paper"): [0.75, 0.75, 0.8333, 0.8333, 1.0, 1.0],
-    ("whole_method", "best"): [1.0, 0.75, 0.75, 1.0, 1.0, 1.0],
     ("kinesthetic_only", "paper"): [0.75, 0.5, 0.6667, 0.9167, 0.9167, 0.6667],
     ("nonsubsampled_contourlet", "paper"): [0.8333, 0.8333, 0.5, 0.6667, 1.0, 1.0],
-    ("wavelet", "best"): [1.0, 0.8333, 0.75, 1.0, 1.0, 1.0],
     ("image_statistics", "paper"): [0.9167, 0.5, 0.3333, 0.8333, 1.0, 0.1667],
     ("fixed_sensor_size", "paper"): [1.0, 0.75, 0.8333, 0.8333, 1.0, 1.0],
     ("without_map", "paper"): [1.0, 1.0, 1.0, 0.6667, 0.6667, 0.8333],
@@ -96,9 +93,7 @@ def cells(features, *planned):
 def test_accuracies_are_those_of_earlier_studies(ablations, name, pipeline):
     plan, made = ablations
     planned = next(one for one in plan.conditions if one.condition.name == name)
-    # The earlier studies had no classifier of bags.
-    parameters = with_changes(planned.parameters, {"recognition.best.bags": ()})
-    found = cells(made[planned.key], replace(planned, parameters=parameters))
+    found = cells(made[planned.key], planned)
     key = (name, pipeline, "fixation", "support_vector_machine")
     assert np.round(found[key].accuracy, 4).tolist() == EARLIER[name, pipeline]
 
@@ -136,7 +131,7 @@ def test_more_touches_begin_with_those_of_the_run(run):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pipeline", ["paper", "best"])
+@pytest.mark.parametrize("pipeline", ["paper", "order_free"])
 def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
     changes = {**FIXATION_ONLY, "recognition.pipelines": [pipeline]}
     one, every = mine(Condition("1", changes, votes=1), Condition("4", changes, votes=4)).conditions
@@ -151,7 +146,7 @@ def test_one_vote_and_all_votes_give_the_figures_of_recognition(pipeline):
 def test_conditions_that_differ_in_the_vote_alone_train_once():
     votes = [Condition(f"{votes}", PAPER_ONLY, votes=votes) for votes in (1, 2, 4)]
     planned = mine(*votes).conditions
-    with patch.object(measuring, "predict_objects", wraps=measuring.predict_objects) as predicting:
+    with patch.object(measuring, "predict_splits", wraps=measuring.predict_splits) as predicting:
         found = cells(SYNTHETIC, *planned)
     assert predicting.call_count == 1
     assert [key[0] for key in found] == ["1", "2", "4"]
@@ -188,7 +183,7 @@ def test_a_fault_of_the_program_is_not_taken_for_a_refusal(monkeypatch):
     def fault(*_):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(measuring, "predict_objects", fault)
+    monkeypatch.setattr(measuring, "predict_splits", fault)
     with pytest.raises(ZeroDivisionError):
         cells(SYNTHETIC, *mine(Condition("c", FIXATION_ONLY)).conditions)
 

@@ -66,6 +66,13 @@ def test_what_is_common_holds_for_all_and_a_condition_goes_before_it(tmp_path):
         ("title: T\ngrid: {recognition.touches: [1, 1]}", "two conditions have the name 'touches 1'"),
         (PAIR + "compared_with: {two: three}", "compared_with: 'three' is no condition"),
         ("title: [", "can't be read"),
+        (PAIR + "  one: {}", "conditions.one is in line 3 and again in line 5"),
+        ("title: T\nconditions: {a: {sensor.resolution: 24, sensor.resolution: 32}}", "is in line 2 and again"),
+        ("title: T\ngrid: {sensor.resolution: [010, 24]}", r"sensor.resolution \(line 2\) is 010"),
+        ("title: T\nconditions: {a: {cost.adaptive: yes}}", r"adaptive \(line 2\) is yes"),
+        ("title: T\nconditions: {a: {sensor.resolution: true}}", "sensor.resolution is True: a number is needed"),
+        ("title: T\nconditions: {a: {sensor: {resolution: 24}, sensor.resolution: 32}}", "given twice, as sensor holds it"),
+        ("title: T\ngrid: {sensor.resolution: []}", "grid.sensor.resolution: .* at least 1 item"),
         ("title: T\ngrid: {recognition.touches: " + str(list(range(1, 22))) + "}", "there are 22 conditions"),
     ],
 )  # fmt: skip
@@ -76,3 +83,11 @@ def test_errors_name_the_file_the_condition_and_what_is_allowed(
     with pytest.raises(ParameterError, match=rf"^{tmp_path / 'mine.yaml'}.*{sentence}") as error:
         study(tmp_path, text)
     assert "\n" not in str(error.value)
+
+
+def test_a_grid_of_too_many_combinations_is_refused_before_it_is_expanded(tmp_path, monkeypatch):
+    monkeypatch.setattr(own, "_combinations", None)
+    values = list(range(1, 1001))
+    grid = {f"recognition.classifier.{name}": values for name in ("neighbours", "a", "b")}
+    with pytest.raises(ParameterError, match="there are 1,000,000,001 conditions; at most 20,000"):
+        study(tmp_path, f"title: T\ngrid: {grid}\n")

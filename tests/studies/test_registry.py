@@ -24,7 +24,11 @@ def write(folder, name, text=YAML):
 
 @pytest.mark.slow
 def test_all_studies_can_be_planned_for_every_run():
-    for values in ({}, {"recognition": {"pipelines": ["best"]}}, {"scene": {"preset": "worn_fsr"}}):
+    for values in (
+        {},
+        {"recognition": {"pipelines": ["order_free"]}},
+        {"scene": {"preset": "worn_fsr"}},
+    ):
         run = ExperimentParameters.from_mapping(values)
         for study in find_studies(run, [REPOSITORY]).values():
             names = [one.condition.name for one in plan_study(study, run).conditions]

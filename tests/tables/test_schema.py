@@ -7,7 +7,14 @@ import pytest
 
 from visuohaptic.base.errors import TableError
 from visuohaptic.tables.phases import FIXATIONS
-from visuohaptic.tables.schema import build_table, images, read_table, write_table
+from visuohaptic.tables.schema import (
+    build_table,
+    images,
+    known_columns,
+    read_table,
+    take_table,
+    write_table,
+)
 from visuohaptic.tables.schemas import SCHEMAS
 
 
@@ -103,3 +110,14 @@ def test_images_come_back_square_and_mixed_sizes_are_refused():
 
 def test_every_schema_describes_each_column():
     assert all(column.description for schema in SCHEMAS.values() for column in schema.columns)
+
+
+def test_known_columns_are_taken_in_the_order_and_the_types_of_the_schema():
+    table = build_table(FIXATIONS, fixation_columns())
+    frame = table.to_pandas().assign(mine=1).astype({"class": "category", "touch": "float32"})
+    other = frame[["mine", "x", "touch", "class"]]
+    found = known_columns(FIXATIONS, other)
+    assert found.column_names == ["class", "touch", "x"]
+    assert found.equals(table.select(found.column_names))
+    with pytest.raises(TableError, match="no column object"):
+        take_table(FIXATIONS, other)

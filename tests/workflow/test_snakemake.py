@@ -52,10 +52,10 @@ def test_every_run_checks_its_objects_and_quotes_the_hard_cases_of_the_code(fini
 def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_said_and_fails_nothing(
     experiment,
 ):
-    models = ("results/models/best.skops", "results/models/best_random.skops")
+    models = ("results/models/recogniser.skops", "results/models/recogniser_random.skops")
     # The page is of another state then, and no word is said of it.
-    quick = {"cues": ["pose"], "calibration_folds": 2, "short_touches": []}
-    experiment.set(recognition={"best": quick})
+    quick = {"cues": ["pose"]}
+    experiment.set(recognition={"order_free": quick})
     assert "The report is at" not in experiment.snakemake("--", *models).stdout
     own = experiment.folder / "meshes/own/chair"
     own.mkdir()

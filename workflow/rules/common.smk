@@ -24,12 +24,11 @@ from visuohaptic.meshes.catalogue import (
 from visuohaptic.parameters import (
     ExperimentParameters,
     check_run,
-    check_config,
-    check_spelling,
     read_parameters,
 )
 from visuohaptic.pipeline import OF_OBJECT, inputs_needed_from, phase as phase_of
 from visuohaptic.io.plugins import hand_on, load_files, load_installed, loaded
+from visuohaptic.io.yaml_files import check_config, check_spelling
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.closing import lines_at_end, put_aside

@@ -1,13 +1,16 @@
 """Model: features of all objects → the recognition model that `visuohaptic recognise` loads.
 
-Takes results/features/; gives results/models/best.skops, which holds no code, but the parameters with
+Takes results/features/; gives results/models/recogniser.skops, which holds no code, but the parameters with
 which its touches were made. A model of other touches than those of the first strategy is made by its name, such as
-results/models/best_random.skops. Study `trust` measures how far the answers of such models can be relied on.
+results/models/recogniser_random.skops. Study `trust` measures how far the answers of such models can be relied on.
 """
 
 MODELS = {
-    "best": PARAMETERS.probing.strategies[0],
-    **{f"best_{strategy}": strategy for strategy in PARAMETERS.probing.strategies[1:]},
+    "recogniser": PARAMETERS.probing.strategies[0],
+    **{
+        f"recogniser_{strategy}": strategy
+        for strategy in PARAMETERS.probing.strategies[1:]
+    },
 }
 VALUES_OF_RULES["model"] = [{"model": name} for name in MODELS]
 
@@ -18,8 +21,8 @@ wildcard_constraints:
 
 rule model_all:
     input:
-        "results/models/best.skops",
-        "results/model_records/best.json",
+        "results/models/recogniser.skops",
+        "results/model_records/recogniser.json",
 
 
 rule model:
@@ -34,8 +37,8 @@ rule model:
         "../envs/visuohaptic.yaml"
     params:
         key=key_of_job,
-        pipeline="best",
-        classifier="support_vector_machine",
+        pipeline="order_free",
+        classifier="linear_discriminant",
         strategy=lambda wildcards: MODELS[wildcards.model],
         recognition=PARAMETERS.recognition.model_dump(
             exclude={"pipelines", "protocol", "intervals"}

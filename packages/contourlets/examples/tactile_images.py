@@ -5,14 +5,19 @@ that a support vector machine classifies correctly. The protocol is that of J. M
 García-Cerezo and J. M. Gómez-de-Gabriel ("CNN-based methods for object recognition with high-resolution
 tactile sensors", IEEE Sensors Journal 19(16), 2019): 20 random splits, 80 % of each class's images to
 train. Images of one object are on both sides: this tells known objects apart, and says nothing of new ones.
+
+Whole numbers of 1, 8 and 16 bits are shares of the largest number of their type, and floats shares of 1.
+``python tactile_images.py FOLDER FULL_SCALE`` says what the full scale of 16 and 32 bits and of floats is:
+4095 for a sensor of 12 bits, for example. Colours are read as grey.
 """
 
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, ImageOps
 from sklearn.compose import ColumnTransformer
 from sklearn.model_selection import cross_val_score
 from sklearn.pipeline import make_pipeline
@@ -30,31 +35,86 @@ RINGS = 12
 FREQUENCIES = 12
 TEST_SHARE = 0.2
 PENALTY = 30.0  # of the support vector machine
+LARGEST_PIXELS = 2**26  # of all images together: 0.5 GB
 FORMATS = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm")
 
 
-def read_tactile_images(folder: str | Path) -> tuple[FloatArray, list[str]]:
-    """Read ``folder/<class>/<image>``: images (n, rows, columns) in [0, 1] of the full scale, and n classes."""
+def read_tactile_images(
+    folder: str | Path, full_scale: float | None = None
+) -> tuple[FloatArray, list[str]]:
+    """Read ``folder/<class>/<image>``: images (n, rows, columns) in [0, 1] of the full scale, and n classes.
+
+    `full_scale` is that of images of 16 or 32 bits a taxel, where it is not the largest number of 16 bits, or
+    1 of floats. Raises `ValueError` if an image can't be read, or images differ in size or are too large.
+    """
     files = sorted(file for file in Path(folder).glob("*/*") if file.suffix.lower() in FORMATS)
     if not files:
         raise ValueError(f"{folder} holds no <class>/<image> that ends in {', '.join(FORMATS)}.")
-    images = [_read_image(file) for file in files]
-    for file, image in zip(files, images, strict=True):
-        if image.shape != images[0].shape:
+    if full_scale is not None and not 0 < full_scale < np.inf:
+        raise ValueError(f"full_scale is {full_scale}; a number above 0 is allowed.")
+    images: list[FloatArray] = []
+    for file in files:
+        image = _read_image(file, full_scale, LARGEST_PIXELS // len(files))
+        if images and image.shape != images[0].shape:
             raise ValueError(
                 f"{file} has {image.shape[0]} × {image.shape[1]} taxels and {files[0]} has "
                 f"{images[0].shape[0]} × {images[0].shape[1]}; one size is allowed."
             )
+        images.append(image)
     return np.stack(images), [file.parent.name for file in files]
 
 
-def _read_image(file: Path) -> FloatArray:
-    with Image.open(file) as opened:
-        if opened.mode in {"I", "F"}:
-            raise ValueError(f"{file} has 32 bits a taxel; 8 or 16 bits are allowed.")
-        is_deep = opened.mode.startswith("I;16")
-        grey = np.asarray(opened if is_deep else opened.convert("L"), dtype=np.float64)
-    return grey / (65535 if is_deep else 255)
+def _read_image(file: Path, full_scale: float | None, most_pixels: int) -> FloatArray:
+    try:
+        # Opening reads the size, and no pixels yet.
+        with warnings.catch_warnings(action="ignore", category=Image.DecompressionBombWarning):
+            opened = Image.open(file)
+        with opened:
+            _check_header(opened, file, most_pixels)
+            # Cameras turn images by a tag.
+            found = ImageOps.exif_transpose(opened)
+            return _as_shares(found, opened, file, full_scale)
+    except (OSError, SyntaxError, Image.DecompressionBombError) as error:
+        raise ValueError(f"{file} can't be read as an image: {error}.") from error
+
+
+def _check_header(opened: Image.Image, file: Path, most_pixels: int) -> None:
+    columns, rows = opened.size
+    if columns * rows > most_pixels:
+        raise ValueError(
+            f"{file} has {rows} × {columns} taxels; {most_pixels:,} an image are allowed, as all images "
+            f"together are at most {LARGEST_PIXELS:,}."
+        )
+    frames = getattr(opened, "n_frames", 1)
+    if frames > 1:
+        raise ValueError(f"{file} has {frames} pages; one is allowed.")
+
+
+def _as_shares(
+    image: Image.Image, opened: Image.Image, file: Path, full_scale: float | None
+) -> FloatArray:
+    if image.has_transparency_data and np.asarray(image.convert("RGBA"))[..., 3].min() < 255:
+        raise ValueError(f"{file} is transparent, so what its taxels show depends on a background.")
+    # Of these formats Pillow scales 16 bits to the whole range.
+    is_scaled = image.mode == "I" and opened.format in {"PNG", "PPM"}
+    if image.mode in {"1", "L", "LA", "P", "PA", "RGB", "RGBA", "CMYK", "YCbCr"}:
+        return np.asarray(image.convert("L"), dtype=np.float64) / 255
+    if image.mode == "I" and not is_scaled and full_scale is None:
+        raise ValueError(
+            f"{file} has whole numbers of 32 bits a taxel, or of 16 with a sign; their full scale must be given."
+        )
+    if image.mode not in {"I", "F"} and not image.mode.startswith("I;16"):
+        raise ValueError(f"{file} has the mode {image.mode}, which is not read; grey is needed.")
+    if opened.format == "TIFF" and opened.tag_v2.get(262) == 0:
+        raise ValueError(f"{file} counts from white to black, which is read of 8 bits only.")
+    values = np.asarray(image, dtype=np.float64)
+    shares: FloatArray = values / (full_scale or (1.0 if image.mode == "F" else 65535))
+    if not (shares.min() >= 0 and shares.max() <= 1):
+        raise ValueError(
+            f"{file} has readings from {values.min():g} to {values.max():g}; finite readings from 0 to the "
+            "full scale are needed, which may be given."
+        )
+    return shares
 
 
 def describe(images: FloatArray) -> dict[str, FloatArray]:
@@ -150,7 +210,7 @@ def _spectrum(images: FloatArray) -> FloatArray:
 
 
 if __name__ == "__main__":
-    images, classes = read_tactile_images(sys.argv[1])
+    images, classes = read_tactile_images(sys.argv[1], *map(float, sys.argv[2:3]))
     shares = 100 * split_accuracies(describe(images), classes)
     print(
         f"{len(images)} images of {len(set(classes))} classes: {shares.mean():.1f} ± "

@@ -2,6 +2,8 @@
 
 import importlib.util
 import os
+import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -40,11 +42,42 @@ def test_images_of_8_and_16_bits_are_read_by_class_as_shares_of_the_full_scale(e
     np.testing.assert_allclose(images[1], values, atol=0.5 / 255)
 
 
+WHOLE = np.rint(252 * pressed((3, 4), 3, (8, 8)))
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "scale"),
+    [
+        ("a.tif", (WHOLE / 252).astype(np.float32), None),
+        ("a.tif", WHOLE.astype(np.float32), 252),
+        ("a.tif", WHOLE.astype(np.int32), 252),
+        ("a.tif", (16 * WHOLE).astype(np.uint16), 16 * 252),
+        ("a.png", np.rint(WHOLE / 252 * 65535).astype(np.uint16), None),
+        ("a.pgm", np.rint(WHOLE / 252 * 65535).astype(np.uint16), None),
+        (
+            "a.png",
+            np.repeat(np.rint(WHOLE / 252 * 255).astype(np.uint8)[..., None], 3, axis=2),
+            None,
+        ),
+        ("a.bmp", np.rint(WHOLE / 252 * 255).astype(np.uint8), None),
+    ],
+)
+def test_readings_of_every_width_are_shares_of_their_full_scale(
+    example, tmp_path, name, values, scale
+):
+    written(tmp_path, f"class/{name}", values)
+    (image,), _ = example.read_tactile_images(tmp_path, scale)
+    np.testing.assert_allclose(image, WHOLE / 252, atol=0.5 / 255)
+
+
 @pytest.mark.parametrize(
     ("values", "says"),
     [
-        (np.zeros((8, 8), np.float32), "32 bits a taxel"),
+        (np.full((8, 8), 1.5, np.float32), "readings from 1.5 to 1.5"),
+        (np.full((8, 8), np.nan, np.float32), "readings from nan"),
+        (np.full((8, 8), -0.1, np.float32), "readings from -0.1"),
         (np.zeros((8, 8), np.int32), "32 bits a taxel"),
+        (np.zeros((8, 8, 4), np.uint8), "is transparent"),
         (np.zeros((8, 9), np.uint8), "8 × 9 taxels and .* has 8 × 8"),
     ],
 )
@@ -53,7 +86,42 @@ def test_images_of_unknown_scale_or_another_size_are_refused(example, tmp_path, 
         example.read_tactile_images(tmp_path)
     written(tmp_path, "a/1.png", np.zeros((8, 8), np.uint8))
     written(tmp_path, "b/2.tif", values)
-    with pytest.raises(ValueError, match=says):
+    with pytest.raises(ValueError, match=rf"2\.tif .*{says}"):
+        example.read_tactile_images(tmp_path)
+
+
+def test_an_image_of_several_pages_or_that_is_none_is_refused(example, tmp_path):
+    (tmp_path / "a").mkdir()
+    pages = [Image.new("L", (8, 8), shade) for shade in (0, 100)]
+    pages[0].save(tmp_path / "a/1.tif", save_all=True, append_images=pages[1:])
+    with pytest.raises(ValueError, match=r"1\.tif has 2 pages"):
+        example.read_tactile_images(tmp_path)
+    (tmp_path / "a/1.tif").write_text("no image")
+    with pytest.raises(ValueError, match=r"1\.tif can't be read as an image"):
+        example.read_tactile_images(tmp_path)
+    with pytest.raises(ValueError, match="full_scale is 0"):
+        example.read_tactile_images(tmp_path, 0)
+
+
+@pytest.mark.parametrize("side", [12_000, 20_000])
+def test_images_are_refused_by_their_size_before_they_are_unpacked(
+    example, tmp_path, monkeypatch, side
+):
+    monkeypatch.setattr(Image.Image, "load", None)
+    (tmp_path / "a").mkdir()
+    header = struct.pack(">II5B", side, side, 8, 0, 0, 0, 0)
+    chunk = b"IHDR" + header
+    (tmp_path / "a/1.png").write_bytes(
+        b"\x89PNG\r\n\x1a\n"
+        + struct.pack(">I", 13)
+        + chunk
+        + struct.pack(">I", zlib.crc32(chunk))
+        + struct.pack(">I", 4)
+        + b"IDAT"
+        + bytes(4)
+        + struct.pack(">I", zlib.crc32(b"IDAT" + bytes(4)))
+    )
+    with pytest.raises(ValueError, match=r"1\.png (has|can't be read)"):
         example.read_tactile_images(tmp_path)
 
 

@@ -6,10 +6,11 @@ import json
 import re
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
 
 from .errors import AttentionError
 from .registry import CHANNELS, Channel, channel
@@ -24,6 +25,17 @@ def read_learnt() -> dict[str, Any]:
     text = files(__package__).joinpath("human_weights.json").read_text(encoding="utf-8")
     found: dict[str, Any] = json.loads(text)
     return found
+
+
+def _no_truth_value(value: object) -> object:
+    # Pydantic reads true as 1.
+    if isinstance(value, bool):
+        raise PydanticCustomError("truth_value", "a number is needed")
+    return value
+
+
+_Whole = Annotated[int, BeforeValidator(_no_truth_value)]
+_Number = Annotated[float, BeforeValidator(_no_truth_value)]
 
 
 class ChannelWeights(BaseModel):
@@ -46,7 +58,7 @@ class ChannelWeights(BaseModel):
     def add(cls, entry: Channel) -> None:
         """Add the weight of a channel."""
         weight: Any = Field(entry.weight, ge=0.0, description=entry.description)
-        cls.__pydantic_fields__[entry.name] = FieldInfo.from_annotated_attribute(float, weight)
+        cls.__pydantic_fields__[entry.name] = FieldInfo.from_annotated_attribute(_Number, weight)
         cls.model_rebuild(force=True)
 
     @classmethod
@@ -99,24 +111,24 @@ class AttentionParameters(BaseModel):
         "local_maxima",
         description="How a map with one strong peak is promoted over one with many: the operator N",
     )
-    fixations: int = Field(5, ge=1, le=16, description="Fixations in each view")
+    fixations: _Whole = Field(5, ge=1, le=16, description="Fixations in each view")
     inhibition: Literal["surface", "image"] = Field(
         "surface",
         description="Whether return is inhibited by distance on the `surface` or in the `image`",
     )
-    focus_radius: float = Field(
+    focus_radius: _Number = Field(
         0.2,
         gt=0.0,
         description="Radius of the focus on the surface, in the units of the points (here object "
         "radii); no two fixations are closer",
     )
-    focus_fraction: float = Field(
+    focus_fraction: _Number = Field(
         0.1,
         gt=0.0,
         le=1.0,
         description="Radius of the focus in the image, as a fraction of the view's longer edge",
     )
-    inhibition_falloff: float = Field(
+    inhibition_falloff: _Number = Field(
         1.0,
         ge=0.0,
         description="Width of the rim over which inhibition fades out (focus radii); 0 is a disk",

@@ -9,6 +9,10 @@ class MeshError(VisuohapticError):
     """A mesh file can't be read, or has nothing that can be touched."""
 
 
+class MeshWarning(UserWarning):
+    """A mesh file was read, and lacks what it refers to or may be meant in another way."""
+
+
 class CatalogueError(VisuohapticError):
     """The catalogue of objects, or a name in it, is not usable."""
 

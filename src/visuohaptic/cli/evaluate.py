@@ -36,7 +36,7 @@ def evaluate(
     objects. They must be touched with the parameters that lie beside the model. The rows are written to
     reports/evaluation.parquet, and the report shows them.
 
-    Example: visuohaptic evaluate results/models/best.skops --run .
+    Example: visuohaptic evaluate results/models/recogniser.skops --run .
     """
     import pyarrow as pa
 

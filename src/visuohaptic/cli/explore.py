@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from visuohaptic.base.errors import VisuohapticError
+from visuohaptic.base.errors import MeshWarning, VisuohapticError
 from visuohaptic.base.optional_packages import keep_pandas_out
 from visuohaptic.cli.printing import (
     JsonOption,
@@ -52,11 +53,11 @@ ViewpointsOption = Annotated[
     int | None, typer.Option(min=1, help="Viewpoints around the object.", show_default="16")
 ]
 UpOption = Annotated[
-    Literal["y", "z", "auto"] | None,
+    Literal["file", "y", "z", "auto"] | None,
     typer.Option(
         "--up",
-        help="Axis of the file that points up; auto takes the one on which the object stands steadier.",
-        show_default="y",
+        help="Axis of the file that points up; auto takes the one of y and z on which the object stands steadier.",
+        show_default="as the file says, else y",
     ),
 ]
 UnitOption = Annotated[
@@ -104,6 +105,7 @@ def touch(
         touches, views = found.touches.num_rows, found.views.num_rows
         values = {
             "mesh": mesh,
+            "notes": found.surface.notes,
             "strategy": found.strategy,
             "viewpoints": views,
             "touches": touches,
@@ -115,7 +117,7 @@ def touch(
         }
         return values, [
             f"{mesh}: {touches} touches from {views} viewpoints by {found.strategy}",
-            *_line_on_up(up, found),
+            *_lines_on_file(up, found),
             *(f"  {file}" for file in files),
         ]
 
@@ -141,17 +143,20 @@ def recognise(
     They are touched as the objects were from which the model learnt. Where no run has fitted one, the
     model that comes with the package is taken: bottle, car, chair or quadruped.
 
-    Example: visuohaptic recognise mug.obj --model results/models/best.skops
+    Example: visuohaptic recognise mug.obj --model results/models/recogniser.skops
     """
     chosen_model = model or default_model()
     recogniser = read_recogniser(chosen_model)
     strategy, chosen = recogniser.model.strategy, recogniser.parameters
+    # Which axis points up is a matter of the file, whatever the model learnt from.
+    up = up or "file"
 
     def recognise_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
         made = _explore(mesh, up, None, viewpoints, strategy, chosen)
         found, views = made.recognise(recogniser), made.views.num_rows
         values = {
             "mesh": mesh,
+            "notes": made.surface.notes,
             "model": chosen_model,
             "class": found.name,
             "probabilities": dict(found.probabilities),
@@ -168,7 +173,7 @@ def recognise(
         return values, [
             _answer_line(mesh, found),
             *(f"  {name:<20} {100 * value:5.1f} %" for name, value in found.probabilities.items()),
-            *_line_on_up(up, made),
+            *_lines_on_file(up, made),
             f"  {found.touches} touches from {views} viewpoints by {strategy}",
         ]
 
@@ -176,7 +181,7 @@ def recognise(
     classifier = recogniser.model.classifier.replace("_", " ")
     limits = (
         "an object of another class is classified as one of these all the same"
-        if recogniser.model.calibration is None
+        if recogniser.model.certainty is None
         else "an object that is stranger than nearly all of these is called unknown, and sets "
         "hold the class as often as stated for objects like these"
     )
@@ -184,10 +189,16 @@ def recognise(
     _each(meshes, recognise_one, of_model, as_json=as_json)
 
 
-def _line_on_up(up: str | None, found: Exploration) -> list[str]:
+def _lines_on_file(up: str | None, found: Exploration) -> list[str]:
+    notes = [f"  note: {note}" for note in found.surface.notes]
     axis = found.frame.up_axis
-    said = f"  {axis} is taken as up, as the object stands steadier so; --up says otherwise"
-    return [said] if up == "auto" else []
+    if up == "auto":
+        notes.append(
+            f"  {axis} is taken as up, as the object stands steadier so; --up says otherwise"
+        )
+    elif up in {None, "file"} and axis != "y":
+        notes.append(f"  {axis} is taken as up, as the file says; --up says otherwise")
+    return notes
 
 
 def _answer_line(mesh: Path, found: Recognition) -> str:
@@ -275,7 +286,10 @@ def _explore(
     from visuohaptic.exploration.exploring import load
 
     turned = {} if up is None else {"own_up_axis": up}
-    ready = load(mesh, parameters=parameters.meshes.model_copy(update=turned), unit=unit)
+    with warnings.catch_warnings():
+        # They are printed as lines of the command.
+        warnings.simplefilter("ignore", MeshWarning)
+        ready = load(mesh, parameters=parameters.meshes.model_copy(update=turned), unit=unit)
     track: Any = partial(show_progress, doing=f"touching {mesh.name}")
     return ready.touch(viewpoints, strategy, parameters, track)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -68,13 +68,13 @@ def check(
         )
     own = find_own_models(meshes / "own", {model.key for model in models})
     files |= own.models
-    findings: dict[str, dict[str, object]] = {
+    findings: dict[str, dict[str, Any]] = {
         str(file): {"error": sentence} for file, sentence in own.set_aside.items()
     }
     for model, file in show_progress(list(files.items()), "checking models"):
         try:
             surface = prepare_object(model, file, MeshParameters())
-            findings[model.key] = {"triangles": len(surface.faces)}
+            findings[model.key] = {"triangles": len(surface.faces), "notes": surface.notes}
         except MeshError as error:
             findings[model.key] = {"error": str(error)}
     broken = sum("error" in finding for finding in findings.values())
@@ -84,6 +84,8 @@ def check(
         for key, finding in findings.items():
             triangles = f"{finding.get('triangles')} triangles"
             say(f"{key}: {finding.get('error') or triangles}")
+            for note in finding.get("notes", ()):
+                say(f"  {note}")
         say(f"{len(findings) - broken} of {len(findings)} files can be touched.")
     if broken:
         raise typer.Exit(1)

@@ -52,13 +52,12 @@ def press(
 
     from visuohaptic.exploration.pose_files import read_poses
     from visuohaptic.exploration.pressing import press as press_sensors
-    from visuohaptic.meshes.model_files import read_model
-    from visuohaptic.meshes.parameters import MeshParameters
+    from visuohaptic.meshes.model_files import read_mesh
 
-    surface = read_model(mesh, MeshParameters().largest_megabytes)
+    surface = read_mesh(mesh)
     tall = size if height is None else height
     pressed = press_sensors(
-        (surface.vertices, surface.faces),
+        surface,
         poses=read_poses(poses),
         size=(size, tall),
         resolution=(
@@ -74,5 +73,7 @@ def press(
     np.save(out / "heights.npy", pressed.heights, allow_pickle=False)
     pressed.picture().save(out / "picture.png")
     say(f"{mesh}: {pressed!r}")
+    for note in surface.notes:
+        say(f"  note: {note}")
     for name in ("imprints.npy", "heights.npy", "picture.png"):
         say(f"  {out / name}")

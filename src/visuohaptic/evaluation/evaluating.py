@@ -4,20 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
+from joblib import Parallel, delayed
+from tqdm import tqdm
 
-from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.errors import ParameterError, RecognitionError, TableError, VisuohapticError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
-from visuohaptic.recognition.experiment import gather_pipeline, run_paper_split, run_sequences
+from visuohaptic.recognition.experiment import (
+    SplitPrediction,
+    one_thread,
+    predict_split,
+    prediction_tables,
+)
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.sequences import take_strategy
+from visuohaptic.recognition.pipelines import PaperPipeline
+from visuohaptic.recognition.sequences import gather_pipeline, take_strategy
+from visuohaptic.recognition.splits import draw_splits
 from visuohaptic.tables.phases import FEATURES
-from visuohaptic.tables.schema import build_table, read_table
+from visuohaptic.tables.schema import read_table, take_table
 
 _PIPELINE = "paper"
 
@@ -61,6 +69,7 @@ def evaluate(
     parameters: RecognitionParameters | None = None,
     strategy: str = "fixation",
     seed: int = 2018,
+    n_jobs: int = 1,
 ) -> Evaluation:
     """Train and test a classifier on every split of the experiment, as the report does.
 
@@ -70,15 +79,17 @@ def evaluate(
         An unfitted scikit-learn classifier, of which each split fits a copy, or the name of a
         registered one, such as ``support_vector_machine``. It sees the paper's features of a sequence of
         touches, scaled as `parameters` say; all that is fitted sees training objects alone.
-    features : pyarrow.Table, pandas.DataFrame or path
+    features : pyarrow.Table, data frame, mapping of arrays or path
         Rows of `tables.FEATURES`: a run's ``results/features``, `Exploration.features` of several
-        objects, or an exported data set's ``features``.
+        objects, or an exported data set's ``features``. Other columns are left out.
     parameters : RecognitionParameters, optional
         The protocol, the sequences, and their encoding; without it those of the default run.
     strategy : str
         How the touches were chosen.
     seed : int
-        The experiment's seed, which draws the splits; that of the default run.
+        The experiment's seed, which draws the splits; by default that of the default run.
+    n_jobs : int
+        Processes that share the splits, -1 for one per processor. The result does not depend on the number.
 
     Returns
     -------
@@ -90,17 +101,38 @@ def evaluate(
     RecognitionError
         If the features do not allow the experiment, or the classifier can't be fitted.
     """
-    parameters = parameters or RecognitionParameters()
+    if parameters is None:
+        parameters = RecognitionParameters()
+    if not isinstance(parameters, RecognitionParameters):
+        raise ParameterError(
+            f"parameters is of type {type(parameters).__name__}; RecognitionParameters are needed."
+        )
+    if not isinstance(estimator, str):
+        check_classifier(estimator)
     table, _ = take_strategy(_as_table(features), strategy, parameters.touches)
     if isinstance(estimator, str):
         classifier = CLASSIFIERS[estimator]
     else:
         classifier = Classifier.of("estimator", estimator)
     sequences = gather_pipeline(table, parameters, _PIPELINE, seed)
-    answer_split = partial(run_paper_split, sequences, parameters, classifiers=[classifier])
-    scores, predictions = run_sequences(
-        sequences, strategy, parameters, seed, _PIPELINE, answer_split
+    pipeline = PaperPipeline.of(parameters, {classifier.name: classifier})
+    rows, splits = pipeline.rows(sequences), draw_splits(sequences, parameters.protocol, seed)
+    parts = Parallel(n_jobs, return_as="generator")(
+        delayed(_predict_split)(sequences, rows, pipeline, split, seed) for split in splits
     )
+    progress = tqdm(parts, "evaluating", len(splits), leave=False, disable=None, unit="split")
+    try:
+        predicted = [prediction for part in progress for prediction in part]
+    # An estimator may fail in any way.
+    except Exception as error:
+        if isinstance(error, VisuohapticError) and error.__cause__ is None:
+            raise
+        cause = error.__cause__ or error
+        reason = " ".join(str(cause).split()) or type(cause).__name__
+        raise RecognitionError(
+            f"{_short(estimator)} can't be fitted or tested on the sequences: {reason.rstrip('.')}."
+        ) from error
+    scores, predictions = prediction_tables(sequences, predicted, _PIPELINE, strategy)
     summary = summarise(scores, predictions, parameters.intervals, seed)
     ((found,),) = (one.values() for one in summary["results"][_PIPELINE].values())
     accuracy = found["accuracy"]
@@ -110,14 +142,42 @@ def evaluate(
     )  # fmt: skip
 
 
-def _as_table(features: Any) -> pa.Table:
-    if isinstance(features, pa.Table):
-        return features
-    if isinstance(features, str | Path):
-        return read_table(FEATURES, features)
-    missing = [column.name for column in FEATURES.columns if column.name not in features]
-    if missing:
+@one_thread()
+def _predict_split(*arguments: Any) -> list[SplitPrediction]:
+    return predict_split(*arguments)
+
+
+def check_classifier(estimator: Any) -> None:
+    """Raise `RecognitionError`, which says what it is instead, unless an object is a scikit-learn classifier."""
+    from sklearn.utils import get_tags
+
+    if isinstance(estimator, type):
         raise RecognitionError(
-            f"The features have no column {missing[0]}; the columns of table `features` are needed."
+            f"{estimator.__name__} is a class; an object of it is needed, such as {estimator.__name__}()."
         )
-    return build_table(FEATURES, {name: features[name].to_numpy() for name in features.columns})
+    missing = [name for name in ("get_params", "fit") if not hasattr(estimator, name)]
+    kind = "of another kind"
+    if not missing and hasattr(estimator, "__sklearn_tags__"):
+        tagged = get_tags(estimator).estimator_type
+        if tagged == "classifier":
+            return
+        kind = f"of the kind {tagged.replace('_', ' ')}" if tagged else "no estimator of classes"
+    elif not missing and hasattr(estimator, "predict"):
+        return
+    raise RecognitionError(
+        f"{_short(estimator)} is {kind if not missing else f'without {missing[0]}'}; a scikit-learn classifier is needed."
+    )
+
+
+def _short(estimator: Any) -> str:
+    text = " ".join(repr(estimator).split())
+    return text if len(text) <= 100 else f"{text[:100]}…"
+
+
+def _as_table(features: Any) -> pa.Table:
+    try:
+        if isinstance(features, str | Path):
+            return read_table(FEATURES, features)
+        return take_table(FEATURES, features)
+    except TableError as error:
+        raise RecognitionError(f"The features can't be used: {error}") from error

@@ -30,7 +30,7 @@ _CELL = ["pipeline", "strategy", "classifier"]
 METHOD = {
     "accuracy": "mean over splits of the share of test sequences correctly classified",
     "object_accuracy": "mean over splits of the share of test objects correctly classified by a "
-    "vote of their sequences: all together as one bag where the pipeline gives probabilities, else by "
+    "vote of their sequences: by the mean of log probabilities where the pipeline gives probabilities, else by "
     "majority, a tie between k classes counting 1/k",
     "balanced_accuracy": "mean over classes of the mean over a class's objects of their accuracy",
     "class_accuracy": "mean over a class's objects of their accuracy",

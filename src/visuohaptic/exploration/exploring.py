@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -16,7 +17,7 @@ from tqdm.auto import tqdm
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import unfinished_folder
-from visuohaptic.base.errors import MeshError, ParameterError
+from visuohaptic.base.errors import MeshError, MeshWarning, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
 from visuohaptic.exploration.picture import draw_exploration
 from visuohaptic.exploration.pose_files import write_poses
@@ -44,7 +45,7 @@ from visuohaptic.tables.schema import images, write_table
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from visuohaptic.exploration.sources import Source
+    from visuohaptic.meshes.model_files import Source
 
 Parameters = ExperimentParameters | Mapping[str, Any]
 
@@ -372,7 +373,7 @@ def load(
 
     Parameters
     ----------
-    source : path, trimesh.Trimesh, trimesh.Scene, (vertices, faces) or binary file
+    source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
         A mesh file, or a packed model of the repository
         (``meshes/paper/<class>/<name>.ply.gz``), which is turned and stretched as
         the catalogue above it says; a mesh in memory; or two arrays, shapes (v, 3) and (f, 3).
@@ -398,11 +399,19 @@ def load(
         If the source can't be read or has nothing to touch, the key is no `class/name`, or the unit is none.
     ParameterError
         If a parameter is not allowed.
+
+    Warns
+    -----
+    MeshWarning
+        If the source was read without a file that it refers to, or is probably not y-up; the sentences are
+        ``surface.notes``, too.
     """
     started = time.perf_counter()
     if key is not None and (key.count("/") != 1 or not all(key.split("/"))):
         raise MeshError(f"{key!r} is no key of an object; 'class/name' is allowed.")
     found, surface, way = read_source(source, file_type, mesh_parameters(parameters))
+    for note in surface.notes:
+        warnings.warn(note, MeshWarning, stacklevel=2)
     seconds = time.perf_counter() - started
     return TouchableObject(found if key is None else key, surface, seconds, FileFrame(way, unit))
 

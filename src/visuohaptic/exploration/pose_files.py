@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pyarrow as pa
 from numpy.typing import ArrayLike
-from pyarrow.csv import ConvertOptions, ReadOptions, open_csv
 
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.base.errors import ParameterError
+from visuohaptic.base.errors import ParameterError, TableError
+from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
+from visuohaptic.io.text_tables import TextTable, read_text_table
 from visuohaptic.sensor.imprints import Poses, stand_on
-from visuohaptic.tables.schema import matrix
 
 PLACE = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
 NORMAL = ("normal_x", "normal_y", "normal_z")
 ROLL = "roll"
 MOST_POSES = 1_000_000
+LARGEST_BYTES = 256 * 10**6
+"""More than a million poses take with all their digits."""
 
 
 def write_poses(poses: FloatArray, path: str | Path) -> None:
@@ -41,8 +43,9 @@ def read_poses(path: str | Path) -> FloatArray:
     Parameters
     ----------
     path : path
-        A CSV file with the columns x, y, z and qw, qx, qy, qz, a quaternion of any length but 0; or
-        normal_x, normal_y, normal_z, away from the object, and, if it likes, roll in degrees.
+        A table of text as spreadsheets of any locale write it (`io.text_tables`), with the columns x, y, z
+        and qw, qx, qy, qz, a quaternion of any length but 0; or normal_x, normal_y, normal_z, away from the
+        object, and optionally roll in degrees. Other columns are not read.
 
     Returns
     -------
@@ -57,26 +60,20 @@ def read_poses(path: str | Path) -> FloatArray:
     """
     from scipy.spatial.transform import Rotation
 
-    table = _read_numbers(path)
-    names = table.column_names
-    axes = QUATERNION if set(QUATERNION) <= set(names) else NORMAL
-    missing = [name for name in (*PLACE, *axes, *names) if names.count(name) != 1]
-    if missing:
-        raise ParameterError(
-            f"{path} has no column {missing[0]}, or more than one; {', '.join(PLACE)} and "
-            f"{', '.join(QUATERNION)} or {', '.join(NORMAL)} are needed."
-        )
-    rows = matrix(table, names)
-    places, directions = matrix(table, PLACE), matrix(table, axes)
-    lengths = np.linalg.norm(directions, axis=1, keepdims=True)
-    lost = np.flatnonzero(~(lengths[:, 0] > 0) | ~np.isfinite(rows).all(axis=1))
+    table = _read_table(path)
+    is_quaternion = set(QUATERNION) <= set(table.names)
+    axes = QUATERNION if is_quaternion else NORMAL
+    places, directions = _numbers(table, PLACE), _numbers(table, axes)
+    lengths = lengths_of(directions)
+    lost = np.flatnonzero(lengths == 0)
     if len(lost):
         raise ParameterError(
-            f"{path}: pose {lost[0]} has a number that is not finite, or {', '.join(axes)} of length 0."
+            f"{table.place(int(lost[0]))}: {', '.join(axes)} are all 0; a direction is needed."
         )
-    if axes is NORMAL:
-        roll = table.column(ROLL).to_numpy() if ROLL in names else 0.0
-        return matrices(turned(stand_on(places, directions / lengths), roll))
+    directions /= lengths
+    if not is_quaternion:
+        roll = _numbers(table, (ROLL,))[:, 0] if ROLL in table.names else 0.0
+        return matrices(turned(stand_on(places, directions), roll))
     poses = np.tile(np.eye(4), (len(places), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(directions, scalar_first=True).as_matrix()
     poses[:, :3, 3] = places
@@ -85,7 +82,7 @@ def read_poses(path: str | Path) -> FloatArray:
 
 def turned(stands: Poses, roll: ArrayLike) -> Poses:
     """Turn sensors about their normals, by degrees; `ParameterError` if these are not finite or too many."""
-    angles = np.radians(np.asarray(roll, dtype=np.float64))
+    angles = np.radians(numbers(roll, "roll"))
     if angles.shape not in ((), (len(stands),)) or not np.isfinite(angles).all():
         raise ParameterError(
             f"roll has the shape {angles.shape}; a finite number, or one for each of {len(stands)} poses, is needed."
@@ -106,25 +103,42 @@ def matrices(stands: Poses) -> FloatArray:
     return poses
 
 
-def _read_numbers(path: str | Path) -> pa.Table:
+def _read_table(path: str | Path) -> TextTable:
+    with Path(path).open("rb") as stream:
+        data = stream.read(LARGEST_BYTES + 1)
+    if len(data) > LARGEST_BYTES:
+        raise ParameterError(
+            f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB, which is the most."
+        )
     try:
-        with Path(path).open(newline="", encoding="utf-8-sig") as stream:
-            # Arrow passes over empty lines, too.
-            names = next(filter(None, csv.reader(stream)), [])
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise ParameterError(f"{path} holds no numbers by columns: {error}.") from error
-    numbers = ConvertOptions(column_types=dict.fromkeys(names, pa.float64()))
+        table = read_text_table(data, str(path), MOST_POSES)
+    except TableError as error:
+        raise ParameterError(str(error)) from error
+    if not table.names:
+        raise ParameterError(
+            f"{table.place(0)} holds numbers; a header is needed in the first line: {', '.join(PLACE)} and "
+            f"{', '.join(QUATERNION)} or {', '.join(NORMAL)}."
+        )
+    return table
+
+
+def _numbers(table: TextTable, names: Sequence[str]) -> FloatArray:
+    """Return named columns, shape (n, k), of numbers below `FARTHEST`."""
+    for name in names:
+        if table.names.count(name) != 1:
+            raise ParameterError(
+                f"{table.source} has {table.names.count(name)} columns {name}; {', '.join(PLACE)} and "
+                f"{', '.join(QUATERNION)} or {', '.join(NORMAL)} are needed, each once."
+            )
+    chosen = [table.names.index(name) for name in names]
     try:
-        # One thread alone knows the lines.
-        with open_csv(path, ReadOptions(use_threads=False), convert_options=numbers) as reader:
-            parts: list[pa.RecordBatch] = []
-            for part in reader:
-                parts.append(part)
-                if sum(map(len, parts)) > MOST_POSES:
-                    raise ParameterError(
-                        f"{path} holds more than {MOST_POSES:,} poses, which is the most."
-                    )
-            table = pa.Table.from_batches(parts, reader.schema)
-    except pa.ArrowInvalid as error:
-        raise ParameterError(f"{path} holds no numbers by columns: {error}.") from error
-    return table.rename_columns([name.strip() for name in names])
+        values = table.numbers(chosen)
+    except TableError as error:
+        raise ParameterError(str(error)) from error
+    large = np.argwhere(np.abs(values) >= FARTHEST)
+    if len(large):
+        row, column = large[0].tolist()
+        raise ParameterError(
+            f"{table.place(row, chosen[column])} is {values[row, column]:g}; numbers below {FARTHEST:g} are allowed."
+        )
+    return values

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,13 +12,13 @@ from PIL import Image
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError, ParameterError
-from visuohaptic.exploration.checking import point_rows, unit_rows
+from visuohaptic.exploration.checking import FARTHEST, numbers, point_rows, unit_rows
 from visuohaptic.exploration.pose_files import matrices, turned
 from visuohaptic.exploration.showing import png_of
-from visuohaptic.exploration.sources import surface_in_memory
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.meshes.model_files import Source, name_of, read_mesh
 from visuohaptic.parameters import as_parameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.effect_pipeline import TouchBatch
@@ -27,12 +27,15 @@ from visuohaptic.sensor.imprints import Poses, cast_heights, sensing_offsets, st
 from visuohaptic.sensor.parameters import Orientation
 from visuohaptic.sensor.random_fields import RandomFields
 
-if TYPE_CHECKING:
-    from trimesh import Trimesh
-
-    Mesh: TypeAlias = Trimesh | tuple[ArrayLike, ArrayLike]
-
 ORIENTATIONS = ("upright", "transported")
+MOST_ALONG_EDGE = 1024
+"""Sensing points along an edge."""
+
+MOST_POINTS = 1 << 26
+"""Sensing points of all sensors of a call: their heights and images take 0.8 GB."""
+
+_FARTHEST_RADII = 1e30  # of the mesh: rays are of float32
+_POINTS_AT_ONCE = 1 << 20  # some 150 bytes each
 _MOST_PICTURED = 64
 _PIXELS = 96
 
@@ -111,7 +114,7 @@ class Pressed:
 
 
 def press(
-    mesh: Mesh,
+    mesh: Source,
     points: ArrayLike | None = None,
     normals: ArrayLike | None = None,
     size: ArrayLike | None = None,
@@ -132,8 +135,8 @@ def press(
 
     Parameters
     ----------
-    mesh : trimesh.Trimesh or (vertices, faces)
-        The object; arrays of the shapes (v, 3) and (f, 3).
+    mesh : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
+        The object, as `load` takes it; arrays of the shapes (v, 3) and (f, 3).
     points : array_like, optional
         Shape (n, 3): centres of the sensors' planes, on the surface or anywhere else.
     normals : array_like, optional
@@ -142,7 +145,7 @@ def press(
         Edge of the squares: a number, or shape (n,). Of rectangles the width (along columns) and the
         height: shape (1, 2) for all, or (n, 2); a tuple of two numbers is (width, height), too.
     resolution : int or (int, int)
-        Sensing points along an edge, or rows and columns.
+        Sensing points along an edge, or rows and columns: 2 to 1024, and at most 2²⁶ of all sensors.
     depth : float, optional
         How deep below its plane a sensor feels; a third of the largest size by default.
     above : float, optional
@@ -180,18 +183,47 @@ def press(
     grid = _grid(resolution)
     sizes = _sizes(size, len(stands))
     largest = float(sizes.max(initial=0.0)) or 1.0
-    deep = float(_positive(np.array(largest / 3 if depth is None else depth), "depth"))
-    high = float(_positive(np.array(largest if above is None else above), "above"))
+    deep = _length(largest / 3 if depth is None else depth, "depth")
+    high = _length(largest if above is None else above, "above")
+    _check_count(len(stands), grid)
     surface, centre, radius = _unit_surface(mesh)
-    within = replace(stands, points=(stands.points - centre) / radius)
-    lifts = np.full(len(stands), high / radius)
-    heights = radius * cast_heights(
-        RayCaster(surface), within, sizes[:, ::-1] / radius, lifts, grid
-    )
-    images = np.clip(1 + heights / deep, 0, 1)
-    if scene is not None:
-        images = _readings(images, heights, sizes, scene, unit, seed)
-    return Pressed(images.astype(np.float32), heights, matrices(stands), sizes)
+    _check_lengths(stands, sizes, deep, high, radius)
+    caster = RayCaster(surface)
+    heights = np.empty((len(stands), *grid))
+    images = np.empty((len(stands), *grid), dtype=np.float32)
+    step = max(1, _POINTS_AT_ONCE // (grid[0] * grid[1]))
+    for start in range(0, len(stands), step):
+        block = slice(start, start + step)
+        part = stands[block]
+        within = replace(part, points=(part.points - centre) / radius)
+        lifts = np.full(len(part), high / radius)
+        felt = radius * cast_heights(caster, within, sizes[block, ::-1] / radius, lifts, grid)
+        contact = np.clip(1 + felt / deep, 0, 1)
+        if scene is not None:
+            fields = RandomFields(seed, [("press", start + number) for number in range(len(part))])
+            contact = _readings(contact, felt, sizes[block], scene, unit, fields)
+        heights[block], images[block] = felt, contact
+    return Pressed(images, heights, matrices(stands), sizes)
+
+
+def _check_lengths(
+    stands: Poses, sizes: FloatArray, deep: float, high: float, radius: float
+) -> None:
+    longest = max(np.abs(stands.points).max(initial=0.0), sizes.max(initial=0.0), deep, high)
+    if longest > _FARTHEST_RADII * radius:
+        raise ParameterError(
+            f"A point, a size, depth or above is {longest:g}, and the mesh has the radius {radius:g}; up to "
+            f"{_FARTHEST_RADII:g} radii are allowed."
+        )
+
+
+def _check_count(count: int, grid: tuple[int, int]) -> None:
+    points = count * grid[0] * grid[1]
+    if points > MOST_POINTS:
+        raise ParameterError(
+            f"{count} sensors of {grid[0]} x {grid[1]} have {points} sensing points; {MOST_POINTS} are "
+            "allowed: press them in several calls."
+        )
 
 
 def _readings(
@@ -200,7 +232,7 @@ def _readings(
     sizes: FloatArray,
     scene: Scene | Mapping[str, Any] | str,
     unit: str | None,
-    seed: int,
+    fields: RandomFields,
 ) -> FloatArray:
     """Give the readings of sensors in a scene, of full scale."""
     if unit not in UNITS:
@@ -218,7 +250,6 @@ def _readings(
         named = {"preset": scene} if isinstance(scene, str) else dict(scene)
         scene = as_parameters({"scene": named}).scene
     metres = UNITS[unit]
-    fields = RandomFields(seed, [("press", number) for number in range(len(contact))])
     gaps = metres * np.maximum(-heights, 0.0)
     return simulate(TouchBatch(scene, gaps, metres * cells[:, 0], fields), contact)[0]
 
@@ -236,7 +267,7 @@ def _stand(
     if (poses is None) == (points is None) or (points is None) != (normals is None):
         raise ParameterError("Sensors stand at points with normals, or at poses: give either.")
     if poses is not None:
-        found = np.asarray(poses, dtype=np.float64)
+        found = numbers(poses, "poses")
         _check_poses(found)
         columns, upwards, outward = (found[:, :3, axis] for axis in range(3))
         return Poses(found[:, :3, 3], outward, columns, -upwards)
@@ -245,9 +276,12 @@ def _stand(
 
 
 def _check_poses(poses: FloatArray) -> None:
-    if poses.ndim != 3 or poses.shape[1:] != (4, 4) or not np.isfinite(poses).all():
+    if poses.ndim != 3 or poses.shape[1:] != (4, 4):
+        raise ParameterError(f"poses has the shape {poses.shape}; (n, 4, 4) is needed.")
+    point_rows(poses[:, :3, 3], "poses[:, :3, 3]")
+    if not (np.abs(poses[:, :3, :3]) < 2).all():
         raise ParameterError(
-            f"poses has the shape {poses.shape}; (n, 4, 4), all finite, is needed."
+            "poses has axes that are not finite, or no unit axes; rotations are needed."
         )
     axes = poses[:, :3, :3]
     skew = np.abs(np.swapaxes(axes, 1, 2) @ axes - np.eye(3)).max(axis=(1, 2), initial=0.0)
@@ -260,10 +294,12 @@ def _check_poses(poses: FloatArray) -> None:
 
 def _grid(resolution: int | tuple[int, int]) -> tuple[int, int]:
     """Give rows and columns."""
-    counts = np.atleast_1d(np.asarray(resolution, dtype=np.float64))
-    if counts.shape not in ((1,), (2,)) or (counts % 1 != 0).any() or counts.min() < 2:
+    counts = np.atleast_1d(numbers(resolution, "resolution"))
+    allowed = (counts >= 2) & (counts <= MOST_ALONG_EDGE) & (np.floor(counts) == counts)
+    if counts.shape not in ((1,), (2,)) or not allowed.all():
         raise ParameterError(
-            f"resolution is {resolution}; a whole number of 2 or more, or two of them, is allowed."
+            f"resolution is {resolution}; a whole number from 2 to {MOST_ALONG_EDGE}, or two of them, is "
+            "allowed."
         )
     return int(counts[0]), int(counts[-1])
 
@@ -272,7 +308,7 @@ def _sizes(size: ArrayLike | None, count: int) -> FloatArray:
     """Give width and height of each sensor, shape (n, 2)."""
     if size is None:
         raise ParameterError("size is missing: the edge of the sensors, in the mesh's unit.")
-    given = np.asarray(size, dtype=np.float64)
+    given = numbers(size, "size")
     if isinstance(size, tuple) and given.shape == (2,):
         given = given[None]
     if given.ndim < 2:
@@ -285,26 +321,35 @@ def _sizes(size: ArrayLike | None, count: int) -> FloatArray:
     return _positive(np.broadcast_to(given, (count, 2)), "size").copy()
 
 
-def _unit_surface(mesh: Mesh) -> tuple[Surface, FloatArray, float]:
-    """Give the mesh within the unit ball, where rays are exact enough, its centre and radius."""
-    surface = surface_in_memory(mesh, "mesh")
-    if surface is None:
-        raise MeshError(
-            f"The mesh is of type {type(mesh).__name__}; a trimesh.Trimesh or (vertices, faces) is needed."
-        )
+def _unit_surface(mesh: Source) -> tuple[Surface, FloatArray, float]:
+    """Return the mesh within the unit ball, where rays are exact enough, its centre and radius."""
+    surface, name = read_mesh(mesh), name_of(mesh)
     vertices = surface.vertices
-    if not np.isfinite(vertices).all():
-        raise MeshError("The mesh has vertices that are not finite; a surface is needed.")
+    if not (np.abs(vertices) < FARTHEST).all():
+        raise MeshError(
+            f"{name} has vertices that are not finite, or at {FARTHEST:g} and beyond; a surface is needed."
+        )
     centre = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     radius = float(np.linalg.norm(vertices - centre, axis=1).max())
-    if not radius > 0:
-        raise MeshError("All vertices of the mesh are one point; there is nothing to touch.")
+    if not radius > 1 / FARTHEST:
+        raise MeshError(
+            f"{name} has all its vertices at one point, or within {1 / FARTHEST:g}; there is nothing to "
+            "touch."
+        )
     return replace(surface, vertices=(vertices - centre) / radius), centre, radius
 
 
+def _length(value: Any, name: str) -> float:
+    length = numbers(value, name)
+    if length.shape:
+        raise ParameterError(f"{name} has the shape {length.shape}; one number is needed.")
+    return float(_positive(length, name))
+
+
 def _positive(values: FloatArray, name: str) -> FloatArray:
-    if not (np.isfinite(values) & (values > 0)).all():
+    wrong = values[~((values > 0) & (values < FARTHEST))]
+    if wrong.size:
         raise ParameterError(
-            f"{name} holds {values.min():g}; positive, finite lengths are allowed."
+            f"{name} holds {wrong.flat[0]:g}; positive lengths below {FARTHEST:g} are allowed."
         )
     return values

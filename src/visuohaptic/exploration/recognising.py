@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 UNKNOWN = "unknown"
 """The name of an object that is of no class that the model knows."""
 
-DEFAULT_MODEL = Path("results/models/best.skops")
+DEFAULT_MODEL = Path("results/models/recogniser.skops")
 """Where the workflow leaves its recognition model."""
 
-PACKAGED_MODEL = Path(__file__).with_name("best.skops")
+PACKAGED_MODEL = Path(__file__).with_name("recogniser.skops")
 """The model of a default run on the paper's twelve objects, which comes with the package."""
 
 _FREE = ("viewpoints.count", "attention.fixations")

@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from contourlets import ContourletError
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.features.imprint_shape import describe_imprint_shape
@@ -33,7 +34,13 @@ def describe_imprints(
     can't be divided into 16 bands, or a descriptor gives other than a row for each.
     """
     entry = DESCRIPTORS[parameters.descriptor]
-    found = entry.describe(imprints, parameters)
+    try:
+        found = entry.describe(imprints, parameters)
+    except ContourletError as error:
+        raise ParameterError(
+            f"sensor.resolution is {imprints.shape[1]}, and descriptor {entry.name} refuses it with the "
+            f"settings of `features`: {error}"
+        ) from error
     if found.ndim != 2 or len(found) != len(imprints) or found.shape[1] > BANDS:
         raise ParameterError(
             f"descriptor {entry.name} gave an array of shape {found.shape} for {len(imprints)} imprints; "

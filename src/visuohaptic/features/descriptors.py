@@ -50,9 +50,9 @@ def _contourlet_deviations(imprints: NDArray[np.float32], parameters: Any) -> ND
             parameters.extension,
         )
         return band_deviations(imprints, transform)
-    except LevelsError as error:
+    except LevelsError:
         if parameters.levels != (4,):
-            raise ParameterError(f"sensor.resolution or features.levels: {error}") from None
+            raise
         raise ParameterError(
             f"sensor.resolution is {imprints.shape[1]}; multiples of 8, and odd numbers from 3 on, "
             "are allowed, as a contourlet divides the imprint into 16 bands."

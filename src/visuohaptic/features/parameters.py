@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
 
+from visuohaptic.base.section import Section
 from visuohaptic.features.descriptors import DESCRIPTORS
 
 BANDS = 16
 """Columns of a table of features for contourlet bands."""
 
 
-class FeatureParameters(BaseModel):
+class FeatureParameters(Section):
     """The contourlet transform of an imprint."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     descriptor: Annotated[str, DESCRIPTORS] = Field(
         "contourlet",

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import Field, field_validator
+
+from visuohaptic.base.section import Section
 
 
-class ViewpointParameters(BaseModel):
+class ViewpointParameters(Section):
     """Arrangement of the viewpoints and the lens that all of them share.
 
     The object frame has y up; its bounding sphere has radius 1 about the origin,
     at which every camera looks.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     arrangement: Literal["rings", "fibonacci"] = Field(
         "rings",
@@ -55,10 +55,8 @@ class ViewpointParameters(BaseModel):
         return values
 
 
-class RenderingParameters(BaseModel):
+class RenderingParameters(Section):
     """How views are rendered."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     resolution: int = Field(
         256,

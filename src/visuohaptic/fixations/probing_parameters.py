@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from visuohaptic.base.section import Section
 from visuohaptic.fixations.probing import StrategyName, Unreachable
 
 
-class ProbingParameters(BaseModel):
+class ProbingParameters(Section):
     """How probing locations are chosen."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     strategies: tuple[StrategyName, ...] = Field(
         ("fixation", "random"), min_length=1, description="Strategies to compare"

@@ -14,7 +14,8 @@ _SIZES = {
     **dict.fromkeys(("int", "uint", "float", "int32", "uint32", "float32"), 4),
     **dict.fromkeys(("double", "float64"), 8),
 }
-_END = re.compile(rb"^end_header[ \t]*\r?(\n|$)", re.MULTILINE)
+_END = re.compile(rb"[\r\n]end_header[ \t]*(?:\r?\n|$)")
+_END_OF_OLD_MAC = re.compile(rb"\rend_header[ \t]*(?:\r|$)")
 
 
 @dataclass(frozen=True)
@@ -29,12 +30,14 @@ class PlyHeader:
 
 def read_ply_header(start: bytes) -> PlyHeader:
     """Read a header from a file's first `LONGEST` bytes; raises `ValueError` if it is none."""
-    end = _END.search(start)
+    # Where lines end in a carriage return only, a line feed behind the header is data.
+    old_mac = start[3:4] == b"\r" and start[4:5] != b"\n"
+    end = (_END_OF_OLD_MAC if old_mac else _END).search(start)
     if not start.startswith(b"ply") or end is None:
         raise ValueError(f"it has no header that ends within {LONGEST} bytes")
     form = ""
     counts: list[tuple[int, int]] = []
-    for line in start[: end.start()].decode("latin-1").splitlines():
+    for line in start[: end.start() + 1].decode("latin-1").splitlines():
         words = line.split()
         match words[:1]:
             case ["format"]:

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
 _BLOCK_BYTES = 1 << 20
 
 _SET_ASIDE = "set aside: "
+_NOTE = "note: "
 _LONGEST_HEADER = 1 << 14  # bytes
 
 _CHANNELS = ("red", "green", "blue")
@@ -41,13 +42,17 @@ class Surface:
     `vertices` (v, 3), float64, are right-handed, y up; in the object frame the bounding sphere's
     centre is the origin and its radius 1. `faces` (f, 3), int64, are rows of them. `face_colours`
     (f, 3), uint8, are sRGB; of a face that has an image, the mean. `texture` is None where no face
-    has an image.
+    has an image. `notes` are sentences that a user should read about the file that it came from, such
+    as that an image was missing. `up_axis` is the axis that the file says points up, where it says so
+    and the surface is not turned yet.
     """
 
     vertices: FloatArray
     faces: IntArray
     face_colours: NDArray[np.uint8]
     texture: Texture | None = None
+    notes: tuple[str, ...] = ()
+    up_axis: Literal["x", "y", "z"] | None = None
 
     def __repr__(self) -> str:
         return f"<Surface: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
@@ -96,18 +101,26 @@ def as_stored(surface: Surface) -> Surface:
 def write_set_aside(path: str | Path, reason: str) -> None:
     """Write an empty surface, with the reason, in place of a model that can't be used."""
     empty = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.uint8))
-    write_surface(empty, path, comment=f"{_SET_ASIDE}{json.dumps(reason)}")
+    _write(empty, path, [f"{_SET_ASIDE}{json.dumps(reason)}"])
 
 
 def set_aside_reason(path: str | Path) -> str | None:
     """Give the sentence why an object was set aside; None for an object that takes part."""
-    start = f"comment {_SET_ASIDE}"
+    return next(_sentences(path, _SET_ASIDE), None)
+
+
+def notes_of(path: str | Path) -> list[str]:
+    """Read the notes of the surface in a mesh file, without the surface."""
+    return list(_sentences(path, _NOTE))
+
+
+def _sentences(path: str | Path, kind: str) -> Iterator[str]:
+    start = f"comment {kind}"
     with Path(path).open("rb") as stream:
-        header = stream.read(_LONGEST_HEADER).partition(b"end_header")[0].decode(errors="replace")
+        header = stream.read(_LONGEST_HEADER).partition(b"\nend_header")[0].decode(errors="replace")
     for line in header.splitlines():
         if line.startswith(start):
-            return str(json.loads(line[len(start) :]))
-    return None
+            yield str(json.loads(line[len(start) :]))
 
 
 def object_of(mesh: str | Path) -> str:
@@ -130,13 +143,17 @@ def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:
     return [path for path in map(Path, paths) if set_aside_reason(path) is None]
 
 
-def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None:
+def write_surface(surface: Surface, path: str | Path) -> None:
     """Write a surface as binary PLY, gzipped where the name ends in ``.gz``; its folder is made where missing.
 
     Vertices are stored as float32, the precision of the ray caster. Each face has the number of its
     image and its corners' places there, and elements `image` and `texel` follow, which other
-    programs pass over. The bytes depend on the surface and the comment, a line of the header, alone.
+    programs pass over. Notes are comments of the header. The bytes depend only on the surface.
     """
+    _write(surface, path, [f"{_NOTE}{json.dumps(note)}" for note in surface.notes])
+
+
+def _write(surface: Surface, path: str | Path, comments: list[str]) -> None:
     vertex = np.zeros(len(surface.vertices), dtype=[("x", "<f4"), ("y", "<f4"), ("z", "<f4")])
     for axis, name in enumerate("xyz"):
         vertex[name] = surface.vertices[:, axis]
@@ -152,7 +169,6 @@ def write_surface(surface: Surface, path: str | Path, comment: str = "") -> None
         PlyElement.describe(rows, name)
         for name, rows in {"vertex": vertex, "face": face, **images}.items()
     ]
-    comments = [comment] if comment else []
     header = PlyData(elements, byte_order="<", comments=comments).header
     # The library writes lists one by one; lists of one length are an array, each after its length.
     lists = np.zeros(len(face), dtype=[("length", "u1"), ("face", face.dtype)])
@@ -183,7 +199,8 @@ def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
         raise MeshError(
             f"{path} is no coloured triangle mesh of this workflow: {error}."
         ) from error
-    return Surface(vertices, faces, colours, texture)
+    notes = [json.loads(one[len(_NOTE) :]) for one in data.comments if one.startswith(_NOTE)]
+    return Surface(vertices, faces, colours, texture, tuple(notes))
 
 
 def _face_columns(texture: Texture | None) -> list[tuple[str, str]]:

@@ -10,9 +10,6 @@ CONSTANTS = {
     "attention.surround_offsets": "attention.pyramid.SURROUND_OFFSETS",
     "attention.symmetry_radii": "attention.channels.SYMMETRY_RADII",
     "meshes.merge_tolerance": "meshes.preparing.MERGE_TOLERANCE",
-    "recognition.best.bag_components": "recognition.tuning.BAG_COMPONENTS",
-    "recognition.best.bag_weight": "recognition.pooling.BAG_WEIGHT",
-    "recognition.best.inner_folds": "recognition.tuning.INNER_FOLDS",
     **{
         f"recognition.self_organising_map.{name}": f"recognition.self_organising_map.{constant}"
         for name, constant in {
@@ -38,6 +35,7 @@ PARAMETERS = {
     **{name: f"it is now the constant visuohaptic.{place}" for name, place in CONSTANTS.items()},
     "attention.terms": "strategy `human` has the terms, with fixed weights",
     "gaze": "it is now `make gaze FOLDER=... PEER=...`, and options of `python -m human_gaze`",
+    "recognition.best": "pipeline best is now order_free, with section recognition.order_free and fixed settings",
     "recognition.classifier.neighbour_weights": "it is gone, the votes of all neighbours count alike",
     "recognition.classifier.tree_criterion": "it is gone, splits lower the Gini impurity",
     "rendering.light_azimuth_degrees": "it is gone, both sides are lit alike",

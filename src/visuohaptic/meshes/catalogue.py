@@ -20,7 +20,7 @@ ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd"]
 """
 
 MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
-_PACKAGES = {".3mf": ("lxml",), ".dae": ("lxml", "collada")}
+_PACKAGES = {".3mf": ("lxml",), ".dae": ("lxml",)}
 COMPANION_SUFFIXES = (
     *(".mtl", ".bin"),
     *(".png", ".jpg", ".jpeg", ".bmp", ".tga", ".webp", ".tif", ".tiff", ".gif"),

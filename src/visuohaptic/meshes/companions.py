@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import io
 import os
 import posixpath
 import re
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Literal
 from urllib.parse import unquote
 from zipfile import ZipFile
 
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES
-
-if TYPE_CHECKING:
-    from PIL.Image import Image
+from visuohaptic.meshes.textures import PackedImage, open_image
 
 LARGEST_BYTES = 50 * 10**6
 """A material or image above this size is not read; a buffer of a glTF neither."""
@@ -37,11 +33,14 @@ class Companions:
     notes : list of str
         What else a user should know of the model, each a clause whose subject is the file: "has
         vertex colours that are not read".
+    up_axis : str or None
+        The axis, x, y or z, that the file says points up; None where it says none.
     """
 
     def __init__(self) -> None:
         self.missing: list[str] = []
         self.notes: list[str] = []
+        self.up_axis: Literal["x", "y", "z"] | None = None
 
     def read(self, name: str, beside: str = "") -> bytes:
         """Read a file by the name by which the model, or its companion `beside`, refers to it.
@@ -57,33 +56,27 @@ class Companions:
                 self.missing.append(clause)
             raise MeshError(f"it refers to {clause}") from None
 
-    def image(self, name: str, beside: str = "") -> Image | None:
-        """Open an image; None, and a clause in `missing`, where it is not there or no image.
+    def has(self, name: str, beside: str = "") -> bool:
+        """Tell whether `read` returns a file by a name, which `missing` does not get."""
+        try:
+            self._read(name, beside)
+        except MeshError:
+            return False
+        return True
+
+    def image(self, name: str, beside: str = "") -> PackedImage | None:
+        """Return an image; None, and a clause in `missing`, where it is not there or no image.
 
         Raises `MeshError` for more pixels than any image may have.
         """
-        import PIL.Image
-
         try:
             data = self.read(name, beside)
         except MeshError:
             return None
-        try:
-            with warnings.catch_warnings():
-                # Pixels are counted, by limits of our own, before any is decoded.
-                warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
-                return PIL.Image.open(io.BytesIO(data))
-        except PIL.Image.DecompressionBombError as error:
-            raise MeshError(f"its image {name!r} is too large: {error}") from error
-        except (
-            OSError,
-            ValueError,
-            SyntaxError,
-            TypeError,
-            EOFError,
-        ):  # of whatever Pillow's plug-ins meet
-            self.missing.append(f"{name!r}, which is no image that can be read")
-            return None
+        image = open_image(data, f"its image {name[:_LONGEST_SHOWN]!r}")
+        if image is None:
+            self.missing.append(f"{name[:_LONGEST_SHOWN]!r}, which is no image that can be read")
+        return image
 
     def _read(self, name: str, beside: str) -> bytes:  # noqa: ARG002 - the signature of all
         raise MeshError("is not there, for an open file brings no files beside it")
@@ -142,29 +135,6 @@ class ArchiveCompanions(Companions):
                 _check_size(found.file_size)
                 return self._archive.read(found)
         raise MeshError(f"is {_where(name)}")
-
-
-def as_resolver(companions: Companions) -> Any:
-    """Return what trimesh calls a resolver: it reads companions and nothing else."""
-    from trimesh.resolvers import Resolver
-
-    class CompanionResolver(Resolver):  # type: ignore[misc]
-        def __init__(self) -> None:
-            pass
-
-        def keys(self) -> Iterator[str]:
-            return iter(())
-
-        def namespaced(self, namespace: str) -> Any:
-            raise MeshError(f"{namespace} is not read.")
-
-        def write(self, name: str, data: str | bytes) -> None:  # noqa: ARG002 - trimesh's signature
-            raise MeshError(f"{name} is not written.")
-
-        def get(self, name: str) -> bytes:
-            return companions.read(name)
-
-    return CompanionResolver()
 
 
 def _places(name: str, beside: str) -> Iterator[str]:

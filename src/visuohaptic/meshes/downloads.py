@@ -15,8 +15,9 @@ import shutil
 import subprocess
 import tarfile
 import zipfile
+import zlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 
 import pooch
@@ -123,8 +124,13 @@ def extract_libraries(package: Path, libraries: Mapping[str, Path]) -> None:
         ):
             for member in data:
                 if member.isreg() and member.name in wanted:
+                    if member.size > _LARGEST_ARCHIVE_BYTES:
+                        raise DownloadError(
+                            f"{package}: {member.name} unpacks to more than "
+                            f"{_LARGEST_ARCHIVE_BYTES / 1e6:.0f} MB."
+                        )
                     stream = data.extractfile(member)
-                    if stream is not None and member.size <= _LARGEST_ARCHIVE_BYTES:
+                    if stream is not None:
                         with atomic_file(wanted.pop(member.name)) as unpacked:
                             unpacked.write_bytes(stream.read())
     except (tarfile.TarError, OSError) as error:
@@ -147,6 +153,8 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
         )
     with zipfile.ZipFile(library) as archive:
         surface = surface_from_archive(data, model.member, archive)
+    # Whoever runs the experiment can't mend a pinned archive.
+    surface = replace(surface, notes=())
     path = folder / f"{model.key}.ply.gz"
     part = path.with_name(f".{path.name}")
     write_surface(surface, part)
@@ -157,18 +165,21 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
 def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
     """Read one member of a zip archive into memory; `DownloadError` if it is not there or too large."""
     try:
-        with zipfile.ZipFile(archive) as opened:
-            if opened.getinfo(member).file_size > largest_bytes:
-                raise DownloadError(
-                    f"{archive}: {member} unpacks to more than {largest_bytes / 1e6:.0f} MB."
-                )
-            return opened.read(member)
+        with zipfile.ZipFile(archive) as opened, opened.open(member) as stream:
+            # What the archive says of a member's size may be wrong.
+            data = stream.read(largest_bytes + 1)
     except KeyError as error:
         raise DownloadError(f"{archive} has no member {member}.") from error
-    except (zipfile.BadZipFile, OSError) as error:
+    # An encrypted member is a RuntimeError, an unknown compression a NotImplementedError.
+    except (zipfile.BadZipFile, OSError, RuntimeError, EOFError, zlib.error) as error:
         raise DownloadError(
             f"{archive} can't be read: {error}; delete it and run again."
         ) from error
+    if len(data) > largest_bytes:
+        raise DownloadError(
+            f"{archive}: {member} unpacks to more than {largest_bytes / 1e6:.0f} MB."
+        )
+    return data
 
 
 def write_credits(models: Iterable[Model], path: str | Path) -> None:

@@ -1,4 +1,4 @@
-"""Surfaces that a caller holds in memory: a trimesh mesh or scene, or arrays."""
+"""Meshes that a caller holds in memory: of trimesh, of Open3D, or two arrays."""
 
 from __future__ import annotations
 
@@ -10,35 +10,30 @@ from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.base.arrays import IntArray
 from visuohaptic.base.errors import MeshError
-from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.texture import REPEAT
-from visuohaptic.meshes.parts import Paint, Part, join_parts
+from visuohaptic.meshes.colours import as_bytes, mean_of_corners
+from visuohaptic.meshes.parts import GREY, Paint, Part
+
+_ALLOWED = (
+    "a path, a trimesh.Trimesh or Scene, an Open3D TriangleMesh, (vertices, faces) or an open binary "
+    "file is needed"
+)
 
 
-def surface_of_arrays(vertices: ArrayLike, faces: ArrayLike, name: str) -> Surface:
-    """Give a grey surface of vertices (v, 3), in any frame and unit, and faces (f, 3).
+def parts_in_memory(mesh: Any) -> list[Part]:
+    """Return the parts of a mesh or scene of trimesh, a triangle mesh of Open3D, or two arrays.
 
-    Raises `MeshError` if a shape or type is another; whether faces name vertices is checked when it
-    is prepared.
+    Raises `MeshError`, with the reason only, if it is of another type, or an array of another shape.
     """
-    corners = _check_columns(faces, "faces", name)
-    if not np.issubdtype(corners.dtype, np.integer):
-        raise MeshError(f"{name} has faces of {corners.dtype}; integers are needed.")
-    return _joined([Part(_check_columns(vertices, "vertices", name), corners)], name)
-
-
-def surface_of_trimesh(mesh: Any, name: str) -> Surface:
-    """Return the surface of a ``trimesh.Trimesh``, or of all parts of a ``trimesh.Scene``.
-
-    Materials and vertex colours become one colour per face; images stay images. Raises `MeshError`
-    if there are no faces, or an image can't be read.
-    """
-    # Parts that don't fit each other may fail in any way; the scene is what is wrong.
-    try:
-        parts = list(parts_of_trimesh(mesh))
-    except Exception as error:
-        raise MeshError(f"{name} can't be read as one surface: {reason_of(error)}.") from error
-    return _joined(parts, name)
+    if isinstance(mesh, tuple) and len(mesh) == 2:
+        return [_part_of_arrays(*mesh)]
+    if hasattr(mesh, "geometry") or (hasattr(mesh, "faces") and hasattr(mesh, "visual")):
+        return list(parts_of_trimesh(mesh))
+    if hasattr(mesh, "triangles") and hasattr(mesh, "vertices"):
+        return list(_parts_of_open3d(mesh))
+    if hasattr(mesh, "triangle") and hasattr(mesh, "vertex") and hasattr(mesh, "to_legacy"):
+        return list(_parts_of_open3d(mesh.to_legacy()))
+    raise MeshError(f"it is of type {type(mesh).__name__}; {_ALLOWED}")
 
 
 def parts_of_trimesh(mesh: Any) -> Iterator[Part]:
@@ -48,8 +43,7 @@ def parts_of_trimesh(mesh: Any) -> Iterator[Part]:
     some programs write it beside an image.
     """
     if not hasattr(mesh, "geometry"):
-        if hasattr(mesh, "faces"):
-            yield _part(mesh, mesh.vertices, mesh.faces)
+        yield _part(mesh, mesh.vertices, mesh.faces)
         return
     for node in mesh.graph.nodes_geometry:
         transform, geometry = mesh.graph[node]
@@ -61,19 +55,23 @@ def parts_of_trimesh(mesh: Any) -> Iterator[Part]:
             yield _part(shape, moved.vertices, moved.faces)
 
 
-def reason_of(error: Exception) -> str:
-    """Give what went wrong in a library, on one line without a stop."""
-    return " ".join(str(error).split())[:200].rstrip(".!") or "it is broken or truncated"
+def _part_of_arrays(vertices: ArrayLike, faces: ArrayLike) -> Part:
+    corners = _columns(faces, "faces")
+    if not np.issubdtype(corners.dtype, np.integer):
+        raise MeshError(f"it has faces of {corners.dtype}; integers are needed")
+    return Part(_columns(vertices, "vertices"), corners)
 
 
-def _joined(parts: list[Part], name: str) -> Surface:
-    if not any(len(part.faces) for part in parts):
-        raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
+def _columns(values: ArrayLike, what: str) -> NDArray[Any]:
     try:
-        return join_parts(parts)
-    # Colours or images that don't fit the faces may fail in any way.
-    except Exception as error:
-        raise MeshError(f"{name} can't be read as one surface: {reason_of(error)}.") from error
+        array = np.asarray(values)
+    except ValueError:
+        raise MeshError(f"it has {what} of unequal lengths; three each are needed") from None
+    if array.dtype.kind not in "iuf":
+        raise MeshError(f"it has {what} of {array.dtype}; numbers are needed")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise MeshError(f"it has {what} of shape {array.shape}; (n, 3) is needed")
+    return array
 
 
 def _part(mesh: Any, vertices: NDArray[Any], faces: NDArray[Any]) -> Part:
@@ -89,8 +87,7 @@ def _face_colours(visual: Any, faces: IntArray) -> NDArray[np.uint8] | None:
         colour = np.asarray(visual.material.main_color)[:3].astype(np.uint8)
         return np.tile(colour, (len(faces), 1))
     if visual.kind == "vertex":
-        corners = np.asarray(visual.vertex_colors)[faces][..., :3]
-        return np.rint(corners.mean(axis=1)).astype(np.uint8)
+        return mean_of_corners(np.asarray(visual.vertex_colors)[:, :3], faces)
     if visual.kind == "face":
         return np.asarray(visual.face_colors)[:, :3].astype(np.uint8)
     return None
@@ -120,13 +117,28 @@ def _triple(values: Any) -> tuple[float, float, float]:
     return float(red), float(green), float(blue)
 
 
-def _check_columns(values: ArrayLike, what: str, name: str) -> NDArray[Any]:
-    try:
-        array = np.asarray(values)
-    except ValueError:
-        raise MeshError(f"{name} has {what} of unequal lengths; three each are needed.") from None
-    if array.dtype.kind not in "iuf":
-        raise MeshError(f"{name} has {what} of {array.dtype}; numbers are needed.")
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise MeshError(f"{name} has {what} of shape {array.shape}; (n, 3) is needed.")
-    return array
+def _parts_of_open3d(mesh: Any) -> Iterator[Part]:
+    """Return the parts of a legacy ``open3d.geometry.TriangleMesh``: one per image, or only one."""
+    from PIL.Image import fromarray
+
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles, dtype=np.int64)
+    colours = np.tile(np.array(GREY, np.uint8), (len(faces), 1))
+    if mesh.has_vertex_colors():
+        colours = mean_of_corners(as_bytes(np.asarray(mesh.vertex_colors)), faces)
+    corners = np.asarray(mesh.triangle_uvs).reshape(-1, 3, 2)
+    numbers = np.asarray(mesh.triangle_material_ids, dtype=np.int64)
+    if len(corners) != len(faces) or not mesh.textures:
+        yield Part(vertices, faces, colours)
+        return
+    if len(numbers) != len(faces):
+        numbers = np.zeros(len(faces), dtype=np.int64)
+    for number in np.unique(numbers):
+        shown = numbers == number
+        image = np.asarray(mesh.textures[number]) if 0 <= number < len(mesh.textures) else None
+        # Open3D keeps the lowest row of an image first.
+        paint = (
+            Paint(fromarray(np.ascontiguousarray(image[::-1])), corners[shown])
+            if image is not None and image.size
+            else None
+        )
+        yield Part(vertices, faces[shown], colours[shown], paint)

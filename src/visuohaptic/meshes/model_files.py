@@ -1,74 +1,163 @@
-"""Model files as people have them (OBJ, PLY, STL, GLB, glTF, OFF, 3MF, DAE), read into a coloured surface."""
+"""The one way into the package: a mesh from a file, an open file, or memory becomes a coloured surface."""
 
 from __future__ import annotations
 
 import codecs
-import io
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 from zipfile import ZipFile
 
+from numpy.typing import ArrayLike
+
 from visuohaptic.base.errors import MeshError
-from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.catalogue import why_unreadable
-from visuohaptic.meshes.collada import checked_collada
-from visuohaptic.meshes.companions import (
-    ArchiveCompanions,
-    Companions,
-    FolderCompanions,
-    as_resolver,
-)
-from visuohaptic.meshes.gltf_files import add_wraps, check_gltf, gltf_document
-from visuohaptic.meshes.in_memory import reason_of, surface_of_trimesh
-from visuohaptic.meshes.obj_files import checked_obj
+from visuohaptic.geometry.surface import Surface, read_surface
+from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, why_unreadable
+from visuohaptic.meshes.collada import read_collada
+from visuohaptic.meshes.companions import ArchiveCompanions, Companions, FolderCompanions
+from visuohaptic.meshes.gltf_files import read_gltf
+from visuohaptic.meshes.in_memory import parts_in_memory
+from visuohaptic.meshes.obj_files import read_obj
 from visuohaptic.meshes.off_files import read_off
-from visuohaptic.meshes.ply_files import checked_ply
-from visuohaptic.meshes.stl_files import checked_stl
+from visuohaptic.meshes.parts import Part, join_parts
+from visuohaptic.meshes.ply_files import read_ply
+from visuohaptic.meshes.stl_files import read_stl
 from visuohaptic.meshes.three_mf import read_3mf
 
-_TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae")
-# What trimesh reads as it is meant once these have checked it.
-_CHECKED = {"obj": checked_obj, "ply": checked_ply, "stl": checked_stl, "dae": checked_collada}
+if TYPE_CHECKING:
+    from trimesh import Scene, Trimesh
+
+Source: TypeAlias = (
+    "str | Path | BinaryIO | Trimesh | Scene | Surface | tuple[ArrayLike, ArrayLike]"
+)
+"""What a mesh may come from; of Open3D also a `TriangleMesh`, legacy or tensor."""
+
+UNNAMED = "object"
+"""Name of a mesh whose source has none."""
+
+PACKED = ".ply.gz"
+"""End of the name of a surface that `write_surface` wrote."""
+
+_TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae", "stl")
+_MOST_MISSING = 5
 
 
-def read_model(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
-    """Read a model file with trimesh, all its parts as one surface, with its colours and textures.
-
-    The surface is in the file's own frame and unit, polygons cut into triangles. Materials give a
-    face its diffuse colour; vertex colours are averaged over the corners. Textures are looked for
-    beside the file and below, never elsewhere; a missing one leaves the diffuse colour. Raises
-    `MeshError` if the file can't be read, is larger than the limit, in 10⁶ bytes, or has no triangle.
-    """
-    path = Path(path)
-    _check_suffix(path.suffix, str(path))
-    try:
-        with path.open("rb") as stream:
-            data = _read_bounded(stream, str(path), largest_megabytes)
-    except OSError as error:
-        raise MeshError(f"{path} can't be read: {error.strerror}.") from error
-    return _surface(data, str(path), path.suffix, FolderCompanions(path))
-
-
-def read_open_file(
-    stream: BinaryIO, name: str, suffix: str, largest_megabytes: float = 512.0
+def read_mesh(
+    source: Source, file_type: str | None = None, largest_megabytes: float = 512.0
 ) -> Surface:
-    """Read a model as `read_model` does from an open file, which brings no textures beside it.
+    """Read a mesh from wherever it is, all its parts as one surface, with its colours and images.
 
-    `suffix` is its format, such as ``.obj``. Raises `MeshError` also if the file gives text.
+    Parameters
+    ----------
+    source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
+        A path may also be that of a packed surface, ``.ply.gz``. A surface is returned as it is.
+    file_type : str, optional
+        Format of an open file, such as ``obj``; without it as its name ends.
+    largest_megabytes : float
+        Larger files are refused, 10⁶ bytes.
+
+    Returns
+    -------
+    Surface
+        In the source's own frame and unit, polygons cut into triangles, without the vertices that no
+        face names. Files that a model refers to are read from its folder and below, never from
+        elsewhere; `Surface.notes` says which are missing.
+
+    Raises
+    ------
+    MeshError
+        If the source is none, can't be read, or has no triangle; the sentence names it.
     """
-    _check_suffix(suffix, name)
-    data = _read_bounded(stream, name, largest_megabytes)
-    return _surface(data, name, suffix, Companions())
+    if isinstance(source, Surface):
+        return source
+    name = name_of(source)
+    if isinstance(source, str | Path):
+        return _read_path(Path(source), name, largest_megabytes)
+    if hasattr(source, "read"):
+        stream: Any = source
+        kind = _kind_of(stream, file_type)
+        return read_data(_read_bounded(stream, name, largest_megabytes), kind, name, Companions())
+    return _surface(lambda: parts_in_memory(source), name, "a mesh", Companions())
+
+
+def name_of(source: Source) -> str:
+    """Return the name of a mesh in sentences about it: a path, the stem of an open file, or ``object``."""
+    if isinstance(source, str | Path):
+        return str(source)
+    file_name = getattr(source, "name", None)
+    stem = Path(file_name).stem if isinstance(file_name, str) else ""
+    # A file's name may hold bytes that are no text, which no table can hold.
+    return stem.encode("utf-8", "replace").decode("utf-8") or UNNAMED
 
 
 def surface_from_archive(data: bytes, name: str, archive: ZipFile) -> Surface:
-    """Read a member of a zip archive as `read_model` does, its textures from its own folder there."""
-    return _surface(data, name, Path(name).suffix, ArchiveCompanions(archive, name))
+    """Read a member of a zip archive, and what it refers to from its own folder there."""
+    return read_data(data, Path(name).suffix[1:], name, ArchiveCompanions(archive, name))
 
 
-def _check_suffix(suffix: str, name: str) -> None:
-    if why := why_unreadable(suffix):
+def read_data(data: bytes, kind: str, name: str, companions: Companions) -> Surface:
+    """Read the content of a file of a kind such as ``obj``; raises `MeshError`, which names it."""
+    kind = kind.lower()
+    if kind in _TEXT_KINDS:
+        data = data.removeprefix(codecs.BOM_UTF8)
+    return _surface(lambda: _READERS[kind](data, companions), name, kind.upper(), companions)
+
+
+def _surface(
+    read: Callable[[], Sequence[Part]], name: str, kind: str, companions: Companions
+) -> Surface:
+    # A parser fed with a broken file may fail in any way.
+    try:
+        surface = join_parts(read())
+    except Exception as error:
+        raise MeshError(f"{name} can't be read as {kind}: {_reason_of(error)}.") from error
+    return replace(surface, notes=_notes(name, companions), up_axis=companions.up_axis)
+
+
+def _notes(name: str, companions: Companions) -> tuple[str, ...]:
+    """Return the sentences on what a model lacks, one on all files that are missing."""
+    notes = [f"{name} {note}." for note in dict.fromkeys(companions.notes)]
+    missing = list(dict.fromkeys(companions.missing))
+    if missing:
+        more = len(missing) - _MOST_MISSING
+        named = "; ".join(missing[:_MOST_MISSING]) + (f"; and {more} more" if more > 0 else "")
+        notes.insert(0, f"{name} refers to {named}. Its faces are coloured without.")
+    return tuple(notes[:_MOST_MISSING])
+
+
+def _reason_of(error: Exception) -> str:
+    """Return what went wrong in a library, on one line without a stop."""
+    return " ".join(str(error).split())[:300].rstrip(".!") or "it is broken or truncated"
+
+
+def _read_path(path: Path, name: str, largest_megabytes: float) -> Surface:
+    if name.endswith(PACKED):
+        return read_surface(path, largest_megabytes)
+    if why := why_unreadable(path.suffix):
         raise MeshError(f"{name} {why}")
+    try:
+        with path.open("rb") as stream:
+            data = _read_bounded(stream, name, largest_megabytes)
+    except OSError as error:
+        raise MeshError(f"{name} can't be read: {error.strerror}.") from error
+    return read_data(data, path.suffix[1:], name, FolderCompanions(path))
+
+
+def _kind_of(stream: Any, file_type: str | None) -> str:
+    file_name = getattr(stream, "name", None)
+    suffix = Path(file_name).suffix if isinstance(file_name, str) else ""
+    kind = (suffix if file_type is None else file_type).lower().removeprefix(".")
+    allowed = ", ".join(suffix.removeprefix(".") for suffix in MODEL_SUFFIXES)
+    if not kind:
+        raise MeshError(
+            f"The open file has no name; its file_type is needed; {allowed} are allowed."
+        )
+    if f".{kind}" not in MODEL_SUFFIXES:
+        raise MeshError(f"The open file's file_type is {kind!r}; {allowed} are allowed.")
+    if why := why_unreadable(f".{kind}"):
+        raise MeshError(f"The open file {why}")
+    return kind
 
 
 def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> bytes:
@@ -85,33 +174,13 @@ def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> byte
     return data
 
 
-def _surface(data: bytes, name: str, suffix: str, companions: Companions) -> Surface:
-    kind = suffix[1:].lower()
-    if kind in _TEXT_KINDS:
-        data = data.removeprefix(codecs.BOM_UTF8)
-    # A parser fed with a broken file may fail in any way.
-    try:
-        found = _read(data, kind, companions)
-    except Exception as error:
-        raise MeshError(f"{name} can't be read as {kind.upper()}: {reason_of(error)}.") from error
-    return surface_of_trimesh(found, name)
-
-
-def _read(data: bytes, kind: str, companions: Companions) -> Any:
-    """Give a ``trimesh.Scene`` or ``trimesh.Trimesh`` as the file means it; errors give the reason alone."""
-    import trimesh
-
-    if kind == "off":
-        return read_off(data)
-    if kind == "3mf":
-        return trimesh.Trimesh(*read_3mf(data), process=False)
-    if kind in _CHECKED:
-        data = _CHECKED[kind](data)
-    else:
-        document = gltf_document(data, kind)
-        check_gltf(document, len(data))
-    resolver = as_resolver(companions)
-    scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, resolver=resolver, process=False)
-    if kind not in _CHECKED:
-        add_wraps(scene, document)
-    return scene
+_READERS: dict[str, Callable[[bytes, Companions], Sequence[Part]]] = {
+    "obj": read_obj,
+    "ply": read_ply,
+    "stl": read_stl,
+    "off": read_off,
+    "glb": read_gltf,
+    "gltf": read_gltf,
+    "3mf": read_3mf,
+    "dae": read_collada,
+}

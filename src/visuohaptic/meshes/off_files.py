@@ -1,69 +1,199 @@
-"""OFF files, checked against their header and their concave polygons cut."""
+"""OFF files (Object File Format of Geomview) with colours of vertices and faces."""
 
 from __future__ import annotations
 
 import re
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes.colours import as_bytes, mean_of_corners
+from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines
-from visuohaptic.meshes.polygons import check_corners, cuts, fan
+from visuohaptic.meshes.parts import GREY, Part
+from visuohaptic.meshes.polygons import check_corners, triangulate
+from visuohaptic.meshes.text_numbers import numbers_of, plain_lines
 
-_FIRST_LINE = re.compile(rb"(?:ST)?C?N?OFF\b(.*)", re.IGNORECASE)
+# ModelNet has files whose counts follow the keyword without a blank.
+_KEYWORD = re.compile(rb"\s*(ST)?(C?N?|NC)(4?)OFF(?=[\s\d]|$)", re.IGNORECASE)
+# Two or three counts on a line, or three that white space of any kind parts.
+_COUNTS = re.compile(
+    rb"\s*(?:(\d+)[ \t]+(\d+)(?:[ \t]+\d+)?[ \t]*(?:\n|$)|(\d+)\s+(\d+)\s+\d+(?=\s|$))"
+)
+_COMMENT = re.compile(rb"#[^\n]*")
 
 
-def read_off(data: bytes) -> Any:
-    """Give the ``trimesh.Trimesh`` of a file, polygons cut into triangles, without colours.
+@dataclass(frozen=True)
+class _Header:
+    """What a header says: extras of each vertex, numbers of rows, and where they begin."""
 
-    Raises `MeshError` with the reason alone, if rows are other than the header promises or a face
-    names no vertex; `ValueError` where a number is none.
+    places: bool
+    colours: bool
+    normals: bool
+    vertices: int
+    faces: int
+    length: int
+
+
+@dataclass(frozen=True)
+class _Faces:
+    """Corners of all faces, face after face, how many each has, and the numbers behind them."""
+
+    corners: IntArray
+    counts: IntArray
+    colours: FloatArray
+    coloured: NDArray[np.bool_]
+
+
+def read_off(data: bytes, companions: Companions) -> list[Part]:
+    """Read an OFF file as one part, polygons cut into triangles.
+
+    White space of any kind parts numbers; colours of faces need a line per face. Colours are numbers
+    to 255 or, where none is above 1, shares.
+
+    Raises `MeshError`, with the reason only, if rows are other than the header promises, a word is no
+    number, a face names no vertex, or the file is binary.
     """
-    import trimesh
+    text = plain_lines(data)
+    check_lines(text)
+    if b"#" in text:
+        text = _COMMENT.sub(b"", text)
+    header = _read_header(text)
+    body = text[header.length :]
+    numbers = numbers_of(body, 1 + text.count(b"\n", 0, header.length))
+    widths = np.fromiter(
+        (count for line in body.split(b"\n") if (count := len(line.split()))), dtype=np.int64
+    )
+    columns = _columns(header, widths)
+    if header.vertices * columns > len(numbers):
+        raise _wrong("it is truncated", header, widths)
+    rows = numbers[: header.vertices * columns].reshape(-1, columns)
+    faces = _read_faces(header, numbers[rows.size :], _behind(widths, rows.size))
+    points = np.ascontiguousarray(rows[:, :3])
+    check_corners(faces.corners, len(points))
+    triangles, owners = triangulate(points, faces.corners, faces.counts)
+    named = faces.corners[triangles]
+    colours = mean_of_corners(_vertex_colours(header, rows), named)
+    if faces.coloured.any():
+        of_faces = as_bytes(faces.colours)[owners]
+        others = np.array(GREY, np.uint8) if colours is None else colours
+        colours = np.where(faces.coloured[owners, None], of_faces, others)
+    if header.places:
+        companions.notes.append("has coordinates on an image that OFF can't name")
+    return [Part(points, named, colours)]
 
-    check_lines(data)
-    lines = [line for raw in data.splitlines() if (line := raw.partition(b"#")[0].strip())]
-    vertices, faces, rows = _promised(lines)
-    if len(rows) != vertices + faces:
-        what = "it is truncated" if len(rows) < vertices + faces else "it holds too much"
-        raise MeshError(
-            f"{what}: its header promises {vertices} vertices and {faces} faces, one a line, and "
-            f"{len(rows)} lines follow"
-        )
-    points = np.array([[*map(float, row.split()[:3])] for row in rows[:vertices]])
-    polygons = [_corners_of(row, place) for place, row in enumerate(rows[vertices:])]
-    counts = np.array([len(polygon) for polygon in polygons], dtype=np.int64)
-    corners = np.concatenate([np.empty(0, np.int64), *polygons])
-    check_corners(corners, vertices)
-    cut = {place: fan(len(polygons[place])) for place in np.flatnonzero(counts > 4).tolist()}
-    cut |= cuts(points, corners, counts)
-    pieces = [
-        polygon[triangle]
-        for place, polygon in enumerate(polygons)
-        for triangle in cut.get(place, [slice(None)])
-    ]
-    triangles = trimesh.geometry.triangulate_quads(pieces)
-    return trimesh.Trimesh(points, triangles, process=False)
 
-
-def _promised(lines: list[bytes]) -> tuple[int, int, list[bytes]]:
-    """Give the counts of vertices and faces, and the lines below them."""
-    first = _FIRST_LINE.fullmatch(lines[0]) if lines else None
-    if first is None:
+def _read_header(text: bytes) -> _Header:
+    keyword = _KEYWORD.match(text)
+    start = keyword.end() if keyword else 0
+    if text[start:].lstrip(b" \t").startswith(b"BINARY"):
+        raise MeshError("it is binary OFF, which is not read; export it as text")
+    counts = _COUNTS.match(text, start)
+    if keyword is None and counts is None:
         raise MeshError("its first line is not OFF, COFF or NOFF")
-    start = 1 if first[1].strip() else 2
-    counts = (first[1] if start == 1 else b" ".join(lines[1:2])).split()
-    if len(counts) not in {2, 3} or not all(count.isdigit() for count in counts):
+    if counts is None:
         raise MeshError("its header does not promise a number of vertices and one of faces")
-    return int(counts[0]), int(counts[1]), lines[start:]
+    places, extras, dimensions = keyword.groups() if keyword else (None, b"", b"")
+    if dimensions:
+        raise MeshError("it has vertices of 4 dimensions; 3 are needed")
+    vertices, faces = (int(count) for count in counts.groups() if count is not None)
+    return _Header(
+        places is not None,
+        b"C" in extras.upper(),
+        b"N" in extras.upper(),
+        vertices,
+        faces,
+        counts.end(),
+    )
 
 
-def _corners_of(row: bytes, place: int) -> Any:
-    count, *numbers = row.split()
-    if not count.isdigit() or int(count) > len(numbers):
+def _columns(header: _Header, widths: IntArray) -> int:
+    """Return how many numbers a vertex has: those of its line where each has one, else as the keyword says."""
+    of_vertices = widths[: header.vertices]
+    lines = len(widths) >= header.vertices + header.faces
+    if len(of_vertices) and lines and (of_vertices == of_vertices[0]).all() and of_vertices[0] >= 3:
+        return int(of_vertices[0])
+    return 3 + 3 * header.normals + 4 * header.colours + 2 * header.places
+
+
+def _behind(widths: IntArray, count: int) -> IntArray | None:
+    """Return the widths of the lines behind some numbers; None where these end within a line."""
+    ends = np.cumsum(widths)
+    lines = int(np.searchsorted(ends, count, side="right"))
+    whole = count == 0 or (lines > 0 and ends[lines - 1] == count)
+    return widths[lines:] if whole else None
+
+
+def _read_faces(header: _Header, numbers: FloatArray, widths: IntArray | None) -> _Faces:
+    if widths is None or len(widths) != header.faces:
+        return _parted_by_counts(header, numbers, widths)
+    starts = np.cumsum(widths) - widths
+    counts = _whole(numbers[starts])
+    wrong = np.flatnonzero((counts < 0) | (counts >= widths))
+    if len(wrong):
+        place = wrong[0]
         raise MeshError(
-            f"face {place} promises {count[:20].decode('latin-1')} corners, and {len(numbers)} "
-            "numbers follow"
+            f"face {place} promises {counts[place]} corners, and {widths[place] - 1} numbers follow"
         )
-    return np.array([int(number) for number in numbers[: int(count)]], dtype=np.int64)
+    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    corners = numbers[np.repeat(starts + 1, counts) + within]
+    # A single number is a place in a table of colours that Geomview has.
+    coloured = widths - 1 - counts >= 3
+    colours = np.zeros((header.faces, 3))
+    first = (starts + 1 + counts)[coloured]
+    colours[coloured] = numbers[first[:, None] + np.arange(3)]
+    return _Faces(_whole(corners), counts, colours, coloured)
+
+
+def _parted_by_counts(header: _Header, numbers: FloatArray, widths: IntArray | None) -> _Faces:
+    """Read faces that do not have a line each, hence no colours."""
+    place, counts, corners = 0, [], [np.empty(0)]
+    for face in range(header.faces):
+        count = int(_whole(numbers[place : place + 1]).sum())  # 0 behind the last
+        if count < 0 or place + count >= len(numbers):
+            raise _wrong("it is truncated", header, widths, face)
+        counts.append(count)
+        corners.append(numbers[place + 1 : place + 1 + count])
+        place += 1 + count
+    if place < len(numbers):
+        raise _wrong("it holds too much", header, widths)
+    return _Faces(
+        _whole(np.concatenate(corners)),
+        np.array(counts, dtype=np.int64),
+        np.zeros((header.faces, 3)),
+        np.zeros(header.faces, dtype=bool),
+    )
+
+
+def _whole(numbers: FloatArray) -> IntArray:
+    wrong = np.flatnonzero(~(np.abs(numbers) < 2**53) | (np.floor(numbers) != numbers))
+    if len(wrong):
+        raise MeshError(f"a face holds {numbers[wrong[0]]:g}; whole numbers are needed")
+    return numbers.astype(np.int64)
+
+
+def _vertex_colours(header: _Header, rows: FloatArray) -> NDArray[np.uint8] | None:
+    """Return the colours (v, 3); normals stand before, coordinates on an image behind them."""
+    start, end = 3 + 3 * header.normals, rows.shape[1] - 2 * header.places
+    extras = rows[:, start:end]
+    if extras.shape[1] not in {3, 4}:
+        return None
+    # Under the plain keyword they may be normals.
+    if not header.colours and (
+        header.normals or not (extras >= 0).all() or (extras[:, :3] != np.rint(extras[:, :3])).any()
+    ):
+        return None
+    return as_bytes(extras[:, :3])
+
+
+def _wrong(
+    what: str, header: _Header, widths: IntArray | None, face: int | None = None
+) -> MeshError:
+    lines = "" if widths is None else f", and {len(widths)} lines follow"
+    at = "" if face is None else f" (at face {face})"
+    return MeshError(
+        f"{what}: its header promises {header.vertices} vertices and {header.faces} faces{lines}{at}"
+    )

@@ -57,6 +57,8 @@ def join_parts(parts: Sequence[Part]) -> Surface:
         [len(part.faces) for part in shown],
         np.concatenate([_colours(part) for part in shown]),
     )
+    if len(shown) == 1:
+        return Surface(shown[0].vertices, shown[0].faces, colours, texture)
     return Surface(
         np.concatenate([part.vertices for part in shown]),
         np.concatenate([part.faces + start for part, start in zip(shown, starts, strict=True)]),

@@ -1,79 +1,231 @@
-"""PLY files, checked to be whole and their polygons cut, for trimesh's reader."""
+"""PLY files, read by plyfile's tables: polygons, strips, colours, and images by faces or vertices."""
 
 from __future__ import annotations
 
-import io
+import re
 import tempfile
+import warnings
+from collections.abc import Iterator
 from contextlib import suppress
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 from plyfile import PlyData, PlyElement, PlyElementParseError, PlyListProperty
 
-from visuohaptic.base.arrays import IntArray
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
-from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
-from visuohaptic.meshes.limits import check_lines
-from visuohaptic.meshes.polygons import check_corners, cuts, fan
+from visuohaptic.geometry.ply_header import LONGEST, PlyHeader, check_ply_size, read_ply_header
+from visuohaptic.meshes.colours import as_bytes, mean_of_corners
+from visuohaptic.meshes.companions import Companions
+from visuohaptic.meshes.limits import check_lines, check_parts
+from visuohaptic.meshes.parts import GREY, Paint, Part
+from visuohaptic.meshes.polygons import check_corners, triangulate
+from visuohaptic.meshes.text_numbers import plain_lines
 
 _CORNERS = ("vertex_indices", "vertex_index")
-_TEXTURE = "texcoord"  # of a face: u and v of each corner
+_PLACES = "texcoord"  # of a face: u and v of each corner
+_PLACES_OF_VERTICES = (("texture_u", "texture_v"), ("u", "v"), ("s", "t"))
+_COLOURS = (
+    ("red", "green", "blue"),
+    ("diffuse_red", "diffuse_green", "diffuse_blue"),
+    ("r", "g", "b"),
+)
+_STRIPS = "tristrips"
+_IMAGE = re.compile(r"comment\s+TextureFile\s+(.*\S)", re.IGNORECASE)
+_MEANT = re.compile(r"\s*(?:ply|format|element|property)\b")
 _MOST_BLANK_LINES = 100_000
 
 
-def checked_ply(data: bytes) -> bytes:
-    """Give the file, or one whose polygons are triangles where trimesh would cut them wrongly.
+def read_ply(data: bytes, companions: Companions) -> list[Part]:
+    """Read a PLY file: one part, or one per image that its header names.
 
-    Raises `MeshError` with the reason alone, if it holds less than its header promises or a face
+    Raises `MeshError`, with the reason only, if it holds less than its header promises or a face
     names no vertex; `ValueError` or ``plyfile.PlyParseError`` if it can't be read.
     """
     header = read_ply_header(data[:LONGEST])
+    if header.ascii and b"\r" in data:
+        data = plain_lines(data)
+        header = read_ply_header(data[:LONGEST])
     check_ply_size(header, len(data))
     if header.ascii:
         check_lines(data)
         lines = data.count(b"\n", header.length)
         if lines > header.rows + _MOST_BLANK_LINES:
             raise MeshError(f"its header claims {header.rows} rows, and {lines} lines follow")
-    ply = _read(data, text=header.ascii)
-    if "vertex" not in ply or "face" not in ply:
-        return data
-    lists = [one.name for one in ply["face"].properties if isinstance(one, PlyListProperty)]
-    name = next((one for one in lists if len(lists) == 1 or one in _CORNERS), None)
-    if name is None:
-        return data
-    face = ply["face"].data
-    counts = np.array([len(one) for one in face[name]], dtype=np.int64)
-    corners = np.concatenate([np.empty(0, np.int64), *face[name]]).astype(np.int64)
-    points = np.column_stack([ply["vertex"][axis] for axis in "xyz"]).astype(np.float64)
+    tables = _read_tables(data, header)
+    if "vertex" not in tables:
+        return []
+    vertex = tables["vertex"]
+    if not set("xyz") <= set(_scalars(vertex)):
+        raise MeshError("its vertices have no numbers x, y and z")
+    points = np.empty((len(vertex.data), 3))
+    for axis, name in enumerate("xyz"):
+        points[:, axis] = vertex[name]
+    images = _Images(data[: header.length], companions)
+    return [*_faces(tables, points, images), *_strips(vertex, tables, points, images)]
+
+
+class _Images:
+    """The images that a header names, which are opened once coordinates on them are there."""
+
+    def __init__(self, header: bytes, companions: Companions) -> None:
+        lines = _decoded(header).splitlines()
+        self.names = [found[1] for line in lines if (found := _IMAGE.fullmatch(line.strip()))]
+        self._companions = companions
+        check_parts(len(self.names), "images")
+
+    def paints(
+        self, places: FloatArray | None, numbers: IntArray
+    ) -> Iterator[tuple[NDArray[np.bool_] | slice, Paint | None]]:
+        """Return the faces of each image, and the image on them, by the image's number (f,) of each face."""
+        if not self.names:
+            yield slice(None), None
+            return
+        if places is None:
+            self._companions.notes.append("names an image and has no coordinates on it")
+            yield slice(None), None
+            return
+        opened = [self._companions.image(name) for name in self.names]
+        for number in np.unique(numbers):
+            shown = numbers == number
+            image = opened[number] if 0 <= number < len(opened) else None
+            yield shown, None if image is None else Paint(image, places[shown])
+
+
+def _faces(tables: PlyData, points: FloatArray, images: _Images) -> Iterator[Part]:
+    face = next((one for one in tables.elements if one.name == "face"), None)
+    name = None if face is None else _name_of_corners(face)
+    if face is None or name is None:
+        return
+    corners, counts = _lists(face.data[name])
+    if corners.dtype.kind == "f":
+        corners = _whole(corners)
     check_corners(corners, len(points))
-    cut = cuts(points, corners, counts)
-    # trimesh reads a binary file only where all its lists have one length.
-    if not cut and (ply.text or len(np.unique(counts)) == 1):
-        return data
-    triangles = [cut.get(place, fan(count)) for place, count in enumerate(counts.tolist())]
-    ply.elements = [
-        PlyElement.describe(_triangle_rows(face, name, triangles), "face")
-        if element.name == "face"
-        else element
-        for element in ply.elements
-    ]
-    ply.text, ply.byte_order = False, "<"
-    written = io.BytesIO()
-    ply.write(written)
-    return written.getvalue()
+    triangles, owners = triangulate(points, corners, counts)
+    named = corners.reshape(-1, 3) if (counts == 3).all() else corners[triangles]
+    numbers = np.zeros(len(face.data), dtype=np.int64)
+    if "texnumber" in face.data.dtype.names:
+        numbers = np.nan_to_num(face.data["texnumber"], nan=-1).astype(np.int64)
+    places = _places(tables["vertex"], named)
+    if _PLACES in face.data.dtype.names:
+        values, lengths = _lists(face.data[_PLACES])
+        whole = lengths == 2 * counts
+        numbers = np.where(whole, numbers, -1)
+        first = np.where(whole, np.cumsum(lengths) - lengths, 0)[owners]
+        within = triangles - (np.cumsum(counts) - counts)[owners, None]
+        across = np.where(whole[owners, None], first[:, None] + 2 * within, 0)
+        values = np.append(values, [0.0, 0.0])
+        places = np.stack([values[across], values[across + 1]], axis=-1)
+    colours = _face_colours(tables, owners, named)
+    for shown, paint in images.paints(places, numbers[owners]):
+        yield Part(points, named[shown], None if colours is None else colours[shown], paint)
 
 
-def _read(data: bytes, *, text: bool) -> Any:
-    if not text:
-        known = dict.fromkeys(_CORNERS, 3) | {_TEXTURE: 6}
-        with suppress(PlyElementParseError), tempfile.TemporaryFile() as file:
-            # What lies in a file is read as one array, and lists of other lengths are refused.
-            file.write(data)
-            file.seek(0)
-            return PlyData.read(file, known_list_len={"face": known})
+def _strips(
+    vertex: PlyElement, tables: PlyData, points: FloatArray, images: _Images
+) -> Iterator[Part]:
+    """Return the triangles of strips: lists of vertices, parted by -1, that every three in a row span."""
+    if _STRIPS not in tables:
+        return
+    name = _name_of_corners(tables[_STRIPS])
+    if name is None:
+        return
+    rows, _ = _lists(np.array([np.append(row, -1) for row in tables[_STRIPS].data[name]], object))
+    three = np.lib.stride_tricks.sliding_window_view(rows, 3) if len(rows) > 2 else rows[:0]
+    three = three.reshape(-1, 3)
+    starts = np.maximum.accumulate(np.where(rows == -1, np.arange(len(rows)) + 1, 0))
+    starts = np.concatenate([[0], starts])[: len(three)]
+    odd = (np.arange(len(three)) - starts) % 2 == 1
+    triangles = np.where(odd[:, None], three[:, [1, 0, 2]], three)
+    # A vertex that is named twice turns a strip around a corner.
+    kept = (triangles >= 0).all(axis=1) & (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(
+        axis=1
+    )
+    named = triangles[kept].astype(np.int64)
+    check_corners(rows[rows != -1], len(points))
+    colours = mean_of_corners(_colours(vertex), named)
+    for shown, paint in images.paints(_places(vertex, named), np.zeros(len(named), np.int64)):
+        yield Part(points, named[shown], None if colours is None else colours[shown], paint)
+
+
+def _name_of_corners(element: PlyElement) -> str | None:
+    lists = [one.name for one in element.properties if isinstance(one, PlyListProperty)]
+    return next((one for one in lists if len(lists) == 1 or one in _CORNERS), None)
+
+
+def _whole(corners: NDArray[np.floating]) -> IntArray:
+    wrong = corners[~(np.abs(corners) < 2**53) | (np.floor(corners) != corners)]
+    if len(wrong):
+        raise MeshError(f"a face names vertex {wrong[0]:g}; whole numbers are needed")
+    return corners.astype(np.int64)
+
+
+def _scalars(element: PlyElement) -> list[str]:
+    return [one.name for one in element.properties if not isinstance(one, PlyListProperty)]
+
+
+def _lists(rows: NDArray[Any]) -> tuple[NDArray[Any], IntArray]:
+    """Return the numbers of lists, row after row, and how many each row has."""
+    if rows.dtype != object:
+        return rows.ravel(), np.full(len(rows), rows.shape[1], dtype=np.int64)
+    counts = np.fromiter(map(len, rows), np.int64, len(rows))
+    return np.concatenate([np.empty(0, np.int64), *rows]), counts
+
+
+def _places(vertex: PlyElement, named: IntArray) -> FloatArray | None:
+    for names in _PLACES_OF_VERTICES:
+        if set(names) <= set(_scalars(vertex)):
+            places = np.column_stack([vertex[name] for name in names]).astype(np.float64)
+            return places[named]
+    return None
+
+
+def _face_colours(tables: PlyData, owners: IntArray, named: IntArray) -> NDArray[np.uint8] | None:
+    """Return the colours of triangles: of their vertices, else of their polygon, else of its material."""
+    of_vertices = _colours(tables["vertex"])
+    if of_vertices is not None:
+        return mean_of_corners(of_vertices, named)
+    face = tables["face"]
+    of_faces = _colours(face)
+    if of_faces is not None:
+        return of_faces[owners]
+    materials = _colours(tables["material"]) if "material" in tables else None
+    if materials is None or "material_index" not in face.data.dtype.names:
+        return None
+    number = face["material_index"].astype(np.int64)[owners]
+    known = (number >= 0) & (number < len(materials))
+    return np.where(known[:, None], materials[np.where(known, number, 0)], np.array(GREY, np.uint8))
+
+
+def _colours(element: PlyElement) -> NDArray[np.uint8] | None:
+    """Return the colours of an element's rows; None where it has none."""
+    for names in _COLOURS:
+        if set(names) <= set(_scalars(element)) and len(element.data):
+            return as_bytes(np.column_stack([element[name] for name in names]))
+    return None
+
+
+def _read_tables(data: bytes, header: PlyHeader) -> PlyData:
+    with tempfile.TemporaryFile() as file:
+        file.write(_plain_header(data[: header.length]))
+        file.write(memoryview(data)[header.length :])
+        if not header.ascii:
+            known = dict.fromkeys(_CORNERS, 3) | {_PLACES: 6}
+            with suppress(PlyElementParseError):
+                file.seek(0)
+                # What lies in a file is read as one array, and lists of other lengths are refused.
+                return PlyData.read(file, mmap="c", known_list_len={"face": known})
+        file.seek(0)
+        return _read_row_by_row(file)
+
+
+def _read_row_by_row(file: BinaryIO) -> PlyData:
     try:
-        return PlyData.read(io.BytesIO(data))
+        with warnings.catch_warnings():
+            # plyfile reads rows of text by NumPy, which warns of a list that is empty.
+            warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+            return PlyData.read(file)
     except PlyElementParseError as error:
         if error.row is None or "early end" not in error.message:
             raise
@@ -83,23 +235,14 @@ def _read(data: bytes, *, text: bool) -> Any:
         ) from error
 
 
-def _triangle_rows(face: NDArray[Any], name: str, triangles: list[IntArray]) -> NDArray[Any]:
-    """Give a row of the faces' table for each triangle: its polygon's row but for what its corners have."""
-    places = np.repeat(np.arange(len(face)), [len(one) for one in triangles])
-    picked = list(zip(places.tolist(), np.concatenate(triangles), strict=True))
-    columns: dict[str, NDArray[Any]] = {}
-    for one in face.dtype.names or ():
-        values = face[one]
-        if one == name:
-            columns[one] = np.array([values[place][corners] for place, corners in picked])
-        elif one == _TEXTURE:
-            uv = [np.reshape(row, (-1, 2)) for row in values]
-            columns[one] = np.array([uv[place][corners].ravel() for place, corners in picked])
-        else:
-            columns[one] = values[places]
-    rows = np.empty(
-        len(places), [(one, values.dtype, values.shape[1:]) for one, values in columns.items()]
-    )
-    for one, values in columns.items():
-        rows[one] = values
-    return rows
+def _plain_header(header: bytes) -> bytes:
+    """Return the header without comments, which may be in any encoding, its words parted by one blank."""
+    lines = [" ".join(line.split()) for line in _decoded(header).splitlines() if _MEANT.match(line)]
+    return "\n".join([*lines, "end_header\n"]).encode("ascii", "replace")
+
+
+def _decoded(header: bytes) -> str:
+    try:
+        return header.decode("utf-8")
+    except UnicodeDecodeError:
+        return header.decode("latin-1")

@@ -41,6 +41,29 @@ def cuts(points: FloatArray, corners: IntArray, counts: IntArray) -> dict[int, I
     return found
 
 
+def triangulate(
+    points: FloatArray, corners: IntArray, counts: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Cut polygons into triangles, in their order: each by its fan, or as `cuts` does where that is wrong.
+
+    `points`, `corners` and `counts` are those of `cuts`. Returns triangles (t, 3), indices into
+    `corners`, and the index (t,) of each triangle's polygon. Polygons of fewer than three corners go.
+    """
+    if (counts == 3).all():
+        return np.arange(len(corners)).reshape(-1, 3), np.arange(len(counts))
+    cut = cuts(points, corners, counts)
+    pieces = np.maximum(counts - 2, 0)
+    for polygon, triangles in cut.items():
+        pieces[polygon] = len(triangles)
+    owners = np.repeat(np.arange(len(counts)), pieces)
+    starts, begins = np.cumsum(counts) - counts, np.cumsum(pieces) - pieces
+    second = np.arange(len(owners)) - begins[owners] + 1
+    triangles = starts[owners][:, None] + np.column_stack([0 * second, second, second + 1])
+    for polygon, inner in cut.items():
+        triangles[begins[polygon] : begins[polygon] + len(inner)] = starts[polygon] + inner
+    return triangles, owners
+
+
 def fan(count: int) -> IntArray:
     """Give the triangles, shape (count - 2, 3), of a polygon that is cut from its first corner."""
     second = np.arange(1, max(count - 1, 1))
@@ -49,11 +72,16 @@ def fan(count: int) -> IntArray:
 
 def check_corners(corners: IntArray, vertices: int, first: int = 0) -> None:
     """Refuse, with the reason alone, corners that name no vertex; vertices are counted from `first`."""
-    wrong = corners[(corners < first) | (corners >= first + vertices)]
-    if len(wrong):
-        raise MeshError(
-            f"a face names vertex {wrong[0]}; {first} to {first + vertices - 1} are there"
-        )
+    if not len(corners):
+        return
+    last = first + vertices - 1
+    # Masks of all corners take memory, and hardly any file needs them.
+    if corners.min() >= first and corners.max() <= last:
+        return
+    if not vertices:
+        raise MeshError(f"a face names vertex {corners[0]}, and no vertices are there")
+    wrong = corners[(corners < first) | (corners > last)][0]
+    raise MeshError(f"a face names vertex {wrong}; {first} to {last} are there")
 
 
 def _cut_block(polygons: FloatArray) -> dict[int, IntArray]:

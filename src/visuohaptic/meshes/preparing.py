@@ -3,60 +3,67 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
-from visuohaptic.geometry.surface import Surface, as_stored, read_surface
+from visuohaptic.geometry.surface import Surface, as_stored
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
-from visuohaptic.meshes.model_files import read_model
+from visuohaptic.meshes.model_files import PACKED, Source, name_of, read_mesh
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.up_axis import steadiest_axis
+from visuohaptic.meshes.up_axis import leans_on_y, steadiest_axis
 
 MERGE_TOLERANCE = 1e-6
 """Vertices nearer than this, in object radii, become one: some ten steps of float32 at the unit sphere."""
 
-UP_AXES = {"y": np.eye(3), "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])}
+UP_AXES = {
+    "x": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
+    "y": np.eye(3),
+    "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]),
+}
+"""The rotation, (3, 3), that turns each axis to y."""
 
 
-def prepare_object(model: Model, path: str | Path, parameters: MeshParameters) -> Surface:
-    """Read an object's model, packed or a user's own file, and make it ready as `normalise` does.
+def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> Surface:
+    """Read an object's model and make it ready as `normalise` does.
 
-    Raises `MeshError`, which names the file, if it can't be read or has nothing to touch.
+    Raises `MeshError`, which names the source, if it can't be read or has nothing to touch.
     """
-    return place_object(model, path, parameters)[0]
+    return place_object(model, source, parameters)[0]
 
 
 def place_object(
-    model: Model, path: str | Path, parameters: MeshParameters
+    model: Model, source: Source, parameters: MeshParameters, file_type: str | None = None
 ) -> tuple[Surface, FloatArray]:
-    """Do the same, and give the way as `place` does."""
-    if str(path).endswith(".ply.gz"):
-        surface = read_surface(path, parameters.largest_megabytes)
+    """Do the same, and return the matrix (4, 4) of `place`; `source` and `file_type` are those of `read_mesh`."""
+    surface = read_mesh(source, file_type, parameters.largest_megabytes)
+    name = name_of(source)
+    if name.endswith(PACKED):
         rotation = np.eye(3) if model.rotation is None else np.reshape(model.rotation, (3, 3))
     else:
-        surface = read_model(path, parameters.largest_megabytes)
-        rotation = up_rotation(surface, str(path), parameters)
-    return place(surface, str(path), rotation, model.dimensions)
+        rotation, notes = _upright(surface, name, parameters)
+        surface = replace(surface, notes=(*surface.notes, *notes))
+    return place(surface, name, rotation, model.dimensions)
 
 
-def place_surface(
+def _upright(
     surface: Surface, name: str, parameters: MeshParameters
-) -> tuple[Surface, FloatArray]:
-    """Make ready a surface in memory, as `place_object` does a user's own file."""
-    return place(surface, name, up_rotation(surface, name, parameters))
-
-
-def up_rotation(surface: Surface, name: str, parameters: MeshParameters) -> FloatArray:
-    """Give the rotation, (3, 3), that turns an own model's axis that points up to y."""
+) -> tuple[FloatArray, list[str]]:
+    """Return the rotation (3, 3) that turns an own model's axis that points up to y, and what to say of it."""
     axis: str = parameters.own_up_axis
+    _check_finite(surface, name)
     if axis == "auto":
-        _check_finite(surface, name)
-        axis = steadiest_axis(surface, UP_AXES)
-    return UP_AXES[axis]
+        return UP_AXES[steadiest_axis(surface, {axis: UP_AXES[axis] for axis in "yz"})], []
+    if axis != "file":
+        return UP_AXES[axis], []
+    if surface.up_axis is not None:
+        return UP_AXES[surface.up_axis], []
+    if leans_on_y(surface, UP_AXES["z"]):
+        note = f"{name} is taken as y-up, and would stand more steadily with z up"
+        return UP_AXES["y"], [f"{note}; if so, say --up z (meshes.own_up_axis)."]
+    return UP_AXES["y"], []
 
 
 def normalise(
@@ -152,6 +159,7 @@ def _kept(surface: Surface, keep: BoolArray) -> Surface:
         renumbered.reshape(-1, 3).astype(np.int64),
         surface.face_colours[keep],
         None if surface.texture is None else surface.texture.take(keep),
+        notes=surface.notes,
     )
 
 
@@ -163,7 +171,8 @@ def _check_finite(surface: Surface, name: str) -> None:
             f"{name} has a face that names vertex {surface.faces.max()}; "
             f"0 to {len(surface.vertices) - 1} are there."
         )
-    broken = np.flatnonzero(~np.isfinite(surface.vertices).all(axis=1))
+    named = np.unique(surface.faces)
+    broken = named[~np.isfinite(surface.vertices[named]).all(axis=1)]
     if len(broken):
         raise MeshError(
             f"{name} has {len(broken)} NaN or infinite vertices, the first is number {broken[0]}; "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -26,8 +28,27 @@ MOST_PIXELS_TOGETHER = 16 * MOST_PIXELS
 MOST_TEXELS = 4096 * 4096
 """Texels of all images of a surface: larger images are halved until they fit."""
 
+IMAGE_FORMATS = ("AVIF", "BMP", "GIF", "JPEG", "PNG", "TGA", "TIFF", "WEBP")
+"""Formats of Pillow that are read; some others start programs, as EPS does."""
+
 # An image that is repeated more often than this across a face has one colour from anywhere.
 _FARTHEST = 2.0**20
+
+
+@dataclass(frozen=True, eq=False)
+class PackedImage:
+    """An image as its file holds it, decoded anew when its pixels are asked for: none stay in memory.
+
+    Attributes
+    ----------
+    data : bytes
+        The file.
+    size : tuple of int
+        Width and height, in pixels.
+    """
+
+    data: bytes
+    size: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -36,8 +57,8 @@ class Paint:
 
     Attributes
     ----------
-    image : PIL.Image.Image
-        The image, which need not be decoded yet.
+    image : PackedImage or PIL.Image.Image
+        The image; of a file it is not decoded yet.
     corners : numpy.ndarray
         Shape (f, 3, 2), float: coordinates of each corner in the image, (0, 0) its lower left and (1, 1)
         its upper right.
@@ -49,7 +70,7 @@ class Paint:
         Whether the tint multiplies linear light, as in glTF, or stored sRGB numbers, as in an MTL file.
     """
 
-    image: Image
+    image: PackedImage | Image
     corners: FloatArray
     wraps: tuple[int, int] = (REPEAT, REPEAT)
     tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
@@ -59,6 +80,26 @@ class Paint:
     def key(self) -> tuple[object, ...]:
         """What makes the image look different; parts of one key share their image."""
         return id(self.image), self.wraps, self.tint, self.linear
+
+
+def open_image(data: bytes, name: str) -> PackedImage | None:
+    """Return an image of known size; None where the bytes are of no format that is read.
+
+    Raises `MeshError` with the reason, which begins with the image's name, for more pixels than
+    `MOST_PIXELS`.
+    """
+    import PIL.Image
+
+    try:
+        with _opened(data) as image:
+            width, height = image.size
+    except PIL.Image.DecompressionBombError as error:
+        raise MeshError(f"{name} has too many pixels; {MOST_PIXELS} are allowed") from error
+    except (OSError, ValueError):
+        return None
+    if width * height > MOST_PIXELS:
+        raise MeshError(f"{name} has {width} × {height} pixels; {MOST_PIXELS} are allowed")
+    return PackedImage(data, (width, height))
 
 
 def add_textures(
@@ -141,7 +182,19 @@ def _read_image(paint: Paint, halvings: int) -> NDArray[np.uint8]:
     return image
 
 
-def _pixels(image: Image) -> NDArray[np.uint8]:
+def _opened(data: bytes) -> Image:
+    import PIL.Image
+
+    with warnings.catch_warnings():
+        # Pixels are counted by limits of our own before any is decoded.
+        warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
+        return PIL.Image.open(io.BytesIO(data), formats=IMAGE_FORMATS)
+
+
+def _pixels(image: PackedImage | Image) -> NDArray[np.uint8]:
+    if isinstance(image, PackedImage):
+        with _opened(image.data) as opened:
+            return _pixels(opened)
     if not image.mode.startswith("I;16"):
         return np.asarray(image.convert("RGB"))
     # Pillow would cut 16 bits off at 255.

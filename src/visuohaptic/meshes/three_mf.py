@@ -1,118 +1,118 @@
-"""3MF files: a zip archive of XML, read without their colours.
-
-3D Manufacturing Format, core specification 1.3 and production extension 1.1 (3mf.io). trimesh's reader
-puts all shapes of a file of the archive wherever one of them stands.
-"""
+"""3MF files: what they build, as parts with their colours and images."""
 
 from __future__ import annotations
 
 import io
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
-from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.errors import MeshError
-from visuohaptic.geometry.vectors import product
-from visuohaptic.meshes.limits import check_parts, check_xml_size, parse_xml
-from visuohaptic.meshes.polygons import check_corners
+from visuohaptic.meshes.companions import Companions
+from visuohaptic.meshes.limits import check_parts
+from visuohaptic.meshes.parts import GREY, Paint, Part
+from visuohaptic.meshes.scenes import placed
+from visuohaptic.meshes.three_mf_package import NO_GROUP, Group, ModelObject, Package
 
-Key = tuple[str, str]
-"""A file of the archive, and the id of an object in it."""
-
-_MODEL = "3d/3dmodel.model"
-_MOST_FILES = 5_000
-
-
-@dataclass(frozen=True)
-class _Object:
-    vertices: FloatArray
-    faces: IntArray
-    components: list[tuple[Key, FloatArray]]
+_NOT_BUILT = {"support", "solidsupport", "other"}
+_COLOURED = {"basematerials", "colorgroup"}
 
 
-def read_3mf(data: bytes) -> tuple[FloatArray, IntArray]:
-    """Read all that a 3MF file builds, its parts where they stand: vertices (v, 3) and faces (f, 3).
+def read_3mf(data: bytes, companions: Companions) -> list[Part]:
+    """Read all that a 3MF file builds, its objects where they stand.
 
-    Vertices are in the file's own frame and unit. Raises `MeshError`, with the reason alone, if the
-    file unpacks to too much, places too many parts, or refers to what it does not hold.
+    Parts are in the file's own frame and unit, z up (core specification, section 3). Supports, and what
+    only changes other objects, are no parts of what is built. Raises `MeshError`, with the reason only,
+    if the file unpacks to too much, places too many parts, or refers to what it does not hold.
     """
+    companions.up_axis = "z"
     with ZipFile(io.BytesIO(data)) as archive:
-        _check_archive(archive)
-        roots = {
-            name.lower(): parse_xml(archive.read(name))
-            for name in archive.namelist()
-            if name.lower().endswith(".model")
-        }
-    if _MODEL not in roots:
-        raise MeshError("it holds no 3D/3dmodel.model")
-    objects = {
-        (file, one.get("id", "")): _read_object(one, file)
-        for file, root in roots.items()
-        for one in root.iter("{*}object")
-    }
-    return _place(objects, _references(roots[_MODEL], "{*}build/{*}item", _MODEL))
+        package = Package(archive)
+        return list(_placed(package, companions))
 
 
-def _check_archive(archive: ZipFile) -> None:
-    files = archive.infolist()
-    if len(files) > _MOST_FILES:
-        raise MeshError(f"it holds {len(files)} files; {_MOST_FILES} are allowed")
-    # No more than these sizes is ever unpacked; other ways of packing may ask for any memory.
-    check_xml_size(sum(file.file_size for file in files))
-    if any(file.compress_type not in {ZIP_STORED, ZIP_DEFLATED} for file in files):
-        raise MeshError("it is packed in a way that 3MF does not have")
-
-
-def _read_object(element: Any, file: str) -> _Object:
-    vertices = _rows(element, "{*}mesh/{*}vertices/{*}vertex", ("x", "y", "z"), np.float64)
-    faces = _rows(element, "{*}mesh/{*}triangles/{*}triangle", ("v1", "v2", "v3"), np.int64)
-    check_corners(faces.ravel(), len(vertices))
-    return _Object(vertices, faces, _references(element, "{*}components/{*}component", file))
-
-
-def _rows(element: Any, path: str, names: tuple[str, ...], kind: Any) -> NDArray[Any]:
-    rows = [[one.get(name) for name in names] for one in element.iterfind(path)]
-    return np.array(rows, dtype=kind).reshape(-1, 3)
-
-
-def _references(element: Any, path: str, file: str) -> list[tuple[Key, FloatArray]]:
-    return [(_key(one, file), _transform(one)) for one in element.iterfind(path)]
-
-
-def _key(element: Any, file: str) -> Key:
-    elsewhere = [text for name, text in element.attrib.items() if name.endswith("}path")]
-    return (elsewhere[0].strip("/").lower() if elsewhere else file), element.get("objectid", "")
-
-
-def _transform(element: Any) -> FloatArray:
-    """Give a matrix (4, 4) for row vectors."""
-    matrix, numbers = np.eye(4), element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()
-    matrix[:, :3] = np.array(numbers, dtype=np.float64).reshape(4, 3)
-    return matrix
-
-
-def _place(
-    objects: dict[Key, _Object], built: list[tuple[Key, FloatArray]]
-) -> tuple[FloatArray, IntArray]:
-    placed, corners, waiting = [], 0, built[::-1]
+def _placed(package: Package, companions: Companions) -> Iterator[Part]:
+    waiting = package.model(package.start()).items[::-1]
+    shown, corners = [], 0
     while waiting:
         key, matrix = waiting.pop()
-        if key not in objects:
-            raise MeshError(f"it places object {key[1]!r} of {key[0]!r}, which is not there")
-        found = objects[key]
-        placed.append((found, matrix))
+        found = package.find(key)
+        if found.kind in _NOT_BUILT:
+            companions.notes.append(f"has an object of type {found.kind}, which is left out")
+            continue
+        if found.unknown:
+            raise MeshError(
+                f"object {key[1]!r} of {key[0]!r} has {found.unknown}, which is not read"
+            )
+        shown.append((key, found, matrix))
         corners += len(found.vertices) + found.faces.size
-        waiting += [(one, product(inner, matrix)) for one, inner in reversed(found.components)]
+        waiting += [(one, matrix @ inner) for one, inner in reversed(found.components)]
         check_parts(
-            len(placed) + len(waiting), "parts or more, counted wherever one stands", corners
+            len(shown) + len(waiting), "parts or more, counted wherever one stands", corners
         )
-    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], 0
-    for found, matrix in placed:
-        vertices.append(product(found.vertices, matrix[:3, :3]) + matrix[3, :3])
-        faces.append(found.faces + count)
-        count += len(found.vertices)
-    return np.concatenate(vertices), np.concatenate(faces)
+    for key, found, matrix in shown:
+        for part in _parts(package, key[0], found, companions):
+            yield from placed(part, matrix[None])
+
+
+def _parts(
+    package: Package, file: str, found: ModelObject, companions: Companions
+) -> Iterator[Part]:
+    """Return the triangles of an object: those of one colour each, and those of each image."""
+    model = package.model(file)
+    colours = np.tile(np.array(GREY, dtype=np.uint8), (len(found.faces), 1))
+    plain = np.ones(len(found.faces), dtype=bool)
+    for number in np.unique(found.groups[found.groups != NO_GROUP]):
+        name, chosen = found.group_ids[number], found.groups == number
+        if name not in model.groups:
+            raise MeshError(f"a triangle has the property group {name[:80]!r}, which is not there")
+        group = model.groups[name]
+        if group.kind in _COLOURED:
+            corners = _chosen(group.colours, found, chosen, name)
+            # A base material covers a whole triangle.
+            kept = corners if group.kind == "colorgroup" else corners[:, :1]
+            colours[chosen] = np.rint(kept.mean(axis=1))
+        elif group.kind == "texture2dgroup":
+            paint = _paint(
+                package, file, group, _chosen(group.coordinates, found, chosen, name), companions
+            )
+            if paint is not None:
+                plain &= ~chosen
+                yield _compact(found, chosen, paint)
+        else:
+            companions.notes.append(f"has colours of kind {group.kind}, which are not read")
+    if plain.any():
+        coloured = (found.groups[plain] != NO_GROUP).any()
+        yield Part(found.vertices, found.faces[plain], colours[plain] if coloured else None)
+
+
+def _chosen(rows: NDArray[Any], found: ModelObject, chosen: BoolArray, name: str) -> NDArray[Any]:
+    properties = found.properties[chosen]
+    if properties.min(initial=0) < 0 or properties.max(initial=0) >= len(rows):
+        raise MeshError(
+            f"a triangle has property {properties.max()} of group {name[:80]!r}; {len(rows)} are there"
+        )
+    return rows[properties]
+
+
+def _paint(
+    package: Package, file: str, group: Group, corners: FloatArray, companions: Companions
+) -> Paint | None:
+    images = package.model(file).images
+    path, wraps = images.get(group.image, ("", (0, 0)))
+    image = package.image(path)
+    if image is None:
+        clause = f"image {path[:80]!r}, which is not in the archive or no image that can be read"
+        companions.missing.append(clause)
+        return None
+    return Paint(image, corners, wraps)
+
+
+def _compact(found: ModelObject, chosen: BoolArray, paint: Paint) -> Part:
+    named, faces = np.unique(found.faces[chosen], return_inverse=True)
+    return replace(Part(found.vertices[named], faces.reshape(-1, 3)), paint=paint)

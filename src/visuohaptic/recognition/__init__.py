@@ -1,15 +1,17 @@
-"""Classify objects from sequences of touches: pipelines, protocols, scores and their intervals."""
+"""Classify objects from sequences of touches: pipelines, protocols, predictions and saved models."""
 
-from visuohaptic.recognition.experiment import run_pipeline
-from visuohaptic.recognition.model import RecognitionModel, fit_model
-from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.stored_models import load_model, save_model
+import lazy_loader
 
-__all__ = [
-    "RecognitionModel",
-    "RecognitionParameters",
-    "fit_model",
-    "load_model",
-    "run_pipeline",
-    "save_model",
-]
+# Names of parameters are read without scikit-learn, which takes a second to import.
+__getattr__, __dir__, __all__ = lazy_loader.attach(
+    __name__,
+    submod_attrs={
+        "descriptors": ["touch_descriptors"],
+        "experiment": ["run_pipeline"],
+        "model": ["RecognitionModel", "fit_model"],
+        "parameters": ["RecognitionParameters"],
+        "pipelines": ["make_order_free"],
+        "splits": ["GroupedFolds", "LeaveOneObjectPerClassOut", "ViewpointFolds"],
+        "stored_models": ["load_model", "save_model"],
+    },
+)

@@ -1,285 +1,231 @@
-"""How sure an answer is: prediction sets at a stated coverage, and objects of no known class.
+"""How sure an answer is: prediction sets, and whether an object is of a class that the model knows.
 
-Both are cross-conformal in kind (V. Vovk, "Cross-conformal predictors", Annals of Mathematics and
-Artificial Intelligence 74, 2015): an object is compared with training objects that were each classified
-without themselves, by models of folds of whole objects. The object itself is classified by the final model,
-which learnt from more; so the coverage is not guaranteed, and study `trust` measures it.
+Both compare a new object with the training objects. Each training object was classified by a model of the other folds,
+which did not learn it (cross-conformal prediction: V. Vovk, "Cross-conformal predictors", Annals of Mathematics and
+Artificial Intelligence 74, 2015). The final model learnt from all objects, so that the coverage is approximate.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
 import numpy as np
+from scipy.spatial.distance import cdist
+from sklearn.covariance import ShrunkCovariance
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
-from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import Ballots, spread_bags
-from visuohaptic.recognition.sequences import TouchSequences
-from visuohaptic.recognition.set_distance import KnownTouches, keep_touches
-from visuohaptic.recognition.splits import hold_out_objects
-from visuohaptic.recognition.tuning import Projection, fit_best_classifiers
+from visuohaptic.recognition.pipelines import log_probabilities, pooled_log_probabilities
+from visuohaptic.recognition.splits import RandomState, held_out_folds
+from visuohaptic.recognition.voting import evenly_spaced_subsets
 
+VIEWS = (1, 2, 4, 8, 16)
+"""Numbers of views for which training objects are compared."""
 
-class SequenceClassifier(Protocol):
-    """What classifies sequences: projected descriptors (n, p) become scores and ballots of c classes."""
+FOLDS = 10
+"""Folds of training objects, at most."""
 
-    @property
-    def trained(self) -> IntArray:
-        """The classes that training had."""
-
-    def scores(self, projected: FloatArray) -> FloatArray:
-        """Give scores, shape (n, c)."""
-
-    def ballots(self, projected: FloatArray) -> Ballots:
-        """Give what is known of them, for one answer for any of them together."""
-
-
-Described = Mapping[int, FloatArray]
-"""Descriptors (n, d) of the same sequences by their first touches: so many."""
-
-Fits = Mapping[int, tuple[Callable[[FloatArray], FloatArray], SequenceClassifier]]
-"""What projects descriptors of so many touches, and what classifies them then."""
+SHRINKAGE = 0.1
+"""Shrinkage of the covariance within objects, as of the linear discriminant."""
 
 
 @dataclass(frozen=True)
-class Landmarks:
-    """Where the training objects lie: means (r, q) over their projected sequences, and touches."""
+class Assessment:
+    """What an answer says beside its probabilities.
 
-    objects: FloatArray
-    touches: KnownTouches
+    Attributes
+    ----------
+    candidates : ndarray of shape (c,), bool
+        The prediction set.
+    novelty : float
+        Distance of the object from the nearest training object, see `Reference`.
+    strangeness : float
+        Share of the training objects with a lower novelty score, in [0, 1].
+    unknown : bool
+        Whether the strangeness is above the stated coverage.
+    """
 
-    def evidence(self, projected: FloatArray, scores: FloatArray, nearest: float) -> FloatArray:
-        """Give three signs that a bag is of no known class, shape (3,), larger the stranger.
+    candidates: BoolArray
+    novelty: float
+    strangeness: float
+    unknown: bool
 
-        They are the distance of its sequences (n, p) from the nearest training object, the negative
-        of the highest mean score of a class, of `scores` (n, c), and the distance of its touches
-        from the nearest object's as sets, `nearest`.
-        """
-        seen = projected[:, : self.objects.shape[1]]
-        distance = np.linalg.norm(self.objects - seen.mean(axis=0), axis=1).min()
-        return np.array([distance, -scores.mean(axis=0).max(), nearest])
+
+@dataclass(frozen=True)
+class Reference:
+    """Training objects as points, in a space where views of one object differ by one unit in every direction.
+
+    Distances there are Mahalanobis distances by the common covariance of views within objects.
+
+    Attributes
+    ----------
+    whitening : ndarray of shape (d, d)
+        Maps prepared descriptors to this space.
+    centres : ndarray of shape (n, d)
+        Mean of the views of each training object, in this space.
+    """
+
+    whitening: FloatArray
+    centres: FloatArray
+
+    def novelty(self, rows: FloatArray) -> float:
+        """Compute the distance of an object, the mean of its prepared rows (v, d), from the nearest centre."""
+        return float(self.distances(rows.mean(axis=0, keepdims=True))[0])
+
+    def distances(self, rows: FloatArray) -> FloatArray:
+        """Compute the distance of each prepared row from the nearest centre: (n, d) to (n,)."""
+        nearest: FloatArray = cdist(rows @ self.whitening, self.centres).min(axis=1)
+        return nearest
 
 
 @dataclass(frozen=True)
 class Certainty:
-    """What an answer gives beside its probabilities.
+    """Held-out training objects, with which new objects are compared.
 
-    `candidates` (c,) is the prediction set; `strangeness` the share of known objects, this one
-    counted among them, that are less strange by `evidence`; `unknown` says whether that is more
-    than the stated share.
+    Attributes
+    ----------
+    labels : ndarray of shape (n,)
+        Class of each training object.
+    views : ndarray of shape (k,)
+        Numbers of views, ascending.
+    nonconformity : ndarray of shape (k, n)
+        1 minus the probability of the true class, from so many views of the object.
+    novelty : ndarray of shape (k, n)
+        Novelty score from so many views of the object.
+    reference : Reference
+        The training objects by the final model.
     """
 
-    candidates: BoolArray
-    strangeness: float
-    unknown: bool
-    evidence: float
-
-
-@dataclass(frozen=True)
-class Calibration:
-    """Training objects, each predicted without itself, from bags of several sizes.
-
-    `views` (k,) are the sequences in a bag, ascending, and `labels` (n,) the objects' classes.
-    `nonconformity` (k, n) is 1 - probability of the true class, and `evidence` (k, n, e) what
-    `Landmarks.evidence` gives. `landmarks` are of all, in the projection of the final fit.
-    """
-
-    views: IntArray
     labels: IntArray
+    views: IntArray
     nonconformity: FloatArray
-    evidence: FloatArray
-    landmarks: Landmarks
+    novelty: FloatArray
+    reference: Reference
 
-    def assess(
-        self,
-        classifier: SequenceClassifier,
-        projected: FloatArray,
-        touches: FloatArray,
-        probabilities: FloatArray,
-        coverage: float,
-    ) -> Certainty:
-        """Compare a bag of sequences (n, p) and touches (m, k) with the training objects.
+    def assess(self, rows: FloatArray, logs: FloatArray, coverage: float) -> Assessment:
+        """Compare an object with the training objects.
 
-        `classifier` is the final fit, and `probabilities` (c,) are the answer for the bag.
+        Parameters
+        ----------
+        rows : ndarray of shape (v, d)
+            Prepared descriptors of the object's views.
+        logs : ndarray of shape (c,)
+            Log probabilities of the object's classes.
+        coverage : float
+            Stated share of objects whose class is in the prediction set.
         """
-        size = self._size(len(projected))
-        nearest = self.landmarks.touches.nearest(touches)
-        evidence = self.landmarks.evidence(projected, classifier.scores(projected), nearest)
-        strange = self.strangeness(size, evidence)
-        rank = np.sum(self.strangeness(size, self.evidence[size]) >= strange)
-        share = float((1 + rank) / (1 + len(self.labels)))
-        candidates = self.prediction_set(
-            probabilities, classifier.trained, len(projected), coverage
+        index = self._index(len(rows))
+        score = self.reference.novelty(rows)
+        stranger = 1 + int(np.sum(self.novelty[index] >= score))
+        share = stranger / (1 + len(self.labels))
+        return Assessment(
+            self.prediction_set(logs, len(rows), coverage),
+            score,
+            1 - share,
+            share <= _least_share(coverage),
         )
-        return Certainty(candidates, 1 - share, share <= _least_share(coverage), float(strange))
 
-    def prediction_set(
-        self, probabilities: FloatArray, trained: IntArray, sequences: int, coverage: float
-    ) -> BoolArray:
-        """Choose of the `trained` classes those whose p value is above 1 - coverage, (c,) to (c,)."""
-        known = np.isin(np.arange(len(probabilities)), trained)
-        p_values = self.p_values(self._size(sequences), 1 - probabilities, coverage)
-        return known & (p_values > _least_share(coverage))
+    def prediction_set(self, logs: FloatArray, views: int, coverage: float) -> BoolArray:
+        """Return the classes whose conformal p value is above 1 - coverage: (c,) to (c,)."""
+        known = np.isin(np.arange(len(logs)), self.labels)
+        return known & (self.p_values(logs, views, coverage) > _least_share(coverage))
 
-    def _size(self, sequences: int) -> int:
-        """Give the place of the bags of as many sequences, or of the next smaller number."""
-        return max(int(np.searchsorted(self.views, sequences, side="right")) - 1, 0)
+    def p_values(self, logs: FloatArray, views: int, coverage: float) -> FloatArray:
+        """Compute the conformal p value of each class from log probabilities: (c,) to (c,).
 
-    def strangeness(self, size: int, evidence: FloatArray) -> FloatArray:
-        """Add all signs, (..., e), each divided by its deviation over the training objects."""
-        spread = self.evidence[size].std(axis=0)
-        return (evidence / np.where(spread > 0, spread, 1)).sum(axis=-1)
-
-    def p_values(self, size: int, nonconformity: FloatArray, coverage: float) -> FloatArray:
-        """Give the conformal p value of each class by its nonconformity, (c,) to (c,).
-
-        It is the share of known objects, this one counted among them, that their class fits no
-        better: of those of the class where they are enough for the coverage, else of all.
+        The share of training objects, the new object counted among them, that conform no better to their class. Only
+        objects of the same class are compared where they are enough for the coverage.
         """
-        same = self.labels[:, None] == np.arange(len(nonconformity))
+        same = self.labels[:, None] == np.arange(len(logs))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
-        no_better = compared & (self.nonconformity[size][:, None] >= nonconformity)
-        return (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
+        scores = self.nonconformity[self._index(views)][:, None]
+        no_better = compared & (scores >= 1 - np.exp(logs))
+        p_values: FloatArray = (1 + no_better.sum(axis=0)) / (1 + compared.sum(axis=0))
+        return p_values
+
+    def _index(self, views: int) -> int:
+        """Return the index of `views`, or of the next smaller number."""
+        return max(int(np.searchsorted(self.views, views, side="right")) - 1, 0)
+
+
+def fit_certainty(
+    fit: Callable[[FloatArray, IntArray, IntArray], Any],
+    final: Any,
+    rows: FloatArray,
+    labels: IntArray,
+    owners: IntArray,
+    random_state: RandomState = 0,
+) -> Certainty | None:
+    """Classify every training object by models of other objects.
+
+    Parameters
+    ----------
+    fit : callable
+        ``fit(rows, labels, owners)`` returns a fitted scikit-learn pipeline whose last step classifies.
+    final : Pipeline
+        The pipeline that was fitted on all training sequences.
+    rows : ndarray of shape (s, d)
+        Descriptors of the training sequences.
+    labels, owners : ndarray of shape (s,)
+        Their classes, numbers from 0, and objects.
+
+    Returns
+    -------
+    Certainty or None
+        None if a class has one training object.
+    """
+    folds = held_out_folds(labels, owners, FOLDS, random_state)
+    if not folds:
+        return None
+    objects, first = np.unique(owners, return_index=True)
+    nonconformity = np.zeros((len(VIEWS), len(objects)))
+    novelty = np.zeros_like(nonconformity)
+    for train, held_out in folds:
+        model = fit(rows[train], labels[train], owners[train])
+        prepared = model[:-1].transform(rows[held_out])
+        logs = log_probabilities(model[-1], prepared, int(labels.max()) + 1)
+        reference = fit_reference(model[:-1].transform(rows[train]), owners[train])
+        for owner in np.unique(owners[held_out]):
+            index = int(np.searchsorted(objects, owner))
+            own = np.flatnonzero(owners[held_out] == owner)
+            for place, chosen in enumerate(_views_of(len(own), index)):
+                pooled = pooled_log_probabilities(logs[own], chosen[None])[0]
+                nonconformity[place, index] = 1 - np.exp(pooled[labels[first[index]]])
+                novelty[place, index] = reference.novelty(prepared[own][chosen])
+    reference = fit_reference(final[:-1].transform(rows), owners)
+    return Certainty(labels[first], np.array(VIEWS), nonconformity, novelty, reference)
+
+
+def fit_reference(rows: FloatArray, owners: IntArray) -> Reference:
+    """Fit the reference of prepared descriptors (s, d) of training objects (s,).
+
+    With one view per object there is no covariance within objects, and distances are Euclidean.
+    """
+    _, index = np.unique(owners, return_inverse=True)
+    means = np.stack([rows[index == number].mean(axis=0) for number in range(index.max() + 1)])
+    deviations = rows - means[index]
+    whitening = np.eye(rows.shape[1])
+    if deviations.any():
+        fitted = ShrunkCovariance(assume_centered=True, shrinkage=SHRINKAGE).fit(deviations)
+        whitening = np.linalg.inv(np.linalg.cholesky(fitted.covariance_)).T
+    return Reference(whitening, means @ whitening)
 
 
 def least_objects(coverage: float) -> int:
-    """Give with how many objects a set of this coverage can leave out a class at all."""
+    """Return the number of objects from which a set of this coverage can leave out a class."""
     return math.ceil(round(coverage / (1 - coverage), 9))
 
 
-def _least_share(coverage: float) -> float:
-    return 1 - coverage + 1e-12  # a rounding error apart
-
-
-@dataclass(frozen=True)
-class HeldOut:
-    """A training object's sequences of one length, by what learnt from other objects.
-
-    `places` are those of the sequences in one bag of each size, and `evidence` (k, e) is theirs.
-    """
-
-    place: int
-    length: int
-    ballots: Ballots
-    places: Sequence[IntArray]
-    evidence: FloatArray
-
-
-def fit_calibration(
-    sequences: TouchSequences,
-    described: FloatArray,
-    parameters: RecognitionParameters,
-    projection: Projection,
-    generator: np.random.Generator,
-) -> Calibration | None:
-    """Classify every training object whose class has another without itself; None if there is none.
-
-    `described` (s, d) are the descriptors of the sequences, `parameters` those of one classifier of
-    pipeline `best`, and `projection` is that of the final fit.
-    """
-    best, length = parameters.best, sequences.features.shape[1]
-
-    def fit(known: TouchSequences, parts: Described) -> Fits:
-        training = (parts[length], known.labels, known.object_index, len(known.classes))
-        own, [(_, tuned, _)] = fit_best_classifiers(*training, parameters, generator)
-        return {length: (own.apply, tuned)}
-
-    held_out = hold_out(sequences, {length: described}, fit, best, generator)
-    if not held_out:
-        return None
-    touches = keep_touches(sequences, best.cues)
-    return calibrate(sequences, held_out, projection.apply(described), touches, best)
-
-
-def hold_out(
-    sequences: TouchSequences,
-    described: Described,
-    fit: Callable[[TouchSequences, Described], Fits],
-    best: BestParameters,
-    generator: np.random.Generator,
-) -> list[HeldOut]:
-    """Classify every training object whose class has another by folds that lack it, sorted by object.
-
-    `fit` takes sequences and their descriptors; the generator deals the objects over the folds.
-    """
-    found, owners = [], sequences.object_index
-    for train, objects in hold_out_objects(
-        sequences.labels, owners, best.calibration_folds, generator
-    ):
-        known = sequences.take(train)
-        parts = {length: rows[train] for length, rows in described.items()}
-        fits, touches = fit(known, parts), keep_touches(known, best.cues)
-        marks = {
-            length: landmarks_of(encode(parts[length]), known.object_index, touches, best)
-            for length, (encode, _) in fits.items()
-        }
-        for place in objects:
-            one = owners == place
-            bags = _turn_bags(int(one.sum()), place, best)
-            distances = touches.distances(sequences.features[one])
-            for length, (encode, classifier) in fits.items():
-                projected = encode(described[length][one])
-                scores = classifier.scores(projected)
-                evidence = [
-                    marks[length].evidence(
-                        projected[bag], scores[bag], distances.nearest(np.s_[bag, :length])
-                    )
-                    for bag in bags
-                ]
-                ballots = classifier.ballots(projected)
-                found.append(HeldOut(place, length, ballots, bags, np.array(evidence)))
-    return sorted(found, key=lambda one: one.place)
-
-
-def calibrate(
-    sequences: TouchSequences,
-    held_out: Sequence[HeldOut],
-    projected: FloatArray,
-    touches: KnownTouches,
-    best: BestParameters,
-) -> Calibration:
-    """Gather training objects of one length; `projected` (n, p) are all sequences by the final fit."""
-    labels = sequences.class_of_object[[one.place for one in held_out]]
-    nonconformity = []
-    for one, label in zip(held_out, labels, strict=True):
-        places = np.arange(len(one.ballots.probabilities))
-        answers = [one.ballots.together(np.isin(places, bag)[None])[0] for bag in one.places]
-        nonconformity.append([1 - answer[label] for answer in answers])
-    return Calibration(
-        np.array(_bag_sizes(best), dtype=np.int64),
-        labels,
-        np.array(nonconformity).T,
-        np.array([one.evidence for one in held_out]).transpose(1, 0, 2),
-        landmarks_of(projected, sequences.object_index, touches, best),
-    )
-
-
-def landmarks_of(
-    projected: FloatArray, owners: IntArray, touches: KnownTouches, best: BestParameters
-) -> Landmarks:
-    """Give landmarks by projected sequences (n, p) of objects (n,)."""
-    seen = projected[:, : best.components]
-    return Landmarks(spread_bags(owners, (len(owners),)).means(seen), touches)
-
-
-def one_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
-    """Give parameters by which pipeline `best` fits one classifier alone."""
-    best = parameters.best.model_copy(update={"classifiers": (classifier,)})
-    return parameters.model_copy(update={"best": best})
-
-
-def _bag_sizes(best: BestParameters) -> tuple[int, ...]:
-    return tuple(sorted(best.bags)) or (1,)
-
-
-def _turn_bags(sequences: int, turn: int, best: BestParameters) -> list[IntArray]:
-    """Give places of one bag of each size among an object's sequences, by turns."""
+def _views_of(total: int, turn: int) -> Sequence[BoolArray]:
+    """Choose one evenly spaced group of each number of views; `turn` chooses among the groups."""
     chosen = []
-    for size in _bag_sizes(best):
-        bags = spread_bags(np.zeros(sequences, dtype=np.int64), (size,))
-        chosen.append(np.split(bags.places, np.cumsum(bags.counts)[:-1])[turn % len(bags.counts)])
+    for count in VIEWS:
+        groups = evenly_spaced_subsets(total, min(count, total))
+        chosen.append(np.isin(np.arange(total), groups[turn % len(groups)]))
     return chosen
+
+
+def _least_share(coverage: float) -> float:
+    return 1 - coverage + 1e-12  # one rounding error above

@@ -1,23 +1,20 @@
-"""Settings of the classifiers, and what a fit gives."""
+"""Settings of the classifiers."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-Fit = tuple[Any, str | None]
-"""A fitted classifier, and a note on its fit, such as another setting."""
+from visuohaptic.base.section import Section
 
 
-class ClassifierParameters(BaseModel):
+class ClassifierParameters(Section):
     """Settings of the classifiers.
 
-    The defaults of the paper's five are scikit-learn's, for the paper names none. The
-    pipeline `best` varies some of them inside the training objects.
+    The defaults of the paper's five are scikit-learn's, because the paper names none. Pipeline `order_free` has fixed
+    settings of its own (`order_free.SETTINGS`).
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     neighbours: int = Field(5, ge=1, description="Neighbours that vote (kNN)")
     svm_kernel: Literal["linear", "poly", "rbf"] = Field("rbf", description="Kernel (SVM)")
@@ -40,8 +37,10 @@ class ClassifierParameters(BaseModel):
         description="What a covariance is shrunk towards: uncorrelated features of their "
         "`own_variances`, or all of the `mean_variance` (quadratic discriminant)",
     )
-    linear_shrinkage: float = Field(
-        0.1, gt=0, le=1, description="Shrinkage of the common covariance (linear discriminant)"
+    linear_shrinkage: Literal["auto"] | Annotated[float, Field(gt=0, le=1)] = Field(
+        "auto",
+        description="Shrinkage of the common covariance, `auto` by Ledoit and Wolf, or a number up to 1 "
+        "(linear discriminant)",
     )
     logistic_penalty: float = Field(
         0.1, gt=0, description="Inverse strength of the penalty (logistic regression)"

@@ -1,4 +1,4 @@
-"""Descriptors of a sequence of touches, independent of their order: the input of pipeline `best`.
+"""Descriptors of a sequence of touches, independent of their order: the input of pipeline `order_free`.
 
 Nothing here is fitted. Objects stand upright, y up, with their front along z, and
 most are about left-right symmetric; the mirrored and view-invariant descriptors
@@ -11,13 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.encoding import ROUNDING
-from visuohaptic.recognition.parameters import BestParameters
-from visuohaptic.recognition.sequences import TouchSequences
+from visuohaptic.recognition.parameters import OrderFreeParameters, RecognitionParameters
+from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline
 from visuohaptic.tables.phases import KINESTHETIC_FEATURES
 
 POSE = KINESTHETIC_FEATURES
@@ -36,21 +38,67 @@ class WaveBasis:
     phases: FloatArray
 
 
-def draw_waves(parameters: BestParameters, generator: np.random.Generator) -> WaveBasis:
-    """Draw waves for a Gaussian kernel of `wave_length` over positions."""
+def draw_waves(parameters: OrderFreeParameters, seed: int) -> WaveBasis:
+    """Draw waves for a Gaussian kernel of `wave_length` over positions, by the experiment's seed."""
+    generator = spawn_generator(seed, "recognition", "waves")
     weights = np.array([1, 1, 1, *[parameters.normal_weight] * 3]) / parameters.wave_length
     directions = generator.normal(size=(6, parameters.waves)) * weights[:, None]
     return WaveBasis(directions, generator.uniform(0, 2 * np.pi, size=parameters.waves))
 
 
-def describe_all(sequences: TouchSequences, parameters: BestParameters, seed: int) -> FloatArray:
+def describe_all(
+    sequences: TouchSequences, parameters: OrderFreeParameters, seed: int
+) -> FloatArray:
     """Describe s sequences with the waves that the experiment's seed draws: (s, d)."""
-    waves = draw_waves(parameters, spawn_generator(seed, "recognition", "waves"))
+    waves = draw_waves(parameters, seed)
     return describe_sequences(sequences.features, sequences.feature_names, waves, parameters)
 
 
+def touch_descriptors(
+    features: pa.Table, parameters: RecognitionParameters | None = None, seed: int = 2018
+) -> tuple[FloatArray, NDArray[np.str_], NDArray[np.str_]]:
+    """Compute the inputs of a scikit-learn classifier from touches of one strategy.
+
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES`.
+    parameters : RecognitionParameters, optional
+        Cues and waves (`order_free`), and the number of touches per sequence.
+    seed : int
+        Draws the waves; use one seed for training and test.
+
+    Returns
+    -------
+    descriptors : ndarray of shape (s, d)
+        One row per sequence. Viewpoints with too few touches are left out.
+    classes : ndarray of shape (s,)
+    objects : ndarray of shape (s,)
+        ``class/name``: the `groups` of scikit-learn's splitters.
+
+    Raises
+    ------
+    RecognitionError
+        If there is no whole sequence, or a column is missing.
+
+    Examples
+    --------
+    >>> rows, classes, objects = touch_descriptors(features)  # doctest: +SKIP
+    >>> folds = StratifiedGroupKFold(5)  # doctest: +SKIP
+    >>> cross_val_score(make_order_free(), rows, classes, groups=objects, cv=folds)  # doctest: +SKIP
+    """
+    own = parameters or RecognitionParameters()
+    sequences = gather_pipeline(features, own, "order_free")
+    owners = [sequences.objects[index] for index in sequences.object_index]
+    return (
+        describe_all(sequences, own.order_free, seed),
+        np.array([category for category, _ in owners]),
+        np.array([f"{category}/{name}" for category, name in owners]),
+    )
+
+
 def describe_sequences(
-    features: FloatArray, names: Sequence[str], waves: WaveBasis, parameters: BestParameters
+    features: FloatArray, names: Sequence[str], waves: WaveBasis, parameters: OrderFreeParameters
 ) -> FloatArray:
     """Describe sequences (s, t, k) by statistics and relations of their touches: (s, d).
 

@@ -1,34 +1,29 @@
-"""The paper's way from touches to 60 features, fitted on training sequences alone."""
+"""The paper's way from touches to 60 features: scaling, map, wavelet statistics, scaling."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
+from sklearn.base import BaseEstimator, TransformerMixin
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.maps import MAPS
-from visuohaptic.recognition.memory import FitMemory
-from visuohaptic.recognition.parameters import (
-    RecognitionParameters,
-    Scaling,
-    SelfOrganisingMapParameters,
-    SequenceParameters,
-)
+from visuohaptic.recognition.parameters import RecognitionParameters, Scaling
 from visuohaptic.recognition.sequence_features import sequence_features
 
 ROUNDING = 1e-12
-"""Share of a value that is rounding: 2**-52, some thousand times over for the sums behind it."""
+"""Relative size of rounding errors: 2**-52, some thousand times over for the sums that computed a value."""
 
 FEATURES_MADE_OF = 1.0
-"""Size of what features of touches are made of: imprints in [0, 1], unit normals, object radii."""
+"""Typical size of the inputs of touch features: imprints in [0, 1], unit normals, object radii."""
 
 
 @dataclass(frozen=True)
 class Standardiser:
-    """Shift and scale of k columns; a column that was constant becomes 0, as its scale is infinite."""
+    """Shift and scale of k columns. A constant column becomes 0, because its scale is infinite."""
 
     mean: FloatArray
     scale: FloatArray
@@ -38,95 +33,97 @@ class Standardiser:
         return (rows - self.mean) / self.scale
 
     def sizes(self, rows: FloatArray) -> FloatArray:
-        """Give the size of what `apply` computes its numbers from."""
+        """Return the size of the numbers from which `apply` computes its results, shape (..., k)."""
         return (np.abs(rows) + np.abs(self.mean)) / self.scale
 
 
-@dataclass(frozen=True)
-class SequenceEncoder:
-    """What was fitted on the training sequences: touch scaling, map, feature scaling."""
+class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
+    """Encode sequences of touches as the paper does.
 
-    touch_scaling: Standardiser
-    reduction: Any
-    map_parameters: SelfOrganisingMapParameters
-    sequence_parameters: SequenceParameters
-    feature_scaling: Standardiser
+    Parameters
+    ----------
+    parameters : RecognitionParameters, optional
+        Scalings, map and sequence statistics.
+    random_state : numpy.random.Generator, optional
+        Draws for maps that are trained in random order.
 
-    def encode(self, sequences: FloatArray) -> FloatArray:
-        """Give the scaled features of sequences: (s, t, k) to (s, m * (1 + levels) * 3)."""
-        reduced = self.reduce(sequences)
-        return self.feature_scaling.apply(sequence_features(reduced, self.sequence_parameters))
+    Attributes
+    ----------
+    touch_scaling_, feature_scaling_ : Standardiser
+        Of the features of touches, and of the features of sequences.
+    reduction_ : object
+        The fitted map of `maps.MAPS`.
+    """
+
+    def __init__(
+        self,
+        parameters: RecognitionParameters | None = None,
+        random_state: np.random.Generator | None = None,
+    ) -> None:
+        self.parameters = parameters
+        self.random_state = random_state
+
+    def fit(self, X: FloatArray, y: object = None) -> Self:  # noqa: ARG002 - scikit-learn's signature
+        """Fit on training sequences (s, t, k).
+
+        Raises `RecognitionError` if no feature varies over the touches, or a setting does not fit.
+        """
+        touches = X.reshape(-1, X.shape[-1])
+        if not np.ptp(touches, axis=0).any():
+            raise RecognitionError(
+                "Every feature has one and the same value at all training touches; "
+                "the classes can't be distinguished."
+            )
+        own = self._parameters
+        entry = MAPS[own.self_organising_map.output]
+        generator = self.random_state or np.random.default_rng(0)
+        self.touch_scaling_ = fit_standardiser(touches, own.touch_scaling, FEATURES_MADE_OF)
+        scaled = self.touch_scaling_.apply(touches)
+        self.reduction_: Any = entry.fit(scaled, own.self_organising_map, generator)
+        features = sequence_features(self.reduce(X), own.sequence)
+        # A skewness has no unit: a column of skewnesses near 0 is rounding. Deviation and rms have a unit.
+        made_of = np.tile([0.0, 0.0, 1.0], features.shape[1] // 3)
+        self.feature_scaling_ = fit_standardiser(features, own.sequence_scaling, made_of)
+        return self
+
+    def transform(self, X: FloatArray) -> FloatArray:
+        """Compute the scaled features of sequences: (s, t, k) to (s, m * (1 + levels) * 3)."""
+        features = sequence_features(self.reduce(X), self._parameters.sequence)
+        return self.feature_scaling_.apply(features)
 
     def reduce(self, sequences: FloatArray) -> FloatArray:
-        """Reduce each touch to m numbers, (s, t, k) to (s, t, m), alike but for rounding to one."""
+        """Reduce each touch to m numbers: (s, t, k) to (s, t, m). Sequences that differ by rounding become constant."""
         touches = sequences.reshape(-1, sequences.shape[-1])
-        scaled = self.touch_scaling.apply(touches)
-        entry = MAPS[self.map_parameters.output]
-        reduced = entry.reduce(self.reduction, scaled).reshape(*sequences.shape[:2], -1)
+        entry = MAPS[self._parameters.self_organising_map.output]
+        reduced = entry.reduce(self.reduction_, self.touch_scaling_.apply(touches))
+        reduced = reduced.reshape(*sequences.shape[:2], -1)
         if entry.sizes is None:
             return reduced
-        sizes = entry.sizes(self.reduction, self.touch_scaling.sizes(touches))
+        sizes = entry.sizes(self.reduction_, self.touch_scaling_.sizes(touches))
         return _without_rounding(reduced, sizes.reshape(reduced.shape))
 
-
-def fit_sequence_encoder(
-    sequences: FloatArray,
-    parameters: RecognitionParameters,
-    generator: np.random.Generator,
-    memory: FitMemory | None = None,
-) -> SequenceEncoder:
-    """Fit touch scaling, map and feature scaling on training sequences (s, t, k).
-
-    `memory` holds maps of other calls and changes no number. Raises `RecognitionError` if no
-    feature varies over the touches, or a setting does not fit.
-    """
-    touches = sequences.reshape(-1, sequences.shape[-1])
-    if not np.ptp(touches, axis=0).any():
-        raise RecognitionError(
-            "Every feature has one and the same value at all training touches; "
-            "the classes can't be distinguished."
-        )
-    settings = parameters.self_organising_map
-    entry, draws = MAPS[settings.output], generator.bit_generator
-
-    def fit_map() -> tuple[Standardiser, Any, Any]:
-        scaling = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
-        return scaling, entry.fit(scaling.apply(touches), settings, generator), draws.state
-
-    # Outputs may read the same map, each in its own way.
-    fitted_as = settings.model_copy(update={"output": entry.fitted_as or entry.name})
-    known = (touches, parameters.touch_scaling, fitted_as, draws.state)
-    # A remembered map leaves the generator as fitting it would.
-    scaling, reduction, draws.state = (memory or FitMemory(1)).recall(known, fit_map)
-    unscaled = SequenceEncoder(scaling, reduction, settings, parameters.sequence, _identity(1))
-    encoded = unscaled.encode(sequences)
-    # A skewness has no unit, so a column of skewnesses near 0 is rounding; deviation and rms have one.
-    made_of = np.tile([0.0, 0.0, 1.0], encoded.shape[1] // 3)
-    feature_scaling = fit_standardiser(encoded, parameters.sequence_scaling, made_of)
-    return replace(unscaled, feature_scaling=feature_scaling)
+    @property
+    def _parameters(self) -> RecognitionParameters:
+        return self.parameters or RecognitionParameters()
 
 
 def fit_standardiser(
     rows: FloatArray, scaling: Scaling, made_of: float | FloatArray = 0.0
 ) -> Standardiser:
-    """Fit the mean and standard deviation of columns, shape (n, k); `none` leaves all as it is.
+    """Fit the mean and standard deviation of columns, shape (n, k); with `none` rows stay as they are.
 
-    A column is constant, and 0 from then on, when its deviation is rounding noise beside its largest
-    value, or beside `made_of`, the size of what columns are computed from.
+    A column counts as constant if its deviation is rounding noise relative to its largest value, or to `made_of`:
+    the typical size of the inputs of the column.
     """
     if scaling == "none":
-        return _identity(rows.shape[1])
+        return Standardiser(np.zeros(rows.shape[1]), np.ones(rows.shape[1]))
     deviation = rows.std(axis=0)
     noise = ROUNDING * np.maximum(np.abs(rows).max(axis=0), made_of)
     return Standardiser(rows.mean(axis=0), np.where(deviation > noise, deviation, np.inf))
 
 
-def _identity(columns: int) -> Standardiser:
-    return Standardiser(np.zeros(columns), np.ones(columns))
-
-
 def _without_rounding(sequences: FloatArray, sizes: FloatArray) -> FloatArray:
-    """Give sequences that are constant but for rounding one value, 0 if that is rounding of `sizes`."""
+    """Replace sequences that vary by rounding of `sizes` only by their mean, or by 0 if the mean is rounding, too."""
     noise = ROUNDING * sizes.max(axis=1, keepdims=True)
     middle = sequences.mean(axis=1, keepdims=True)
     middle = np.where(np.abs(middle) > noise, middle, 0.0)

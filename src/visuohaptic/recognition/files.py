@@ -6,7 +6,6 @@ import logging
 from collections.abc import Sequence
 from pathlib import Path
 
-from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
@@ -29,6 +28,9 @@ def make_scores(
     Raises `RecognitionError` if the table has no touch of the strategy, or not what the experiment
     needs.
     """
+    # With scikit-learn, which whoever reads the list of phases does not need.
+    from visuohaptic.recognition.experiment import run_pipeline
+
     table, left_out = take_strategy(read_table(FEATURES, features), strategy, parameters.touches)
     for sentence in left_out:
         logger.warning(sentence)

@@ -1,11 +1,14 @@
-"""Maps: what is left of a touch's features before they become a sequence, one entry each."""
+"""Maps: how a touch's features are reduced to a few numbers, one entry per map."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.registry import Registry
 from visuohaptic.recognition.self_organising_map import (
     SelfOrganisingMap,
@@ -13,11 +16,6 @@ from visuohaptic.recognition.self_organising_map import (
     lattice,
     line,
 )
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from visuohaptic.base.arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -32,16 +30,13 @@ class Map:
         What the numbers are.
     fit : callable
         Takes training touches, shape (n, k), float64, the section
-        `recognition.self_organising_map` and a random generator; gives what `reduce` takes. A
-        model can be saved if that is a `FeatureGroups` or a `SelfOrganisingMap`.
+        `recognition.self_organising_map` and a random generator; returns the fitted map.
     reduce : callable
-        Takes what was fitted and touches, shape (n, k); gives their numbers, shape (n, m).
+        Takes the fitted map and touches, shape (n, k); returns their numbers, shape (n, m).
     sizes : callable, optional
-        Takes what was fitted and the sizes, shape (n, k), of what features were computed from;
-        gives those of what the numbers were computed from, shape (n, m). Numbers of a sequence
-        that differ by rounding beside them are made equal; without it all stay as they are.
-    fitted_as : str, optional
-        Another map that fits the same, so that it need not be fitted again.
+        Takes the fitted map and the sizes, shape (n, k), of the numbers from which features were computed;
+        returns the sizes of the numbers from which the results are computed, shape (n, m). Results of a
+        sequence that differ by rounding of these sizes are made equal. Without `sizes` no result changes.
     """
 
     name: str
@@ -49,7 +44,6 @@ class Map:
     fit: Callable[..., Any]
     reduce: Callable[[Any, FloatArray], FloatArray]
     sizes: Callable[[Any, FloatArray], FloatArray] | None = None
-    fitted_as: str | None = None
 
 
 @dataclass(frozen=True)
@@ -75,8 +69,6 @@ def _fit_lattice(
 def _fit_groups(
     touches: FloatArray, settings: Any, generator: np.random.Generator
 ) -> FeatureGroups:
-    import numpy as np
-
     # A map orders the features, each described by its value at every touch.
     features = touches.T
     fitted = _fit_line(features, settings, generator)
@@ -85,8 +77,6 @@ def _fit_groups(
 
 
 def _keep_features(touches: FloatArray, *_: object) -> FeatureGroups:
-    import numpy as np
-
     return FeatureGroups(np.eye(touches.shape[1]))
 
 
@@ -99,14 +89,10 @@ def _average_sizes(fitted: FeatureGroups, sizes: FloatArray) -> FloatArray:
 
 
 def _distance_sizes(fitted: Any, sizes: FloatArray) -> FloatArray:
-    import numpy as np
-
     return np.linalg.norm(sizes, axis=1)[:, None] + np.linalg.norm(fitted.weights, axis=1)
 
 
 def _one_hot(fitted: Any, touches: FloatArray) -> FloatArray:
-    import numpy as np
-
     return np.eye(len(fitted.weights))[fitted.nearest(touches)]
 
 
@@ -118,7 +104,6 @@ MAPS = Registry(
     ),
     Map(
         "one_hot", "1 for the nearest of five units and 0 for the others", _fit_line, _one_hot,
-        fitted_as="unit_distances",
     ),
     Map(
         "lattice", "the nearest unit's place on a lattice of five axes", _fit_lattice,

@@ -1,80 +1,59 @@
-"""A trained recogniser, fitted on the objects at hand."""
+"""A trained recogniser, fitted on all objects of a table."""
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from sklearn.base import clone
+from sklearn.pipeline import Pipeline
 
 from visuohaptic import __version__
-from visuohaptic.base.arrays import FloatArray
-from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.recognition.certainty import (
-    Calibration,
-    SequenceClassifier,
-    fit_calibration,
-    one_classifier,
-)
-from visuohaptic.recognition.classifiers import ClassifierName, fit_classifier
+from visuohaptic.recognition.certainty import Certainty, fit_certainty
+from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.descriptors import WaveBasis, describe_sequences, draw_waves
-from visuohaptic.recognition.encoding import SequenceEncoder, fit_sequence_encoder
-from visuohaptic.recognition.experiment import gather_pipeline
-from visuohaptic.recognition.parameters import BestParameters, RecognitionParameters
-from visuohaptic.recognition.pooling import pool_answers
+from visuohaptic.recognition.experiment import one_thread, seeded
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.pipelines import (
+    fit_calibrated,
+    log_probabilities,
+    pipeline_of,
+    pooled_log_probabilities,
+)
 from visuohaptic.recognition.sequences import (
-    TouchSequences,
     first_touches,
     gather_any,
+    gather_pipeline,
     spread_contact_states,
 )
-from visuohaptic.recognition.short_sequences import ShortClassifier, fit_short_classifiers
 from visuohaptic.recognition.splits import check_two_classes
-from visuohaptic.recognition.tuning import Projection, TunedClassifier, fit_best_classifiers
-
-
-@dataclass(frozen=True)
-class SequenceDescriber:
-    """Pipeline `best` up to the classifier: descriptors of fixed waves, then a fitted projection."""
-
-    waves: WaveBasis
-    names: tuple[str, ...]
-    parameters: BestParameters
-    projection: Projection
-
-    def encode(self, sequences: FloatArray) -> FloatArray:
-        """Give what the classifier sees: (s, t, k) to (s, q)."""
-        return self.projection.apply(self.describe(sequences))
-
-    def describe(self, sequences: FloatArray) -> FloatArray:
-        """Describe them alone: (s, t, k) to (s, d)."""
-        return describe_sequences(sequences, self.names, self.waves, self.parameters)
-
-
-@dataclass(frozen=True)
-class _Part:
-    """Sequences (n, p) of an object for one classifier, and their touches (m, k)."""
-
-    classifier: SequenceClassifier
-    calibration: Calibration | None
-    encoded: FloatArray
-    touches: FloatArray
-
-    def answer(self) -> FloatArray:
-        everything = np.ones((1, len(self.encoded)), dtype=bool)
-        return self.classifier.ballots(self.encoded).together(everything)[0]
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import known_columns
 
 
 @dataclass(frozen=True)
 class ModelAnswer:
-    """What a model says of one object, the likeliest class first; the rest is `certainty.Certainty`'s.
+    """What a model says of one object.
 
-    Without a calibration all but `probabilities` is None.
+    Attributes
+    ----------
+    probabilities : dict of str to float
+        Class probabilities, the likeliest class first.
+    candidates : tuple of str, optional
+        The prediction set.
+    strangeness : float, optional
+        Share of the training objects that are less novel.
+    unknown : bool, optional
+        Whether the object is of no class that the model knows.
+    coverage : float, optional
+        The stated coverage of `candidates` and `unknown`. The optional attributes need a calibrated model.
     """
 
     probabilities: dict[str, float]
@@ -86,12 +65,30 @@ class ModelAnswer:
 
 @dataclass(frozen=True)
 class RecognitionModel:
-    """Everything needed to classify an object from its touches.
+    """Everything that is needed to classify an object from its touches.
 
-    `objects` are those that it learnt, as (class, name), and `touches` those of a sequence.
-    `calibration` is None in pipeline `paper`, and where no class has a second object. `short` holds
-    what classifies sequences of fewer touches, by their number. `touching` is JSON: the parameters
-    with which its touches were made, where they are known.
+    Attributes
+    ----------
+    pipeline, strategy, classifier : str
+        What was fitted, and on touches of which strategy.
+    classes, feature_names : tuple of str
+        Sorted classes, and the columns of a touch.
+    touches : int
+        Touches of a sequence.
+    objects : tuple of (class, name)
+        The objects that the model learnt.
+    parameters : RecognitionParameters
+        The settings of the fit.
+    versions : mapping of str to str
+        Packages that fitted the model.
+    estimator : sklearn.pipeline.Pipeline
+        Fitted on descriptors (``order_free``) or on sequences (``paper``).
+    waves : WaveBasis, optional
+        Waves of the descriptors; None in pipeline ``paper``.
+    certainty : Certainty, optional
+        None in pipeline ``paper``, and if a class has one object.
+    touching : str, optional
+        JSON of the parameters with which the touches were made, if known.
     """
 
     pipeline: str
@@ -103,84 +100,70 @@ class RecognitionModel:
     objects: tuple[tuple[str, str], ...]
     parameters: RecognitionParameters
     versions: Mapping[str, str]
-    encoder: SequenceEncoder | SequenceDescriber
-    tuned: TunedClassifier
-    calibration: Calibration | None = None
-    short: Mapping[int, ShortClassifier] = field(default_factory=dict)
+    estimator: Pipeline
+    waves: WaveBasis | None = None
+    certainty: Certainty | None = None
     touching: str | None = None
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
-        """Give one object's class probabilities, the likeliest first, from all its touches together.
+        """Return the class probabilities of one object, the likeliest class first, from all its touches.
 
-        `features` has rows of `tables.FEATURES` of one object and strategy, however many. A
-        viewpoint with more touches than the model's sequences have counts as several sequences; one
-        with fewer as a short one. Raises `RecognitionError` if the table lacks a feature, or there
-        is no touch, or, in pipeline `paper`, no viewpoint has as many touches as the model needs.
+        `features` has rows of `tables.FEATURES` of one object and strategy. A viewpoint with more touches than the
+        model's sequences counts as several sequences. Raises `RecognitionError` if the table lacks a column or has no
+        touch, or, in pipeline ``paper``, if no viewpoint has enough touches for a sequence.
         """
         return self.answer(features).probabilities
 
     def answer(self, features: pa.Table) -> ModelAnswer:
-        """Classify one object as `recognise` does, and say how sure that is."""
-        parts = self._parts(features)
-        found = pool_answers(
-            [part.answer() for part in parts], [len(part.touches) for part in parts]
-        )
-        order = np.argsort(-found, kind="stable")
-        probabilities = {self.classes[place]: float(found[place]) for place in order}
-        # Training objects are known by the first touches of a view alone.
-        first = first_touches(features, self.touches)
-        if first.num_rows < features.num_rows:
-            parts = self._parts(first)
-        most = max(parts, key=lambda part: len(part.touches))
-        if most.calibration is None:
+        """Classify one object as `recognise` does, and say how sure the answer is."""
+        try:
+            features = known_columns(FEATURES, features)
+        except TableError as error:
+            raise RecognitionError(f"The features can't be used: {error}") from error
+        logs = self._pooled(self._rows(features))
+        order = np.argsort(-logs, kind="stable")
+        probabilities = {self.classes[index]: float(np.exp(logs[index])) for index in order}
+        if self.certainty is None:
             return ModelAnswer(probabilities)
-        coverage = self.parameters.best.coverage
-        certainty = most.calibration.assess(
-            most.classifier, most.encoded, most.touches, found, coverage
-        )
+        # Training objects are known by the first touches of each view only.
+        first = first_touches(features, self.touches)
+        rows = self.estimator[:-1].transform(self._rows(first))
+        coverage = self.parameters.order_free.coverage
+        assessed = self.certainty.assess(rows, logs, coverage)
         return ModelAnswer(
             probabilities,
-            tuple(self.classes[place] for place in order if certainty.candidates[place]),
-            certainty.strangeness,
-            certainty.unknown,
+            tuple(self.classes[index] for index in order if assessed.candidates[index]),
+            assessed.strangeness,
+            assessed.unknown,
             coverage,
         )
 
     def check(self) -> None:
-        """Predict a sequence of zeros: raises `ValueError` if the parts don't belong together."""
+        """Classify a sequence of zeros. Raises `ValueError` if the parts don't belong together."""
         zeros = np.zeros((1, self.touches, len(self.feature_names)))
-        for length in (*self.short, self.touches):
-            found = self._part(length, [zeros[:, :length]]).answer()
-            if found.shape != (len(self.classes),) or not np.isfinite(found).all():
-                raise ValueError(f"no probabilities of {len(self.classes)} classes")
+        logs = self._pooled(self._describe([zeros]))
+        learnt = np.array_equal(self.estimator[-1].classes_, np.arange(len(self.classes)))
+        if not learnt or logs.shape != (len(self.classes),) or not np.isfinite(logs).all():
+            raise ValueError(f"no probabilities of {len(self.classes)} classes")
 
-    def _parts(self, features: pa.Table) -> list[_Part]:
-        by_length: dict[int, list[FloatArray]] = {}
-        for sequences in self._sequences(features):
-            length = self._length_for(sequences.shape[1])
-            by_length.setdefault(length, []).append(sequences)
-        return [self._part(length, found) for length, found in by_length.items()]
+    def _pooled(self, rows: FloatArray) -> FloatArray:
+        """Compute the log probabilities of one object from the rows of all its sequences, shape (c,)."""
+        prepared = self.estimator[:-1].transform(rows)
+        if self.pipeline == "paper":
+            votes = self.estimator[-1].predict(prepared)
+            shares = np.bincount(votes, minlength=len(self.classes)) / len(votes)
+            with np.errstate(divide="ignore"):
+                return np.log(shares)
+        logs = log_probabilities(self.estimator[-1], prepared, len(self.classes))
+        everything = np.ones((1, len(rows)), dtype=bool)
+        return pooled_log_probabilities(logs, everything)[0]
 
-    def _length_for(self, touches: int) -> int:
-        """Give the length, of those that the model learnt, that is most like so many touches."""
-        lengths = (*self.short, self.touches)
-        return min(lengths, key=lambda length: max(length, touches) / min(length, touches))
-
-    def _part(self, length: int, sequences: list[FloatArray]) -> _Part:
-        touches = np.concatenate([part.reshape(-1, part.shape[2]) for part in sequences])
-        if length in self.short and isinstance(self.encoder, SequenceDescriber):
-            short = self.short[length]
-            rows = np.concatenate([self.encoder.describe(part) for part in sequences])
-            return _Part(short, short.calibration, short.encode(rows), touches)
-        encoded = np.concatenate([self.encoder.encode(part) for part in sequences])
-        return _Part(self.tuned, self.calibration, encoded, touches)
-
-    def _sequences(self, features: pa.Table) -> list[FloatArray]:
-        """Give all sequences of one object, shape (s, t, k) for each length t."""
+    def _rows(self, features: pa.Table) -> FloatArray:
+        """Return the input of the estimator, one row per sequence of one object."""
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is classified from one touch on.")
         parts = gather_any(spread_contact_states(features), self.feature_names, self.touches)
-        if self.pipeline == "paper":  # its wavelet needs whole sequences
+        if self.pipeline == "paper":  # wavelet levels need whole sequences
             parts = [part for part in parts if part.shape[1] == self.touches]
         if self.parameters.order == "shuffled":
             order = spawn_generator(0, "order")
@@ -190,7 +173,16 @@ class RecognitionModel:
                 f"No viewpoint has {self.touches} touches, which the model needs: the object is too "
                 "slender in all views."
             )
-        return parts
+        return self._describe(parts)
+
+    def _describe(self, parts: Sequence[FloatArray]) -> FloatArray:
+        if self.waves is None:
+            return np.concatenate(parts)
+        own = self.parameters.order_free
+        described = [
+            describe_sequences(part, self.feature_names, self.waves, own) for part in parts
+        ]
+        return np.concatenate(described)
 
 
 def fit_model(
@@ -200,17 +192,32 @@ def fit_model(
     parameters: RecognitionParameters,
     seed: int,
 ) -> RecognitionModel:
-    """Train pipeline ``paper`` or ``best`` on every object of a table of features of one strategy.
+    """Train pipeline ``paper`` or ``order_free`` on every object of a table of features of one strategy.
 
-    Raises `RecognitionError` if the features don't allow it.
+    Viewpoints with too few touches are left out. Raises `RecognitionError` if the features don't allow the fit.
     """
-    from threadpoolctl import threadpool_limits
-
     sequences = gather_pipeline(features, parameters, pipeline, seed)
     check_two_classes(sequences)
-    fit = {"paper": _fit_paper, "best": _fit_best}[pipeline]
-    with threadpool_limits(limits=1):
-        fitted = fit(sequences, classifier, parameters, seed)
+    chosen = _with_classifier(parameters, classifier)
+    parts = pipeline_of(pipeline, chosen, seed)
+    rows, labels, owners = parts.rows(sequences), sequences.labels, sequences.object_index
+    generator = spawn_generator(seed, "recognition", "model", pipeline)
+
+    def fit(rows: FloatArray, labels: IntArray, owners: IntArray) -> Pipeline:
+        preparation = seeded(clone(parts.preparation), generator).fit(rows, labels)
+        (own_seed,) = parts.seeds(generator).values()
+        model = seeded(clone(parts.classifiers[classifier]), own_seed)
+        prepared = preparation.transform(rows)
+        fitted = (
+            fit_calibrated(model, prepared, labels, owners) if own else model.fit(prepared, labels)
+        )
+        return Pipeline([("preparation", preparation), ("classifier", fitted)])
+
+    own = pipeline == "order_free"
+    with one_thread():
+        estimator = fit(rows, labels, owners)
+        certainty = fit_certainty(fit, estimator, rows, labels, owners) if own else None
+    waves = draw_waves(parameters.order_free, seed) if own else None
     return RecognitionModel(
         pipeline=pipeline,
         strategy=features.column("strategy")[0].as_py(),
@@ -225,53 +232,12 @@ def fit_model(
             "python": platform.python_version(),
             **{name: version(name) for name in ("numpy", "scikit-learn", "pywavelets", "skops")},
         },
-        **fitted,
+        estimator=estimator,
+        waves=waves,
+        certainty=certainty,
     )
 
 
-def _fit_paper(
-    sequences: TouchSequences,
-    classifier: ClassifierName,
-    parameters: RecognitionParameters,
-    seed: int,
-) -> dict[str, Any]:
-    generator = spawn_generator(seed, "recognition", "model", "paper")
-    encoder = fit_sequence_encoder(sequences.features, parameters, generator)
-    fitted, _ = fit_classifier(
-        classifier,
-        parameters.classifier,
-        encoder.encode(sequences.features),
-        sequences.labels,
-        generator,
-    )
-    tuned = TunedClassifier(fitted, parameters.classifier, 1.0, len(sequences.classes), "")
-    return {"encoder": encoder, "tuned": tuned}
-
-
-def _fit_best(
-    sequences: TouchSequences,
-    classifier: ClassifierName,
-    parameters: RecognitionParameters,
-    seed: int,
-) -> dict[str, Any]:
-    generator = spawn_generator(seed, "recognition", "model", "best")
-    waves = draw_waves(parameters.best, spawn_generator(seed, "recognition", "waves"))
-    names = sequences.feature_names
-    described = describe_sequences(sequences.features, names, waves, parameters.best)
-    one = one_classifier(parameters, classifier)
-    training = (sequences.labels, sequences.object_index, len(sequences.classes), one)
-    projection, [(_, tuned, _)] = fit_best_classifiers(described, *training, generator)
-    calibration = fit_calibration(sequences, described, one, projection, generator)
-    touches = sequences.features
-    first = [length for length in parameters.best.short_touches if length < touches.shape[1]]
-    short = fit_short_classifiers(
-        sequences,
-        {
-            length: describe_sequences(touches[:, :length], names, waves, parameters.best)
-            for length in sorted(set(first))
-        },
-        parameters.best,
-        spawn_generator(seed, "recognition", "model", "short"),
-    )
-    describer = SequenceDescriber(waves, names, parameters.best, projection)
-    return {"encoder": describer, "tuned": tuned, "calibration": calibration, "short": short}
+def _with_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
+    own = parameters.order_free.model_copy(update={"classifiers": (classifier,)})
+    return parameters.model_copy(update={"order_free": own, "classifiers": (classifier,)})

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from visuohaptic.base.section import Section
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.maps import MAPS
@@ -32,11 +35,7 @@ Scaling = Literal["standardise", "none"]
 Protocol = Literal["auto", "leave_one_object_a_class_out", "grouped_folds", "new_viewpoint"]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class SelfOrganisingMapParameters(_Section):
+class SelfOrganisingMapParameters(Section):
     """The map that reduces a touch's 22 features to five."""
 
     output: Annotated[str, MAPS] = Field(
@@ -55,7 +54,7 @@ class SelfOrganisingMapParameters(_Section):
     )
 
 
-class SequenceParameters(_Section):
+class SequenceParameters(Section):
     """The statistics of a sequence and of its wavelet levels."""
 
     wavelet: str = Field("db2", description="Wavelet, by PyWavelets' name")
@@ -74,7 +73,7 @@ class SequenceParameters(_Section):
     )
 
 
-class ProtocolParameters(_Section):
+class ProtocolParameters(Section):
     """Which objects train and which are tested."""
 
     protocol: Protocol = Field(
@@ -116,8 +115,15 @@ class ProtocolParameters(_Section):
         description="How often splits and training are repeated with another seed, on the same touches",
     )
 
+    def resolve(self, sizes: Sequence[int]) -> Protocol:
+        """Return the protocol that runs for classes with `sizes` objects; only `auto` depends on the sizes."""
+        if self.protocol != "auto":
+            return self.protocol
+        fit = math.prod(sizes) <= self.maximum_splits
+        return "leave_one_object_a_class_out" if fit else "grouped_folds"
 
-class IntervalParameters(_Section):
+
+class IntervalParameters(Section):
     """Resampling over objects."""
 
     confidence: float = Field(0.95, gt=0, lt=1, description="Confidence of the intervals")
@@ -141,8 +147,8 @@ _PAPER_CLASSIFIERS = (
 )
 
 
-class BestParameters(_Section):
-    """Our own pipeline: descriptors of the whole sequence, everything else chosen by nested folds."""
+class OrderFreeParameters(Section):
+    """Our own pipeline: descriptors of a sequence that do not depend on the order of its touches."""
 
     classifiers: tuple[ClassifierName, ...] = Field(
         (*_PAPER_CLASSIFIERS, "linear_discriminant"),
@@ -152,8 +158,8 @@ class BestParameters(_Section):
     cues: tuple[Cue, ...] = Field(
         ("contourlet", "imprint", "sensor", "pose", "relations", "embedding"),
         min_length=1,
-        description="Groups of descriptors; those whose columns a table lacks are left out; `azimuth_free` "
-        "stands for `pose` and `embedding` where objects are upright and turned in unknown ways",
+        description="Groups of descriptors; a group whose columns a table lacks is left out; `azimuth_free` "
+        "replaces `pose` and `embedding` where objects are upright and turned in unknown ways",
     )
     waves: int = Field(
         300, ge=1, le=5000, description="Random waves of the kernel mean embedding of the poses"
@@ -166,42 +172,22 @@ class BestParameters(_Section):
     normal_weight: float = Field(
         0.5, ge=0, description="Length of a unit normal beside positions in the embedding"
     )
-    components: int = Field(
-        64,
-        ge=1,
-        description="Principal components of the descriptors that classifiers see, at most",
-    )
-    bags: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        (1, 2, 4, 8, 16),
-        description="Viewpoints in the bags from which a linear discriminant learns, which answers beside "
-        "each classifier; with none each classifier answers alone",
-    )
-    short_touches: tuple[Annotated[int, Field(ge=1)], ...] = Field(
-        (1, 2, 3, 4),
-        description="Touches of shortened sequences from which a model that is saved also learns, with "
-        "`bags`, for views that are touched less often; with none it classifies these as if they were whole",
-    )
     coverage: float = Field(
         0.9,
         gt=0,
         lt=1,
         description="Stated share of objects of known classes whose class is in the prediction set, and "
-        "that are not taken for objects of an unknown class",
-    )
-    calibration_folds: int = Field(
-        10,
-        ge=2,
-        description="Folds of training objects by which a model's prediction sets are calibrated, at most",
+        "that are not called unknown",
     )
 
 
-class RecognitionParameters(_Section):
+class RecognitionParameters(Section):
     """Recognition from tables of touch features."""
 
-    pipelines: tuple[Literal["paper", "best"], ...] = Field(
-        ("paper", "best"),
+    pipelines: tuple[Literal["paper", "order_free"], ...] = Field(
+        ("paper", "order_free"),
         min_length=1,
-        description="Ways from features to an answer: that of the `paper`, and our own, `best`",
+        description="Ways from features to an answer: that of the `paper`, and our own, `order_free`",
     )
     classifiers: tuple[ClassifierName, ...] = Field(
         _PAPER_CLASSIFIERS,
@@ -231,6 +217,6 @@ class RecognitionParameters(_Section):
     self_organising_map: SelfOrganisingMapParameters = SelfOrganisingMapParameters()
     sequence: SequenceParameters = SequenceParameters()
     classifier: ClassifierParameters = ClassifierParameters()
-    best: BestParameters = BestParameters()
+    order_free: OrderFreeParameters = OrderFreeParameters()
     protocol: ProtocolParameters = ProtocolParameters()
     intervals: IntervalParameters = IntervalParameters()

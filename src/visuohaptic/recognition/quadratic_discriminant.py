@@ -10,6 +10,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 from sklearn.base import BaseEstimator, ClassifierMixin
+from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from visuohaptic.base.arrays import FloatArray, IntArray
@@ -69,6 +70,7 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         Raises `RecognitionError` if a class has one row, or no feature varies.
         """
         rows, y = validate_data(self, X, y, dtype=np.float64)
+        check_classification_targets(y)
         self.classes_, labels = np.unique(y, return_inverse=True)
         _check_spread(rows, labels)
         self.note_: str | None = None
@@ -91,7 +93,14 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         )
 
     def decision_function(self, X: Any) -> FloatArray:
-        """Compute the log density times the share of each class, up to a constant: (n, d) to (n, k)."""
+        """Compute the log density times the share of each class, up to a constant: (n, d) to (n, k).
+
+        Of two classes, return the score of the second minus that of the first, (n,), as scikit-learn does.
+        """
+        scores = self._scores(X)
+        return scores[:, 1] - scores[:, 0] if len(self.classes_) == 2 else scores
+
+    def _scores(self, X: Any) -> FloatArray:
         check_is_fitted(self)
         rows = validate_data(self, X, dtype=np.float64, reset=False)
         deviations = (rows - self.means_[:, None]) @ self.directions_
@@ -101,7 +110,7 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
 
     def predict_log_proba(self, X: Any) -> FloatArray:
         """Compute log class probabilities: (n, d) to (n, k)."""
-        scores = self.decision_function(X)
+        scores = self._scores(X)
         scores -= scores.max(axis=1, keepdims=True)
         scores -= np.log(np.exp(scores).sum(axis=1, keepdims=True))
         return scores
@@ -112,7 +121,8 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
 
     def predict(self, X: Any) -> Any:
         """Predict the class of the highest score: (n, d) to (n,)."""
-        return self.classes_[self.decision_function(X).argmax(axis=1)]
+        scores = self._scores(X)
+        return self.classes_[scores.argmax(axis=1)]
 
     def _fit_plain(self, rows: FloatArray, labels: IntArray) -> bool:
         """Fit covariances without shrinkage, and return whether all are far from singular."""

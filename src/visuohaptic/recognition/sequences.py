@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,8 +13,18 @@ import pyarrow.compute as pc
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.tables.phases import CONTACT_STATES, key_of, keys_of, owners_of
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.tables.phases import (
+    CONTACT_STATES,
+    CONTOURLET_FEATURES,
+    KINESTHETIC_FEATURES,
+    key_of,
+    keys_of,
+    owners_of,
+)
 from visuohaptic.tables.schema import matrix
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -49,6 +60,51 @@ class TouchSequences:
             object_index=self.object_index[sequences],
             viewpoint=self.viewpoint[sequences],
         )
+
+
+def gather_pipeline(
+    features: pa.Table, parameters: RecognitionParameters, pipeline: str, seed: int = 0
+) -> TouchSequences:
+    """Gather the sequences of one strategy with the columns that a pipeline uses.
+
+    ``paper`` uses the paper's 22 features. ``order_free`` also uses columns ``imprint_…``, ``sensor_size`` and
+    ``contact_state`` if they exist. Viewpoints with fewer touches than a sequence are left out, with a warning in the
+    log. Raises `RecognitionError` if there is no such pipeline, or no whole sequence.
+    """
+    features, left_out = whole_sequences(features, parameters.touches)
+    for sentence in left_out:
+        logger.warning(sentence)
+    bands = _filled_bands(features)
+    features = turn_objects(features, parameters.protocol.turns)
+    if pipeline == "paper":
+        names = bands if "cutaneous" in parameters.cues else []
+        names = [*names, *(KINESTHETIC_FEATURES if "kinesthetic" in parameters.cues else ())]
+    elif pipeline == "order_free":
+        features = spread_contact_states(features)
+        extra = [
+            name
+            for name in features.column_names
+            if name.startswith(("imprint_", "contact_")) or name == "sensor_size"
+        ]
+        names = [*bands, *KINESTHETIC_FEATURES, *extra]
+    else:
+        raise RecognitionError(
+            f"There is no pipeline {pipeline}; paper and order_free are allowed."
+        )
+    sequences = gather_sequences(features, names, parameters.touches)
+    return sequences if parameters.order == "kept" else shuffle_touches(sequences, seed)
+
+
+def _filled_bands(features: pa.Table) -> list[str]:
+    """Return the columns ``contourlet_…`` that the descriptor of the imprint fills; the others are 0."""
+    present = [name for name in CONTOURLET_FEATURES if name in features.column_names]
+    # A band can be 0 by chance; only the bands after the last filled band do not belong to the descriptor.
+    filled = [
+        number
+        for number, name in enumerate(present, start=1)
+        if features.column(name).to_numpy().any()
+    ]
+    return present[: max(filled, default=len(present))]
 
 
 def gather_sequences(

@@ -1,4 +1,4 @@
-"""Which sequences train and which are tested."""
+"""Splitters of scikit-learn's kind that keep all sequences of an object, or of a viewpoint, together."""
 
 from __future__ import annotations
 
@@ -6,67 +6,136 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from sklearn.model_selection import BaseCrossValidator
 
 from visuohaptic.base.arrays import BoolArray, IntArray
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.recognition.parameters import Protocol, ProtocolParameters
+from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.recognition.parameters import ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
+
+RandomState = int | np.random.Generator | None
 
 
 @dataclass(frozen=True)
 class Split:
-    """One division of the sequences: its number, from 0, and the places of either part, ascending."""
+    """One division of the sequences: indices of training and test sequences, ascending.
+
+    `number` counts from 0 within each `repeat` of the protocol.
+    """
 
     number: int
+    repeat: int
     train: IntArray
     test: IntArray
 
 
-def make_splits(
-    sequences: TouchSequences, parameters: ProtocolParameters, generator: np.random.Generator
-) -> list[Split]:
-    """Divide the sequences as the protocol says.
+class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
+    """Tests whole groups. `y` (n,) is the class and `groups` (n,) the object of each row."""
 
-    Raises `RecognitionError` if there are fewer than two classes, or a class has too few objects or
-    an object too few viewpoints.
+    def get_n_splits(self, X: Any = None, y: Any = None, groups: Any = None) -> int:  # noqa: ARG002
+        """Return the number of splits for these classes and objects."""
+        return len(self._test_groups(np.asarray(y), np.asarray(groups)))
+
+    def _iter_test_masks(
+        self,
+        X: Any = None,  # noqa: ARG002
+        y: Any = None,
+        groups: Any = None,
+    ) -> Iterator[BoolArray]:
+        for tested in self._test_groups(np.asarray(y), np.asarray(groups)):
+            yield np.isin(groups, tested)
+
+    def _test_groups(self, y: Any, groups: Any) -> Sequence[Sequence[Any]]:
+        raise NotImplementedError
+
+
+class LeaveOneObjectPerClassOut(_ObjectSplitter):
+    """Tests one object of each class, in all combinations, or in a balanced sample of `maximum` combinations."""
+
+    def __init__(self, maximum: int = 81, random_state: RandomState = None) -> None:
+        self.maximum = maximum
+        self.random_state = random_state
+
+    def _test_groups(self, y: Any, groups: Any) -> Sequence[Sequence[Any]]:
+        generator = np.random.default_rng(self.random_state)
+        return leave_one_out_per_class(_members(y, groups), self.maximum, generator)
+
+
+class GroupedFolds(_ObjectSplitter):
+    """Folds of whole objects, stratified by class; each object is tested once per round."""
+
+    def __init__(self, folds: int = 5, rounds: int = 1, random_state: RandomState = None) -> None:
+        self.folds = folds
+        self.rounds = rounds
+        self.random_state = random_state
+
+    def _test_groups(self, y: Any, groups: Any) -> Sequence[Sequence[Any]]:
+        generator, members = np.random.default_rng(self.random_state), _members(y, groups)
+        return [
+            objects
+            for _ in range(self.rounds)
+            for objects in grouped_folds(members, self.folds, generator)
+        ]
+
+
+class ViewpointFolds(_ObjectSplitter):
+    """Folds of viewpoints, which are the `groups`: every n-th viewpoint is tested together."""
+
+    def __init__(self, folds: int = 5) -> None:
+        self.folds = folds
+
+    def _test_groups(self, y: Any, groups: Any) -> Sequence[Sequence[Any]]:  # noqa: ARG002
+        viewpoints = np.unique(groups)
+        if len(viewpoints) < 2:
+            raise RecognitionError(
+                "The objects have one viewpoint; protocol new_viewpoint needs at least two."
+            )
+        folds = min(self.folds, len(viewpoints))
+        return [viewpoints[start::folds].tolist() for start in range(folds)]
+
+
+def make_splitter(
+    sizes: Sequence[int], parameters: ProtocolParameters, random_state: RandomState
+) -> _ObjectSplitter:
+    """Return the splitter of a protocol for classes with `sizes` objects."""
+    protocol = parameters.resolve(sizes)
+    if protocol == "new_viewpoint":
+        return ViewpointFolds(parameters.folds)
+    if protocol == "grouped_folds":
+        rounds = parameters.fold_rounds if parameters.protocol == "auto" else 1
+        return GroupedFolds(parameters.folds, rounds, random_state)
+    return LeaveOneObjectPerClassOut(parameters.maximum_splits, random_state)
+
+
+def draw_splits(
+    sequences: TouchSequences, parameters: ProtocolParameters, seed: int
+) -> list[Split]:
+    """Divide sequences into training and test sequences: all splits of all repeats.
+
+    Raises `RecognitionError` if there are fewer than two classes, or a class has too few objects or an object too few
+    viewpoints.
     """
     check_two_classes(sequences)
-    if parameters.protocol == "new_viewpoint":
-        return _viewpoint_splits(sequences, parameters.folds)
     members = objects_of_classes(sequences)
-    for name, objects in zip(sequences.classes, members, strict=True):
-        if len(objects) < 2:
-            raise RecognitionError(
-                f"Class {name} has one object ({sequences.objects[objects[0]][1]}); at least two "
-                f"are needed, one to train and one to test: add another or leave the class out."
-            )
-    if settled_protocol([len(objects) for objects in members], parameters) == "grouped_folds":
-        rounds = parameters.fold_rounds if parameters.protocol == "auto" else 1
-        tested = [
-            objects
-            for _ in range(rounds)
-            for objects in grouped_folds(members, parameters.folds, generator)
-        ]
-    else:
-        tested = leave_one_out_a_class(members, parameters.maximum_splits, generator)
-    return [
-        _split(number, np.isin(sequences.object_index, objects))
-        for number, objects in enumerate(tested)
-    ]
-
-
-def settled_protocol(sizes: Sequence[int], parameters: ProtocolParameters) -> Protocol:
-    """Give the protocol that is run for classes of so many objects; only `auto` depends on these."""
-    if parameters.protocol != "auto":
-        return parameters.protocol
-    fit = math.prod(sizes) <= parameters.maximum_splits
-    return "leave_one_object_a_class_out" if fit else "grouped_folds"
+    by_viewpoint = parameters.protocol == "new_viewpoint"
+    if not by_viewpoint:
+        _check_two_objects(sequences, members)
+    groups = sequences.viewpoint if by_viewpoint else sequences.object_index
+    splits = []
+    for repeat in range(parameters.repeats):
+        generator = spawn_generator(seed, "recognition", "splits", repeat)
+        splitter = make_splitter([len(objects) for objects in members], parameters, generator)
+        divided = splitter.split(sequences.features, sequences.labels, groups)
+        splits += [Split(number, repeat, *parts) for number, parts in enumerate(divided)]
+    return splits
 
 
 def check_two_classes(sequences: TouchSequences) -> None:
-    """Raise `RecognitionError` where there is nothing to distinguish."""
+    """Raise `RecognitionError` if there are fewer than two classes."""
     if len(sequences.classes) < 2:
         raise RecognitionError(
             f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
@@ -74,19 +143,33 @@ def check_two_classes(sequences: TouchSequences) -> None:
         )
 
 
+def _check_two_objects(sequences: TouchSequences, members: Sequence[Sequence[int]]) -> None:
+    for name, objects in zip(sequences.classes, members, strict=True):
+        if len(objects) < 2:
+            raise RecognitionError(
+                f"Class {name} has one object ({sequences.objects[objects[0]][1]}); at least two "
+                f"are needed, one to train and one to test: add another or leave the class out."
+            )
+
+
 def objects_of_classes(sequences: TouchSequences) -> list[list[int]]:
-    """Give the places of each class's objects, classes in their order."""
+    """Return the indices of each class's objects, in the order of the classes."""
     of_class = sequences.class_of_object
-    return [np.flatnonzero(of_class == place).tolist() for place in range(len(sequences.classes))]
+    return [np.flatnonzero(of_class == index).tolist() for index in range(len(sequences.classes))]
 
 
-def leave_one_out_a_class(
+def _members(y: Any, groups: Any) -> list[list[Any]]:
+    """Return the groups of each class, both sorted."""
+    return [np.unique(groups[y == label]).tolist() for label in np.unique(y)]
+
+
+def leave_one_out_per_class(
     members: Sequence[Sequence[int]], maximum: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Choose one test object of each class, in all combinations: the test objects of each split.
+    """Return the test objects of each split: one object of each class, in all combinations.
 
-    Of more combinations than `maximum`, distinct ones are drawn, each object of a class as often as
-    any other, or once more.
+    If there are more combinations than `maximum`, distinct combinations are drawn. Each object of a class is drawn as
+    often as any other object of the class, or once more.
     """
     if math.prod(len(objects) for objects in members) <= maximum:
         return list(itertools.product(*members))
@@ -101,7 +184,7 @@ def leave_one_out_a_class(
 def _distinct_combinations(
     members: Sequence[Sequence[int]], count: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Draw distinct combinations of an object of each class, each object as often or once more."""
+    """Draw distinct combinations of one object per class; objects of a class are drawn equally often, or once more."""
     # From a drawn combination all classes go on to their next object together, until it would come
     # again: a cycle that has the objects of a class equally often, and no combination of another.
     sizes = [len(objects) for objects in members]
@@ -122,7 +205,7 @@ def _distinct_combinations(
 def grouped_folds(
     members: Sequence[Sequence[int]], folds: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Deal the objects of each class over folds, at most as many as the largest class has objects."""
+    """Deal the objects of each class over folds; there are at most as many folds as objects in the largest class."""
     folds = min(folds, max(len(objects) for objects in members))
     dealt: list[list[int]] = [[] for _ in range(folds)]
     for objects in members:
@@ -133,43 +216,27 @@ def grouped_folds(
     return [tuple(sorted(objects)) for objects in dealt]
 
 
-def hold_out_objects(
-    labels: IntArray, owners: IntArray, folds: int, generator: np.random.Generator
-) -> Iterator[tuple[BoolArray, list[int]]]:
-    """Deal objects over folds: which sequences, (n,), the other folds have, and the fold's objects.
+def held_out_folds(
+    labels: IntArray, owners: IntArray, folds: int, random_state: RandomState = 0
+) -> list[tuple[IntArray, IntArray]]:
+    """Return (training indices, held-out indices) for folds of whole objects in which every class is trained.
 
-    `labels` and `owners` (n,) are the sequences' classes and objects. Those of two classes at least
-    train; the fold's objects are of these, one at least. There is no fold where no class has a
-    second object.
+    Each class has at least one object in the training part of every fold. The list is empty if a class has one object
+    only, because its object could be held out only together with the class.
+
+    Parameters
+    ----------
+    labels, owners : ndarray of shape (n,)
+        Class and object of each training sequence.
     """
-    members = [np.unique(owners[labels == place]).tolist() for place in np.unique(labels)]
-    if max(len(objects) for objects in members) < 2:
-        return
-    for objects in grouped_folds(members, folds, generator):
-        train = ~np.isin(owners, objects)
-        classes = np.unique(labels[train])
-        known = [place for place in objects if labels[owners == place][0] in classes]
-        if known and len(classes) > 1:
-            yield train, known
+    fewest = min(len(objects) for objects in _members(labels, owners))
+    if fewest < 2:
+        return []
+    splitter = GroupedFolds(folds, random_state=random_state)
+    return list(splitter.split(labels, labels, owners))
 
 
 def _turns(objects: Sequence[int], count: int, generator: np.random.Generator) -> list[int]:
     rounds = math.ceil(count / len(objects))
     order = [generator.permutation(len(objects)) for _ in range(rounds)]
     return [objects[place] for place in np.concatenate(order)[:count]]
-
-
-def _viewpoint_splits(sequences: TouchSequences, folds: int) -> list[Split]:
-    """Test every folds-th viewpoint of known objects."""
-    viewpoints = np.unique(sequences.viewpoint)
-    if len(viewpoints) < 2:
-        raise RecognitionError(
-            "The objects have one viewpoint; protocol new_viewpoint needs at least two."
-        )
-    folds = min(folds, len(viewpoints))
-    fold = np.searchsorted(viewpoints, sequences.viewpoint) % folds
-    return [_split(number, fold == number) for number in range(folds)]
-
-
-def _split(number: int, tested: BoolArray) -> Split:
-    return Split(number, np.flatnonzero(~tested), np.flatnonzero(tested))

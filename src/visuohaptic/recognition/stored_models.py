@@ -1,137 +1,152 @@
-"""A trained recogniser as a file: arrays, numbers and text, so that loading runs no code."""
+"""A trained recogniser as a file: scikit-learn's objects, arrays and text, so that loading runs no code."""
 
 from __future__ import annotations
 
+import json
 import zipfile
-from collections.abc import Iterator, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
+from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
+import skops.io
+from sklearn.pipeline import Pipeline
+from sklearn.svm import SVC
 
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.recognition.gaussian import GaussianClassifier
-from visuohaptic.recognition.maps import FeatureGroups
+from visuohaptic.recognition.certainty import Certainty, Reference
+from visuohaptic.recognition.descriptors import WaveBasis
 from visuohaptic.recognition.model import RecognitionModel
-from visuohaptic.recognition.neighbours import NearestNeighbours
-from visuohaptic.recognition.self_organising_map import SelfOrganisingMap
-from visuohaptic.recognition.support_vectors import SupportVectorMachine
+from visuohaptic.recognition.parameters import RecognitionParameters
 
-FORMAT = "visuohaptic recognition model 8"
+FORMAT = "visuohaptic recogniser 9"
 
 LARGEST_BYTES = 2**30
-"""A model file that unpacks to more is refused; one of 142 objects has some megabytes."""
+"""A model file that unpacks to more is refused; a model of 142 objects has some megabytes."""
 
-
-def _kinds(*kinds: type) -> Iterator[type]:
-    """Give classes, and those of parameters and parts that they hold by their annotations."""
-    for kind in kinds:
-        yield kind
-        for hint in get_type_hints(kind).values():
-            yield from _kinds(*filter(_is_part, (hint, *get_args(hint))))
-
-
-def _is_part(hint: object) -> bool:
-    return isinstance(hint, type) and (is_dataclass(hint) or issubclass(hint, BaseModel))
-
-
-_FITTED = (
-    FeatureGroups,
-    GaussianClassifier,
-    NearestNeighbours,
-    SelfOrganisingMap,
-    SupportVectorMachine,
+TRUSTED = (
+    "sklearn.calibration._CalibratedClassifier",
+    "sklearn.calibration._TemperatureScaling",
+    "visuohaptic.recognition.quadratic_discriminant.QuadraticDiscriminant",
 )
-_PARTS: Mapping[str, Any] = {kind.__name__: kind for kind in (*_kinds(RecognitionModel), *_FITTED)}
-"""All that a file may hold beside built-in types, and NumPy's and scikit-learn's."""
+"""Types of a model that skops does not trust by itself. All compute with arrays only."""
+
+_TEXTS = ("pipeline", "strategy", "classifier", "touches", "touching")
 
 
 def save_model(model: RecognitionModel, path: str | Path) -> None:
-    """Write a model with skops, whole or not at all; the folder is made where missing.
+    """Write a model of pipeline ``order_free`` with skops; its folder is made where missing.
 
-    Raises `RecognitionError` if the classifier can't be saved so that loading is safe: scikit-learn
-    follows a decision tree's stored indices unchecked.
+    The file is replaced only when the new file is complete. Raises `RecognitionError` if the model can't be saved so
+    that loading is safe: scikit-learn follows the stored indices of a decision tree unchecked.
     """
-    import skops.io
-
-    content = skops.io.dumps({"format": FORMAT, "model": _stored(model)})
-    unsafe = skops.io.get_untrusted_types(data=content)
+    if model.waves is None:
+        raise RecognitionError("A model of pipeline paper can't be saved; order_free can.")
+    content = skops.io.dumps(
+        {
+            "format": FORMAT,
+            "description": json.dumps(
+                {name: getattr(model, name) for name in _TEXTS}
+                | {
+                    "classes": model.classes,
+                    "feature_names": model.feature_names,
+                    "objects": model.objects,
+                    "versions": dict(model.versions),
+                    "parameters": model.parameters.model_dump(mode="json"),
+                }
+            ),
+            "estimator": model.estimator,
+            "waves": asdict(model.waves),
+            "certainty": None if model.certainty is None else asdict(model.certainty),
+        }
+    )
+    unsafe = {*skops.io.get_untrusted_types(data=content)} - {*TRUSTED}
     if unsafe:
         raise RecognitionError(
             f"A {model.classifier} can't be saved so that it is safe to load (it needs "
-            f"{', '.join(unsafe)}); choose another classifier."
+            f"{', '.join(sorted(unsafe))}); choose another classifier."
         )
     with atomic_file(path) as unfinished:
         unfinished.write_bytes(content)
 
 
 def load_model(path: str | Path) -> RecognitionModel:
-    """Read what `save_model` wrote; a file that would bring code of its own is refused.
+    """Read a model that `save_model` wrote; a file that would bring code of its own is refused.
 
-    Raises `RecognitionError` if it can't be read, is larger than `LARGEST_BYTES`, holds other types
-    than NumPy's and scikit-learn's, or is no whole model that gives probabilities.
+    Raises `RecognitionError` if the file can't be read, is larger than `LARGEST_BYTES`, holds other types than NumPy's,
+    scikit-learn's and `TRUSTED`, or is no complete model that gives probabilities.
     """
     try:
         model = _read(Path(path))
         model.check()
     except Exception as error:
         raise RecognitionError(
-            f"{path} is no whole {FORMAT!r}, or its parts don't belong together; train it again "
+            f"{path} is no complete {FORMAT!r}, or its parts don't belong together; train it again "
             f"({type(error).__name__}: {error})."
         ) from error
     return model
 
 
 def _read(path: Path) -> RecognitionModel:
-    import skops.io
-
     with zipfile.ZipFile(path) as archive:
         unpacked = sum(part.file_size for part in archive.infolist())
     if unpacked > LARGEST_BYTES:
         raise RecognitionError(
             f"it unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are allowed"
         )
-    # Types other than NumPy's and scikit-learn's are an error.
-    state = skops.io.loads(path.read_bytes(), trusted=None)
+    state = skops.io.loads(path.read_bytes(), trusted=list(TRUSTED))
     if state["format"] != FORMAT:
         raise RecognitionError(f"it is a {state['format']!r}")
-    model: RecognitionModel = _restored(state["model"])
-    return model
+    description = json.loads(state["description"])
+    estimator = state["estimator"]
+    _check_estimator(estimator)
+    return RecognitionModel(
+        **{name: description[name] for name in _TEXTS},
+        classes=tuple(description["classes"]),
+        feature_names=tuple(description["feature_names"]),
+        objects=tuple((category, name) for category, name in description["objects"]),
+        parameters=RecognitionParameters.model_validate(description["parameters"]),
+        versions=description["versions"],
+        estimator=estimator,
+        waves=WaveBasis(**_arrays(WaveBasis, state["waves"])),
+        certainty=None if state["certainty"] is None else _certainty(state["certainty"]),
+    )
 
 
-def _stored(value: object) -> object:
-    """Give built-in types and arrays that stand for a part of a model."""
-    if isinstance(value, BaseModel):
-        return {"parameters": type(value).__name__, "values": value.model_dump_json()}
-    if is_dataclass(value):
-        if type(value).__name__ not in _PARTS:
-            raise RecognitionError(
-                f"A {type(value).__name__} can't be saved so that loading runs no code; "
-                f"{', '.join(_PARTS)} can."
-            )
-        own = {part.name: _stored(getattr(value, part.name)) for part in fields(value)}
-        return {"part": type(value).__name__, **own}
-    if isinstance(value, Mapping):
-        return {"keys": list(value), "values": [_stored(one) for one in value.values()]}
-    if isinstance(value, tuple):
-        return [_stored(one) for one in value]
-    return value
+def _certainty(state: dict[str, Any]) -> Certainty:
+    reference = Reference(**_arrays(Reference, state["reference"]))
+    arrays = _arrays(Certainty, {**state, "reference": reference.centres})
+    return Certainty(**{**arrays, "reference": reference})
 
 
-def _restored(state: Any) -> Any:
-    """Give the part of a model that built-in types and arrays stand for."""
-    if isinstance(state, list):
-        return tuple(_restored(one) for one in state)
-    if isinstance(state, np.ndarray) and state.dtype.kind == "f" and np.isnan(state).any():
-        raise ValueError("an array holds what is no number")
-    if not isinstance(state, dict):
-        return state
-    if "parameters" in state and "values" in state:
-        return _PARTS[state["parameters"]].model_validate_json(state["values"])
-    if "keys" in state:
-        return dict(zip(state["keys"], map(_restored, state["values"]), strict=True))
-    own = {name: _restored(one) for name, one in state.items() if name != "part"}
-    return _PARTS[state["part"]](**own)
+def _arrays(kind: type, state: dict[str, Any]) -> dict[str, Any]:
+    """Return the arrays of a part, and raise `ValueError` if one is missing, no array or not finite."""
+    arrays = {field.name: state[field.name] for field in fields(kind)}
+    for name, values in arrays.items():
+        if not isinstance(values, np.ndarray) or not np.isfinite(values).all():
+            raise ValueError(f"{name} is no array of finite numbers")
+    return arrays
+
+
+def _check_estimator(estimator: Any) -> None:
+    """Refuse support vector machines whose arrays do not fit each other: libsvm reads them unchecked."""
+    if not isinstance(estimator, Pipeline):
+        raise TypeError("the estimator is no pipeline")
+    (inner, *_) = getattr(estimator[-1], "calibrated_classifiers_", [estimator[-1]])
+    machine = getattr(inner, "estimator", inner)
+    if not isinstance(machine, SVC):
+        return
+    vectors, classes = machine.support_vectors_, len(machine.classes_)
+    fits = (
+        vectors.ndim == 2
+        and machine.dual_coef_.shape == (classes - 1, len(vectors))
+        and machine._dual_coef_.shape == machine.dual_coef_.shape
+        and machine._n_support.shape == (classes,)
+        and machine._n_support.min() >= 0
+        and machine._n_support.sum() == len(vectors)
+        and machine.intercept_.shape == (classes * (classes - 1) // 2,)
+        and machine.shape_fit_[1] == vectors.shape[1]
+    )
+    if not fits:
+        raise ValueError("the arrays of the support vector machine do not fit each other")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from visuohaptic.base.arrays import FloatArray, IntArray
@@ -25,3 +27,14 @@ def vote_credit(
     most = votes == votes.max(axis=1, keepdims=True)
     own = most[np.arange(len(present)), true_class[present]]
     return present, own / most.sum(axis=1)
+
+
+def evenly_spaced_subsets(total: int, count: int) -> IntArray:
+    """Return all ways to choose `count` of `total` indices, evenly spaced on a ring: (k, count).
+
+    Each index is in as many rows as any other. The first ceil(total / count) rows hold all indices, once each where
+    `count` divides `total`.
+    """
+    steps = np.arange(count) * total // count
+    turns = np.arange(total // math.gcd(total, count))
+    return np.sort((steps + turns[:, None]) % total, axis=1)

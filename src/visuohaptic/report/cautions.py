@@ -29,6 +29,7 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
     no_mesh = f"No mesh was found of {listed_in_short(meshless)}: no model to turn is shown there."
     return [
         *_objects_left_out(run),
+        *_notes_on_files(run),
         *_poor_views(run),
         *_short_sequences(run),
         *_unfitted_classifiers(run),
@@ -88,6 +89,13 @@ def _objects_left_out(run: Run) -> Iterator[str]:
     )
 
 
+def _notes_on_files(run: Run) -> Iterator[str]:
+    noted = sorted(run.notes)
+    for key in noted[:_MOST_REASONS]:
+        yield from (f"{key}: {note}" for note in run.notes[key])
+    yield from _warned(noted[_MOST_REASONS:], "more object", "with notes on the model's file:")
+
+
 def _views(run: Run) -> dict[tuple[str, int], int]:
     """Count the distinct fixations of each view, by object and viewpoint."""
     columns = ["class", "object", "viewpoint", "distinct_fixations"]
@@ -123,7 +131,7 @@ def _short_sequences(run: Run) -> list[str]:
 
 def _unfitted_classifiers(run: Run) -> Iterator[str]:
     recognition = run.parameters.recognition
-    asked = {"paper": recognition.classifiers, "best": recognition.best.classifiers}
+    asked = {"paper": recognition.classifiers, "order_free": recognition.order_free.classifiers}
     for pipeline, strategies in run.metrics["results"].items():
         fitted = {name for classifiers in strategies.values() for name in classifiers}
         yield from _warned(

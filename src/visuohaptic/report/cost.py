@@ -21,7 +21,7 @@ POINT = 0.01
 
 _CUES = {
     ("cues", "pose alone", "skin alone"): (
-        "In pipeline best, positions and normals alone reach {} correctly classified, imprints alone {}. "
+        "In pipeline order_free, positions and normals alone reach {} correctly classified, imprints alone {}. "
         "All objects stand upright."
     ),
     ("paper", "with its map", "without the map"): (

@@ -72,7 +72,7 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
         for name, values in published.items()
     ]
     names = [titled(row.name) for row in table.rows]
-    chance = 1 / len(table.best.class_accuracy[table.leading])
+    chance = 1 / len(table.headline.class_accuracy[table.leading])
     return _draw_intervals(names, "classifier", series, chance=chance)
 
 

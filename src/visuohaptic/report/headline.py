@@ -10,10 +10,8 @@ from typing import Any
 from visuohaptic.parameters import CostParameters
 from visuohaptic.report.comparison import PAPER_PIPELINE
 from visuohaptic.report.cost import on_robot, reference_row
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.cost.front import Row, read_costs
-
-CLASSIFIER = "support_vector_machine"
-"""The classifier whose accuracies are shown; the first one of a pipeline that does not have it."""
 
 
 def write_headline(
@@ -43,14 +41,15 @@ def headline_of(
     -------
     dict
         Accuracies of the paper's pipeline by strategy (``fixation``), of others with their name
-        (``best_fixation``); ``robot_s``, with the time of touches and looks; ``cpu_s``, computing only.
+        (``order_free_fixation``); ``robot_s``, with the time of touches and looks; ``cpu_s``, computing only.
     """
     found: dict[str, float] = {}
     results = summary["results"]
     for pipeline in sorted(results, key=PAPER_PIPELINE.__ne__):
         prefix = "" if pipeline == PAPER_PIPELINE else f"{pipeline}_"
         for strategy, classifiers in results[pipeline].items():
-            chosen = CLASSIFIER if CLASSIFIER in classifiers else next(iter(classifiers))
+            headline = HEADLINE_CLASSIFIERS.get(pipeline)
+            chosen = headline if headline in classifiers else next(iter(classifiers))
             found[f"{prefix}{strategy}"] = round(100 * classifiers[chosen]["accuracy"]["mean"], 2)
     own = reference_row(rows)
     if own is not None and own["seconds"] is not None:

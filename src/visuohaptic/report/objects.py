@@ -265,7 +265,7 @@ def _answers(run: Run) -> dict[str, dict[tuple[str, int], Counter[str]]]:
     if not run.pipelines:
         return found
     table = run.pipelines[0]
-    chosen = select(run.predictions, pipeline=table.name, classifier=table.best.key)
+    chosen = select(run.predictions, pipeline=table.name, classifier=table.headline.key)
     keys = ["class", "object", "strategy", "viewpoint", "predicted"]
     for row in chosen.group_by(keys).aggregate([([], "count_all")]).to_pylist():
         of_object = found.setdefault(key_of(row), {})

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     REFERENCE,
-    ClassifierRow,
     PipelineTable,
 )
 from visuohaptic.report.estimates import with_interval
@@ -17,9 +16,6 @@ from visuohaptic.report.wording import counted, percent, points, spaced
 
 GAIN = 0.02
 """A gain, as a share, that is worth having."""
-
-BEST_OF_PAPER = "support_vector_machine"
-"""The paper's most accurate classifier; the answers are its, where it was run."""
 
 MAIN_OPPONENT = "random"
 REASONS: Mapping[Verdict, str] = {
@@ -59,7 +55,7 @@ def recognition_answer(
 
     Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above it.
     """
-    found = [row_of(table).accuracy[table.leading] for table in tables]
+    found = [table.headline.accuracy[table.leading] for table in tables]
     chance = 1 / classes
     word: Verdict = "not shown"
     if all(figure.low is not None and figure.low > chance for figure in found):
@@ -75,7 +71,7 @@ def recognition_answer(
         word,
         with_interval(found[0], percent),
         f"of {touches}-touch sequences of {unseen} correctly classified by {pipeline_name(tables[0].name)} "
-        f"({row_of(tables[0]).name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
+        f"({tables[0].headline.name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
         "comparison",
     )
 
@@ -83,7 +79,9 @@ def recognition_answer(
 def fixation_answer(tables: Sequence[PipelineTable], variants: VariantsSummary) -> Answer | None:
     """Answer whether it helps to touch where the eye would fixate; None without random touches in reach."""
     compared = [
-        (table, row_of(table).comparisons[MAIN_OPPONENT]) for table in tables if has_opponent(table)
+        (table, table.headline.comparisons[MAIN_OPPONENT])
+        for table in tables
+        if has_opponent(table)
     ]
     if not compared:
         return None
@@ -117,7 +115,7 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         return None
     inside = sum(figure.holds(published) for figure, published in pairs)
     word: Verdict = "yes" if inside == len(pairs) else "depends" if inside else "no"
-    row = row_of(table)
+    row = table.headline
     number = against = ""
     if table.leading in row.published:
         here, published = row.accuracy[table.leading], row.published[table.leading]
@@ -149,12 +147,7 @@ def variants_sentence(variants: VariantsSummary) -> str:
 
 def has_opponent(table: PipelineTable) -> bool:
     """Return whether the answers' classifier was tried by fixation and by random touches in reach."""
-    return table.leading == REFERENCE and MAIN_OPPONENT in row_of(table).comparisons
-
-
-def row_of(table: PipelineTable) -> ClassifierRow:
-    """Give the classifier that the answers are about: the paper's best, or else the best here."""
-    return next((row for row in table.rows if row.key == BEST_OF_PAPER), table.best)
+    return table.leading == REFERENCE and MAIN_OPPONENT in table.headline.comparisons
 
 
 def pipeline_name(name: str) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import pyarrow as pa
 
 from visuohaptic.base.errors import ReportError
-from visuohaptic.geometry.surface import object_of, set_aside_reason
+from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.meshes.catalogue import Credit, find_own_models, models_of_set, read_credits
 from visuohaptic.parameters import ExperimentParameters, read_parameters
 from visuohaptic.report.comparison import PipelineTable, read_tables
@@ -121,6 +121,12 @@ class Run:
         """Why each object that can't be used was left out."""
         reasons = {key: set_aside_reason(path) for key, path in self.meshes.items()}
         return {key: reason for key, reason in reasons.items() if reason is not None}
+
+    @cached_property
+    def notes(self) -> dict[str, list[str]]:
+        """What a reader should know about the file of an object, for each that has such notes."""
+        found = {key: notes_of(path) for key, path in self.meshes.items()}
+        return {key: notes for key, notes in found.items() if notes}
 
     @cached_property
     def stability(self) -> StabilityFigures | None:

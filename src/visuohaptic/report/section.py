@@ -143,7 +143,7 @@ def find_sources(section: Section, run: Run, page: ObjectPage) -> Iterator[Sourc
 
 def _rows(run: Run, page: ObjectPage) -> dict[str, list[Rows]]:
     """Give the rows that are shown of a table, columns and values for each place on the page."""
-    best = [{"pipeline": table.name, "classifier": table.best.key} for table in run.pipelines]
+    best = [{"pipeline": table.name, "classifier": table.headline.key} for table in run.pipelines]
     return {
         "all": [{}],
         "pipelines": [{"pipeline": table.name} for table in run.pipelines],

@@ -14,7 +14,6 @@ from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Protocol
-from visuohaptic.recognition.splits import settled_protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
 from visuohaptic.report.cost import cost_verdict, cue_sentences
 from visuohaptic.report.effects import (
@@ -38,7 +37,6 @@ from visuohaptic.report.questions import (
     has_opponent,
     recognition_answer,
     reproduction_answer,
-    row_of,
     variants_sentence,
 )
 from visuohaptic.report.run import Run
@@ -90,7 +88,7 @@ def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
     """Give the lines that print `shown`, of the ``shares`` that the answers' classifier gets right by strategy."""
     place = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
     return _SHARES.format(
-        place=place.as_posix(), pipeline=table.name, classifier=row_of(table).key, shown=shown
+        place=place.as_posix(), pipeline=table.name, classifier=table.headline.key, shown=shown
     )
 
 
@@ -255,9 +253,9 @@ def confusion_values(context: ReportContext) -> Values | None:
     if not context.run.pipelines:
         return None
     run, table = context.run, context.run.pipelines[0]
-    shares = table.best.class_accuracy
+    shares = table.headline.class_accuracy
     predicted = select(run.predictions, pipeline=table.name)
-    rows = sorted(table.rows, key=lambda row: row is not table.best)
+    rows = sorted(table.rows, key=lambda row: row is not table.headline)
     found = [
         (row, strategy, confusion(select(predicted, strategy=strategy, classifier=row.key)))
         for row in rows
@@ -266,8 +264,8 @@ def confusion_values(context: ReportContext) -> Values | None:
     ]
     return {
         "sentence": class_sentence(table),
-        "best": [(row.name, *rest) for row, *rest in found if row is table.best],
-        "others": [(row.name, *rest) for row, *rest in found if row is not table.best],
+        "best": [(row.name, *rest) for row, *rest in found if row is table.headline],
+        "others": [(row.name, *rest) for row, *rest in found if row is not table.headline],
         "class_accuracy": [
             {"class": one, "by": {strategy: found.get(one) for strategy, found in shares.items()}}
             for one in run.classes
@@ -278,13 +276,13 @@ def confusion_values(context: ReportContext) -> Values | None:
 
 def class_sentence(table: PipelineTable) -> str:
     """Say which classes the best classifier finds most and least often."""
-    shares = table.best.class_accuracy.get(table.leading, {})
+    shares = table.headline.class_accuracy.get(table.leading, {})
     if len(shares) < 2:
-        return f"{titled(table.best.name)}: one class alone can't be confused."
+        return f"{titled(table.headline.name)}: one class alone can't be confused."
     ordered = sorted(shares, key=lambda name: -shares[name].mean)
     most, least = (f"{name} ({percent(shares[name].mean)})" for name in (ordered[0], ordered[-1]))
     return (
-        f"Of the classes, the {table.best.name} finds {most} most often, and {least} least often, "
+        f"Of the classes, the {table.headline.name} finds {most} most often, and {least} least often, "
         f"with {strategy_name(table.leading)}."
     )
 
@@ -301,7 +299,7 @@ def objects_values(context: ReportContext) -> Values:
     return {
         "pages": context.pages,
         "credits": run.credits,
-        "best": run.pipelines[0].best.name if run.pipelines else "classifier",
+        "best": run.pipelines[0].headline.name if run.pipelines else "classifier",
         "classes": run.classes,
         "strategies": sorted(states),
         "states": [
@@ -322,7 +320,7 @@ def methods_values(context: ReportContext) -> Values | None:
     sizes = Counter(key.split("/")[0] for key in run.tested_objects).values()
     return {
         "table": run.pipelines[0],
-        "protocol": settled_protocol(list(sizes), run.parameters.recognition.protocol),
+        "protocol": run.parameters.recognition.protocol.resolve(list(sizes)),
         "objects": len(run.objects),
         "classes": run.classes,
         "pipelines": _pipeline_texts(run),

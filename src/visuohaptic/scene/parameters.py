@@ -11,10 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic.fields import FieldInfo
 
 from visuohaptic.base.errors import RegistryError
+from visuohaptic.base.section import Section
 
 Mode = Literal["auto", "always", "never"]
 Cover = Literal["none", "winkler", "half_space"]
@@ -22,14 +23,12 @@ Readout = Literal["ideal", "grounded", "floating"]
 PresetName = Literal["ideal", "fsr400", "worn_fsr"]
 
 
-class TactileModes(BaseModel):
+class TactileModes(Section):
     """When each effect of the sensor is simulated, in the order in which a touch goes through them.
 
     Each has an entry in `visuohaptic.sensor.effects`, except for `adaptive_size`, which is how
     the sensor is placed.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     adaptive_size: Mode = Field("auto", description="The square shrinks until nothing penetrates")
     elastic_cover: Mode = Field("auto", description="An elastic layer turns gaps into pressure")
@@ -45,10 +44,8 @@ class TactileModes(BaseModel):
     quantisation: Mode = Field("auto", description="Rounding to the converter's levels")
 
 
-class VisualModes(BaseModel):
+class VisualModes(Section):
     """When each effect of the view is simulated; no preset sets them."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     colour: Mode = Field("auto", description="The object's colours in the view")
     texture: Mode = Field("auto", description="Colours that change within one part")
@@ -65,14 +62,12 @@ TACTILE_EFFECTS = TactileModes.model_fields.keys()
 VISUAL_EFFECTS = tuple(VisualModes.model_fields)
 
 
-class Scene(BaseModel):
+class Scene(Section):
     """The scene of a touch; the preset fills every value that is not given (docs/sensor.md).
 
     The image of a touch is in units of full scale: 1 is the output at
     `full_scale_pressure_pa`, without a cover the output in contact.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     preset: PresetName = Field(
         "ideal",
@@ -182,7 +177,7 @@ def grow_scene(effect: str, description: str, settings: Mapping[str, tuple[Any, 
     _grow(Scene, settings)
 
 
-def _grow(model: type[BaseModel], added: Mapping[str, tuple[Any, Any]]) -> None:
+def _grow(model: type[Section], added: Mapping[str, tuple[Any, Any]]) -> None:
     for name, (kind, field) in added.items():
         model.__pydantic_fields__[name] = FieldInfo.from_annotated_attribute(kind, field)
     model.model_rebuild(force=True)

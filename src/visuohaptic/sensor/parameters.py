@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
+
+from visuohaptic.base.section import Section
 
 Normal = Literal["face", "given", "smoothed"]
 Orientation = Literal["upright", "transported"]
 Normalisation = Literal["per_imprint", "absolute"]
 
 
-class SensorParameters(BaseModel):
+class SensorParameters(Section):
     """Measures of the sensor; the radius of an object's bounding sphere is 1."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     resolution: int = Field(
         32, ge=2, le=256, description="Sensing points (taxels) along each edge of the square"

@@ -24,15 +24,21 @@ from visuohaptic.studies.study import Changes, Condition, Study
 AS_RUN = "as run"
 """The condition that changes nothing."""
 
-CLASSIFIER = "support_vector_machine"
-"""The paper's best classifier; one is enough to compare conditions."""
-
-FIXATION_ONLY: Changes = {
-    "probing.strategies": ("fixation",),
-    "recognition.classifiers": (CLASSIFIER,),
-    "recognition.best.classifiers": (CLASSIFIER,),
+HEADLINE_CLASSIFIERS: Mapping[str, str] = {
+    "paper": "support_vector_machine",
+    "order_free": "linear_discriminant",
 }
-"""Touches by fixation and one classifier."""
+"""The classifier by which conditions are compared, by pipeline: the best of the paper, and the one that was chosen on
+objects that report nothing (studies/classifier_settings)."""
+
+ONE_CLASSIFIER: Changes = {
+    "recognition.classifiers": (HEADLINE_CLASSIFIERS["paper"],),
+    "recognition.order_free.classifiers": (HEADLINE_CLASSIFIERS["order_free"],),
+}
+"""One classifier per pipeline."""
+
+FIXATION_ONLY: Changes = {"probing.strategies": ("fixation",), **ONE_CLASSIFIER}
+"""Touches by fixation and one classifier per pipeline."""
 
 MOST_BLOCKS = 8
 MOST_CONDITIONS_A_BLOCK = 25

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, lru_cache, partial
-from itertools import groupby
+from itertools import groupby, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,15 +18,17 @@ from numpy.typing import NDArray
 
 from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError, VisuohapticError
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of
 from visuohaptic.io.phase_files import SCHEMAS, objects_of
 from visuohaptic.pipeline import inputs_needed_from, run
-from visuohaptic.recognition.experiment import answer_splits, gather_pipeline, split_runner
-from visuohaptic.recognition.memory import FitMemory
-from visuohaptic.recognition.pooling import Ballots, spread_choices
-from visuohaptic.recognition.sequences import take_strategy
+from visuohaptic.recognition.experiment import SplitPrediction, predict_splits
+from visuohaptic.recognition.pipelines import pipeline_of, pooled_log_probabilities
+from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline, take_strategy
+from visuohaptic.recognition.splits import draw_splits
+from visuohaptic.recognition.voting import evenly_spaced_subsets, vote_credit
 from visuohaptic.studies.conditions import (
     Planned,
     Recomputation,
@@ -41,9 +43,6 @@ from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
     from visuohaptic.parameters import ExperimentParameters
-    from visuohaptic.recognition.experiment import Answer, AnswerSplit
-    from visuohaptic.recognition.sequences import TouchSequences
-    from visuohaptic.recognition.splits import Split
 
 REFUSALS = (VisuohapticError, AttentionError, ContourletError)
 """What a condition may fail with; anything else is a fault of the program."""
@@ -76,10 +75,10 @@ class Sources:
 
 @dataclass(frozen=True)
 class Predictions:
-    """The answers of every split, repeat and classifier for some sequences, and the processor seconds of all."""
+    """Predictions of every split and classifier for some sequences, and the processor seconds of all."""
 
     sequences: TouchSequences
-    answers: list[tuple[Split, int, Answer]]
+    splits: Sequence[SplitPrediction]
     seconds: float
 
 
@@ -133,10 +132,10 @@ def make_study_block(
         )
         for row in conditions
     ]
-    maps, of_key = FitMemory(1000), features_by_key(features, made, objects)
+    of_key = features_by_key(features, made, objects)
     parts: list[pa.Table] = []
     for (key, _), alike in groupby(planned, key=training_key):
-        parts += measure_conditions(study, list(alike), of_key(key or None), run.seed, maps)
+        parts += measure_conditions(study, list(alike), of_key(key or None), run.seed)
     write_table(STUDY, pa.concat_tables(parts), output)
 
 
@@ -174,60 +173,39 @@ def condition_features(planned: Planned, features: pa.Table | str, strategy: str
 
 
 def measure_conditions(
-    study: str,
-    alike: Sequence[Planned],
-    features: pa.Table | str,
-    seed: int,
-    maps: FitMemory | None = None,
+    study: str, alike: Sequence[Planned], features: pa.Table | str, seed: int
 ) -> Iterator[pa.Table]:
-    """Train once, and test conditions that differ in their votes alone; what can't be run has one row with the reason.
+    """Train once, and test conditions that differ only in their votes.
 
-    `features` may be the sentence by which they were refused. Yields `tables.STUDY` of each pipeline,
-    strategy and condition.
+    A condition that can't be run has one row per classifier with the reason. `features` may be the sentence by which
+    they were refused. Yields `tables.STUDY` of each pipeline, strategy and condition.
     """
     first = alike[0]
     recognition = first.parameters.recognition
-    for pipeline in recognition.pipelines:
-        for strategy in first.parameters.probing.strategies:
-            predict = cache(
-                partial(_predict_condition, first, features, strategy, pipeline, seed, maps)
-            )
-            for one in alike:
-                key = (study, one.condition.name, pipeline, strategy)
-                try:
-                    yield from cell_rows(key, predict(), one.condition.votes)
-                except REFUSALS as refusal:
-                    paper = pipeline == "paper"
-                    names = recognition.classifiers if paper else recognition.best.classifiers
-                    yield error_rows(key, names, str(refusal))
+    for pipeline, strategy in product(recognition.pipelines, first.parameters.probing.strategies):
+        predict = cache(partial(predict_condition, first, features, strategy, pipeline, seed))
+        for one in alike:
+            key = (study, one.condition.name, pipeline, strategy)
+            try:
+                yield from cell_rows(key, predict(), one.condition.votes)
+            except REFUSALS as refusal:
+                paper = pipeline == "paper"
+                names = recognition.classifiers if paper else recognition.order_free.classifiers
+                yield error_rows(key, names, str(refusal))
 
 
-def predict_objects(
-    sequences: TouchSequences,
-    parameters: ExperimentParameters,
-    pipeline: str,
-    seed: int,
-    answer_split: AnswerSplit,
+def predict_condition(
+    planned: Planned, features: pa.Table | str, strategy: str, pipeline: str, seed: int
 ) -> Predictions:
-    """Train and test every split of one pipeline as `answer_split` does."""
-    started = time.process_time()
-    answers = list(answer_splits(sequences, parameters.recognition, seed, pipeline, answer_split))
-    return Predictions(sequences, answers, time.process_time() - started)
-
-
-def _predict_condition(
-    planned: Planned,
-    features: pa.Table | str,
-    strategy: str,
-    pipeline: str,
-    seed: int,
-    maps: FitMemory | None,
-) -> Predictions:
+    """Train and test every split of one pipeline on a condition's touches by one strategy."""
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
     sequences = gather_pipeline(rows, recognition, pipeline, seed)
-    answer_split = split_runner(sequences, recognition, seed, pipeline, maps)
-    return predict_objects(sequences, planned.parameters, pipeline, seed, answer_split)
+    splits = draw_splits(sequences, recognition.protocol, seed)
+    started = time.process_time()
+    parts = pipeline_of(pipeline, recognition, seed)
+    predictions = list(predict_splits(sequences, parts, splits, seed))
+    return Predictions(sequences, predictions, time.process_time() - started)
 
 
 Key = tuple[str, str, str, str]
@@ -235,23 +213,25 @@ _KEY = ("study", "condition", "pipeline", "strategy")
 
 
 def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> Iterator[pa.Table]:
-    """Give `tables.STUDY` of what each classifier predicted, a row an object, split and repeat.
+    """Yield `tables.STUDY` of each classifier: one row per object, split and repeat.
 
-    With `votes`, every evenly spread choice of so many of an object's viewpoints is one recognition;
-    without, each sequence. Raises `RecognitionError` if there are not so many viewpoints.
+    With `votes`, every evenly spaced choice of so many viewpoints of an object is one recognition; without, each
+    sequence. Raises `RecognitionError` if there are fewer viewpoints.
     """
     sequences = predictions.sequences
-    found: dict[str, list[tuple[NDArray[Any], ...]]] = {}
-    for split, repeat, answer in predictions.answers:
+    by_classifier: dict[str, list[tuple[NDArray[Any], ...]]] = {}
+    for prediction in predictions.splits:
         owners, right, counts = (
-            _correct(sequences, split, answer)
+            _count_correct(sequences, prediction)
             if votes is None
-            else _voted(sequences, split, answer, votes)
+            else _vote(sequences, prediction, votes)
         )
-        numbers = (np.full(len(owners), number) for number in (split.number, repeat))
-        found.setdefault(answer.classifier, []).append((owners, *numbers, counts, right))
+        split = prediction.split
+        numbers = (np.full(len(owners), number) for number in (split.number, split.repeat))
+        part = (owners, *numbers, counts, right)
+        by_classifier.setdefault(prediction.classifier, []).append(part)
     objects = np.array(sequences.objects, dtype=object)
-    for classifier, parts in found.items():
+    for classifier, parts in by_classifier.items():
         owners, splits, repeats, counts, right = map(np.concatenate, zip(*parts, strict=True))
         yield build_table(
             STUDY,
@@ -289,39 +269,60 @@ def _of_strategies(table: pa.Table, strategies: Iterable[str]) -> pa.Table:
     return table.filter(pc.is_in(table.column("strategy"), chosen)).combine_chunks()
 
 
-def _correct(
-    sequences: TouchSequences, split: Split, answer: Answer
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Give the tested objects, and how many of how many sequences of each are correctly classified."""
-    owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
-    correct = answer.predicted == sequences.labels[split.test]
-    counts = np.bincount(row).astype(np.int64)
-    return owners, np.bincount(row, weights=correct).astype(np.float64), counts
+def _count_correct(
+    sequences: TouchSequences, prediction: SplitPrediction
+) -> tuple[IntArray, FloatArray, IntArray]:
+    """Return the tested objects, and how many of how many sequences of each are correctly classified."""
+    test = prediction.split.test
+    owners, row = np.unique(sequences.object_index[test], return_inverse=True)
+    correct = prediction.predicted == sequences.labels[test]
+    right = np.bincount(row, weights=correct).astype(np.float64)
+    return owners, right, np.bincount(row).astype(np.int64)
 
 
-def _voted(
-    sequences: TouchSequences, split: Split, answer: Answer, votes: int
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
-    """Give the tested objects, and how often viewpoints that have a whole sequence together classify each correctly."""
-    numbers = np.unique(sequences.viewpoint)
-    if votes > len(numbers):
-        raise RecognitionError(f"{votes} viewpoints can't vote, for the run has {len(numbers)}.")
-    choices = spread_choices(len(numbers), votes)
-    viewpoint = np.searchsorted(numbers, sequences.viewpoint[split.test])
-    owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
-    ballots = answer.ballots or Ballots(np.eye(len(sequences.classes))[answer.predicted])
-    if votes > 1 and np.isin(sequences.object_index, owners).sum() > len(split.test):
+def _vote(
+    sequences: TouchSequences, prediction: SplitPrediction, votes: int
+) -> tuple[IntArray, FloatArray, IntArray]:
+    """Return the tested objects, the share of choices of `votes` viewpoints that classify each correctly, and ones."""
+    test, viewpoints = prediction.split.test, np.unique(sequences.viewpoint)
+    if votes > len(viewpoints):
+        raise RecognitionError(f"{votes} viewpoints can't vote, for the run has {len(viewpoints)}.")
+    owners, row = np.unique(sequences.object_index[test], return_inverse=True)
+    if votes > 1 and np.isin(sequences.object_index, owners).sum() > len(test):
         raise RecognitionError(
-            "Objects are tested from some of their viewpoints alone, so not all of these can vote; "
+            "Objects are tested from some of their viewpoints only, so not all of these can vote; "
             "choose a protocol that tests whole objects."
         )
-    chosen = (viewpoint[:, None] == choices[:, None]).any(axis=2)
+    choices = viewpoints[evenly_spaced_subsets(len(viewpoints), votes)]
+    chosen = (sequences.viewpoint[test] == choices[..., None]).any(axis=1)
     members = (row == np.arange(len(owners))[:, None])[:, None] & chosen
-    counted = members.any(axis=2)
-    found = np.zeros((*counted.shape, len(sequences.classes)))
-    found[counted] = ballots.together(members[counted])
-    most = found == found.max(axis=2, keepdims=True)
-    own = most[np.arange(len(owners)), :, sequences.class_of_object[owners]]
-    credit = np.where(own, 1.0 / most.sum(axis=2), 0.0)
-    shares = (credit * counted).sum(axis=1) / counted.sum(axis=1)
-    return owners, shares, np.ones(len(owners), dtype=np.int64)
+    # An object may have no whole sequence from any viewpoint of a choice.
+    voting = members.any(axis=2)
+    true_class = np.broadcast_to(sequences.class_of_object[owners][:, None], voting.shape)
+    credit = np.zeros(voting.shape)
+    credit[voting] = group_credit(prediction, members[voting], true_class[voting])
+    return owners, credit.sum(axis=1) / voting.sum(axis=1), np.ones(len(owners), dtype=np.int64)
+
+
+def group_credit(
+    prediction: SplitPrediction, members: BoolArray, true_class: IntArray
+) -> FloatArray:
+    """Return the credit of groups of test sequences: by log probabilities if there are any, else by majority vote.
+
+    Parameters
+    ----------
+    members : ndarray of shape (m, n), bool
+        The test sequences of each group.
+    true_class : ndarray of shape (m,)
+        The class of each group's object.
+
+    Returns
+    -------
+    ndarray of shape (m,)
+        1 for a correct classification, and 1/k if k classes share the most votes.
+    """
+    if prediction.log_probabilities is None:
+        group, sequence = np.nonzero(members)
+        return vote_credit(group, prediction.predicted[sequence], true_class)[1]
+    pooled = pooled_log_probabilities(prediction.log_probabilities, members)
+    return (pooled.argmax(axis=1) == true_class).astype(np.float64)

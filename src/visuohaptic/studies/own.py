@@ -3,33 +3,29 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from visuohaptic.base.errors import ParameterError
+from visuohaptic.base.section import Section
+from visuohaptic.io.yaml_files import read_yaml
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.conditions import AS_RUN, plan_study
+from visuohaptic.studies.conditions import AS_RUN, ONE_CLASSIFIER, plan_study
 from visuohaptic.studies.study import Changes, Condition, Study
 
-USUAL: Changes = {
-    "recognition.pipelines": ["paper"],
-    "recognition.classifiers": ["support_vector_machine"],
-    "recognition.best.classifiers": ["support_vector_machine"],
-}
+USUAL: Changes = {"recognition.pipelines": ["paper"], **ONE_CLASSIFIER}
 """What all conditions of an own study have, unless the file's `common` says otherwise."""
 
 MOST_CONDITIONS = 20_000
 LONGEST_NAME = 100
 
 
-class StudyFile(BaseModel):
+class StudyFile(Section):
     """What the file may hold."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     title: str = Field(min_length=1, max_length=200, description="heading in the report")
     common: dict[str, Any] = Field({}, description="changes of all conditions, `as run` included")
@@ -37,7 +33,9 @@ class StudyFile(BaseModel):
     compared_with: dict[str, str] = Field(
         {}, description="by condition, the condition that it is compared with instead of the first"
     )
-    grid: dict[str, list[Any]] = Field({}, description="values by parameter, all combinations")
+    grid: dict[str, Annotated[list[Any], Field(min_length=1)]] = Field(
+        {}, description="values by parameter, all combinations"
+    )
 
     @field_validator("conditions")
     @classmethod
@@ -67,15 +65,20 @@ def read_study(path: str | Path, run: ExperimentParameters) -> Study:
     path = Path(path)
     found = _read(path)
     common = {**USUAL, **found.common}
+    for place, changes in _mappings(found):
+        _check_apart(changes, f"{path}: {place}")
+    count = 1 + len(found.conditions)
+    if found.grid:
+        count += math.prod(map(len, found.grid.values()))
+    if count > MOST_CONDITIONS:
+        raise ParameterError(
+            f"{path}: there are {count:,} conditions; at most {MOST_CONDITIONS:,} are allowed."
+        )
     named = {AS_RUN: {}, **found.conditions}
     for name, changes in _combinations(found.grid) if found.grid else ():
         if name in named:
             raise ParameterError(f"{path}: two conditions have the name {name!r}; one is allowed.")
         named[name] = changes
-    if len(named) > MOST_CONDITIONS:
-        raise ParameterError(
-            f"{path}: there are {len(named):,} conditions; at most {MOST_CONDITIONS:,} are allowed."
-        )
     unknown = {*found.compared_with, *found.compared_with.values()} - set(named)
     if unknown:
         raise ParameterError(
@@ -91,12 +94,26 @@ def read_study(path: str | Path, run: ExperimentParameters) -> Study:
     return study
 
 
+def _mappings(study: StudyFile) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Return each mapping of parameters, with its place in the file."""
+    yield "common", study.common
+    yield "grid", study.grid
+    for name, changes in study.conditions.items():
+        yield f"conditions.{name}", changes
+
+
+def _check_apart(changes: Mapping[str, Any], place: str) -> None:
+    """Refuse a parameter that is named beside its section: which value counts would depend on the order."""
+    for name in changes:
+        *sections, _ = itertools.accumulate(name.split("."), "{}.{}".format)
+        for section in {*sections} & {*changes}:
+            raise ParameterError(f"{place}: {name} is given twice, as {section} holds it, too.")
+
+
 def _read(path: Path) -> StudyFile:
+    values = read_yaml(path)
     try:
-        values = yaml.safe_load(path.read_text(encoding="utf-8"))
         return StudyFile.model_validate(values)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ParameterError(f"{path} can't be read: {' '.join(str(error).split())}.") from error
     except ValidationError as error:
         problem = error.errors()[0]
         place = ".".join(map(str, problem["loc"]))

@@ -256,7 +256,7 @@ PREDICTIONS = Schema(
         Column(
             "probability",
             REAL,
-            "the probability that the classifier gives that class",
+            "the probability that the classifier gives that class, without a temperature",
             "1",
             0,
             1.0001,

@@ -176,6 +176,48 @@ def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.T
     return table
 
 
+def known_columns(schema: Schema, given: object) -> pa.Table:
+    """Return the columns of a schema that a table has, in the schema's order and types.
+
+    Parameters
+    ----------
+    schema : Schema
+        The schema.
+    given : pyarrow.Table, data frame or mapping of arrays
+        Any table that Arrow can take over. Text may be of Arrow's other types of text, or categories, and
+        numbers of other widths. Columns that the schema does not name are left out.
+
+    Raises
+    ------
+    TableError
+        If it is no table, has a column twice, or a column does not fit its type.
+    """
+    table = _arrow_table(schema, given)
+    twice = [name for name in names_of(schema.columns) if table.column_names.count(name) > 1]
+    if twice:
+        raise TableError(f"table {schema.name}: column {twice[0]} is there twice; once is allowed.")
+    present = [column for column in schema.columns if column.name in table.column_names]
+    arrays = [_as_type(schema, column, table.column(column.name)) for column in present]
+    fields = [schema.arrow.field(column.name) for column in present]
+    return pa.Table.from_arrays(arrays, schema=pa.schema(fields, schema.arrow.metadata))
+
+
+def take_table(schema: Schema, given: object) -> pa.Table:
+    """Return a checked table of a schema from a table that somebody else made, as `known_columns` takes it.
+
+    Raises `TableError` if a column is missing, or the table breaks the schema.
+    """
+    table = known_columns(schema, given)
+    missing = [name for name in names_of(schema.columns) if name not in table.column_names]
+    if missing:
+        raise TableError(
+            f"table {schema.name}: there is no column {missing[0]}; {len(schema.columns)} columns are needed "
+            f"and {len(missing)} of them missing."
+        )
+    check_table(schema, table)
+    return table
+
+
 def join_parts(schema: Schema, parts: Iterable[pa.Table]) -> pa.Table:
     """Join tables of a schema, at least one, into one that is sorted by its keys."""
     table = pa.concat_tables(parts).sort_by([(key, "ascending") for key in schema.keys])
@@ -199,6 +241,62 @@ def images(table: pa.Table, name: str = "image") -> np.ndarray:
             f"column {name}: images have {lengths.tolist()} points; one square number is allowed."
         )
     return np.asarray(column.flatten()).reshape(-1, side, side)
+
+
+def _arrow_table(schema: Schema, given: object) -> pa.Table:
+    if isinstance(given, pa.Table):
+        return given
+    if not isinstance(given, Mapping) and not hasattr(given, "__arrow_c_stream__"):
+        raise TableError(
+            f"table {schema.name}: it is of type {type(given).__name__}; a pyarrow.Table, a data frame or a "
+            "mapping of arrays is needed."
+        )
+    try:
+        return pa.table(dict(given) if isinstance(given, Mapping) else given)
+    except (pa.ArrowException, TypeError, ValueError) as error:
+        raise TableError(
+            f"table {schema.name}: Arrow can't take it over: {_one_line(error)}."
+        ) from error
+
+
+def _as_type(schema: Schema, column: Column, values: pa.ChunkedArray) -> pa.ChunkedArray:
+    """Cast a column to its type where text stays text and numbers stay numbers."""
+    if values.type == column.dtype:
+        return values
+    if pa.types.is_dictionary(values.type):
+        values = pc.cast(values, values.type.value_type)
+    is_alike = _kind(values.type) == _kind(column.dtype) or pa.types.is_null(values.type)
+    try:
+        if is_alike:
+            return pc.cast(values, column.dtype)
+        reason = "values of the column's own kind are needed"
+    except pa.ArrowException as error:
+        reason = _one_line(error)
+    raise TableError(
+        f"table {schema.name}: column {column.name} is {values.type} and does not fit {column.dtype}: {reason}."
+    )
+
+
+def _kind(dtype: pa.DataType) -> str:
+    if (
+        pa.types.is_string(dtype)
+        or pa.types.is_large_string(dtype)
+        or pa.types.is_string_view(dtype)
+    ):
+        return "text"
+    if pa.types.is_integer(dtype) or pa.types.is_floating(dtype) or pa.types.is_decimal(dtype):
+        return "number"
+    if (
+        pa.types.is_list(dtype)
+        or pa.types.is_large_list(dtype)
+        or pa.types.is_fixed_size_list(dtype)
+    ):
+        return f"list of {_kind(dtype.value_type)}"
+    return str(dtype)
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split()).rstrip(".")
 
 
 def _arrow_array(schema: Schema, column: Column, value: object, length: int) -> pa.Array:
@@ -255,12 +353,12 @@ def _parquet_files(paths: Sequence[str | Path]) -> list[Path]:
 def _read_part(schema: Schema, file: Path) -> pa.Table:
     try:
         part = pq.ParquetFile(file).read()
-    except (OSError, pa.ArrowInvalid) as error:
-        raise TableError(
-            f"{file} can't be read as Parquet ({error}); delete it and run again."
-        ) from error
+    except FileNotFoundError as error:
+        raise TableError(f"table {schema.name}: there is no file {file}.") from error
+    except (OSError, pa.ArrowException) as error:
+        raise TableError(f"{file} can't be read as Parquet: {_one_line(error)}.") from error
     if part.schema.names != schema.arrow.names:
         raise TableError(
             f"{file} has the columns {_signature(part.schema)}; table {schema.name} has {_signature(schema.arrow)}."
         )
-    return part.cast(schema.arrow)
+    return known_columns(schema, part)

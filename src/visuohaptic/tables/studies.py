@@ -85,7 +85,7 @@ STUDY_FIGURES = Schema(
     ),
 )
 
-CLASSIFIED_BY = Column("classifier", TEXT, "classifier of pipeline best")
+CLASSIFIED_BY = Column("classifier", TEXT, "classifier of pipeline order_free")
 VIEWS = count("views", "viewpoints from which it is classified", 1)
 ANSWER = (
     Column("known", pa.bool_(), "whether the object is of a class that the model knows"),

@@ -12,7 +12,7 @@ from numerics.shapes import run_chain, write_obj
 from numerics.surfaces import draw_triangles
 
 from visuohaptic.base.errors import MeshError
-from visuohaptic.meshes.model_files import read_model
+from visuohaptic.meshes.model_files import read_mesh
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.stability.findings import Finding
 
@@ -79,7 +79,7 @@ def _break_once(data, files, generator):
 def judge(path):
     """Read a file; give what is wrong with what came, None where it is a surface or a clear refusal."""
     try:
-        surface = normalise(read_model(path), path.name)
+        surface = normalise(read_mesh(path), path.name)
     except MeshError as error:
         text = str(error)
         clear = is_one_sentence(text) and path.name in text

@@ -8,7 +8,6 @@ from studies.surfaces import RUN, run_tables, small_surfaces
 
 from settings_cost.study import STUDY, settings_of
 from visuohaptic.geometry.subject import Subject
-from visuohaptic.recognition.model import fit_model
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.cost import seconds
 from visuohaptic.studies.cost.seconds import (
@@ -19,7 +18,6 @@ from visuohaptic.studies.cost.seconds import (
     recognise,
     time_object,
 )
-from visuohaptic.tables.phases import of_objects
 from visuohaptic.tables.studies import COST_PARTS
 
 
@@ -115,21 +113,6 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     assert counted[::3, 2].tolist() == [(0,), (0,), (3,), (3,)]
     assert [row["seconds"] for row in rows[:3]] == [1, 2, 4]
     assert [row["seconds_attend"] for row in rows[:3]] == [0.125, 0.25, 0.5]
-
-
-@pytest.mark.slow
-def test_a_quick_fit_answers_as_the_whole_one_and_compares_with_as_much(features):
-    setting, planned = family("viewpoints")[0]
-    recognition = planned.parameters.recognition
-    whole = fit_model(features, setting.pipeline, setting.classifier, recognition, RUN.seed)
-    quick = fit_setting(setting, planned, features, RUN.seed)
-    one = of_objects(features, ["ring/ring1"])
-    assert quick.recognise(one) == whole.recognise(one)
-    assert whole.short
-    assert not quick.short
-    for model in (quick, whole):
-        marks = model.calibration.landmarks
-        assert len(marks.objects) == len(model.calibration.labels) == 6
 
 
 def test_what_was_refused_is_not_fitted():

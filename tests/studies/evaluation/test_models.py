@@ -28,7 +28,7 @@ LEARNT = ALL.filter(pc.is_in(ALL["object"], pa.array(["object0", "object1", "obj
 
 @pytest.fixture(scope="module")
 def model():
-    return fit_model(LEARNT, "best", "naive_bayes", RecognitionParameters(), 1)
+    return fit_model(LEARNT, "order_free", "naive_bayes", RecognitionParameters(), 1)
 
 
 @pytest.fixture(scope="module")
@@ -77,11 +77,11 @@ def test_an_object_of_a_class_that_the_model_does_not_know_is_counted_apart(mode
     assert "found_unknown" in figures
 
 
-def test_a_model_that_knows_all_objects_or_is_not_calibrated_is_not_evaluated(model):
+def test_a_model_that_knows_all_objects_or_has_no_prediction_sets_is_not_evaluated(model):
     with pytest.raises(RecognitionError, match="Of 9 objects touched by fixation none is of a"):
         evaluate_model(model, LEARNT)
-    with pytest.raises(RecognitionError, match="not calibrated"):
-        evaluate_model(dataclasses.replace(model, calibration=None, short={}), ALL)
+    with pytest.raises(RecognitionError, match="no prediction sets"):
+        evaluate_model(dataclasses.replace(model, certainty=None), ALL)
 
 
 def test_what_was_measured_is_read_before_what_is_kept(evaluated, tmp_path):

@@ -6,49 +6,51 @@ from recognition.synthetic import features_table
 
 from eye_and_touch.answers import (
     Answered,
-    answer_trials,
+    Sense,
+    answer_splits,
     ask_if_familiar,
     multiply,
-    strangeness,
 )
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.descriptors import describe_all
-from visuohaptic.recognition.experiment import answer_splits, draw_splits, gather_pipeline
+from visuohaptic.recognition.experiment import predict_splits
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.tuning import fit_projection
+from visuohaptic.recognition.pipelines import pipeline_of
+from visuohaptic.recognition.sequences import gather_pipeline
+from visuohaptic.recognition.splits import draw_splits
 
-PARAMETERS = RecognitionParameters(best={"classifiers": ("naive_bayes",)})
+PARAMETERS = RecognitionParameters(order_free={"classifiers": ("linear_discriminant",)})
 SEED = 7
 
 
 def sequences_of(*objects):
     table = features_table(objects=objects, viewpoints=3, separation=1.0)
-    return gather_pipeline(table, PARAMETERS, "best", SEED)
+    return gather_pipeline(table, PARAMETERS, "order_free", SEED)
 
 
 def answer(sequences, *described, count=1):
-    trials = list(draw_splits(sequences, PARAMETERS, SEED))[:count]
-    return trials, answer_trials(trials, [described] * count, sequences, PARAMETERS, SEED)
+    splits = draw_splits(sequences, PARAMETERS.protocol, SEED)[:count]
+    return splits, answer_splits(splits, [described] * count, sequences)
 
 
 @pytest.fixture(scope="module")
 def answered():
     sequences = sequences_of(4, 4, 4)
-    described = describe_all(sequences, PARAMETERS.best, SEED)
+    described = describe_all(sequences, PARAMETERS.order_free, SEED)
     # In a second condition of the test, descriptors are nowhere near those of training.
     strange = described + 50 * described.std(axis=0) * np.sin(np.arange(described.shape[1]))
     return sequences, *answer(sequences, described, strange, count=3)
 
 
-def test_the_answers_are_those_of_pipeline_best_and_each_training_sequence_is_held_out_once(
+def test_the_answers_are_those_of_pipeline_order_free_and_each_training_sequence_is_held_out_once(
     answered,
 ):
-    sequences, trials, found = answered
-    theirs = answer_splits(sequences, PARAMETERS, SEED, "best")
-    for (split, _, own), trial, ours in zip(theirs, trials, found, strict=False):
-        assert np.array_equal(split.test, trial[0].test)
-        assert np.array_equal(own.ballots.alone(), ours.tested[0])
-        assert np.array_equal(np.sort(ours.places), split.train)
+    sequences, splits, found = answered
+    pipeline = pipeline_of("order_free", PARAMETERS, SEED)
+    theirs = predict_splits(sequences, pipeline, splits, SEED)
+    for split, own, ours in zip(splits, theirs, found, strict=True):
+        assert np.array_equal(own.predicted, ours.tested[0].argmax(axis=1))
+        assert np.array_equal(np.sort(ours.indices), split.train)
         assert np.allclose(ours.held_out.sum(axis=1), 1)
 
 
@@ -56,7 +58,7 @@ def test_a_held_out_answer_is_of_a_model_without_its_object():
     # Objects have one descriptor of their own: only a model that met an object could know its class.
     sequences = sequences_of(6, 6)
     _, (one,) = answer(sequences, np.eye(len(sequences.objects))[sequences.object_index])
-    right = one.held_out.argmax(axis=1) == sequences.labels[one.places]
+    right = one.held_out.argmax(axis=1) == sequences.labels[one.indices]
     assert right.mean() <= 0.5
 
 
@@ -66,14 +68,16 @@ def test_one_training_object_a_class_is_refused():
         answer(sequences, np.eye(len(sequences.labels)))
 
 
-def test_what_training_spans_is_not_strange_and_what_leaves_it_is_by_its_squared_distance():
+def test_strangeness_is_the_distance_from_the_nearest_training_object_after_scaling():
+    sequences = sequences_of(2, 2)
     generator = np.random.default_rng(0)
-    training = generator.normal(size=(20, 3)) @ generator.normal(size=(3, 8))
-    projection = fit_projection(training, 3)
-    assert strangeness(projection, training) == pytest.approx(0, abs=1e-9)
-    aside = np.linalg.svd(projection.components)[0][:, -1]
-    scale = np.subtract(*(projection.scaling.apply(np.full((1, 8), one)) for one in (1.0, 0.0)))
-    assert strangeness(projection, training + 2 * aside / scale) == pytest.approx(4)
+    described = generator.normal(size=(len(sequences.labels), 3)) * [1, 10, 100]
+    train = np.arange(len(described))
+    sense = Sense.learn(described, train, sequences)
+    scaled = (described - described.mean(axis=0)) / described.std(axis=0)
+    centres = [scaled[sequences.object_index == one].mean(axis=0) for one in range(4)]
+    expected = [min(np.linalg.norm(row - centre) for centre in centres) for row in scaled]
+    np.testing.assert_allclose(sense.strangeness(described), expected)
 
 
 def test_what_is_strange_is_not_asked_and_what_is_familiar_is(answered):

@@ -25,7 +25,7 @@ from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
 
-FEW = {"maximum_splits": 1, "folds": 2, "fold_rounds": 1}
+FEW = {"protocol": "leave_one_object_a_class_out", "maximum_splits": 3}
 FAST = with_changes(SMALL, {f"recognition.protocol.{name}": few for name, few in FEW.items()})
 
 

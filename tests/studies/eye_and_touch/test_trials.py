@@ -21,7 +21,7 @@ from eye_and_touch.trials import measure_senses
 from touch_curves.choosing import gather_candidates
 from visuohaptic.evaluation.summary import select
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.experiment import gather_pipeline
+from visuohaptic.recognition.sequences import gather_pipeline
 from visuohaptic.tables.schema import check_table
 
 pytestmark = pytest.mark.slow
@@ -31,7 +31,7 @@ RUN = ExperimentParameters.from_mapping(
         "attention": {"fixations": 2},
         "recognition": {
             "touches": 2,
-            "best": {"waves": 20},
+            "order_free": {"waves": 20},
             "protocol": {"maximum_splits": 1, "folds": 2, "fold_rounds": 1},
             "intervals": {"bootstrap_samples": 200},
         },
@@ -49,12 +49,12 @@ def sensed():
         features_table(strategy, (4, 4, 4), 2, touches, 1.0, seed)
         for seed, strategy in enumerate((*STRATEGIES, ADAPTIVE))
     ]
-    gathered = [gather_pipeline(table, recognition, "best") for table in tables[:-1]]
+    gathered = [gather_pipeline(table, recognition, "order_free") for table in tables[:-1]]
     candidates = gather_candidates(tables[-1], gathered[0].feature_names)
     sequences, generator = candidates.sequences, np.random.default_rng(11)
     of_class = generator.normal(size=(len(sequences.classes), 30))
     seen = generator.normal(scale=5, size=(len(sequences.labels), len(SIGHTS), 30))
-    seen[:, 0] = of_class[sequences.labels] + generator.normal(scale=0.1, size=seen[:, 0].shape)
+    seen[:, 0] = of_class[sequences.labels] + generator.normal(scale=1.3, size=seen[:, 0].shape)
     touched = {name: one.features for name, one in zip(STRATEGIES, gathered, strict=True)}
     return Sensed(sequences, dict.fromkeys(CUES, seen.astype(np.float32)), touched, candidates)
 
@@ -87,7 +87,7 @@ def test_the_number_of_processes_changes_nothing(sensed, measured):
 
 def test_a_poor_sight_is_worse_and_its_checked_product_is_worth_touch_alone(measured):
     clean = mean(measured, answer=LOOK, sight=CLEAN)
-    assert clean > 0.9
+    assert clean > 0.8
     assert all(mean(measured, answer=LOOK, sight=one) < clean for one in set(SIGHTS) - {CLEAN})
     for strategy in STRATEGIES:
         touch, dark = (

@@ -1,3 +1,4 @@
+import io
 from zipfile import ZipFile
 
 import numpy as np
@@ -47,18 +48,20 @@ def test_an_archive_says_the_same_as_a_text(tmp_path):
 @pytest.mark.parametrize(
     ("content", "culprit"),
     [
-        ("1 2\n3 4\n", "2 columns; 1, 4, 7, 8"),
-        ("1 2 3 x\n", "'x'"),
-        ("", "no data"),
-        ("0 0 0 nan\n", "seconds"),
-        ("0 0 inf 1\n", "points"),
+        ("1 2\n3 4\n", "line 1 has 2 columns; without a header 1, 4, 7, 8"),
+        ("1 2 3 x\n", "line 1, column 4 is 'x': a number is needed"),
+        ("", "no rows"),
+        ("0 0 0 1\n0 0 0 nan\n", "line 2, column 4 is 'nan': a finite number is needed"),
+        ("0 0 inf 1\n", "line 1, column 3 is 'inf'"),
+        ("time,x,y,z\n1,2,3,4\n", "0 columns seconds in its header"),
+        ("0,1,0,2,0,3,1,5\n", "commas may part 8 whole numbers, or be decimal signs of 4"),
         ("0 0 0 -1\n", "below 0"),
         ("0 0 0 0\n", "none above"),
         ("1\n" * 10_000, r"larger than 0\.01 MB"),
         ({"points": POINTS}, "no array `seconds`"),
         ({"seconds": SECONDS, "points": POINTS[:2]}, r"points of shape \(2, 3\)"),
         ({"seconds": POINTS}, r"seconds of shape \(3, 3\)"),
-        ({"seconds": np.array([{}], dtype=object)}, "allow_pickle"),
+        ({"seconds": np.array([{}], dtype=object)}, "holds object and no numbers"),
         ({"seconds": np.zeros(100_000)}, r"unpacks to more than 0\.01 MB"),
         (b"PK\x03\x04nothing", "zip"),
         (None, "can't be read"),
@@ -100,6 +103,47 @@ def test_members_that_hold_no_numbers_are_refused_in_a_sentence(tmp_path):
     np.savez(tmp_path / "cup.npz", seconds=np.array([1j]))
     with pytest.raises(GazeError, match=r"cup\.npz .*complex"):
         read_recording(tmp_path / "cup.npz")
+
+
+def test_an_array_larger_than_its_bytes_is_refused_before_memory_is_taken(tmp_path):
+    content = io.BytesIO()
+    np.lib.format.write_array_header_1_0(
+        content, {"descr": "<f8", "fortran_order": False, "shape": (10**12,)}
+    )
+    with ZipFile(tmp_path / "cup.npz", "w") as archive:
+        archive.writestr("seconds.npy", content.getvalue())
+    with pytest.raises(GazeError, match=r"other than the \(1000000000000,\) numbers"):
+        read_recording(tmp_path / "cup.npz")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x,y,z,seconds\n0.1,0.2,0.3,1.5\n",
+        "Seconds;Z;X;Y;who\r\n1,5;0,3;0,1;0,2;a\r\n",
+        "# x y z seconds\n0.1 0.2 0.3 1.5\n",
+        "# seconds x y z\n1.5 0.1 0.2 0.3\n",
+        "0,1\t0,2\t0,3\t1,5\n",
+        "0,1 0,2 0,3 1,5\n",
+    ],
+)
+def test_columns_are_read_by_their_names_and_decimal_commas_are_no_columns(tmp_path, text):
+    for encoding in ("utf-8", "utf-8-sig", "utf-16"):
+        (tmp_path / "cup.txt").write_bytes(text.encode(encoding))
+        found = read_recording(tmp_path / "cup.txt")
+        np.testing.assert_array_equal(found.points, [[0.1, 0.2, 0.3]])
+        assert (found.seconds.tolist(), found.normals) == ([1.5], None)
+
+
+def test_two_meshes_of_one_name_are_refused(tmp_path):
+    write(tmp_path / "cup.txt", POINTS, SECONDS)
+    for part in ("high", "low"):
+        (tmp_path / part).mkdir()
+        (tmp_path / part / "cup.obj").touch()
+    with pytest.raises(
+        GazeError, match=r"2 meshes of its name, .*high/cup\.obj and .*low/cup\.obj"
+    ):
+        find_recordings(tmp_path)
 
 
 def test_a_folder_of_more_files_than_allowed_is_refused(tmp_path, monkeypatch):

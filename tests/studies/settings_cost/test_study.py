@@ -28,7 +28,7 @@ def test_a_setting_differs_from_the_run_in_what_it_names_and_in_nothing_else():
     changed = with_changes(RUN, setting.condition.changes)
     assert changed.rendering == RUN.rendering.model_copy(update={"resolution": 24})
     assert changed.sensor == RUN.sensor
-    assert changed.recognition.best.classifiers == ("support_vector_machine",)
+    assert changed.recognition.order_free.classifiers == ("linear_discriminant",)
     assert setting.written_changes == '{"rendering.resolution": 24}'
 
 

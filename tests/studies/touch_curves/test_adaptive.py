@@ -10,8 +10,7 @@ from touch_curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition import experiment
-from visuohaptic.studies.conditions import plan_study
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, plan_study
 from visuohaptic.studies.figures import cells_of
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH
@@ -21,7 +20,7 @@ SMALL = ExperimentParameters.from_mapping(
     {
         "recognition": {
             "protocol": {"protocol": "leave_one_object_a_class_out", "maximum_splits": 6},
-            "best": {"waves": 20},
+            "order_free": {"waves": 20},
         }
     }
 )
@@ -42,24 +41,24 @@ def test_a_curve_has_a_condition_a_number_of_touches_and_all_share_their_touches
     assert recomputation.parameters.probing.when_exhausted == "begin_again"
 
 
-@pytest.mark.parametrize("pipeline", ["paper", "best"])
+@pytest.mark.parametrize("pipeline", ["paper", "order_free"])
 def test_a_longer_curve_begins_as_a_shorter_one_and_touches_tell_the_class(pipeline):
     longer, shorter = cells(pipeline, [1, 3, 4]), cells(pipeline, [1, 3])
     assert len(shorter) == 2
     for key, cell in shorter.items():
         assert cell.accuracy.tolist() == longer[key].accuracy.tolist()
-    key = (touches_name(3), pipeline, "adaptive", "support_vector_machine")
+    key = (touches_name(3), pipeline, "adaptive", HEADLINE_CLASSIFIERS[pipeline])
     assert longer[key].accuracy.mean() > 0.5
 
 
 def test_each_condition_learns_its_number_of_touches_in_the_pipelines_columns(monkeypatch):
-    seen, runner = set(), experiment.split_runner
+    seen, predict = set(), adaptive.predict_split
 
-    def run(sequences, *inputs):
+    def watch(sequences, *inputs):
         seen.add((sequences.features.shape[1], sequences.feature_names))
-        return runner(sequences, *inputs)
+        return predict(sequences, *inputs)
 
-    monkeypatch.setattr(adaptive, "split_runner", run)
+    monkeypatch.setattr(adaptive, "predict_split", watch)
     cells("paper", [1, 3])
     assert seen == {(1, PAPER_FEATURES), (3, PAPER_FEATURES)}
 

@@ -17,15 +17,15 @@ from touch_curves.choosing import (
     scale_poses,
 )
 from visuohaptic.recognition.descriptors import POSE
-from visuohaptic.recognition.parameters import BestParameters, ProtocolParameters
-from visuohaptic.recognition.splits import make_splits
+from visuohaptic.recognition.parameters import OrderFreeParameters, ProtocolParameters
+from visuohaptic.recognition.splits import draw_splits
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, IMPRINT_FEATURES
 
-PARAMETERS = BestParameters()
+PARAMETERS = OrderFreeParameters()
 NAMES = (*CONTOURLET_FEATURES, *POSE, *IMPRINT_FEATURES, "sensor_size")
 TABLE = features_table("adaptive", viewpoints=3, touches=12, separation=1.0)
 CANDIDATES = gather_candidates(TABLE, NAMES)
-SPLIT = make_splits(CANDIDATES.sequences, ProtocolParameters(), np.random.default_rng(0))[40]
+SPLIT = draw_splits(CANDIDATES.sequences, ProtocolParameters(), 0)[40]
 TESTED = np.isin(CANDIDATES.sequence, SPLIT.test)
 SKIN = np.array([name not in POSE for name in NAMES])
 TOUCHES = 4
@@ -133,7 +133,7 @@ def test_likelihoods_of_a_class_are_a_mean_over_its_objects_but_one(training_obj
     """The object that is left out takes no part, unless it is the only one of its class."""
     table = features_table("adaptive", (training_objects + 1,) * 2, viewpoints=2, touches=6)
     candidates = gather_candidates(table, NAMES)
-    split = make_splits(candidates.sequences, ProtocolParameters(), np.random.default_rng(0))[0]
+    split = draw_splits(candidates.sequences, ProtocolParameters(), 0)[0]
     model, _ = fit_touch_model(candidates, split, PARAMETERS, np.random.default_rng(3))
     left_out = int(candidates.sequences.object_index[split.train[0]]) if is_left_out else -1
     poses = candidates.poses[:3]

@@ -11,7 +11,7 @@ from touch_curves.tables import TOUCHES_NEEDED
 from visuohaptic.report.studies import read_figures
 from visuohaptic.tables.schema import build_table, write_table
 
-KEYS = {"pipeline": "best", "classifier": "support_vector_machine"}
+KEYS = {"pipeline": "order_free", "classifier": "linear_discriminant"}
 
 
 def row(strategy, area, touches, gain=None, p_value=None):
@@ -65,7 +65,7 @@ def test_where_attention_wins_the_words_say_whether_beyond_chance():
 
 def test_a_plug_in_may_call_its_strategy_as_a_column():
     point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
-    found = curves("best", "naive_bayes", [], [point])
+    found = curves("order_free", "naive_bayes", [], [point])
     assert found["by_touches"] == [{"touches": 1, "points": {"touches": point}}]
 
 

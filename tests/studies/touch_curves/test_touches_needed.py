@@ -22,7 +22,7 @@ def curve(means, objects=4, weights=None, apart=0.01):
 
 def cells(curves):
     return {
-        (touches_name(count), "best", strategy, "support_vector_machine"): cell
+        (touches_name(count), "order_free", strategy, "linear_discriminant"): cell
         for strategy, points in curves.items()
         for count, cell in enumerate(points, start=1)
     }

@@ -41,8 +41,8 @@ def test_every_object_is_unknown_once_and_no_model_knows_its_class(measured):
 @pytest.mark.slow
 def test_sets_of_another_coverage_are_those_that_would_be_given_where_it_is_stated():
     table = features_table(objects=(16, 16, 16), viewpoints=1, separation=0.3)
-    best = PARAMETERS.best.model_copy(update={"coverage": 0.8})
-    other = PARAMETERS.model_copy(update={"best": best})
+    own = PARAMETERS.order_free.model_copy(update={"coverage": 0.8})
+    other = PARAMETERS.model_copy(update={"order_free": own})
     ours, theirs = (
         select(measure_trust(table, "fixation", "naive_bayes", one, 1), known=True).to_pylist()
         for one in (PARAMETERS, other)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from report.pages import read_page
 
+from variants.choices import BEST_OF_PAPER
 from variants.choosing import FORMER_DEFAULT
 from variants.design import all_variants, is_default
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
@@ -19,7 +20,6 @@ from variants.tables import VARIANTS
 from variants.weighing import weigh_choices
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.published import TABLE_1
-from visuohaptic.report.questions import BEST_OF_PAPER
 from visuohaptic.tables.schema import build_rows, write_table
 
 ROOT = Path(__file__).parents[3]

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.geometry.surface import object_of, set_aside_reason
+from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.wording import percent, strategy_name
 from visuohaptic.stability.rows import broken_tolerances
@@ -30,6 +30,7 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
     exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
     return [
         *(f"{key} was left out: {reason}" for key, reason in reasons.items() if reason),
+        *(f"warning: {object_of(mesh)}: {note}" for mesh in meshes for note in notes_of(mesh)),
         *(f"warning: {sentence}" for sentence in exceeded),
         *(describe_results() if report_is_current else []),
     ]
@@ -54,10 +55,10 @@ def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
         figures = (
             f"{strategy_name(strategy)} {percent(figure.mean)}{_interval(figure.low, figure.high)}"
             for strategy in table.strategies
-            if (figure := table.best.accuracy.get(strategy)) is not None
+            if (figure := table.headline.accuracy.get(strategy)) is not None
         )
         lines.append(
-            f"Pipeline {table.name}, {table.best.name}, correctly classified: {', '.join(figures)}."
+            f"Pipeline {table.name}, {table.headline.name}, correctly classified: {', '.join(figures)}."
         )
     return lines
 

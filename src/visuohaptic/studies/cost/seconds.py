@@ -22,7 +22,7 @@ from visuohaptic.io.phase_files import Tables
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, tables_for_next
 from visuohaptic.recognition.model import RecognitionModel, fit_model
-from visuohaptic.recognition.pooling import spread_choices
+from visuohaptic.recognition.voting import evenly_spaced_subsets
 from visuohaptic.studies.conditions import Planned, plan_study, training_key
 from visuohaptic.studies.cost.settings import FRONTIER, Setting, frontier_settings
 from visuohaptic.studies.measuring import REFUSALS, condition_features, features_by_key
@@ -80,16 +80,11 @@ def fit_settings(
 def fit_setting(
     setting: Setting, planned: Planned, features: pa.Table | str, seed: int
 ) -> RecognitionModel | None:
-    """Train a model that answers as quickly as a setting's own; None where that is refused."""
-    # The time of an answer follows from sizes: of the descriptors, the projection and the classifier,
-    # and of the training that new objects are compared with. Neither the number of folds that
-    # calibrate the answer nor classifiers of shorter sequences change one.
-    recognition = planned.parameters.recognition
-    best = recognition.best.model_copy(update={"calibration_folds": 2, "short_touches": ()})
-    quick = recognition.model_copy(update={"best": best})
+    """Train the model of a setting; return None where the training is refused."""
     try:
         rows = condition_features(planned, features, setting.strategy)
-        return fit_model(rows, setting.pipeline, setting.classifier, quick, seed)
+        recognition = planned.parameters.recognition
+        return fit_model(rows, setting.pipeline, setting.classifier, recognition, seed)
     except REFUSALS:
         return None
 
@@ -125,7 +120,9 @@ def time_object(
     # quarter longer, with none of its code in the processor's cache, and not every setting has a phase to itself.
     for fitted in (*settings, *settings):
         named = fitted.setting.family, fitted.setting.name
-        choices = spread_choices(fitted.parameters.viewpoints.total, fitted.setting.viewpoints)
+        choices = evenly_spaced_subsets(
+            fitted.parameters.viewpoints.total, fitted.setting.viewpoints
+        )
         # Another side of the object in each turn.
         subject = Subject(key, lambda: prepared.caster, choices[3 * turn % len(choices)].tolist())
         try:

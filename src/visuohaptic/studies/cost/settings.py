@@ -17,7 +17,7 @@ from typing import Any
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
-from visuohaptic.studies.conditions import touches_of_run
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, touches_of_run
 from visuohaptic.studies.study import (
     DUMP_FOR_CONDITIONS,
     SECTIONS_WITHOUT_EFFECT,
@@ -45,8 +45,8 @@ class Setting:
     touches: int
     viewpoints: int = 1
     strategy: str = "fixation"
-    pipeline: str = "best"
-    classifier: ClassifierName = "support_vector_machine"
+    pipeline: str = "order_free"
+    classifier: ClassifierName = HEADLINE_CLASSIFIERS["order_free"]
     changes: Changes = field(default_factory=dict)
 
     @property
@@ -67,7 +67,7 @@ class Setting:
             "recognition.touches": self.touches,
             "recognition.pipelines": (self.pipeline,),
             "recognition.classifiers": (self.classifier,),
-            "recognition.best.classifiers": (self.classifier,),
+            "recognition.order_free.classifiers": (self.classifier,),
         }
         name = f"{self.family}, {self.name}"
         return Condition(name, {**self.changes, **own}, votes=self.viewpoints)
@@ -77,8 +77,8 @@ Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
 """By family and name, in what a setting differs: fields of `Setting`, or parameters by their dotted names."""
 
 CUES: Mapping[str, Mapping[str, Any]] = {
-    "skin alone": {"recognition.best.cues": ("contourlet", "imprint", "sensor")},
-    "pose alone": {"recognition.best.cues": ("pose", "relations", "embedding")},
+    "skin alone": {"recognition.order_free.cues": ("contourlet", "imprint", "sensor")},
+    "pose alone": {"recognition.order_free.cues": ("pose", "relations", "embedding")},
 }
 
 
@@ -119,15 +119,13 @@ def frontier_families(run: ExperimentParameters) -> Families:
     if not touches or "fixation" not in probed:
         return probed
     small = {counted(most, "touch", "es"): {"sensor.resolution": cost.lean_imprint_resolution}}
+    paper = {"pipeline": "paper", "classifier": HEADLINE_CLASSIFIERS["paper"]}
     mapless = {"recognition.self_organising_map.output": "none"}
     return {
         **probed,
         "small_imprint": {} if run.sensor.resolution == cost.lean_imprint_resolution else small,
         "cues": CUES,
-        "paper": {
-            "with its map": {"pipeline": "paper"},
-            "without the map": {"pipeline": "paper", **mapless},
-        },
+        "paper": {"with its map": paper, "without the map": {**paper, **mapless}},
     }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import PRESETS, Scene
-from visuohaptic.studies.conditions import CLASSIFIER
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.study import Condition, Step, Study
 
 
@@ -37,7 +37,7 @@ def effect_conditions(_run: ExperimentParameters) -> Iterator[Condition]:
     for preset in PRESETS:
         changes = {
             "recognition.pipelines": ("paper",),
-            "recognition.classifiers": (CLASSIFIER,),
+            "recognition.classifiers": (HEADLINE_CLASSIFIERS["paper"],),
             "scene.preset": preset,
         }
         yield Condition(preset, changes, compared_with=preset)

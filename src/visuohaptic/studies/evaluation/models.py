@@ -19,7 +19,7 @@ import pyarrow as pa
 
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import select
-from visuohaptic.recognition.pooling import spread_choices
+from visuohaptic.recognition.voting import evenly_spaced_subsets
 from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
 from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.phases import owners_of
@@ -42,7 +42,7 @@ class MeasuredEvaluation:
 
 
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
-    """Classify the objects that a model of pipeline `best` has not learnt by every evenly spread choice of 1, 4 and 16 views.
+    """Classify the objects that a model of pipeline `order_free` has not learnt by every evenly spread choice of 1, 4 and 16 views.
 
     `features` are touched as those of its own objects; other strategies are left out. Raises
     `RecognitionError` if no such object is of a class that the model knows, or it is not calibrated.
@@ -65,7 +65,7 @@ def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
     same = {
         "strategy": model.strategy,
         "classifier": model.classifier,
-        "stated": model.parameters.best.coverage,
+        "stated": model.parameters.order_free.coverage,
         "learnt": len(model.objects),
     }
     return build_rows(EVALUATION, [{**same, **row} for row in rows])
@@ -78,12 +78,12 @@ def _classify_object(
     viewpoint = touches.column("viewpoint").to_numpy()
     seen = np.unique(viewpoint)
     for views in sorted({min(views, len(seen)) for views in VIEWS}):
-        for bag, places in enumerate(spread_choices(len(seen), views)):
+        for bag, places in enumerate(evenly_spaced_subsets(len(seen), views)):
             answer = model.answer(touches.filter(pa.array(np.isin(viewpoint, seen[places]))))
             if answer.candidates is None:
                 raise RecognitionError(
-                    "The model is not calibrated, so it gives no prediction sets; train it in pipeline "
-                    "best with this version, with two objects of a class at least."
+                    "The model has no prediction sets. Train it in pipeline order_free, with at least two "
+                    "objects of every class."
                 )
             yield {
                 "views": views,

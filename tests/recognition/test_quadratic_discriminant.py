@@ -1,18 +1,22 @@
-"""Classifiers with a normal density a class, beside scikit-learn's and SciPy's."""
+"""The quadratic discriminant, compared with scikit-learn's and SciPy's."""
+
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 from sklearn import covariance
-from sklearn.discriminant_analysis import (
-    LinearDiscriminantAnalysis,
-    QuadraticDiscriminantAnalysis,
-)
-from sklearn.naive_bayes import GaussianNB
+from sklearn.discriminant_analysis import QuadraticDiscriminantAnalysis
+from sklearn.utils.estimator_checks import check_estimator
 
-from visuohaptic.recognition import gaussian
-from visuohaptic.recognition.classifier_parameters import ClassifierParameters
-from visuohaptic.recognition.gaussian import regularised_covariance, variance_floor
+from visuohaptic.base.errors import RecognitionError
+from visuohaptic.recognition.quadratic_discriminant import (
+    VARIANCE_FLOOR,
+    QuadraticDiscriminant,
+    regularised_covariance,
+)
+
+PSEUDO = partial(QuadraticDiscriminant, regularisation="pseudo_inverse")
 
 
 def draw(rows, columns, classes=3, seed=0):
@@ -36,33 +40,25 @@ class Regularised:
 
 @pytest.mark.parametrize("classes", [2, 5])
 @pytest.mark.parametrize("rows", [4, 200])
-def test_answers_are_scikit_learns(rows, classes):
+def test_predictions_are_scikit_learns_with_our_covariance(rows, classes):
     features, labels = draw(rows, 6, classes)
     tested, _ = draw(50, 6, classes, seed=1)
-    floor = variance_floor(features)
-    chosen = ClassifierParameters(bayes_smoothing=0.01, discriminant_regularisation="always")
-    shared = Regularised(0.1, "mean_variance", floor)
-    own = Regularised("ledoit_wolf", "own_variances", floor)
-    linear = LinearDiscriminantAnalysis(solver="lsqr", covariance_estimator=shared)
-    quadratic = QuadraticDiscriminantAnalysis(solver="eigen", covariance_estimator=own, tol=0)
-    pairs = [
-        (gaussian.fit_naive_bayes, GaussianNB(var_smoothing=0.01)),
-        (gaussian.fit_linear_discriminant, linear),
-        (gaussian.fit_quadratic_discriminant, quadratic),
-    ]
-    for fit, theirs in pairs:
-        ours, _ = fit(chosen, features, labels, 0)
-        theirs.fit(features, labels)
-        found = ours.predict_log_proba(tested)
-        np.testing.assert_allclose(found, theirs.predict_log_proba(tested), rtol=1e-9, atol=1e-9)
-        np.testing.assert_array_equal(ours.predict(tested), theirs.predict(tested))
+    floor = VARIANCE_FLOOR * features.var(axis=0).mean()
+    covariance_estimator = Regularised("ledoit_wolf", "own_variances", floor)
+    theirs = QuadraticDiscriminantAnalysis(
+        solver="eigen", covariance_estimator=covariance_estimator, tol=0
+    ).fit(features, labels)
+    ours = QuadraticDiscriminant(regularisation="always").fit(features, labels)
+    logs = ours.predict_log_proba(tested)
+    np.testing.assert_allclose(logs, theirs.predict_log_proba(tested), rtol=1e-9, atol=1e-9)
+    np.testing.assert_array_equal(ours.predict(tested), theirs.predict(tested))
 
 
 def test_covariances_of_full_rank_are_left_alone():
     features, labels = draw(100, 5, 2)
-    fitted, note = gaussian.fit_quadratic_discriminant(ClassifierParameters(), features, labels, 0)
+    fitted = QuadraticDiscriminant().fit(features, labels)
     plain = QuadraticDiscriminantAnalysis().fit(features, labels)
-    assert note is None
+    assert fitted.note_ is None
     np.testing.assert_allclose(
         fitted.predict_log_proba(features), plain.predict_log_proba(features), rtol=1e-9
     )
@@ -71,14 +67,15 @@ def test_covariances_of_full_rank_are_left_alone():
 def test_a_covariance_without_variance_in_a_direction_is_not_taken_plain():
     features, labels = draw(100, 5, 2)
     features[labels == 1, 4] = features[labels == 1, 3]
-    assert gaussian.fit_plain_discriminant(features, labels) is None
-    assert gaussian.fit_plain_discriminant(*draw(5, 5, 2)) is None
+    for rows in ((features, labels), draw(5, 5, 2)):
+        note = QuadraticDiscriminant().fit(*rows).note_
+        assert note == "singular covariance: Ledoit-Wolf shrinkage of every class"
 
 
 @pytest.mark.parametrize("rows", [200, 4])
 def test_scores_are_scipys_normal_densities_of_possibly_singular_covariances(rows):
     features, labels = draw(rows, 6)
-    fitted = gaussian.fit_pseudo_quadratic_discriminant(features, labels)
+    fitted = PSEUDO().fit(features, labels)
     scores = fitted.decision_function(features)
     for name in range(3):
         own = features[labels == name]
@@ -94,9 +91,9 @@ def test_directions_in_which_a_class_does_not_vary_count_for_nothing():
     features, labels = draw(200, 4)
     wider = np.hstack([features, np.full((len(features), 2), 7.0)])
     tested = wider + np.array([0, 0, 0, 0, 3.0, -5.0])
-    narrow = gaussian.fit_pseudo_quadratic_discriminant(features, labels)
+    narrow = PSEUDO().fit(features, labels)
     np.testing.assert_allclose(
-        gaussian.fit_pseudo_quadratic_discriminant(wider, labels).decision_function(tested),
+        PSEUDO().fit(wider, labels).decision_function(tested),
         narrow.decision_function(features),
         rtol=1e-9,
         atol=1e-9,
@@ -135,3 +132,25 @@ def test_a_feature_that_does_not_vary_has_the_least_variance_and_no_correlation(
     found = regularised_covariance(deviations, "ledoit_wolf", "own_variances", 1e-3)
     np.testing.assert_array_equal(found[3], 1e-3 * np.eye(6)[3])
     assert np.linalg.eigvalsh(found)[0] == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(
+    ("features", "labels", "reason"),
+    [
+        (np.eye(3), [0, 0, 1], "the smallest class has 1 training sequence"),
+        (np.ones((4, 2)), [0, 0, 1, 1], "all 4 training sequences are alike"),
+    ],
+)
+def test_rows_without_a_covariance_are_refused(features, labels, reason):
+    with pytest.raises(RecognitionError, match=reason):
+        QuadraticDiscriminant().fit(features, labels)
+
+
+def test_scikit_learns_own_checks_pass():
+    results = check_estimator(
+        QuadraticDiscriminant(),
+        on_fail=None,
+        expected_failed_checks={"check_fit2d_1sample": "a covariance needs two rows"},
+    )
+    assert len(results) > 40
+    assert not [one["check_name"] for one in results if one["status"] == "failed"]

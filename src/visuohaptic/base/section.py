@@ -1,0 +1,40 @@
+"""What all sections of parameters have in common."""
+
+from __future__ import annotations
+
+from typing import Any, get_args
+
+from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
+
+
+class Section(BaseModel):
+    """A section of parameters: it can't be changed, has no other names, and takes no truth value for a number."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _numbers_are_no_truth_values(cls, value: object, info: ValidationInfo) -> object:
+        # Pydantic reads true as 1.
+        if _holds_truth_value(value) and _is_number(
+            cls.model_fields[str(info.field_name)].annotation
+        ):
+            raise PydanticCustomError("truth_value", "a number is needed")
+        return value
+
+
+def _holds_truth_value(value: object) -> bool:
+    if isinstance(value, list | tuple):
+        return any(map(_holds_truth_value, value))
+    return isinstance(value, bool)
+
+
+def _is_number(annotation: Any) -> bool:
+    """Whether a field's type, or that of its items, is a number and nowhere a truth value."""
+    kinds = {*_kinds(annotation)}
+    return bool not in kinds and bool(kinds & {int, float})
+
+
+def _kinds(annotation: Any) -> list[Any]:
+    return [annotation, *(kind for part in get_args(annotation) for kind in _kinds(part))]

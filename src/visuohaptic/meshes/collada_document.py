@@ -1,0 +1,282 @@
+"""The XML of a COLLADA file: entries by their ids, arrays, and the colours and images of materials.
+
+COLLADA 1.4.1 (Khronos, 2008) and 1.5. Section names of comments are those of the specification.
+"""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from typing import Any, Literal
+from urllib.parse import unquote
+from zipfile import is_zipfile
+
+import numpy as np
+
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import MeshError
+from visuohaptic.geometry.texture import CLAMP, MIRROR, REPEAT
+from visuohaptic.meshes.companions import Companions
+from visuohaptic.meshes.limits import parse_xml
+from visuohaptic.meshes.textures import PackedImage
+
+MOST_ELEMENTS = 200_000
+"""Elements other than the polygons of old files, which have one each."""
+
+_UP_AXES: dict[str, Literal["x", "y", "z"]] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
+_LONGEST_SHOWN = 80
+_WRAPS = {"WRAP": REPEAT, "MIRROR": MIRROR, "CLAMP": CLAMP, "BORDER": CLAMP, "NONE": CLAMP}
+_WIDTHS = {"float2": 2, "float3": 3, "float4": 4, "float3x3": 9, "float4x4": 16}
+_SHADERS = ("phong", "lambert", "blinn")
+# What Maya and 3ds Max write beside a texture, and the values that change nothing.
+_MOVES = {
+    "repeatU": 1.0,
+    "repeatV": 1.0,
+    "offsetU": 0.0,
+    "offsetV": 0.0,
+    "rotateUV": 0.0,
+    "translateFrameU": 0.0,
+    "translateFrameV": 0.0,
+    "rotateFrame": 0.0,
+    "stagger": 0.0,
+}
+
+
+@dataclass(frozen=True)
+class Look:
+    """A material: its diffuse colour, sRGB, 0 to 1, or its image and the name of its coordinates."""
+
+    colour: tuple[float, float, float] | None = None
+    image: PackedImage | None = None
+    wraps: tuple[int, int] = (REPEAT, REPEAT)
+    coordinates: str = ""
+
+
+class ColladaDocument:
+    """A COLLADA file whose entries are checked when they are used.
+
+    Attributes
+    ----------
+    root : lxml element
+        The whole of it.
+    companions : Companions
+        The files beside it.
+    """
+
+    def __init__(self, data: bytes, companions: Companions) -> None:
+        if is_zipfile(io.BytesIO(data)):
+            raise MeshError("it is a zip archive; unpack it first")
+        self.root = parse_xml(data)
+        if tag(self.root) != "COLLADA":
+            raise MeshError(
+                f"it begins with {tag(self.root)[:_LONGEST_SHOWN]!r}; COLLADA is needed"
+            )
+        elements = sum(1 for element in self.root.iter() if tag(element) != "p")
+        if elements > MOST_ELEMENTS:
+            raise MeshError(f"it has {elements} elements; {MOST_ELEMENTS} are allowed")
+        self.companions = companions
+        # Some programs give a node and its shape, or the sources of all shapes, one id.
+        self._named: dict[tuple[Any, str, str], Any] = {}
+        for one in self.root.iter():
+            if one.get("id"):
+                for scope in (None, _scope(one)):
+                    self._named.setdefault((scope, tag(one), one.get("id")), one)
+        self._arrays: dict[Any, FloatArray] = {}
+        self._looks: dict[str, Look] = {}
+        self._images: dict[str, PackedImage | None] = {}
+
+    @property
+    def up_axis(self) -> Literal["x", "y", "z"]:
+        """The axis that points up: x, y or z."""
+        said = (self.root.findtext("{*}asset/{*}up_axis") or "Y_UP").strip()
+        if said not in _UP_AXES:
+            raise MeshError(
+                f"its up_axis is {said[:_LONGEST_SHOWN]!r}; {', '.join(_UP_AXES)} are allowed"
+            )
+        return _UP_AXES[said]
+
+    def referred(self, element: Any, kind: str, place: str, attribute: str = "url") -> Any:
+        """Return the element of a kind, such as ``geometry``, that an element's attribute names."""
+        name = (element.get(attribute) or "").strip()
+        if name and not name.startswith("#"):
+            raise MeshError(
+                f"{place} refers to {name[:_LONGEST_SHOWN]!r}; only what is in the file itself is read"
+            )
+        for spelt in (name[1:], unquote(name[1:])):
+            for scope in (_scope(element), None):
+                if (scope, kind, spelt) in self._named:
+                    return self._named[scope, kind, spelt]
+        raise MeshError(f"{place} refers to {kind} {name[:_LONGEST_SHOWN]!r}, which is not there")
+
+    def named(self, kind: str, name: str) -> Any:
+        """Return the first element of a kind and an id, or None."""
+        return self._named.get((None, kind, name))
+
+    def rows(self, source: Any) -> FloatArray:
+        """Return the numbers of a source, shape (n, k), k the number of its named parameters."""
+        if source not in self._arrays:
+            self._arrays[source] = self._read_rows(source)
+        return self._arrays[source]
+
+    def _read_rows(self, source: Any) -> FloatArray:
+        place = f"source {source.get('id', '')[:_LONGEST_SHOWN]!r}"
+        accessor = source.find("{*}technique_common/{*}accessor")
+        if accessor is None:
+            raise MeshError(f"{place} has no accessor")
+        array = self.referred(accessor, "float_array", place, "source")
+        values = numbers(array.text, place)
+        start, stride = int(accessor.get("offset", 0)), int(accessor.get("stride", 1))
+        count = int(accessor.get("count", 0))
+        columns = _columns(accessor) or list(range(stride))
+        if min(start, count) < 0 or max(columns) >= stride:
+            raise MeshError(f"{place} has {len(columns)} columns in steps of {stride}")
+        needed = start + stride * (count - 1) + max(columns) + 1 if count else 0
+        if needed > len(values):
+            raise MeshError(
+                f"{place} is truncated: it claims {needed} numbers, and {len(values)} are there"
+            )
+        index = start + stride * np.arange(count)[:, None] + np.array(columns)
+        return values[index]
+
+    def words(self, source: Any) -> list[str]:
+        """Return the names of a source."""
+        for kind in ("Name_array", "IDREF_array", "SIDREF_array"):
+            if (text := source.findtext(f"{{*}}{kind}")) is not None:
+                return list(text.split())
+        raise MeshError(f"source {source.get('id', '')[:_LONGEST_SHOWN]!r} has no names")
+
+    def look(self, material: str) -> Look:
+        """Return the look of the material of an id."""
+        if material not in self._looks:
+            self._looks[material] = self._read_look(material)
+        return self._looks[material]
+
+    def _read_look(self, material: str) -> Look:
+        place = f"material {material[:_LONGEST_SHOWN]!r}"
+        found = self.named("material", material)
+        instance = found.find("{*}instance_effect")
+        if instance is None:
+            raise MeshError(f"{place} has no effect")
+        effect = self.referred(instance, "effect", place)
+        profile = effect.find("{*}profile_COMMON")
+        if profile is None:
+            self.companions.notes.append(f"has no plain colour for {place}, which is read as grey")
+            return Look()
+        for shader in _SHADERS:
+            diffuse = profile.find(f"{{*}}technique/{{*}}{shader}/{{*}}diffuse")
+            if diffuse is not None:
+                return self._of_diffuse(diffuse, profile, effect, place)
+        # A shader of one constant colour has no other.
+        emission = profile.find("{*}technique/{*}constant/{*}emission")
+        return Look() if emission is None else self._of_diffuse(emission, profile, effect, place)
+
+    def _of_diffuse(self, diffuse: Any, profile: Any, effect: Any, place: str) -> Look:
+        texture, colour = diffuse.find("{*}texture"), diffuse.find("{*}color")
+        if texture is not None:
+            return self._of_texture(texture, profile, effect, place)
+        text = None if colour is None else colour.text
+        parameter = diffuse.find("{*}param")
+        if parameter is not None:
+            wanted = parameter.get("ref")
+            for one in [*profile.iter("{*}newparam"), *effect.iterfind("{*}newparam")]:
+                if one.get("sid") == wanted:
+                    text = next(
+                        (inner.text for inner in one if tag(inner).startswith("float")), None
+                    )
+        if text is None:
+            return Look()
+        values = np.clip(np.nan_to_num(numbers(text, place)[:3]), 0.0, 1.0)
+        if len(values) < 3:
+            raise MeshError(f"{place} has a colour of {len(values)} numbers; 3 or 4 are needed")
+        return Look((float(values[0]), float(values[1]), float(values[2])))
+
+    def _of_texture(self, texture: Any, profile: Any, effect: Any, place: str) -> Look:
+        for move in texture.iter(*(f"{{*}}{name}" for name in _MOVES)):
+            if numbers(move.text, place).tolist() != [_MOVES[tag(move)]]:
+                self.companions.notes.append(
+                    f"moves the image of {place} by {tag(move)}, which is not read"
+                )
+        parameters = {
+            one.get("sid"): one
+            for one in [*effect.iterfind("{*}newparam"), *profile.iter("{*}newparam")]
+        }
+        name, wraps = texture.get("texture", ""), (REPEAT, REPEAT)
+        sampler = parameters.get(name)
+        if sampler is not None:
+            across, up = (
+                _WRAPS.get((sampler.findtext(f".//{{*}}{one}") or "WRAP").strip(), REPEAT)
+                for one in ("wrap_s", "wrap_t")
+            )
+            wraps = across, up
+            name = (sampler.findtext(".//{*}source") or "").strip()
+            direct = sampler.find(".//{*}instance_image")
+            if direct is not None:
+                name = direct.get("url", "").removeprefix("#")
+        surface = parameters.get(name)
+        if surface is not None:
+            name = (surface.findtext(".//{*}init_from") or "").strip()
+        return Look(None, self._image(name, place), wraps, texture.get("texcoord", ""))
+
+    def _image(self, name: str, place: str) -> PackedImage | None:
+        if name in self._images:
+            return self._images[name]
+        described = self.named("image", name)
+        if described is None:
+            clause = f"image {name[:_LONGEST_SHOWN]!r} of {place}, which the file does not have"
+            self.companions.missing.append(clause)
+            return None
+        start = described.find("{*}init_from")
+        address = "" if start is None else (start.findtext("{*}ref") or start.text or "").strip()
+        if not address:
+            self.companions.missing.append(
+                f"image {name[:_LONGEST_SHOWN]!r}, which is no file of its own"
+            )
+        self._images[name] = self.companions.image(address) if address else None
+        return self._images[name]
+
+
+def _scope(element: Any) -> Any:
+    """Return the geometry, controller or effect that an element is in, or None."""
+    return next(element.iterancestors("{*}geometry", "{*}controller", "{*}effect"), None)
+
+
+def _columns(accessor: Any) -> list[int]:
+    """Return the columns of an accessor's named parameters; others are to be passed over."""
+    columns: list[int] = []
+    start = 0
+    for one in accessor.iterfind("{*}param"):
+        width = _WIDTHS.get(one.get("type", ""), 1)
+        if one.get("name"):
+            columns += range(start, start + width)
+        start += width
+    return columns
+
+
+def tag(element: Any) -> str:
+    """Return the name of an element without its namespace."""
+    return str(element.tag).rpartition("}")[2]
+
+
+def numbers(text: str | None, place: str) -> FloatArray:
+    """Return the numbers of a text, shape (n,); raises `MeshError` with the word that is none."""
+    return _parsed(text, np.float64, float, f"{place} holds a word that is no number")
+
+
+def integers(text: str | None, place: str) -> IntArray:
+    """Return the integers of a text, shape (n,)."""
+    return _parsed(text, np.int64, int, f"{place} holds a word that is no integer")
+
+
+def _parsed(text: str | None, dtype: Any, word_of: Any, says: str) -> Any:
+    if text is None or not text.strip():
+        return np.empty(0, dtype)
+    try:
+        # A list of words would take many times the text's memory.
+        return np.fromstring(text, dtype=dtype, sep=" ")
+    except ValueError:
+        for word in text.split():
+            try:
+                word_of(word)
+            except ValueError:
+                raise MeshError(f"{says}: {word[:_LONGEST_SHOWN]!r}") from None
+        raise

@@ -1,0 +1,182 @@
+"""The statements of an OBJ file, line after line, as arrays.
+
+The format is described in appendix B1 of the manual of Wavefront's Advanced Visualizer.
+"""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass, field
+from itertools import repeat
+
+import numpy as np
+
+from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes.wavefront import numbers_of, rest_of, shown, statements, wrong_number
+
+MOST_SHOWN = 3
+"""Names or words that a sentence lists at most."""
+
+_REFUSED = {
+    b"surf": "a free-form surface",
+    b"bzp": "a Bézier patch",
+    b"bsp": "a B-spline patch",
+    b"cdp": "a Cardinal patch",
+    b"call": "a call of another file",
+    b"csh": "a command",
+}
+_WITHOUT_AREA = {b"p": "points", b"l": "lines", b"curv": "curves"}
+# Normals, names, and what describes free-form elements, lines or how they are rendered.
+_PASSED_OVER = frozenset(
+    b"vn vp g o s mg curv2 cstype deg bmat step parm trim hole scrv sp end con bevel c_interp d_interp "
+    b"lod shadow_obj trace_obj ctech stech res cdc".split()
+)
+
+
+def _integers() -> array[int]:
+    return array("i")
+
+
+@dataclass
+class Polygons:
+    """Polygons of one material, as they are read.
+
+    Attributes
+    ----------
+    corners, places : array of int
+        Numbers of vertices and of image coordinates, from 1, polygon after polygon; a place is 0 where
+        a corner has none, and there are none for polygons behind the last one with a place.
+    counts, lines : array of int
+        Number of corners, and line in the file, per polygon.
+    """
+
+    corners: array[int] = field(default_factory=_integers)
+    places: array[int] = field(default_factory=_integers)
+    counts: array[int] = field(default_factory=_integers)
+    lines: array[int] = field(default_factory=_integers)
+
+
+@dataclass
+class ObjStatements:
+    """What an OBJ file says, in arrays that grow without a second copy.
+
+    Attributes
+    ----------
+    points, colours, places : array of float
+        Three numbers per vertex, three per vertex up to the last one with a colour (NaN where a vertex
+        has none), and two per image coordinates.
+    polygons : dict
+        By the name of their material, "" for none, in the order in which materials are first used.
+    libraries : dict
+        What ``mtllib`` lines say.
+    without_area, unknown : dict
+        How many elements without a surface there are, and the first lines of words that are not known.
+    """
+
+    points: array[float] = field(default_factory=lambda: array("d"))
+    colours: array[float] = field(default_factory=lambda: array("f"))
+    places: array[float] = field(default_factory=lambda: array("d"))
+    polygons: dict[str, Polygons] = field(default_factory=dict)
+    libraries: dict[str, None] = field(default_factory=dict)
+    without_area: dict[str, int] = field(default_factory=dict)
+    unknown: dict[str, int] = field(default_factory=dict)
+    material: str = ""
+
+    def add(self, number: int, line: bytes) -> None:
+        """Add the statement of a line.
+
+        Raises `MeshError` with the reason; `ValueError` or `OverflowError` where a number is wrong.
+        """
+        words = line.split(None, 1)
+        word = words[0] if words else b"#"
+        if word == b"v":
+            self._add_vertex(numbers_of(line))
+        elif word in {b"f", b"fo"}:
+            self._add_polygon(numbers_of(line), number)
+        elif word == b"vt":
+            self._add_place(numbers_of(line))
+        elif word not in _PASSED_OVER and not word.startswith(b"#"):
+            self._add_rare(word, number, line)
+
+    def _add_vertex(self, numbers: list[bytes]) -> None:
+        self.points.extend(map(float, numbers[:3]))
+        if len(numbers) < 3:
+            raise MeshError(f"a vertex has {len(numbers)} coordinates; 3 are needed")
+        if len(numbers) >= 6:
+            self.colours.extend(repeat(np.nan, len(self.points) - 3 - len(self.colours)))
+            self.colours.extend(map(float, numbers[3:6]))
+
+    def _add_place(self, numbers: list[bytes]) -> None:
+        if not numbers:
+            raise MeshError("image coordinates have no number; 2 are needed")
+        self.places.extend(map(float, (*numbers, b"0")[:2]))
+
+    def _add_polygon(self, words: list[bytes], line: int) -> None:
+        rows = [[int(number or 0) for number in word.split(b"/")] for word in words]
+        if len(rows) < 3:
+            return
+        if max(map(len, rows)) > 3:
+            raise MeshError("a corner of a face has more than 3 numbers")
+        polygons = self.polygons.get(self.material)
+        if polygons is None:
+            polygons = self.polygons[self.material] = Polygons()
+        corners = [row[0] for row in rows]
+        places = [row[1] if len(row) > 1 else 0 for row in rows]
+        if any(places):
+            polygons.places.extend(repeat(0, len(polygons.corners) - len(polygons.places)))
+            polygons.places.extend(_from_the_first(places, len(self.places) // 2))
+        polygons.corners.extend(_from_the_first(corners, len(self.points) // 3))
+        polygons.counts.append(len(rows))
+        polygons.lines.append(line)
+
+    def _add_rare(self, word: bytes, number: int, line: bytes) -> None:
+        lower = word.lower()
+        if lower == b"usemtl":
+            self.material = rest_of(line)
+        elif lower == b"mtllib":
+            self.libraries[rest_of(line)] = None
+        elif lower in _REFUSED:
+            raise MeshError(f"{lower.decode()}, {_REFUSED[lower]}, is not read; export polygons")
+        elif lower in _WITHOUT_AREA:
+            what = _WITHOUT_AREA[lower]
+            self.without_area[what] = self.without_area.get(what, 0) + 1
+        elif lower != word:
+            self.add(number, line.replace(word, lower, 1))
+        elif _is_number(word):
+            raise MeshError(f"the line begins with the number {shown(word)}; a word is needed")
+        elif len(self.unknown) < MOST_SHOWN:
+            self.unknown.setdefault(shown(word), number)
+
+
+def read_statements(data: bytes) -> ObjStatements:
+    """Read the statements of a file in UTF-8 or an encoding that holds ASCII.
+
+    Raises `MeshError` with the line and the word, where a word is no number, a row has too few numbers,
+    or a statement shows a surface that is no polygon.
+    """
+    said = ObjStatements()
+    for number, line in statements(data):
+        try:
+            said.add(number, line)
+        except MeshError as error:
+            raise MeshError(f"line {number}: {error}") from None
+        except (ValueError, OverflowError):
+            kind = int if line.lstrip()[:1] in b"fF" else float
+            why = wrong_number(numbers_of(line), kind)
+            raise MeshError(f"line {number}: {why}") from None
+    return said
+
+
+def _from_the_first(numbers: list[int], count: int) -> list[int]:
+    """Return numbers with those below 0, which count backwards from the last of so many, made plain."""
+    if min(numbers) >= 0:
+        return numbers
+    return [count + 1 + number if number < 0 else number for number in numbers]
+
+
+def _is_number(word: bytes) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,326 @@
+"""The zip archive of a 3MF file: its start part, the objects and colours of its models, and its images.
+
+3D Manufacturing Format: core 1.3, production 1.1, materials and properties 1.2 (3mf.io).
+"""
+
+from __future__ import annotations
+
+import io
+from array import array
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import unquote
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile, ZipInfo
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.errors import MeshError
+from visuohaptic.geometry.texture import CLAMP, MIRROR, REPEAT
+from visuohaptic.meshes.companions import LARGEST_BYTES
+from visuohaptic.meshes.limits import check_xml_size, parse_xml
+from visuohaptic.meshes.polygons import check_corners
+from visuohaptic.meshes.textures import PackedImage, open_image
+
+Key = tuple[str, str]
+"""A model of the archive, and the id of an object in it."""
+
+NO_GROUP = -1
+"""Group of a triangle that has none."""
+
+_MOST_FILES = 5_000
+_LONGEST_SHOWN = 80
+_START = "3d/3dmodel.model"
+_START_TYPE = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+_NAMESPACES = "http://schemas.microsoft.com/3dmanufacturing/"
+_READ = tuple(
+    f"{_NAMESPACES}{name}/" for name in ("core", "production", "material", "trianglesets", "slice")
+)
+_MANY = {"vertex", "triangle"}
+_INSIDE_OBJECT = {"mesh", "components", "metadatagroup"}
+_INSIDE_MESH = {"vertices", "triangles", "trianglesets"}
+_WRAPS = {"wrap": REPEAT, "mirror": MIRROR, "clamp": CLAMP, "none": CLAMP}
+
+
+@dataclass(frozen=True)
+class Group:
+    """Properties that triangles may refer to: colours (n, 3), or coordinates (n, 2) in an image."""
+
+    kind: str
+    colours: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 3), np.uint8))
+    coordinates: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    image: str = ""
+
+
+@dataclass(frozen=True)
+class ModelObject:
+    """A shape, or others that it is put together from.
+
+    Attributes
+    ----------
+    vertices, faces : numpy.ndarray
+        Shapes (v, 3) and (f, 3).
+    groups : numpy.ndarray
+        Shape (f,): index of each triangle's group in `group_ids`, or `NO_GROUP`.
+    properties : numpy.ndarray
+        Shape (f, 3): rows of the group, one per corner.
+    components : list
+        Other objects, each with its matrix (4, 4).
+    kind : str
+        What it is for, such as ``model`` or ``support``.
+    unknown : str
+        The first thing in it that is not read.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    groups: IntArray
+    properties: IntArray
+    group_ids: list[str]
+    components: list[tuple[Key, FloatArray]]
+    kind: str
+    unknown: str
+
+
+@dataclass
+class Model:
+    """A model of the archive: its objects and groups by their ids, its images, and what it builds."""
+
+    objects: dict[str, ModelObject] = field(default_factory=dict)
+    groups: dict[str, Group] = field(default_factory=dict)
+    images: dict[str, tuple[str, tuple[int, int]]] = field(default_factory=dict)
+    items: list[tuple[Key, FloatArray]] = field(default_factory=list)
+
+
+class Package:
+    """The archive, of which only what is used is unpacked."""
+
+    def __init__(self, archive: ZipFile) -> None:
+        files = archive.infolist()
+        if len(files) > _MOST_FILES:
+            raise MeshError(f"it holds {len(files)} files; {_MOST_FILES} are allowed")
+        self._archive = archive
+        self._files = {_plain(file.filename): file for file in files}
+        self._models: dict[str, Model] = {}
+        self._images: dict[str, PackedImage | None] = {}
+        self._unpacked = 0
+
+    def start(self) -> str:
+        """Return the name of the model that the archive begins with."""
+        if "_rels/.rels" in self._files:
+            for one in parse_xml(self._xml("_rels/.rels")).iter("{*}Relationship"):
+                if one.get("Type") == _START_TYPE:
+                    return _plain(unquote(one.get("Target", "")))
+        return _START
+
+    def model(self, name: str) -> Model:
+        """Read a model of the archive."""
+        if name not in self._files:
+            raise MeshError(f"it holds no {name[:_LONGEST_SHOWN]!r}, where its model should be")
+        if name not in self._models:
+            self._models[name] = _Reader(name).read(self._xml(name))
+        return self._models[name]
+
+    def find(self, key: Key) -> ModelObject:
+        """Return an object of the archive."""
+        model = self.model(key[0]) if key[0] in self._files else Model()
+        if key[1] not in model.objects:
+            raise MeshError(f"it places object {key[1]!r} of {key[0]!r}, which is not there")
+        return model.objects[key[1]]
+
+    def image(self, name: str) -> PackedImage | None:
+        """Return an image of the archive; None where there is none."""
+        name = _plain(unquote(name))
+        if name not in self._images:
+            file = self._files.get(name)
+            packed = None
+            if file is not None and file.file_size <= LARGEST_BYTES:
+                packed = open_image(self._read(file), f"its image {name[:_LONGEST_SHOWN]!r}")
+            self._images[name] = packed
+        return self._images[name]
+
+    def _xml(self, name: str) -> bytes:
+        self._unpacked += self._files[name].file_size
+        check_xml_size(self._unpacked)
+        return self._read(self._files[name])
+
+    def _read(self, file: ZipInfo) -> bytes:
+        # No more than the size that was checked is unpacked; other ways of packing may ask for any memory.
+        if file.compress_type not in {ZIP_STORED, ZIP_DEFLATED}:
+            raise MeshError("it is packed in a way that 3MF does not have")
+        return self._archive.read(file)
+
+
+class _Reader:
+    """Reads a model as its elements end, so that no tree of its vertices is in memory."""
+
+    def __init__(self, file: str) -> None:
+        self._file = file
+        self._model = Model()
+        self._points, self._corners = array("d"), array("q")
+        self._groups, self._properties = array("q"), array("q")
+        self._group_ids: dict[str, int] = {}
+        self._rows: list[Any] = []
+        self._components: list[tuple[Key, FloatArray]] = []
+
+    def read(self, data: bytes) -> Model:
+        from lxml import etree
+
+        if b"<!DOCTYPE" in data:
+            raise MeshError("it has a DOCTYPE, which could name other files; none is allowed")
+        ends: dict[str, Callable[[Any], None]] = {
+            "vertex": self._vertex,
+            "triangle": self._triangle,
+            "component": lambda one: self._components.append(_reference(one, self._file)),
+            "item": lambda one: self._model.items.append(_reference(one, self._file)),
+            "object": self._object,
+            "base": lambda one: self._rows.append(_colour(one, "displaycolor")),
+            "color": lambda one: self._rows.append(_colour(one, "color")),
+            "tex2coord": lambda one: self._rows.append([float(one.get("u")), float(one.get("v"))]),
+            "texture2d": self._image,
+            **dict.fromkeys(("basematerials", "colorgroup"), self._colour_group),
+            "texture2dgroup": self._image_group,
+            **dict.fromkeys(("compositematerials", "multiproperties"), self._other_group),
+        }
+        parsed = etree.iterparse(
+            io.BytesIO(data), events=("end",),
+            resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False,
+            remove_comments=True, remove_pis=True,
+        )  # fmt: skip
+        for _, element in parsed:
+            name = element.tag.rpartition("}")[2]
+            if name not in ends:
+                continue
+            try:
+                ends[name](element)
+            except (TypeError, ValueError) as error:
+                found = str(dict(element.attrib))[:_LONGEST_SHOWN]
+                raise MeshError(f"{self._file}: {name} {found} can't be read") from error
+            # The elements before it are read; without them the tree stays small.
+            if name in _MANY and element.getprevious() is not None:
+                del element.getparent()[0]
+        root = parsed.root
+        if root.getroottree().docinfo.internalDTD is not None:
+            raise MeshError("it has a DOCTYPE, which could name other files; none is allowed")
+        for prefix in root.get("requiredextensions", "").split():
+            space = root.nsmap.get(prefix, prefix)
+            if not space.startswith(_READ):
+                raise MeshError(
+                    f"{self._file} requires the extension {space[:_LONGEST_SHOWN]}, which is not read"
+                )
+        return self._model
+
+    def _vertex(self, element: Any) -> None:
+        get = element.get
+        self._points.extend((float(get("x")), float(get("y")), float(get("z"))))
+
+    def _triangle(self, element: Any) -> None:
+        get = element.get
+        self._corners.extend((int(get("v1")), int(get("v2")), int(get("v3"))))
+        first = get("p1")
+        if first is None:
+            self._groups.append(-2 if get("pid") is None else NO_GROUP)
+            self._properties.extend((0, 0, 0))
+            return
+        group = get("pid")
+        # -2 stands for the object's own group and property, -3 for its group.
+        self._groups.append(
+            -3 if group is None else self._group_ids.setdefault(group, len(self._group_ids))
+        )
+        self._properties.extend((int(first), int(get("p2", first)), int(get("p3", first))))
+
+    def _object(self, element: Any) -> None:
+        vertices = np.array(self._points, dtype=np.float64).reshape(-1, 3)
+        faces = np.array(self._corners, dtype=np.int64).reshape(-1, 3)
+        groups = np.array(self._groups, dtype=np.int64)
+        properties = np.array(self._properties, dtype=np.int64).reshape(-1, 3)
+        number = element.get("id", "")
+        try:
+            check_corners(faces.ravel(), len(vertices))
+        except MeshError as error:
+            raise MeshError(f"object {number[:_LONGEST_SHOWN]!r}: {error}") from error
+        own = NO_GROUP
+        if element.get("pid") is not None:
+            own = self._group_ids.setdefault(element.get("pid"), len(self._group_ids))
+        properties[groups == -2] = int(element.get("pindex", 0))
+        groups[groups <= -2] = own
+        self._model.objects[number] = ModelObject(
+            vertices, faces, groups, properties, list(self._group_ids), self._components,
+            element.get("type", "model"), _unknown(element),
+        )  # fmt: skip
+        self._points, self._corners = array("d"), array("q")
+        self._groups, self._properties = array("q"), array("q")
+        self._group_ids, self._components = {}, []
+        element.clear()
+
+    def _colour_group(self, element: Any) -> None:
+        colours = np.array(self._rows, dtype=np.uint8).reshape(-1, 3)
+        self._add(element, Group(_tag(element), colours))
+
+    def _image_group(self, element: Any) -> None:
+        coordinates = np.array(self._rows, dtype=np.float64).reshape(-1, 2)
+        image = element.get("texid", "")
+        self._add(element, Group(_tag(element), coordinates=coordinates, image=image))
+
+    def _other_group(self, element: Any) -> None:
+        self._add(element, Group(_tag(element)))
+
+    def _add(self, element: Any, group: Group) -> None:
+        self._model.groups[element.get("id", "")] = group
+        self._rows = []
+
+    def _image(self, element: Any) -> None:
+        across, up = (
+            _WRAPS.get(element.get(name, "wrap"), REPEAT) for name in ("tilestyleu", "tilestylev")
+        )
+        self._model.images[element.get("id", "")] = element.get("path", ""), (across, up)
+
+
+def _unknown(element: Any) -> str:
+    inside = _others(element, _INSIDE_OBJECT)
+    for mesh in element.iterfind("{*}mesh"):
+        inside += _others(mesh, _INSIDE_MESH)
+    return inside[0] if inside else ""
+
+
+def _others(element: Any, known: set[str]) -> list[str]:
+    return [_tag(one)[:_LONGEST_SHOWN] for one in element if _tag(one) not in known]
+
+
+def _colour(element: Any, name: str) -> list[int]:
+    written = element.get(name) or ""
+    if written[:1] != "#" or len(written) not in {7, 9}:
+        raise MeshError(
+            f"{_tag(element)} has {name} {written[:_LONGEST_SHOWN]!r}; #RRGGBB is needed"
+        )
+    return list(bytes.fromhex(written[1:7]))
+
+
+def _reference(element: Any, file: str) -> tuple[Key, FloatArray]:
+    elsewhere = next(_paths(element), None)
+    key = (file if elsewhere is None else _plain(elsewhere)), element.get("objectid", "")
+    return key, _transform(element)
+
+
+def _paths(element: Any) -> Iterator[str]:
+    return (text for name, text in element.attrib.items() if name.endswith("}path"))
+
+
+def _transform(element: Any) -> FloatArray:
+    """Return a matrix (4, 4) for column vectors; the file's is for rows."""
+    written = element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()
+    if len(written) != 12:
+        raise MeshError(f"a transform has {len(written)} numbers; 12 are needed")
+    matrix = np.eye(4)
+    matrix[:3] = np.array([float(word) for word in written]).reshape(4, 3).T
+    return matrix
+
+
+def _tag(element: Any) -> str:
+    return str(element.tag).rpartition("}")[2]
+
+
+def _plain(name: str) -> str:
+    return name.replace("\\", "/").strip("/").lower()
