@@ -77,7 +77,7 @@ def _answer_split(
     folds = held_out_folds(labels[split.train], owners[split.train], CALIBRATION_FOLDS)
     if not folds:
         raise RecognitionError(
-            "A class has one training object; two are needed to know how sure answers are."
+            "Every class has one training object; two are needed to know how sure answers are."
         )
     learnt = described[0]
     logs, strange, indices = [], [], []

@@ -67,8 +67,8 @@ def measure_trust(
             model = fit_without(sequences, described, unseen, classifier, generator)
             if model is None:
                 raise RecognitionError(
-                    f"Without class {sequences.classes[left_out]} and the tested objects a class has one "
-                    "training object; at least three objects of every class are needed."
+                    f"Without class {sequences.classes[left_out]} and the tested objects every class has "
+                    "one training object; at least three objects of one class are needed."
                 )
             for index in np.unique(sequences.object_index[unseen]):
                 answers = _classify(sequences, described, model, index, parameters)
@@ -131,7 +131,7 @@ def fit_without(
 ) -> tuple[Pipeline, Certainty] | None:
     """Fit pipeline `order_free`, and how sure its answers are, on all sequences that are not `unseen` (s,).
 
-    Returns None if a class has one training object.
+    Returns None if every class has one training object.
     """
 
     def fit(rows: FloatArray, labels: IntArray, owners: IntArray) -> Pipeline:

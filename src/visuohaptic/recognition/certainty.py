@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from scipy.spatial.distance import cdist
-from sklearn.covariance import ShrunkCovariance
+from sklearn.covariance import LedoitWolf
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.recognition.pipelines import log_probabilities, pooled_log_probabilities
@@ -26,9 +26,6 @@ VIEWS = (1, 2, 4, 8, 16)
 
 FOLDS = 10
 """Folds of training objects, at most."""
-
-SHRINKAGE = 0.1
-"""Shrinkage of the covariance within objects, as of the linear discriminant."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +83,10 @@ class Certainty:
 
     Attributes
     ----------
+    trained : ndarray of shape (t,)
+        Classes with training objects.
     labels : ndarray of shape (n,)
-        Class of each training object.
+        Class of each training object that was held out.
     views : ndarray of shape (k,)
         Numbers of views, ascending.
     nonconformity : ndarray of shape (k, n)
@@ -98,6 +97,7 @@ class Certainty:
         The training objects by the final model.
     """
 
+    trained: IntArray
     labels: IntArray
     views: IntArray
     nonconformity: FloatArray
@@ -129,7 +129,7 @@ class Certainty:
 
     def prediction_set(self, logs: FloatArray, views: int, coverage: float) -> BoolArray:
         """Return the classes whose conformal p value is above 1 - coverage: (c,) to (c,)."""
-        known = np.isin(np.arange(len(logs)), self.labels)
+        known = np.isin(np.arange(len(logs)), self.trained)
         return known & (self.p_values(logs, views, coverage) > _least_share(coverage))
 
     def p_values(self, logs: FloatArray, views: int, coverage: float) -> FloatArray:
@@ -158,7 +158,7 @@ def fit_certainty(
     owners: IntArray,
     random_state: RandomState = 0,
 ) -> Certainty | None:
-    """Classify every training object by models of other objects.
+    """Classify every training object whose class has another by models of other objects.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def fit_certainty(
     Returns
     -------
     Certainty or None
-        None if a class has one training object.
+        None if every class has one training object.
     """
     folds = held_out_folds(labels, owners, FOLDS, random_state)
     if not folds:
@@ -195,7 +195,15 @@ def fit_certainty(
                 nonconformity[place, index] = 1 - np.exp(pooled[labels[first[index]]])
                 novelty[place, index] = reference.novelty(prepared[own][chosen])
     reference = fit_reference(final[:-1].transform(rows), owners)
-    return Certainty(labels[first], np.array(VIEWS), nonconformity, novelty, reference)
+    compared = np.isin(objects, owners[np.concatenate([held_out for _, held_out in folds])])
+    return Certainty(
+        np.unique(labels),
+        labels[first][compared],
+        np.array(VIEWS),
+        nonconformity[:, compared],
+        novelty[:, compared],
+        reference,
+    )
 
 
 def fit_reference(rows: FloatArray, owners: IntArray) -> Reference:
@@ -208,7 +216,7 @@ def fit_reference(rows: FloatArray, owners: IntArray) -> Reference:
     deviations = rows - means[index]
     whitening = np.eye(rows.shape[1])
     if deviations.any():
-        fitted = ShrunkCovariance(assume_centered=True, shrinkage=SHRINKAGE).fit(deviations)
+        fitted = LedoitWolf(assume_centered=True).fit(deviations)
         whitening = np.linalg.inv(np.linalg.cholesky(fitted.covariance_)).T
     return Reference(whitening, means @ whitening)
 

@@ -86,7 +86,7 @@ class RecognitionModel:
     waves : WaveBasis, optional
         Waves of the descriptors; None in pipeline ``paper``.
     certainty : Certainty, optional
-        None in pipeline ``paper``, and if a class has one object.
+        None in pipeline ``paper``, and if every class has one object.
     touching : str, optional
         JSON of the parameters with which the touches were made, if known.
     """

@@ -155,7 +155,7 @@ def fit_calibrated(classifier: Any, rows: FloatArray, labels: IntArray, owners: 
     classifier has none.
     """
     folds = held_out_folds(labels, owners, CALIBRATION_FOLDS)
-    if not folds:
+    if sum(len(held_out) for _, held_out in folds) < len(rows):
         return classifier.fit(rows, labels)
     calibrated = CalibratedClassifierCV(classifier, method="temperature", cv=folds, ensemble=False)
     try:

@@ -206,7 +206,12 @@ def grouped_folds(
     members: Sequence[Sequence[int]], folds: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
     """Deal the objects of each class over folds; there are at most as many folds as objects in the largest class."""
-    folds = min(folds, max(len(objects) for objects in members))
+    return _deal(members, min(folds, max(len(objects) for objects in members)), generator)
+
+
+def _deal(
+    members: Sequence[Sequence[int]], folds: int, generator: np.random.Generator
+) -> list[tuple[int, ...]]:
     dealt: list[list[int]] = [[] for _ in range(folds)]
     for objects in members:
         # The fullest folds come last, so sizes differ by one object at most.
@@ -221,19 +226,22 @@ def held_out_folds(
 ) -> list[tuple[IntArray, IntArray]]:
     """Return (training indices, held-out indices) for folds of whole objects in which every class is trained.
 
-    Each class has at least one object in the training part of every fold. The list is empty if a class has one object
-    only, because its object could be held out only together with the class.
+    The only object of a class trains in every fold. The list is empty if every class has one object.
 
     Parameters
     ----------
     labels, owners : ndarray of shape (n,)
         Class and object of each training sequence.
     """
-    fewest = min(len(objects) for objects in _members(labels, owners))
-    if fewest < 2:
+    lonely = [label for label in np.unique(labels) if len(np.unique(owners[labels == label])) < 2]
+    candidates = np.flatnonzero(~np.isin(labels, lonely))
+    if not len(candidates):
         return []
-    splitter = GroupedFolds(folds, random_state=random_state)
-    return list(splitter.split(labels, labels, owners))
+    members = _members(labels[candidates], owners[candidates])
+    folds = min(folds, sum(len(objects) for objects in members))
+    dealt = _deal(members, folds, np.random.default_rng(random_state))
+    masks = [np.isin(owners, objects) for objects in dealt]
+    return [(np.flatnonzero(~mask), np.flatnonzero(mask)) for mask in masks]
 
 
 def _turns(objects: Sequence[int], count: int, generator: np.random.Generator) -> list[int]:
