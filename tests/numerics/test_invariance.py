@@ -28,7 +28,7 @@ from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.preparing import normalise
-from visuohaptic.recognition.encoding import fit_sequence_encoder
+from visuohaptic.recognition.encoding import SequenceEncoder
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
@@ -68,13 +68,13 @@ def test_labels_do_not_depend_on_unit_order_or_winding(recorder):
     generator = np.random.default_rng(3)
     training = np.concatenate([sequences(sense_base(name)) for name in bases()])
     labels = np.repeat(np.arange(len(bases())), 4)
-    encoder = fit_sequence_encoder(training, DEFAULT, np.random.default_rng(0))
-    plain = encoder.encode(training)
+    encoder = SequenceEncoder(DEFAULT).fit(training)
+    plain = encoder.transform(training)
     fits = {name: fit_quietly(name, plain, labels) for name in DEFAULT.classifiers}
     for kind in KINDS:
         for place, (name, base) in enumerate(bases().items()):
             surface = moved(describe(kind, base, generator), 10.0 ** generator.uniform(-6, 6))
-            features = encoder.encode(sequences(sense(surface)))
+            features = encoder.transform(sequences(sense(surface)))
             for classifier, fitted in fits.items():
                 wanted = fitted.predict(plain)[labels == place]
                 changed = fitted.predict(features) != wanted

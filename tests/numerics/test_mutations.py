@@ -52,7 +52,7 @@ MUTATIONS = (
              "np.ascontiguousarray(blur(plane, border)[::2, ::2][:half, :half])", ("pyramids",)),
     Mutation("brightness of denormal numbers", "visuohaptic.attention.channels:prepare_view",
              "peak >= DARKEST", "peak > 0.0", ("hard_views",)),
-    Mutation("a dropped regularisation", "visuohaptic.recognition.gaussian:regularised_covariance",
+    Mutation("a dropped regularisation", "visuohaptic.recognition.quadratic_discriminant:regularised_covariance",
              "floor * np.eye", "0.0 * np.eye", ("classifiers",)),
     Mutation("skewness of rounding noise", "visuohaptic.recognition.sequence_features:summarise_signals",
              "np.sqrt(second) <= CONSTANT_TOLERANCE * root_mean_square", "second <= 0", ("sequence_moments",)),

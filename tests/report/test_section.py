@@ -130,7 +130,7 @@ def test_what_this_run_has_not_measured_is_not_named(tmp_path):
 
 SAID = (
     "Settings of this run: results/frontier.parquet ; columns: visuohaptic tables cost",
-    "pipeline = paper, classifier = naive_bayes",
+    "pipeline = paper, classifier = support_vector_machine",
     "Touches, 1 touch 10 ms",
     "Touches, 1 touch 10 9–12 40.0 20.0–90.0 2.5 2.5 2.5 2.5 on the front",
     "Touches, 2 touches 20 18–23 50.0 25.0–100.0 5.0 5.0 5.0 5.0 dominated",

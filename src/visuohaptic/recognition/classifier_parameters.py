@@ -38,7 +38,7 @@ class ClassifierParameters(Section):
         "`own_variances`, or all of the `mean_variance` (quadratic discriminant)",
     )
     linear_shrinkage: Literal["auto"] | Annotated[float, Field(gt=0, le=1)] = Field(
-        "auto",
+        0.1,
         description="Shrinkage of the common covariance, `auto` by Ledoit and Wolf, or a number up to 1 "
         "(linear discriminant)",
     )

@@ -141,7 +141,7 @@ def make_order_free(classifier: str = "linear_discriminant") -> Pipeline:
         [
             ("scaling", StandardScaler()),
             # A rotation to at most as many columns as rows: distances stay, and fits of few sequences are quick.
-            ("rotation", PCA(svd_solver="full")),
+            ("rotation", PCA(1 - 1e-9, svd_solver="full")),
             ("classifier", CLASSIFIERS[classifier].make(ORDER_FREE_SETTINGS)),
         ]
     )

@@ -6,10 +6,10 @@ import numpy as np
 from numerics import oracles
 from numerics.surfaces import pick
 
-from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.classifier_parameters import ClassifierParameters
-from visuohaptic.recognition.classifiers import CLASSIFIERS, fit_classifier
-from visuohaptic.recognition.encoding import fit_sequence_encoder, fit_standardiser
+from visuohaptic.recognition.classifiers import CLASSIFIERS
+from visuohaptic.recognition.encoding import SequenceEncoder, fit_standardiser
+from visuohaptic.recognition.experiment import UNFIT
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.self_organising_map import fit_batch_map, lattice, line
 from visuohaptic.stability.findings import Finding
@@ -46,9 +46,11 @@ def hard_samples(generator):
 
 def fit_quietly(name, features, labels):
     """Fit a classifier; what scikit-learn warns of in hard samples is expected."""
-    generator = np.random.default_rng(0)
+    classifier = CLASSIFIERS[name].make(ClassifierParameters())
+    if "random_state" in classifier.get_params():
+        classifier.set_params(random_state=0)
     with warnings.catch_warnings(action="ignore"):
-        return fit_classifier(name, ClassifierParameters(), features, labels, generator)[0]
+        return classifier.fit(features, labels)
 
 
 def predict_quietly(fitted, features):
@@ -64,7 +66,7 @@ def classifiers(generator):
         scaled = fit_standardiser(features, "standardise").apply(features)
         try:
             found = predict_quietly(fit_quietly(name, scaled, labels), scaled)
-        except RecognitionError:
+        except UNFIT:
             wrong = samples not in MAY_BE_REFUSED
         else:
             wrong = not set(found.tolist()) <= set(labels.tolist()) or len(found) != len(labels)
@@ -82,9 +84,9 @@ def draw_sequences(generator, classes=3, each=6, touches=5):
 
 def predict_sequences(training, labels, tested, classifier, parameters=DEFAULT):
     """Learn from training sequences as the paper's pipeline does; give features and classes of others."""
-    encoder = fit_sequence_encoder(training, parameters, np.random.default_rng(0))
-    fitted = fit_quietly(classifier, encoder.encode(training), labels)
-    features = encoder.encode(tested)
+    encoder = SequenceEncoder(parameters).fit(training)
+    fitted = fit_quietly(classifier, encoder.transform(training), labels)
+    features = encoder.transform(tested)
     return features, predict_quietly(fitted, features)
 
 
