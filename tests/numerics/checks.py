@@ -81,7 +81,7 @@ _ALL = (
     Check(attention.pyramids, 10, 300, "blur"),
     Check(attention.sphere_curvature, 1, 6, "measure_shape"),
     Check(learning.classifiers, 7, 100, "predict_quietly"),
-    Check(learning.feature_units, 7, 300, "predict_quietly"),
+    Check(learning.feature_units, 7, 300, "encode_sequences"),
     Check(learning.rounding, 4, 100),
     Check(learning.standardised_columns, 20, 300, "fit_standardiser"),
     Check(learning.maps, 6, 100, "fit_batch_map"),

@@ -84,10 +84,15 @@ def draw_sequences(generator, classes=3, each=6, touches=5):
 
 def predict_sequences(training, labels, tested, classifier, parameters=DEFAULT):
     """Learn from training sequences as the paper's pipeline does; give features and classes of others."""
-    encoder = SequenceEncoder(parameters).fit(training)
-    fitted = fit_quietly(classifier, encoder.transform(training), labels)
-    features = encoder.transform(tested)
+    learnt, features = encode_sequences(training, tested, parameters)
+    fitted = fit_quietly(classifier, learnt, labels)
     return features, predict_quietly(fitted, features)
+
+
+def encode_sequences(training, tested, parameters):
+    """Fit the encoder on training sequences; return the features of these and of others."""
+    encoder = SequenceEncoder(parameters).fit(training)
+    return encoder.transform(training), encoder.transform(tested)
 
 
 def feature_units(generator):
