@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from abc import abstractmethod
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -49,8 +50,9 @@ class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
         for tested in self._test_groups(np.asarray(y), np.asarray(groups)):
             yield np.isin(groups, tested)
 
+    @abstractmethod
     def _test_groups(self, y: Any, groups: Any) -> Sequence[Sequence[Any]]:
-        raise NotImplementedError
+        """Return the groups that each split tests."""
 
 
 class LeaveOneObjectPerClassOut(_ObjectSplitter):
