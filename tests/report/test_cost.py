@@ -63,7 +63,7 @@ def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_onc
     answer = cost_verdict(rows)
     assert (answer.verdict, answer.number) == ("depends", "73 ms (64 ms to 84 ms)")
     sentence = plain(answer.sentence)
-    assert "an error rate of 2.0 % (touches, 1 touch, pipeline “order free”)" in sentence
+    assert "an error rate of 2.0 % (touches, 1 touch, pipeline order_free)" in sentence
     assert "the lowest, 0.0 %, takes 150 ms" in sentence
 
 

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from report.synthetic import write_run, write_study
 from report.test_stability import EXACT, GRAZING
@@ -77,6 +78,16 @@ def test_a_condition_that_failed_has_no_row_and_nothing_measured_is_refused(tmp_
         figures.conditions(found[1:])
     with pytest.raises(ReportError, match="nothing to draw"):
         figures.cost(cost_table(POINTS, ["8 × 8"]).to_pylist()[3:])
+
+
+@pytest.mark.parametrize("errors", [(0.2, 0.06, 0.0008), (0.3, 0.2), (0.15, 0.0)])
+def test_every_error_rate_lies_within_the_axes(errors):
+    points = [(f"{n} touches", n / 100, error) for n, error in enumerate(errors, 1)]
+    (axes,) = figures.cost(cost_table(points)).axes
+    low, high = axes.get_ylim()
+    drawn = np.concatenate([line.get_ydata() for line in axes.get_lines() if len(line.get_ydata())])
+    assert low < drawn.min()
+    assert drawn.max() < high
 
 
 def test_a_line_joins_settings_of_which_one_thing_changes_and_no_others():

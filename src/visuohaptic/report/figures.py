@@ -124,7 +124,8 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
     axes.set_yticks(shown, [f"{100 * tick:g} %" for tick in shown])
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_ticks([], minor=True)
-    axes.set_ylim(-0.3 * errors[0] if flawless else errors[0] / 1.25, errors[-1] * 1.1)
+    lowest = -0.3 * errors[0] if flawless else errors[0] / 1.25
+    axes.set_ylim(lowest, 1.1 * max(max(row["error"], row["error_high"]) for row in rows))
     return finish(chart, across, "error rate")
 
 

@@ -12,7 +12,7 @@ from visuohaptic.report.comparison import (
 )
 from visuohaptic.report.estimates import with_interval
 from visuohaptic.report.variants import VariantsSummary, Verdict
-from visuohaptic.report.wording import counted, percent, points, spaced
+from visuohaptic.report.wording import counted, percent, points
 
 GAIN = 0.02
 """A gain, as a share, that is worth having."""
@@ -152,4 +152,4 @@ def has_opponent(table: PipelineTable) -> bool:
 
 def pipeline_name(name: str) -> str:
     """Name a pipeline in a sentence."""
-    return "the paper's pipeline" if name == PAPER_PIPELINE else f"pipeline “{spaced(name)}”"
+    return "the paper's pipeline" if name == PAPER_PIPELINE else f"pipeline {name}"
