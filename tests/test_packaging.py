@@ -32,8 +32,6 @@ OF_AN_EXTRA = {
         ("src/visuohaptic", "geometry/compiled_open3d.py", "open3d", "geometry/compiled_open3d.py"),
         ("src/visuohaptic", "report/", "report", "cli/report.py"),
         ("src/visuohaptic", "report/compare_runs.py", "workflow", "report/compare_runs.py"),
-        ("src/visuohaptic", "meshes/three_mf_package.py", "formats", "meshes/catalogue.py"),
-        ("src/visuohaptic", "meshes/limits.py", "formats", "meshes/catalogue.py"),
     )
 }
 # What comes with a package that is asked for and is imported beside it: versions that fit are its business.
@@ -113,9 +111,7 @@ def imports_without_a_requirement():
     for path in SOURCES:
         extras = extras_of(path)
         of_extras = (one for extra in extras for one in EXTRAS[extra])
-        allowed = names_of([*PROJECT["project"]["dependencies"], *of_extras])
-        if "formats" not in extras:
-            allowed &= locked
+        allowed = names_of([*PROJECT["project"]["dependencies"], *of_extras]) & locked
         for name in imported_packages(path):
             # What isn't installed can only be looked for by the name imported.
             own = {canonicalize_name(found) for found in distributions.get(name, [name])}

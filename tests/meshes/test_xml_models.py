@@ -1,14 +1,11 @@
-"""3MF and COLLADA files are read where the extra `formats` is installed, bounded as all others are."""
+"""3MF and COLLADA files are read, bounded as all others are."""
 
 import numpy as np
 import pytest
 import trimesh
-from meshes.generated import PLACED, SHAPE, TRIANGLES, collada, exported, model, object_of, packed
+from meshes.generated import PLACED, SHAPE, TRIANGLES, collada, model, object_of, packed
 from PIL import Image
 
-from visuohaptic.base import optional_packages
-from visuohaptic.base.errors import MeshError
-from visuohaptic.meshes.catalogue import find_own_models
 from visuohaptic.meshes.model_files import read_mesh
 
 MOVED = 'transform="1 0 0 0 1 0 0 0 1 5 0 0"'
@@ -97,15 +94,3 @@ def test_a_texture_of_a_dae_is_read_beside_it_alone(tmp_path, place, is_read):
     text = painted('<texture texture="p" texcoord="UV"/>', TEXTURED, place)
     colours = read_mesh(put(folder, "a.dae", text)).face_colours
     assert (colours == [10, 200, 30]).all() == is_read
-
-
-@pytest.mark.parametrize(("name", "packages"), [("mug.3mf", "lxml"), ("mug.DAE", "lxml")])
-def test_without_the_extra_one_sentence_says_what_to_install(tmp_path, monkeypatch, name, packages):
-    (tmp_path / "cup").mkdir()
-    path = put(tmp_path / "cup", name, exported(np.eye(3), [[0, 1, 2]], "3mf"))
-    assert list(find_own_models(tmp_path).models.values()) == [path]
-    monkeypatch.setattr(optional_packages, "find_spec", lambda name: None)
-    says = rf"{name} can't be read yet: {packages} .* `pip install 'visuohaptic\[formats\]'`"
-    with pytest.raises(MeshError, match=says) as caught:
-        read_mesh(path)
-    assert list(find_own_models(tmp_path).set_aside.values()) == [str(caught.value)]

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Literal
 
 from visuohaptic.base.errors import CatalogueError
-from visuohaptic.base.optional_packages import what_is_missing
 
 ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd"]
 """`paper`: 12 objects in 4 classes. `benchmark`: 142 in 12, the 12 among them; `outside`: the other 130.
@@ -20,7 +19,6 @@ ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd"]
 """
 
 MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
-_PACKAGES = {".3mf": ("lxml",), ".dae": ("lxml",)}
 COMPANION_SUFFIXES = (
     *(".mtl", ".bin"),
     *(".png", ".jpg", ".jpeg", ".bmp", ".tga", ".webp", ".tif", ".tiff", ".gif"),
@@ -161,12 +159,11 @@ def _why_not(found: Model, file: Path, folder: Path) -> str | None:
 
 
 def why_unreadable(suffix: str) -> str | None:
-    """Tell why files of a suffix can't be read, or which packages they need that are not installed."""
-    if suffix.lower() not in MODEL_SUFFIXES:
-        ending = repr(suffix) if suffix else "nothing"
-        return f"ends in {ending}, which can't be read; export it as .glb or .obj."
-    missing = what_is_missing("formats", *_PACKAGES.get(suffix.lower(), ()))
-    return f"can't be read yet: {missing}" if missing else None
+    """Return why files of a suffix can't be read, or None."""
+    if suffix.lower() in MODEL_SUFFIXES:
+        return None
+    ending = repr(suffix) if suffix else "nothing"
+    return f"ends in {ending}, which can't be read; export it as .glb or .obj."
 
 
 def _shown(name: str | Path) -> str:

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from lxml import etree
+
 from visuohaptic.base.errors import MeshError
 
 MOST_LINES = 20_000_000
@@ -58,8 +60,6 @@ def parse_xml(data: bytes) -> Any:
     No entity is expanded, and nothing else is read: a document that declares a type, where entities
     could stand, is refused.
     """
-    from lxml import etree
-
     check_xml_size(len(data))
     parser = etree.XMLParser(
         resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False,

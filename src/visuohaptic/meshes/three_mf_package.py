@@ -14,6 +14,7 @@ from urllib.parse import unquote
 from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile, ZipInfo
 
 import numpy as np
+from lxml import etree
 from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
@@ -166,8 +167,6 @@ class _Reader:
         self._components: list[tuple[Key, FloatArray]] = []
 
     def read(self, data: bytes) -> Model:
-        from lxml import etree
-
         if b"<!DOCTYPE" in data:
             raise MeshError("it has a DOCTYPE, which could name other files; none is allowed")
         ends: dict[str, Callable[[Any], None]] = {
