@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import trimesh
@@ -104,3 +106,41 @@ def test_spike_keeps_its_normals_outwards():
     places = samples(cone)
     normals, flat = measure_shape(cone).normals(*places), cone.face_normals[places[0]]
     assert np.einsum("nd,nd->n", normals, flat).min() > 0.0
+
+
+OFFSETS = [(0.0, 0.0, 3e-8), (0.0, 0.0, -3e-8), (0.0, 2e-8, -4e-8), (0.0, -3e-8, 1e-8)]
+
+
+def roof(middle, *, slivers):
+    """Two slopes that meet along the x axis; the second is cut at points of the ridge, with slivers between both."""
+    ends = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 1, -1], [0.5, -1, -1]])
+    points = np.concatenate([ends, middle])
+    ridge = [0, *range(4, 4 + len(middle)), 1]
+    cut = [[end, start, 3] for start, end in pairwise(ridge)]
+    # Each sliver has the ridge from a point to the far end as its longest edge, beside the sliver before.
+    thin = [[start, 1, end] for start, end in pairwise(ridge[:-1])]
+    return surface_of(points, np.array([[0, 1, 2], *cut, *(thin if slivers else [])]))
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+@pytest.mark.parametrize("count", [1, 3])
+def test_slivers_on_a_fold_change_no_normal_and_no_curvature(offset, count):
+    along = np.linspace(0, 1, count + 2)[1:-1, None] * [1.0, 0, 0]
+    plain, cut = roof(along[:0], slivers=False), roof(along + offset, slivers=True)
+    whole, found = measure_shape(plain), measure_shape(cut)
+    weights = np.random.default_rng(0).dirichlet([1.0, 1.0, 1.0], size=400)
+    first = np.zeros(400, dtype=np.int64)
+    np.testing.assert_allclose(
+        found.curvature(first, weights), whole.curvature(first, weights), atol=1e-5
+    )
+    np.testing.assert_allclose(
+        found.normals(first, weights), whole.normals(first, weights), atol=1e-6
+    )
+
+
+def test_a_sliver_among_slivers_has_no_normal_and_no_curvature():
+    shape = measure_shape(
+        surface_of([[0.0, 0, 0], [1, 0, 0], [0.5, 1e-8, 0]], np.array([[0, 1, 2]]))
+    )
+    assert not shape.corner_normals.any()
+    assert not shape.curvature(np.zeros(1, dtype=np.int64), np.full((1, 3), 1 / 3)).any()

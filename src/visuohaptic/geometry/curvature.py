@@ -19,6 +19,9 @@ from visuohaptic.geometry.surface import Surface
 
 # Twice the area of a triangle in object radii squared, below which its normal is rounding.
 SMALLEST_CROSS = 1e-12
+# Height of a triangle over its longest edge, object radii, below which the rounding of its corners to float32 (6e-8)
+# decides its normal: such a face is a sliver.
+SMALLEST_HEIGHT = 1e-6
 # Faces that meet at a larger angle have a fold, not a rounding. Our choice: a cylinder of ten sides (36°) is round,
 # one of eight (45°) has edges.
 CREASE_ANGLE_DEGREES = 40.0
@@ -97,29 +100,88 @@ def measure_shape(surface: Surface, crease_width: float = CREASE_WIDTH) -> Surfa
     """Measure the normals and the curvature of a surface.
 
     Open sheets, loose parts, mixed windings and edges of more than two faces are allowed; a free
-    edge has no curvature across it. Vertices at the same place are taken as one.
+    edge has no curvature across it. Vertices at the same place are taken as one. A sliver, lower than
+    `SMALLEST_HEIGHT`, has the normal of the face across its longest edge, and its folds lie on that edge.
     """
     faces = weld_vertices(surface)
-    normals = unit_vectors(surface.face_crosses)
     adjacency = face_adjacency(faces)
+    heights, lengths = _heights_and_lengths(surface)
+    slivers = heights.min(axis=1) < SMALLEST_HEIGHT
+    crosses = np.where(slivers[:, None], 0.0, surface.face_crosses)
+    normals, carriers = carry_normals(unit_vectors(crosses), slivers, adjacency, lengths)
     signs = consistent_sides(len(faces), adjacency)
     angles = fold_angles(normals, adjacency)
     smooth = angles <= np.radians(CREASE_ANGLE_DEGREES)
     groups = corner_groups(faces, adjacency, smooth)
-    corner_normals = smooth_normals(surface, signs, groups)
-    heights, lengths = _heights_and_lengths(surface)
+    corner_normals = smooth_normals(surface, normals, slivers, signs, groups)
     crease_angles = np.zeros((len(faces), 3))
     np.maximum.at(
         crease_angles, (adjacency.faces[~smooth], adjacency.edges[~smooth]), angles[~smooth, None]
     )
+    crease_angles = carry_folds(crease_angles, carriers)
     return SurfaceShape(
         corner_normals,
-        smooth_curvature(surface, corner_normals, groups, 1.0 / crease_width),
+        smooth_curvature(surface, crosses, corner_normals, groups, 1.0 / crease_width),
         crease_angles,
         _crease_scales(crease_angles, heights, crease_width) * (lengths > 0),
         heights,
         crease_width,
     )
+
+
+def carry_normals(
+    normals: FloatArray, slivers: BoolArray, adjacency: FaceAdjacency, lengths: FloatArray
+) -> tuple[FloatArray, list[IntArray]]:
+    """Replace the normal of each sliver by that of the face across its longest edge.
+
+    Parameters
+    ----------
+    normals : ndarray of shape (f, 3)
+        Unit normals of the faces; those of slivers are zero.
+    slivers : ndarray of shape (f,), bool
+        The faces whose normals are rounding.
+    adjacency : FaceAdjacency
+        The pairs of faces that share an edge.
+    lengths : ndarray of shape (f, 3)
+        The lengths of the edges.
+
+    Returns
+    -------
+    normals : ndarray of shape (f, 3)
+        The normals by each face's winding. A sliver beside slivers only keeps the zero normal.
+    carriers : list of ndarray of shape (m, 3), int64
+        Sliver, the face that gave its normal, and the number of the shared edge in that face. The
+        first array has the slivers beside other faces, the second those beside slivers of the first,
+        and so on.
+    """
+    faces = np.concatenate([adjacency.faces, adjacency.faces[:, ::-1]])
+    edges = np.concatenate([adjacency.edges, adjacency.edges[:, ::-1]])
+    sides = np.where(np.tile(adjacency.aligned, 2), 1.0, -1.0)
+    sliver, face = faces.T
+    across = slivers[sliver] & (edges[:, 0] == lengths.argmax(axis=1)[sliver])
+    sliver, face, edge, sides = sliver[across], face[across], edges[across, 1], sides[across]
+    normals = normals.copy()
+    carriers: list[IntArray] = []
+    while True:
+        known: BoolArray = np.any(normals != 0, axis=1)
+        ready = np.flatnonzero(~known[sliver] & known[face])
+        if not len(ready):
+            return normals, carriers
+        ready = ready[np.unique(sliver[ready], return_index=True)[1]]
+        normals[sliver[ready]] = sides[ready, None] * normals[face[ready]]
+        carriers.append(np.stack([sliver[ready], face[ready], edge[ready]], axis=1))
+
+
+def carry_folds(crease_angles: FloatArray, carriers: list[IntArray]) -> FloatArray:
+    """Move the folds of each sliver, crease angles (f, 3) in radians, to the edge of the face that gave its normal.
+
+    `carriers` are as `carry_normals` returns them. Folds of a sliver beside slivers move on from one to the next.
+    """
+    crease_angles = crease_angles.copy()
+    for sliver, face, edge in (carrier.T for carrier in reversed(carriers)):
+        np.maximum.at(crease_angles, (face, edge), crease_angles[sliver].max(axis=1))
+        crease_angles[sliver] = 0.0
+    return crease_angles
 
 
 def weld_vertices(surface: Surface) -> IntArray:
@@ -211,15 +273,21 @@ def _components(starts: IntArray, ends: IntArray, count: int) -> IntArray:
     return connected_components(graph, directed=False)[1]
 
 
-def smooth_normals(surface: Surface, signs: FloatArray, groups: IntArray) -> FloatArray:
-    """Average face normals over each corner group, weighted by angle: (f, 3, 3), by each face's winding.
+def smooth_normals(
+    surface: Surface,
+    face_normals: FloatArray,
+    slivers: BoolArray,
+    signs: FloatArray,
+    groups: IntArray,
+) -> FloatArray:
+    """Average face normals (f, 3) over each corner group, weighted by angle: (f, 3, 3), by each face's winding.
 
-    No triangulation of a flat corner changes the weighting (Thürmer & Wüthrich 1998). `signs` (f,)
-    are -1 for faces wound against their part. The face's own normal stands in where the average
-    vanishes.
+    No triangulation of a flat corner changes the weighting (Thürmer & Wüthrich 1998). Slivers (f,) have no
+    weight. `signs` (f,) are -1 for faces wound against their part. The face's own normal stands in
+    where the average vanishes.
     """
-    face_normals = unit_vectors(surface.face_crosses)
-    turned = (signs[:, None] * face_normals)[:, None, :] * _corner_angles(surface)[:, :, None]
+    angles = np.where(slivers[:, None], 0.0, _corner_angles(surface))
+    turned = (signs[:, None] * face_normals)[:, None, :] * angles[:, :, None]
     sums = np.zeros((groups.max(initial=-1) + 1, 3))
     for axis in range(3):
         sums[:, axis] = np.bincount(
@@ -231,16 +299,20 @@ def smooth_normals(surface: Surface, signs: FloatArray, groups: IntArray) -> Flo
 
 
 def smooth_curvature(
-    surface: Surface, corner_normals: FloatArray, groups: IntArray, largest: float
+    surface: Surface,
+    crosses: FloatArray,
+    corner_normals: FloatArray,
+    groups: IntArray,
+    largest: float,
 ) -> FloatArray:
     """Give the curvedness (f, 3) of the smooth surface at each corner, 0 to `largest`, per object radius.
 
     Each face's shape operator is the derivative of its interpolated normal (Rusinkiewicz 2004,
     "Estimating curvatures and their derivatives on triangle meshes"); its curvedness is the root
     mean square of the principal curvatures (Koenderink & van Doorn 1992), averaged over each corner
-    group by area. It stops at `largest`, as a sliver's may be any number.
+    group by area. Faces whose cross products `crosses` (f, 3) are zero have no weight. The curvedness
+    stops at `largest`.
     """
-    crosses = surface.face_crosses
     double_area = _lengths(crosses)
     solid = double_area > SMALLEST_CROSS
     edges = surface.triangles[:, 1:] - surface.triangles[:, :1]
