@@ -10,7 +10,11 @@ from filling import DOCS, fill_page, read_json, share, table
 
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.questions import fixation_answer, recognition_answer, variants_sentence
+from visuohaptic.report.questions import (
+    fixation_answer,
+    recognition_answer,
+    variant_sentences,
+)
 from visuohaptic.report.variants import read_variants
 from visuohaptic_workflow.closing import REPORT, describe_results
 
@@ -73,12 +77,13 @@ def answers(metrics: dict[str, Any]) -> str:
     variants = read_variants()
     found = (
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
-        fixation_answer(tables, variants),
+        fixation_answer(tables, variants, variant_sentences(variants)),
     )
     sentences = [
-        f"**{one.question}** {one.word}: {one.number} {one.sentence}" for one in found if one
+        " ".join((f"**{one.question}** {one.finding}: {one.number} {one.sentence}", *one.beside))
+        for one in found
+        if one
     ]
-    sentences[-1] += f" {variants_sentence(variants)}"
     text = "\n\n".join(
         textwrap.fill(sentence, 100, break_on_hyphens=False) for sentence in sentences
     )

@@ -18,7 +18,7 @@ from variants.page import variants_figures
 from variants.tables import VARIANTS
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from variants.weighing import summarise_variants, variant_figures
-from visuohaptic.report.variants import KEPT, Spread, VariantsSummary
+from visuohaptic.report.variants import KEPT, Lead, Spread, VariantsSummary
 from visuohaptic.studies.figures import Row, write_json
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.schema import write_table
@@ -42,6 +42,7 @@ def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> V
     return VariantsSummary(
         verdict=verdict(lead_evidence(tables, BEST_OF_PAPER)),
         spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
+        leads=tuple(lead for rows in tables.values() for lead in _main_leads(rows)),
         sentences=tuple(sentence for one in shown for sentence in one["sentences"]),
         literal=_literal(measured.rows),
         source=measured.source,
@@ -56,6 +57,22 @@ def _spread(rows: Sequence[Row]) -> list[Spread]:
     counts = (lead.cases, lead.ahead_significantly, lead.behind_significantly)
     names = ("variants", "ahead", "behind")
     return [Spread(objects=objects, **dict(zip(names, counts, strict=True)))]
+
+
+def _main_leads(rows: Sequence[Row]) -> list[Lead]:
+    """Return the leads of the default and of the most literal variant."""
+    objects = max((row["objects"] or 0 for row in rows), default=0)
+    return [
+        Lead(
+            objects=objects,
+            variant=one.variant,
+            difference=one.difference,
+            low=one.low,
+            high=one.high,
+        )
+        for one in lead_evidence({"": rows}, BEST_OF_PAPER)
+        if one.variant != "other"
+    ]
 
 
 def _literal(rows: Sequence[Row]) -> dict[str, dict[str, float]]:

@@ -12,14 +12,6 @@ from visuohaptic import __version__
 from visuohaptic.report.provenance import describe_machine
 from visuohaptic.stability.findings import Finding, merge_results, results_of
 
-KNOWN_CAUSES = {
-    "invariance/turned object: saliency map": (
-        "`car/sc_smart-car` has three faces that are thinner than float32 can say, so the folds beside them are of "
-        "any angle, and where it is turned its map changes"
-    )
-}
-"""Why a tolerance is exceeded, where that is known."""
-
 
 class Recorder:
     """Compares errors with their tolerance and keeps the worst of each kind."""
@@ -86,10 +78,10 @@ def in_words(name):
 
 
 def in_a_sentence(result):
-    """Say what exceeds its tolerance, and why where that is known."""
+    """Say what exceeds its tolerance, and in which case."""
     return (
         f"**Exceeded:** {in_words(result.name)}: {result.worst_error:.2g} {result.tolerance.unit}, "
-        f"{result.tolerance.bound:.2g} is allowed ({KNOWN_CAUSES.get(result.name, result.hardest)})."
+        f"{result.tolerance.bound:.2g} is allowed ({result.hardest})."
     )
 
 

@@ -5,7 +5,8 @@ from report.pages import plain
 from report.synthetic import PARAMETERS
 from studies.cost.test_front import RENDER, cost_rows
 
-from visuohaptic.report.cost import cost_figures, cost_verdict, cue_sentences, read_cost, time_parts
+from visuohaptic.parameters import CostParameters
+from visuohaptic.report.cost import cost_answer, cost_figures, cue_sentences, read_cost, time_parts
 from visuohaptic.report.estimates import Figure
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
@@ -52,19 +53,21 @@ def test_what_positions_imprints_and_the_map_give_is_stated_where_it_was_measure
     assert cue_sentences(rows[:1]) == []
 
 
-def test_where_the_quickest_setting_is_the_most_accurate_the_answer_names_it_once():
-    rows = cost_rows([("1 touch", 0.073, 0.0), ("5 touches", 0.15, 0.01)])
-    for place, row in enumerate(rows):
-        row |= {"as_quick": place == 0, "step": place == 0}
-    answer = cost_verdict(rows)
-    assert (answer.verdict, answer.number) == ("no", "73 ms (64 ms to 84 ms)")
-    assert "lowest error rate, too" in answer.sentence
-    rows[0]["error"], rows[1]["error"], rows[1]["on_front"] = 0.02, 0.0, True
-    answer = cost_verdict(rows)
-    assert (answer.verdict, answer.number) == ("depends", "73 ms (64 ms to 84 ms)")
-    sentence = plain(answer.sentence)
-    assert "an error rate of 2.0 % (touches, 1 touch, pipeline order_free)" in sentence
-    assert "the lowest, 0.0 %, takes 150 ms" in sentence
+def test_the_answer_goes_by_the_clock_of_a_robot():
+    rows = cost_rows([("1 touch", 0.073, 0.4, {"touches": 1}), ("5 touches", 0.15, 0.01)])
+    answer = cost_answer(rows, CostParameters(touch_seconds=4, look_seconds=0.5))
+    assert answer.finding == "4.6 s"
+    assert plain(answer.number) == "for an error rate of 40.0 % (20.0 % to 90.0 %)"
+    said = plain(answer.sentence)
+    assert said.startswith("(touches, 1 touch, pipeline order_free); the lowest, 1.0 %")
+    assert "takes 21 s (touches, 5 touches, pipeline order_free)" in said
+    assert said.endswith(
+        "4 s per touch and 0.5 s per look, which are assumed, and the computing, 73 ms to 150 ms."
+    )
+    rows[0]["error"] = 0.0
+    answer = cost_answer(rows, CostParameters())
+    assert "; no slower setting has a lower error rate." in plain(answer.sentence)
+    assert cost_answer([], CostParameters()) is None
 
 
 @pytest.mark.parametrize(

@@ -221,16 +221,17 @@ def test_a_run_of_which_nothing_was_tested_shows_what_was_touched(tmp_path):
 
 
 @pytest.mark.slow
-def test_what_was_left_out_stands_on_top_of_a_page_of_one_class(tmp_path):
+def test_what_was_left_out_stands_at_the_end_of_a_page_of_one_class(tmp_path):
     keys = ("cup/mug", "cup/beaker")
     files = write_run(tmp_path, keys, distinct=3)
     (tmp_path / "logs" / "touches.log").write_text("error: no such thing\n")
     page = read_page(render(files, (*keys, "cup/lost")))
     assert "one class alone can't be confused" in page.text
-    top = page.text[: page.text.index("Can an object be recognised")]
-    assert "1 object of the set left out, for no table holds it: cup/lost." in top
-    assert "8 views with fewer than 5 distinct fixations" in top
-    assert "1 job did not finish" in top
+    notes = page.text[page.text.index("Notes on this run") :]
+    assert "1 object of the set left out, for no table holds it: cup/lost." in notes
+    assert "8 views with fewer than 5 distinct fixations" in notes
+    assert "1 job did not finish" in notes
+    assert page.text.index("3 notes on this run") < page.text.index("Can an object be recognised")
 
 
 @pytest.mark.slow

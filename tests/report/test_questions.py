@@ -9,9 +9,10 @@ from visuohaptic.report.questions import (
     fixation_answer,
     recognition_answer,
     reproduction_answer,
+    variant_sentences,
     variants_sentence,
 )
-from visuohaptic.report.variants import Spread, VariantsSummary
+from visuohaptic.report.variants import Lead, Spread, VariantsSummary
 
 
 def run_of(fixation=0.7, random=0.6):
@@ -24,21 +25,39 @@ def variants(verdict="not shown", **spread):
     return VariantsSummary(verdict=verdict, spread=(Spread(**spread),) if spread else ())
 
 
-@pytest.mark.parametrize(("accuracy", "word"), [(0.31, "Yes"), (0.29, "Not shown"), (0.21, "No")])
-def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, word):
-    found = recognition_answer(run_of(accuracy), 4, 5, "unseen objects")
-    assert found.word == word
+@pytest.mark.parametrize(
+    ("accuracy", "finding"), [(0.31, "Yes"), (0.29, "Not shown"), (0.21, "No")]
+)
+def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding):
+    found = recognition_answer(run_of(accuracy), 4, 5, "unseen objects", "vertical")
+    assert found.finding == finding
     assert plain(found.number).startswith(f"{100 * accuracy:.1f} % (")
-    assert plain(found.sentence).startswith("of 5-touch sequences of unseen objects correctly")
-    assert plain(found.sentence).endswith("(support vector machine); guessing 25 %.")
+    assert plain(found.sentence).startswith("of 5-touch sequences of unseen objects are correctly")
+    assert plain(found.sentence).endswith(
+        "(support vector machine, 12 objects); guessing gives 25 %."
+    )
+    assert found.beside == ("Each object is turned by a random angle about the vertical.",)
 
 
-def test_the_second_answer_follows_from_the_variants_and_not_from_the_run():
-    for verdict in ("yes", "no", "not shown", "depends"):
-        assert fixation_answer(run_of(random=0.2), variants(verdict)).verdict == verdict
-    found = fixation_answer(run_of(), variants("no"))
-    assert plain(found.number) == "+10.0 points (+5.0 to +15.0)"
-    assert "above random touches, the paper's pipeline, 12 objects; " in plain(found.sentence)
+@pytest.mark.parametrize(
+    ("random", "finding", "excluded"),
+    [
+        (0.6, "Yes, on these objects", ""),
+        (
+            0.68,
+            "12 objects cannot tell",
+            "; a lead above 7.0 points and a lag beyond 3.0 are excluded",
+        ),
+        (0.8, "No, on these objects random touches lead", ""),
+    ],
+)
+def test_a_lead_has_a_sign_only_where_its_interval_excludes_zero(random, finding, excluded):
+    found = fixation_answer(run_of(random=random), variants("no"), ["Beside."])
+    assert found.finding == finding
+    assert " points (" in plain(found.number)
+    assert plain(found.sentence).endswith(f"default reading of the paper{excluded}.")
+    assert found.beside == ("Beside.",)
+    assert "(studies/variants): no, no gain in the default" in found.rule
 
 
 def test_the_variants_are_counted_by_set():
@@ -49,20 +68,53 @@ def test_the_variants_are_counted_by_set():
     assert variants_sentence(variants()) == ""
 
 
+NEAR = ({SVM: 0.93, BAYES: 0.57}, {SVM: 0.86, BAYES: 0.57})
+
+
 @pytest.mark.parametrize(
-    ("accuracies", "word"),
+    ("accuracies", "reach", "finding", "counts"),
     [
-        (({SVM: 0.93, BAYES: 0.57}, {SVM: 0.86, BAYES: 0.57}), "Yes"),
-        (({SVM: 0.93, BAYES: 0.9}, {SVM: 0.5, BAYES: 0.9}), "Depends"),
-        (({SVM: 0.7, BAYES: 0.9}, {SVM: 0.5, BAYES: 0.9}), "No"),
+        (NEAR, 0.02, "Yes, within 5 points", (4, 0)),
+        (NEAR, 0.05, "Not shown", (0, 0)),
+        (
+            ({SVM: 0.93, BAYES: 0.9}, {SVM: 0.5, BAYES: 0.9}),
+            0.02,
+            "Not by 3 of 4 accuracies",
+            (1, 3),
+        ),
+        (({SVM: 0.7, BAYES: 0.9}, {SVM: 0.5, BAYES: 0.9}), 0.02, "No", (0, 4)),
     ],
 )
-def test_the_third_answer_counts_published_accuracies_within_intervals(accuracies, word):
+def test_the_third_answer_asks_whether_whole_intervals_are_near(accuracies, reach, finding, counts):
     figures = metrics(*accuracies, {SVM: 0.1, BAYES: 0.5})
+    for by_classifier in figures["results"]["paper"].values():
+        for cell in by_classifier.values():
+            mean = cell["accuracy"]["mean"]
+            cell["accuracy"] = {"mean": mean, "low": mean - reach, "high": mean + reach}
     found = reproduction_answer(read_tables(figures)[0])
-    assert found.word == word
-    assert "of 4 published accuracies lie within" in found.sentence
-    assert plain(found.sentence).startswith("here, 93.45 % published (support vector machine); ")
+    assert found.finding == finding
+    within, outside = counts
+    assert (
+        f"Of 4 published accuracies {within} lie within 5 points of ours, {outside} lie farther away, "
+        f"and of {4 - within - outside} the intervals cannot tell."
+    ) in found.sentence
+    assert plain(found.sentence).startswith("here, 93.45 % published (support vector machine). ")
+
+
+LEADS = [
+    Lead(objects=objects, variant=variant, difference=one, low=one - 0.05, high=one + 0.05)
+    for objects in (12, 130)
+    for variant, one in (("default", objects / 1000), ("literal", -0.03))
+]
+
+
+def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
+    (sentence,) = variant_sentences(VariantsSummary(verdict="no", leads=LEADS))
+    assert plain(sentence).startswith(
+        "In this run: on 130 objects the default reading leads by +13.0 points (+8.0 to +18.0), and the "
+        "most literal reading by −3.0 points"
+    )
+    assert variant_sentences(VariantsSummary(verdict="no", leads=LEADS[:1])) == []
 
 
 def test_nothing_is_said_of_a_comparison_that_was_not_made():

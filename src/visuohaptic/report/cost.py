@@ -76,35 +76,58 @@ def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
     """Copy rows of `tables.COST` with the time of a robot, a price for each touch and look added, and its front."""
     moved = []
     for row in rows:
-        price = cost.touch_seconds * _all_touches(row) + cost.look_seconds * row["looks"]
+        price = robot_price(row, cost)
         times = ("seconds", "seconds_low", "seconds_high")
         moved.append(row | {name: row[name] + price for name in times if row[name] is not None})
     return mark_front(moved)
 
 
-def cost_verdict(rows: Sequence[Row]) -> Answer | None:
-    """Answer what accuracy costs in time: the quickest step and the most accurate setting."""
-    steps = find_steps(rows)
-    if not steps:
+def robot_price(row: Mapping[str, Any], cost: CostParameters) -> float:
+    """Compute the seconds that a robot takes for the touches and looks of a row of `tables.COST`."""
+    return cost.touch_seconds * _all_touches(row) + cost.look_seconds * int(row["looks"])
+
+
+def robot_front(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
+    """Return the rows that no other row beats by a robot's clock, the quickest first."""
+    front = [row for row in on_robot(rows, cost) if row["on_front"]]
+    return sorted(front, key=lambda row: float(row["seconds"]))
+
+
+def cost_answer(rows: Sequence[Row], cost: CostParameters) -> Answer | None:
+    """Answer what accuracy costs by a robot's clock, and how much of the time is computing.
+
+    Of the settings that no other one beats by that clock, the answer names the quickest and the most accurate.
+    """
+    front = robot_front(rows, cost)
+    if not front:
         return None
-    first = steps[0]
-    last = min((row for row in rows if row["on_front"]), key=lambda row: float(row["error"]))
-    best = first["error"] <= last["error"]
-    rate = f"{percent(first['error'])} ({_named(first)}, {pipeline_name(first['pipeline'])})"
-    lowest = f"the lowest, {percent(last['error'])}, takes {duration(last['seconds'])}."
-    sentence = (
-        f"of computing, error rate {rate}: the quickest setting has the lowest error rate, too."
-        if best
-        else f"of computing for an error rate of {rate}; {lowest}"
+    computing = sorted(row["seconds"] for row in timed(rows))
+    first, last = front[0], front[-1]
+    lowest = (
+        "no slower setting has a lower error rate"
+        if first is last
+        else f"the lowest, {_error(last)}, takes {duration(last['seconds'])} ({_described(last)})"
     )
-    seconds = Figure(first["seconds"], first["seconds_low"], first["seconds_high"])
     return Answer(
         "What does accuracy cost in time?",
-        "no" if best else "depends",
-        with_interval(seconds, duration),
-        sentence,
+        duration(first["seconds"]),
+        f"for an error rate of {_error(first)}",
+        f"({_described(first)}); {lowest}. The clock is a robot's: {cost.touch_seconds:g} s per touch and "
+        f"{cost.look_seconds:g} s per look, which are assumed, and the computing, "
+        f"{duration(computing[0])} to {duration(computing[-1])}.",
         "cost",
+        rule="The quickest and the most accurate of the settings that no other setting beats in both time and error "
+        "rate. In brackets: intervals over objects.",
     )
+
+
+def _error(row: Row) -> str:
+    figure = figure_of(row, "error")
+    return with_interval(figure, percent) if figure else ""
+
+
+def _described(row: Row) -> str:
+    return f"{_named(row)}, {pipeline_name(row['pipeline'])}"
 
 
 def time_parts(row: Row | None) -> list[Row]:
@@ -213,13 +236,14 @@ def _saving_row(row: Row, own: Row) -> Row:
         "setting": titled(_named(row)),
         "changes": listed(changes),
         "saved": 1 - row["seconds"] / own["seconds"],
+        "saved_seconds": own["seconds"] - row["seconds"],
         "lost": figure_of(row, "lost"),
         "verdict": verdict,
         "objects": row["objects"],
     }
 
 
-def _all_touches(row: Row) -> int:
+def _all_touches(row: Mapping[str, Any]) -> int:
     return int(row["touches"] * row["viewpoints"])
 
 

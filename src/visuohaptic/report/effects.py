@@ -15,7 +15,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.run import Run
-from visuohaptic.report.wording import counted, listed, percent
+from visuohaptic.report.wording import counted, listed
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.sensor.example_shapes import touch_gallery
 from visuohaptic.studies.effects.influence import measured_scenes
@@ -51,8 +51,10 @@ def effects_answer(scenes: Sequence[Row]) -> str:
     count = max(len(scene["needed"]) + len(scene["unneeded"]) for scene in scenes)
     needed = []
     for scene in scenes:
-        saved = 1 - scene["milliseconds"] / scene["milliseconds_always"] if scene["unneeded"] else 0
-        saves = f" (saves {percent(saved, 0)} of the time)" if saved > 0 else ""
+        # Milliseconds of a thousand touches are microseconds of one touch.
+        whole = scene["milliseconds_always"]
+        saved = whole - scene["milliseconds"] if scene["unneeded"] else 0
+        saves = f" (saves {saved:.0f} of {whole:.0f} µs per touch)" if saved > 0 else ""
         needed.append(f"{len(scene['needed'])} in {scene['name']}{saves}")
     changed = listed([scene["name"] for scene in scenes if scene["equal"] is False])
     said = f"Of {counted(count, 'effect')} of touch a scene gets those that it needs: {', '.join(needed)}."

@@ -35,6 +35,14 @@ from visuohaptic.report.wording import (
 Rows: TypeAlias = pa.Table | Sequence[Mapping[str, Any]]
 Write: TypeAlias = Callable[[float, float], str] | str
 
+Marked: TypeAlias = Literal["on_front", "step"]
+
+MARKED: Mapping[Marked, str] = {
+    "on_front": "filled: no other is quicker and better",
+    "step": "filled: worth its time",
+}
+"""Which settings a chart of costs fills, by their column of `tables.COST`."""
+
 LARGEST_SHARE = 1.25
 """Where errors beyond their tolerance end, as a share of it."""
 
@@ -93,17 +101,20 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
 
 @style()
 @style()
-def cost(table: Rows, across: str = "computing time of a recognition") -> Figure:
+def cost(
+    table: Rows, across: str = "computing time of a recognition", marked: Marked = "on_front"
+) -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes: rows of `tables.COST`.
 
-    Those that failed or were not timed are left out; `ReportError` if none is left. Lines join settings of which
-    one thing changes; an error rate of 0 lies below the first tick; `across` says what the seconds are.
+    Settings that failed or were not timed are left out; `ReportError` if none is left. Lines join settings of which
+    one thing changes; an error rate of 0 lies below the first tick; `across` says what the seconds are. Settings
+    whose column `marked` is true are filled and named.
     """
     rows = timed(_rows(table))
     if not rows:
         raise ReportError("No setting was both run and timed, so there is nothing to draw.")
     families = list(dict.fromkeys(row["family"] for row in rows))
-    chart, axes = new_chart(250 + _legend_height([*families, "front"]))
+    chart, axes = new_chart(250 + _legend_height([*families, MARKED[marked]]))
     errors = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
     axes.set_xscale("log")
     axes.set_yscale("symlog", linthresh=errors[0], linscale=0.3)
@@ -114,9 +125,9 @@ def cost(table: Rows, across: str = "computing time of a recognition") -> Figure
             places = [row["seconds"] for row in line], [row["error"] for row in line]
             axes.plot(*places, markersize=4.5, linewidth=1, **drawn)
         axes.plot([], [], label=strategy_name(family), **drawn)
-    _draw_front(axes, [row for row in rows if row["on_front"]], families)
+    _draw_front(axes, [row for row in rows if row[marked]], families)
     filled: dict[str, Any] = {"linestyle": "", "marker": "o", "color": COLOURS["quiet"]}
-    axes.plot([], [], label="filled: on the front", **filled)
+    axes.plot([], [], label=MARKED[marked], **filled)
     seconds = log_ticks([row[name] for row in rows for name in ("seconds_low", "seconds_high")])
     flawless = any(row["error"] == 0 for row in rows)
     shown = [0.0, *errors] if flawless else errors

@@ -1,21 +1,33 @@
-"""The experiment's two questions, each with the answer that follows from the tables by a rule."""
+"""The experiment's questions, each with an estimate, its interval and what the interval excludes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     REFERENCE,
     PipelineTable,
 )
-from visuohaptic.report.estimates import with_interval
+from visuohaptic.report.estimates import Figure, with_interval
 from visuohaptic.report.variants import VariantsSummary, Verdict
-from visuohaptic.report.wording import counted, percent, points
+from visuohaptic.report.wording import counted, percent, points, titled
 
 GAIN = 0.02
 """A gain, as a share, that is worth having."""
+MARGIN = 0.05
+"""A difference from a published accuracy, as a share, that still counts as the same."""
+
+Turns = Literal["none", "vertical", "any"]
+
+POSES: Mapping[Turns, str] = {
+    "none": "All objects stand upright and face one way, in training and test.",
+    "vertical": "Each object is turned by a random angle about the vertical.",
+    "any": "Each object is turned at random, in any way.",
+}
+"""What a run's accuracy takes for granted, by `meshes.turns`."""
 
 MAIN_OPPONENT = "random"
 REASONS: Mapping[Verdict, str] = {
@@ -31,53 +43,90 @@ REASONS: Mapping[Verdict, str] = {
 class Answer:
     """A question of the experiment, and what its tables say.
 
-    `number` is the figure that the verdict rests on, `sentence` says in at most 25 words what it is of, `link` is the
-    anchor of the section that shows more, and `recount` are lines of Python that print the number.
+    Attributes
+    ----------
+    question : str
+        The question.
+    finding : str
+        The answer in a few words.
+    number : str
+        The figure that the finding rests on, with its interval.
+    sentence : str
+        The rest of the sentence: of what, of which objects, and what the interval excludes.
+    link : str
+        The anchor of the section that shows more.
+    beside : tuple of str
+        Sentences on more objects, from kept measurements, or on what the figure takes for granted.
+    rule : str
+        The verdict by a rule that was written down before the measurement, and the rule.
+    recount : str
+        Lines of Python that print the number.
     """
 
     question: str
-    verdict: Verdict
+    finding: str
     number: str
     sentence: str
     link: str
+    beside: tuple[str, ...] = ()
+    rule: str = ""
     recount: str = ""
-
-    @property
-    def word(self) -> str:
-        """The verdict as an answer, such as ``Yes``."""
-        return self.verdict.capitalize()
 
 
 def recognition_answer(
-    tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str
+    tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str, turns: Turns = "none"
 ) -> Answer:
-    """Answer whether objects can be recognised by touch; `unseen` is what training had not met.
+    """Answer whether objects can be recognised by touch.
 
-    Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above it.
+    Parameters
+    ----------
+    tables : sequence of PipelineTable
+        The pipelines of the run.
+    classes, touches : int
+        The number of classes, and of touches in a sequence.
+    unseen : str
+        What training did not contain, such as ``unseen objects``.
+    turns : {"none", "vertical", "any"}
+        How the run turned its objects.
+
+    Returns
+    -------
+    Answer
+        Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above chance.
     """
     found = [table.headline.accuracy[table.leading] for table in tables]
     chance = 1 / classes
-    word: Verdict = "not shown"
+    finding = "Not shown"
     if all(figure.low is not None and figure.low > chance for figure in found):
-        word = "yes"
+        finding = "Yes"
     elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
-        word = "no"
+        finding = "No"
     others = [
-        f"{pipeline_name(table.name)} {percent(figure.mean)}"
+        f"{with_interval(figure, percent)} by {pipeline_name(table.name)}"
         for table, figure in zip(tables[1:], found[1:], strict=True)
     ]
+    first = tables[0]
     return Answer(
         "Can an object be recognised by touch?",
-        word,
+        finding,
         with_interval(found[0], percent),
-        f"of {touches}-touch sequences of {unseen} correctly classified by {pipeline_name(tables[0].name)} "
-        f"({tables[0].headline.name}); {', '.join([*others, f'guessing {percent(chance, 0)}'])}.",
+        f"of {touches}-touch sequences of {unseen} are correctly classified by {pipeline_name(first.name)} "
+        f"({first.headline.name}, {counted(first.objects, 'object')}); "
+        f"{', '.join([*others, f'guessing gives {percent(chance, 0)}'])}.",
         "comparison",
+        beside=(POSES[turns],),
+        rule="Rule: yes if the interval of every pipeline lies above guessing; no if every interval excludes a "
+        f"gain of {points(GAIN)} points over guessing.",
     )
 
 
-def fixation_answer(tables: Sequence[PipelineTable], variants: VariantsSummary) -> Answer | None:
-    """Answer whether it helps to touch where the eye would fixate; None without random touches in reach."""
+def fixation_answer(
+    tables: Sequence[PipelineTable], variants: VariantsSummary, beside: Sequence[str] = ()
+) -> Answer | None:
+    """Answer whether fixations lead random touches in reach; None without such touches.
+
+    Only an interval that excludes 0 gives the lead a sign. `beside` are sentences on other objects.
+    """
     compared = [
         (table, table.headline.comparisons[MAIN_OPPONENT])
         for table in tables
@@ -87,48 +136,86 @@ def fixation_answer(tables: Sequence[PipelineTable], variants: VariantsSummary) 
         return None
     (first, main), *others = compared
     further = [
-        f"; {pipeline_name(table.name)} {with_interval(found.difference, points)}"
+        f" {titled(pipeline_name(table.name))}: {with_interval(found.difference, points, ' points')}."
         for table, found in others
     ]
     return Answer(
         "Does it help to touch where the eye would fixate?",
-        variants.verdict,
+        _lead_finding(main.difference, main.objects),
         with_interval(main.difference, points, " points"),
-        f"correctly classified above random touches, {pipeline_name(first.name)}, "
-        f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[variants.verdict]}.",
+        f"of accuracy above random touches in reach, {pipeline_name(first.name)}, default reading of the paper"
+        f"{_excluded(main.difference)}.{''.join(further)}",
         "comparison",
+        beside=tuple(beside),
+        rule=f"By the rule for all variants of the paper (studies/variants): {variants.verdict}, "
+        f"{REASONS[variants.verdict]}. {variants_sentence(variants)}".rstrip(),
+    )
+
+
+def _lead_finding(lead: Figure, objects: int) -> str:
+    if lead.low is not None and lead.low > 0:
+        return "Yes, on these objects"
+    if lead.high is not None and lead.high < 0:
+        return "No, on these objects random touches lead"
+    return f"{counted(objects, 'object')} cannot tell"
+
+
+def _excluded(lead: Figure) -> str:
+    """Say which leads an interval excludes that holds 0."""
+    if lead.low is None or lead.high is None or not lead.low <= 0 <= lead.high:
+        return ""
+    return (
+        f"; a lead above {points(lead.high).lstrip('+')} points and a lag beyond "
+        f"{points(-lead.low).lstrip('+')} are excluded"
     )
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:
     """Answer whether the published accuracies are found again; None where none is comparable.
 
-    Yes, if every published accuracy lies within the interval found here; no, if none does.
+    A published accuracy is found again if the whole interval of the accuracy here lies within `MARGIN`
+    of it, and not found if the whole interval lies farther away; otherwise nothing is shown.
     """
-    pairs = [
-        (row.accuracy[strategy], published)
+    gaps = [
+        _gap(row.accuracy[strategy], published)
         for row in table.rows
         for strategy, published in row.published.items()
         if strategy in row.accuracy
     ]
-    if not pairs:
+    if not gaps:
         return None
-    inside = sum(figure.holds(published) for figure, published in pairs)
-    word: Verdict = "yes" if inside == len(pairs) else "depends" if inside else "no"
+    within, outside = gaps.count("within"), gaps.count("outside")
     row = table.headline
     number = against = ""
     if table.leading in row.published:
         here, published = row.accuracy[table.leading], row.published[table.leading]
         number = with_interval(here, percent)
-        against = f"here, {percent(published, 2)} published ({row.name}); "
+        against = f"here, {percent(published, 2)} published ({row.name}). "
+    margin = f"{100 * MARGIN:.0f} points"
+    finding = "Not shown"
+    if within == len(gaps):
+        finding = f"Yes, within {margin}"
+    elif outside:
+        finding = "No" if outside == len(gaps) else f"Not by {outside} of {len(gaps)} accuracies"
     return Answer(
         "Is the paper reproduced?",
-        word,
+        finding,
         number,
-        f"{against}{inside} of {len(pairs)} published accuracies lie within the intervals found here "
-        "(for other objects).",
+        f"{against}Of {len(gaps)} published accuracies {within} lie within {margin} of ours, {outside} lie "
+        f"farther away, and of {len(gaps) - within - outside} the intervals cannot tell. The objects are others.",
         "comparison",
+        rule=f"Rule: a published accuracy is found again if the whole interval here lies within {margin} of it. "
+        "A wide interval that contains it shows nothing.",
     )
+
+
+def _gap(here: Figure, published: float) -> Literal["within", "outside", "not shown"]:
+    if here.low is None or here.high is None:
+        return "not shown"
+    low, high = here.low - published, here.high - published
+    if low >= -MARGIN and high <= MARGIN:
+        return "within"
+    return "outside" if low > MARGIN or high < -MARGIN else "not shown"
 
 
 def variants_sentence(variants: VariantsSummary) -> str:
@@ -143,6 +230,26 @@ def variants_sentence(variants: VariantsSummary) -> str:
         "The paper leaves steps open, so it was read in many ways. Fixations are significantly ahead of "
         f"random touches {'; '.join(found)}."
     )
+
+
+def variant_sentences(variants: VariantsSummary) -> list[str]:
+    """Say how far fixations lead in the default and the most literal variant on the largest measured set."""
+    if not variants.leads:
+        return []
+    objects = max(lead.objects for lead in variants.leads)
+    found = {
+        lead.variant: with_interval(Figure(lead.difference, lead.low, lead.high), points, " points")
+        for lead in variants.leads
+        if lead.objects == objects
+    }
+    if set(found) != {"default", "literal"}:
+        return []
+    kept = f"Kept, {variants.source.date}" if variants.source else "In this run"
+    sentence = (
+        f"{kept}: on {objects} objects the default reading leads by {found['default']}, and the most literal "
+        f"reading by {found['literal']}. These objects chose the default reading."
+    )
+    return [sentence]
 
 
 def has_opponent(table: PipelineTable) -> bool:

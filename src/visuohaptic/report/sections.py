@@ -15,7 +15,7 @@ from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
-from visuohaptic.report.cost import cost_verdict, cue_sentences
+from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
@@ -27,6 +27,7 @@ from visuohaptic.report.effects import (
     sum_channels,
     sum_effects,
 )
+from visuohaptic.report.estimates import Row
 from visuohaptic.report.evaluation import evaluation_figures
 from visuohaptic.report.gaze import gaze_sentence
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
@@ -37,6 +38,7 @@ from visuohaptic.report.questions import (
     has_opponent,
     recognition_answer,
     reproduction_answer,
+    variant_sentences,
     variants_sentence,
 )
 from visuohaptic.report.run import Run
@@ -81,7 +83,7 @@ _COST = """\
 import pandas as pd
 rows = pd.read_parquet({place!r})
 row = rows[(rows["family"] == {family!r}) & (rows["setting"] == {setting!r})].iloc[0]
-print(f"{{row['seconds']:.4f}} s, error rate {{100 * row['error']:.1f}} %")"""
+print(f"{{row['seconds'] + {price:g}:.2f}} s, error rate {{100 * row['error']:.1f}} %")"""
 
 
 def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
@@ -92,10 +94,11 @@ def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
     )
 
 
-def recount_cost(run: Run, row: Mapping[str, Any]) -> str:
-    """Give the lines that print seconds and error rate of a setting of this run."""
+def recount_cost(run: Run, row: Row) -> str:
+    """Return the lines that print the seconds by a robot's clock and the error rate of a setting of this run."""
     place = place_of(run, run.parts("frontier")).as_posix()
-    return _COST.format(place=place, family=row["family"], setting=row["setting"])
+    price = robot_price(row, run.parameters.cost)
+    return _COST.format(place=place, family=row["family"], setting=row["setting"], price=price)
 
 
 def values_or_none(**values: object) -> Values | None:
@@ -113,6 +116,7 @@ def answer_values(context: ReportContext) -> Values:
             if answer is not None
         ],
         "untested": not context.run.pipelines,
+        "frontier": context.frontier,
         "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
         "effects": effects_answer(context.influence["scenes"]) if context.influence else None,
         "stability": stability_answer(found) if found else None,
@@ -127,16 +131,18 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         unseen = UNSEEN[recognition.protocol.protocol]
         accuracy = recount_shares(run, first, f'f"{{100 * shares[{first.leading!r}]:.1f}} %"')
         compared = next((table for table in run.pipelines if has_opponent(table)), first)
-        yield recognition_answer(run.pipelines, len(run.classes), touches, unseen), accuracy
+        yield (
+            recognition_answer(run.pipelines, len(run.classes), touches, unseen),
+            accuracy,
+        )
         lead = f"shares[{compared.leading!r}] - shares[{MAIN_OPPONENT!r}]"
         lead = recount_shares(run, compared, f'f"{{100 * ({lead}):+.1f}} points"')
-        yield fixation_answer(run.pipelines, context.variants), lead
+        beside = variant_sentences(context.variants)
+        yield fixation_answer(run.pipelines, context.variants, beside), lead
         yield reproduction_answer(first), accuracy
-    if context.frontier and context.frontier["steps"]:
-        yield (
-            cost_verdict(context.frontier["rows"]),
-            recount_cost(run, context.frontier["steps"][0]),
-        )
+    rows = context.frontier["rows"] if context.frontier else []
+    for quickest in robot_front(rows, run.parameters.cost)[:1]:
+        yield cost_answer(rows, run.parameters.cost), recount_cost(run, quickest)
 
 
 def method_values(context: ReportContext) -> Values:

@@ -34,16 +34,30 @@ class Spread(BaseModel):
     behind: int
 
 
+class Lead(BaseModel):
+    """The lead of fixations over random touches in reach under one variant, as a share, with its interval over objects."""
+
+    model_config = ConfigDict(frozen=True)
+
+    objects: int
+    variant: Literal["default", "literal"]
+    difference: float
+    low: float
+    high: float
+
+
 class VariantsSummary(BaseModel):
     """What all variants say together: whether fixation leads, by the rule in studies/variants/README.md, and of how many.
 
-    `literal` are accuracies of the most literal variant, by strategy and classifier; `source` is None for this run.
+    `leads` are those of the default and of the most literal variant. `literal` are accuracies of the most literal
+    variant, by strategy and classifier. `source` is None for this run.
     """
 
     model_config = ConfigDict(frozen=True)
 
     verdict: Verdict
     spread: tuple[Spread, ...] = ()
+    leads: tuple[Lead, ...] = ()
     sentences: tuple[str, ...] = ()
     literal: dict[str, dict[str, float]] = {}
     source: Source | None = None
