@@ -54,15 +54,16 @@ def test_what_positions_imprints_and_the_map_give_is_stated_where_it_was_measure
 
 
 def test_the_answer_goes_by_the_clock_of_a_robot():
-    rows = cost_rows([("1 touch", 0.073, 0.4, {"touches": 1}), ("5 touches", 0.15, 0.01)])
+    own = {"family": "fixation"}
+    points = [("1 touch", 0.073, 0.4, {"touches": 1, **own}), ("5 touches", 0.15, 0.01, own)]
+    rows = cost_rows([*points, ("another sensor", 0.01, 0.0, {"touches": 1})])
     answer = cost_answer(rows, CostParameters(touch_seconds=4, look_seconds=0.5))
-    assert answer.finding == "4.6 s"
-    assert plain(answer.number) == "for an error rate of 40.0 % (20.0 % to 90.0 %)"
+    assert plain(answer.number) == "4.6 s for an error rate of 40.0 % (20.0 % to 90.0 %)"
     said = plain(answer.sentence)
-    assert said.startswith("(touches, 1 touch, pipeline order_free); the lowest, 1.0 %")
-    assert "takes 21 s (touches, 5 touches, pipeline order_free)" in said
+    assert said.startswith("(eye fixations, 1 touch, pipeline order_free); the lowest, 1.0 %")
+    assert "takes 21 s (eye fixations, 5 touches, pipeline order_free)" in said
     assert said.endswith(
-        "4 s per touch and 0.5 s per look, which are assumed, and the computing, 73 ms to 150 ms."
+        "4 s per touch and 0.5 s per look, which are assumed, and the computing, 10 ms to 150 ms."
     )
     rows[0]["error"] = 0.0
     answer = cost_answer(rows, CostParameters())

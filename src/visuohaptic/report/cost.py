@@ -49,7 +49,7 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> Row:
         "steps": [{**row, "name": _named(row)} for row in find_steps(rows)],
         "settings": [_setting_row(row) for row in rows],
         "savings": find_savings(rows),
-        "robot": on_robot(rows, run.cost),
+        "robot": on_robot(by_strategy(rows), run.cost),
         "recognitions": max((row["recognitions"] or 0 for row in rows), default=0),
         "objects": max((row["objects"] or 0 for row in rows), default=0),
         "reference": reference_row(rows),
@@ -72,6 +72,11 @@ def reference_row(rows: Sequence[Row]) -> Row | None:
     return next((row for row in rows if row["lost_low"] == 0 == row["lost_high"]), None)
 
 
+def by_strategy(rows: Sequence[Row]) -> list[Row]:
+    """Return the rows of settings that differ from the run's own only in strategy, touches and viewpoints."""
+    return [row for row in rows if row["family"] == row["strategy"]]
+
+
 def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
     """Copy rows of `tables.COST` with the time of a robot, a price for each touch and look added, and its front."""
     moved = []
@@ -88,8 +93,8 @@ def robot_price(row: Mapping[str, Any], cost: CostParameters) -> float:
 
 
 def robot_front(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
-    """Return the rows that no other row beats by a robot's clock, the quickest first."""
-    front = [row for row in on_robot(rows, cost) if row["on_front"]]
+    """Return the settings of `by_strategy` that no other beats by a robot's clock, the quickest first."""
+    front = [row for row in on_robot(by_strategy(rows), cost) if row["on_front"]]
     return sorted(front, key=lambda row: float(row["seconds"]))
 
 
@@ -110,8 +115,8 @@ def cost_answer(rows: Sequence[Row], cost: CostParameters) -> Answer | None:
     )
     return Answer(
         "What does accuracy cost in time?",
-        duration(first["seconds"]),
-        f"for an error rate of {_error(first)}",
+        "",
+        f"{duration(first['seconds'])} for an error rate of {_error(first)}",
         f"({_described(first)}); {lowest}. The clock is a robot's: {cost.touch_seconds:g} s per touch and "
         f"{cost.look_seconds:g} s per look, which are assumed, and the computing, "
         f"{duration(computing[0])} to {duration(computing[-1])}.",

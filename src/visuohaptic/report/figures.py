@@ -102,19 +102,22 @@ def conditions(table: Rows, chance: float | None = None) -> Figure:
 @style()
 @style()
 def cost(
-    table: Rows, across: str = "computing time of a recognition", marked: Marked = "on_front"
+    table: Rows,
+    across: str = "computing time of a recognition",
+    marked: Marked = "on_front",
+    height: float = 250,
 ) -> Figure:
     """Draw the error rate of each setting against its seconds, both on logarithmic axes: rows of `tables.COST`.
 
     Settings that failed or were not timed are left out; `ReportError` if none is left. Lines join settings of which
     one thing changes; an error rate of 0 lies below the first tick; `across` says what the seconds are. Settings
-    whose column `marked` is true are filled and named.
+    whose column `marked` is true are filled and named. `height` is that of the axes, in units of the chart.
     """
     rows = timed(_rows(table))
     if not rows:
         raise ReportError("No setting was both run and timed, so there is nothing to draw.")
     families = list(dict.fromkeys(row["family"] for row in rows))
-    chart, axes = new_chart(250 + _legend_height([*families, MARKED[marked]]))
+    chart, axes = new_chart(height + _legend_height([*families, MARKED[marked]]))
     errors = log_ticks([row[name] for row in rows for name in ("error", "error_high")])
     axes.set_xscale("log")
     axes.set_yscale("symlog", linthresh=errors[0], linscale=0.3)

@@ -196,13 +196,13 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
     if within == len(gaps):
         finding = f"Yes, within {margin}"
     elif outside:
-        finding = "No" if outside == len(gaps) else f"Not by {outside} of {len(gaps)} accuracies"
+        finding = f"{outside} of {len(gaps)} accuracies differ by more than {margin}"
     return Answer(
         "Is the paper reproduced?",
         finding,
         number,
-        f"{against}Of {len(gaps)} published accuracies {within} lie within {margin} of ours, {outside} lie "
-        f"farther away, and of {len(gaps) - within - outside} the intervals cannot tell. The objects are others.",
+        f"{against}Of {len(gaps)} published accuracies, {within} lie within {margin} of ours, {outside} lie "
+        f"farther away, and {len(gaps) - within - outside} may do either by our intervals. The objects are others.",
         "comparison",
         rule=f"Rule: a published accuracy is found again if the whole interval here lies within {margin} of it. "
         "A wide interval that contains it shows nothing.",
