@@ -58,9 +58,11 @@ def test_the_answer_goes_by_the_clock_of_a_robot():
     points = [("1 touch", 0.073, 0.4, {"touches": 1, **own}), ("5 touches", 0.15, 0.01, own)]
     rows = cost_rows([*points, ("another sensor", 0.01, 0.0, {"touches": 1})])
     answer = cost_answer(rows, CostParameters(touch_seconds=4, look_seconds=0.5))
-    assert plain(answer.number) == "4.6 s for an error rate of 40.0 % (20.0 % to 90.0 %)"
+    assert answer.number == "4.6 s"
     said = plain(answer.sentence)
-    assert said.startswith("(eye fixations, 1 touch, pipeline order_free); the lowest, 1.0 %")
+    assert said.startswith(
+        "for an error rate of 40.0 % (20.0 % to 90.0 %) (eye fixations, 1 touch, "
+    )
     assert "takes 21 s (eye fixations, 5 touches, pipeline order_free)" in said
     assert said.endswith(
         "4 s per touch and 0.5 s per look, which are assumed, and the computing, 10 ms to 150 ms."

@@ -116,8 +116,8 @@ def cost_answer(rows: Sequence[Row], cost: CostParameters) -> Answer | None:
     return Answer(
         "What does accuracy cost in time?",
         "",
-        f"{duration(first['seconds'])} for an error rate of {_error(first)}",
-        f"({_described(first)}); {lowest}. The clock is a robot's: {cost.touch_seconds:g} s per touch and "
+        duration(first["seconds"]),
+        f"for an error rate of {_error(first)} ({_described(first)}); {lowest}. The clock is a robot's: {cost.touch_seconds:g} s per touch and "
         f"{cost.look_seconds:g} s per look, which are assumed, and the computing, "
         f"{duration(computing[0])} to {duration(computing[-1])}.",
         "cost",

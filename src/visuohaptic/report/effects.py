@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.geometry.raycasting import RayCaster
@@ -15,7 +16,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.run import Run
-from visuohaptic.report.wording import counted, listed
+from visuohaptic.report.wording import counted, listed, percent
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.sensor.example_shapes import touch_gallery
 from visuohaptic.studies.effects.influence import measured_scenes
@@ -177,6 +178,29 @@ def count_passed_over(touches: pa.Table) -> Counter[str]:
     for row in found.to_pylist():
         counts[row["strategy"]] += row["rank_max"] + 1 - row["rank_count_distinct"]
     return counts
+
+
+def replaced_sentence(touches: pa.Table, fixations: int) -> str:
+    """Say how many touches by fixation are not at one of a view's fixations; empty where all are.
+
+    Parameters
+    ----------
+    touches : pyarrow.Table
+        Rows of `tables.TOUCHES`.
+    fixations : int
+        The fixations of a view. A place of a higher rank replaces a fixation that the sensor can't reach.
+    """
+    ranks = touches.filter(pc.equal(touches.column("strategy"), "fixation"))
+    replaced = pc.sum(pc.greater_equal(ranks.column("rank"), fixations)).as_py() or 0
+    first = ranks.group_by(["class", "object", "viewpoint"]).aggregate([("rank", "min")])
+    missed = pc.sum(pc.greater(first.column("rank_min"), 0)).as_py() or 0
+    if not replaced and not missed:
+        return ""
+    return (
+        f"In this run {percent(replaced / ranks.num_rows, 0)} of the touches by fixation are at none of the view's "
+        f"{counted(fixations, 'fixation')}, but at a later place that the sensor can reach, and in {missed} of "
+        f"{counted(first.num_rows, 'view')} the most salient place is never touched."
+    )
 
 
 def count_missing(run: Run) -> Counter[str]:

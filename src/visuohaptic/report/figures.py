@@ -129,8 +129,9 @@ def cost(
             axes.plot(*places, markersize=4.5, linewidth=1, **drawn)
         axes.plot([], [], label=strategy_name(family), **drawn)
     _draw_front(axes, [row for row in rows if row[marked]], families)
-    filled: dict[str, Any] = {"linestyle": "", "marker": "o", "color": COLOURS["quiet"]}
-    axes.plot([], [], label=MARKED[marked], **filled)
+    if not all(row[marked] for row in rows):
+        filled: dict[str, Any] = {"linestyle": "", "marker": "o", "color": COLOURS["quiet"]}
+        axes.plot([], [], label=MARKED[marked], **filled)
     seconds = log_ticks([row[name] for row in rows for name in ("seconds_low", "seconds_high")])
     flawless = any(row["error"] == 0 for row in rows)
     shown = [0.0, *errors] if flawless else errors
@@ -291,8 +292,10 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         axes.vlines(seconds, row["error_low"], row["error_high"], **thin)
         axes.plot(seconds, error, color=colour, marker=mark, markersize=7, zorder=3)
         name = str(row["setting"]).removesuffix(", 1 viewpoint")
+        # The names of two families stand on different sides, as their settings may lie close to each other.
+        offset = (5, 4) if families.index(row["family"]) else (-5, -11)
         axes.annotate(
-            name, (seconds, error), (5, 4), textcoords="offset points", zorder=4,
+            name, (seconds, error), offset, textcoords="offset points", zorder=4, ha="left" if offset[0] > 0 else "right",
             bbox={"facecolor": COLOURS["paper"], "edgecolor": "none", "alpha": 0.8, "pad": 0.3},
         )  # fmt: skip
 

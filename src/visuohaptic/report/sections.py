@@ -22,6 +22,7 @@ from visuohaptic.report.effects import (
     count_states,
     effects_answer,
     hard_places,
+    replaced_sentence,
     rows_of_scenes,
     scene_strips,
     sum_channels,
@@ -154,6 +155,9 @@ def method_values(context: ReportContext) -> Values:
         "bands": matrix(shown, CONTOURLET_FEATURES)[0].tolist() if shown.num_rows else [],
         "pipelines_text": " ".join(_pipeline_texts(context.run)),
         "gaze": gaze_sentence(context.run.files.gaze),
+        "replaced": replaced_sentence(
+            context.run.touches, context.run.parameters.attention.fixations
+        ),
     }
 
 
