@@ -23,9 +23,9 @@ def test_the_parts_of_a_recognition_are_those_of_its_row():
     row |= {"seconds_look": 0.06, "seconds_render": 0.02, "seconds_attend": 0.03}
     row |= {"seconds_touch": 0.02, "seconds_cast": 0.005}
     parts = {part["name"]: part for part in time_parts(row)}
-    assert parts["rendering"]["each"] == "10 ms a view"
-    assert parts["attention: saliency and fixations"]["each"] == "15 ms a view"
-    assert parts["casting rays"]["each"] == "0.5 ms a touch"
+    assert parts["rendering"]["each"] == "10 ms per view"
+    assert parts["attention: saliency and fixations"]["each"] == "15 ms per view"
+    assert parts["casting rays"]["each"] == "0.5 ms per touch"
     assert parts["rest of touching"]["seconds"] == pytest.approx(0.015)
     assert parts["preparing the surface"]["seconds"] == pytest.approx(0.01)
     assert time_parts({**row, "seconds": None}) == time_parts(None) == []

@@ -1,7 +1,9 @@
 """The section on objects that a model has not learnt says what was measured."""
 
+from report.pages import plain
+
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.evaluation import evaluation_figures
+from visuohaptic.report.evaluation import evaluation_figures, odd_sentence
 from visuohaptic.studies.evaluation.models import MeasuredEvaluation, read_evaluation
 from visuohaptic.tables.schema import build_table
 from visuohaptic.tables.studies import EVALUATION
@@ -29,3 +31,13 @@ def test_where_nothing_was_measured_the_kept_evaluation_is_shown(tmp_path):
         figures = evaluation_figures(measured, IntervalParameters(), 1)
         assert figures["objects"] == objects
         assert figures["sentence"].startswith(f"Of {objects} objects that the model has not learnt")
+        said = odd_sentence(figures)
+        assert bool(said) == (measured is kept)
+    (row,) = (
+        row
+        for row in evaluation_figures(kept, IntervalParameters(), 1)["rows"]
+        if (row["strategy"], row["views"]) == ("fixation", 16)
+    )
+    said = plain(odd_sentence(evaluation_figures(kept, IntervalParameters(), 1)))
+    assert f"classifies {100 * row['accuracy'].mean:.0f} % correctly from 16 views" in said
+    assert said.endswith(f"hold the class of {100 * row['coverage'].mean:.0f} %.")

@@ -154,7 +154,7 @@ def time_parts(row: Row | None) -> list[Row]:
     # Medians of parts need not add up.
     found = [(name, max(seconds, 0.0), *units) for name, seconds, units in parts if units[0]]
     return [
-        {"name": name, "seconds": seconds, "each": f"{duration(seconds / units)} a {unit}"}
+        {"name": name, "seconds": seconds, "each": f"{duration(seconds / units)} per {unit}"}
         for name, seconds, units, unit in found
     ]
 

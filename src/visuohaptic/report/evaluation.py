@@ -33,6 +33,22 @@ def evaluation_figures(
     }
 
 
+def odd_sentence(figures: Row) -> str:
+    """Say what the kept model answers for the odd objects; empty where this run measured other objects."""
+    source = figures["source"]
+    if source is None:
+        return ""
+    row = max(
+        (row for row in figures["rows"] if row["strategy"] == "fixation"),
+        key=lambda one: int(one["views"]),
+    )
+    return (
+        f"Kept, {source.date}: of {figures['objects']} odd objects of the same classes, pipeline order_free classifies "
+        f"{percent(row['accuracy'].mean, 0)} correctly from {counted(row['views'], 'view')}, and sets that state "
+        f"{percent(row['stated'], 0)} hold the class of {percent(row['coverage'].mean, 0)}."
+    )
+
+
 def _in_words(row: Row) -> str:
     return (
         f"{percent(row['accuracy'].mean)} are correctly classified by {strategy_name(row['strategy'])} of "

@@ -155,7 +155,7 @@ def parts_of_time(table: Rows) -> Figure:
         place = part["seconds"], row
         axes.annotate(part["each"], place, (3, 0), textcoords="offset points", va="center")
     axes.invert_yaxis()
-    axes.set_xlim(0, 1.6 * max(seconds))
+    axes.set_xlim(0, 2.2 * max(seconds))
     across = "median time in one recognition"
     axes.grid(visible=False)
     return finish(chart, across, "part", across_as=lambda tick, _: duration(tick))

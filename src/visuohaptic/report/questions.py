@@ -74,7 +74,12 @@ class Answer:
 
 
 def recognition_answer(
-    tables: Sequence[PipelineTable], classes: int, touches: int, unseen: str, turns: Turns = "none"
+    tables: Sequence[PipelineTable],
+    classes: int,
+    touches: int,
+    unseen: str,
+    turns: Turns = "none",
+    beside: Sequence[str] = (),
 ) -> Answer:
     """Answer whether objects can be recognised by touch.
 
@@ -88,6 +93,8 @@ def recognition_answer(
         What training did not contain, such as ``unseen objects``.
     turns : {"none", "vertical", "any"}
         How the run turned its objects.
+    beside : sequence of str
+        Sentences on other objects.
 
     Returns
     -------
@@ -114,7 +121,7 @@ def recognition_answer(
         f"({first.headline.name}, {counted(first.objects, 'object')}); "
         f"{', '.join([*others, f'guessing gives {percent(chance, 0)}'])}.",
         "comparison",
-        beside=(POSES[turns],),
+        beside=(POSES[turns], *beside),
         rule="Rule: yes if the interval of every pipeline lies above guessing; no if every interval excludes a "
         f"gain of {points(GAIN)} points over guessing.",
     )

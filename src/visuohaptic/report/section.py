@@ -12,10 +12,12 @@ from typing import Any
 from visuohaptic.base.errors import ReportError
 from visuohaptic.report.cost import read_cost
 from visuohaptic.report.effects import influence_figures
+from visuohaptic.report.evaluation import evaluation_figures
 from visuohaptic.report.objects import ObjectPage, most_varied
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
 from visuohaptic.report.variants import VARIANTS, VariantsSummary, read_variants
+from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.studies.registry import import_file, section_files
 from visuohaptic.tables.schema import Schema
 from visuohaptic.tables.schemas import SCHEMAS
@@ -58,6 +60,12 @@ class ReportContext:
     def variants(self) -> VariantsSummary:
         """What the variants of the paper say together, of this run or as kept with the package."""
         return read_variants(self.run.made(VARIANTS))
+
+    @cached_property
+    def evaluation(self) -> Values:
+        """The model's answers for objects that it has not learnt, of this run or as kept with the package."""
+        measured, parameters = read_evaluation(self.run.file_of("evaluation")), self.run.parameters
+        return evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
 
     @cached_property
     def explaining(self) -> ObjectPage:

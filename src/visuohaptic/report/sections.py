@@ -29,7 +29,7 @@ from visuohaptic.report.effects import (
     sum_effects,
 )
 from visuohaptic.report.estimates import Row
-from visuohaptic.report.evaluation import evaluation_figures
+from visuohaptic.report.evaluation import odd_sentence
 from visuohaptic.report.gaze import gaze_sentence
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
@@ -54,7 +54,6 @@ from visuohaptic.report.studies import names_of_own_studies, read_study
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
-from visuohaptic.studies.evaluation.models import read_evaluation
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
 from visuohaptic.tables.schema import matrix
 
@@ -132,8 +131,9 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         unseen = UNSEEN[recognition.protocol.protocol]
         accuracy = recount_shares(run, first, f'f"{{100 * shares[{first.leading!r}]:.1f}} %"')
         compared = next((table for table in run.pipelines if has_opponent(table)), first)
+        odd = [sentence for sentence in (odd_sentence(context.evaluation),) if sentence]
         yield (
-            recognition_answer(run.pipelines, len(run.classes), touches, unseen),
+            recognition_answer(run.pipelines, len(run.classes), touches, unseen, beside=odd),
             accuracy,
         )
         lead = f"shares[{compared.leading!r}] - shares[{MAIN_OPPONENT!r}]"
@@ -187,11 +187,8 @@ def comparison_values(context: ReportContext) -> Values | None:
 
 
 def evaluation_values(context: ReportContext) -> Values:
-    """Give what a model answers for objects that it has not learnt, of this run or as kept with the package."""
-    run, parameters = context.run, context.run.parameters
-    measured = read_evaluation(run.file_of("evaluation"))
-    found = evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
-    return {"evaluation": found}
+    """Return what a model answers for objects that it has not learnt, of this run or as kept with the package."""
+    return {"evaluation": context.evaluation}
 
 
 def own_studies_values(context: ReportContext) -> Values | None:
