@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     REFERENCE,
+    Comparison,
     PipelineTable,
 )
 from visuohaptic.report.estimates import with_interval
@@ -94,10 +95,15 @@ def fixation_answer(tables: Sequence[PipelineTable], variants: VariantsSummary) 
         "Does it help to touch where the eye would fixate?",
         variants.verdict,
         with_interval(main.difference, points, " points"),
-        f"correctly classified above random touches, {pipeline_name(first.name)}, "
+        f"correctly classified above random touches{_over_draws(main)}, {pipeline_name(first.name)}, "
         f"{counted(main.objects, 'object')}{''.join(further)}; {REASONS[variants.verdict]}.",
         "comparison",
     )
+
+
+def _over_draws(compared: Comparison) -> str:
+    """Say how many draws of random places a lead is the mean of; empty with a single draw."""
+    return f" (mean of {compared.draws.count} draws)" if compared.draws else ""
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:
