@@ -114,10 +114,11 @@ def read_kept(path: Path | None = None) -> dict[str, KeptSet]:
 def kept_sentence(kept: KeptDraws) -> str:
     """Say between which ends the lead lies in kept draws, and how far one draw moves the lead."""
     leads = kept.lead.leads
+    commit, *edited = kept.commit.partition(",")
     return (
         f"In {counted(kept.lead.count, 'kept draw')} of random places ({counted(kept.objects, 'object')} of set "
         f"{kept.set}, pipeline {kept.pipeline}, {classifier_name(kept.classifier)}, default parameters, commit "
-        f"{kept.commit[:12]}) the lead of fixation lies between {points(min(leads))} and {points(max(leads))} "
+        f"{commit[:12]}{''.join(edited)}) the lead of fixation lies between {points(min(leads))} and {points(max(leads))} "
         f"points, standard deviation {percent_points(kept.lead.standard_deviation)}."
     )
 

@@ -16,6 +16,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import cost_verdict, cue_sentences
+from visuohaptic.report.draws import kept_sentence, read_draws
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
@@ -192,6 +193,7 @@ def comparison_values(context: ReportContext) -> Values | None:
     sentences = (
         gain_sentence(run.pipelines[0]),
         draws_sentence(run.pipelines[0]),
+        *_kept_draws(run),
         variants_sentence(context.variants),
         *(cue_sentences(context.frontier["rows"]) if context.frontier else ()),
     )
@@ -201,6 +203,15 @@ def comparison_values(context: ReportContext) -> Values | None:
         "tables": run.pipelines,
         "metrics": run.metrics,
     }
+
+
+def _kept_draws(run: Run) -> Iterator[str]:
+    """Say what kept draws of the run's set tell of pipelines that have one draw in the run."""
+    for table in run.pipelines:
+        compared = table.headline.comparisons.get(MAIN_OPPONENT)
+        kept = read_draws(run.parameters.meshes.set, table.name)
+        if kept is not None and compared is not None and compared.draws is None:
+            yield kept_sentence(kept)
 
 
 def evaluation_values(context: ReportContext) -> Values:
