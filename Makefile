@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze bench wheels readme params format lock clean
+.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws bench wheels readme params format lock clean
 .PHONY: lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -77,6 +77,11 @@ meshes: $(READY)
 # How well attention predicts where people looked (studies/human_gaze/README.md): make gaze FOLDER=gaze_data
 gaze: $(READY)
 	@python -m human_gaze "$(FOLDER)" $(if $(PEER),--peer "$(PEER)")
+
+# Twenty draws of random places in both pipelines, kept with the package (studies/draws/README.md): make draws SET=benchmark
+draws: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- reports/draws.json
+	@python -m draws.keeping $(SET)
 
 bench: $(DEVELOP)
 	python -m benchmarks

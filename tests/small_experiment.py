@@ -12,9 +12,10 @@ COPIED = (
     "workflow", "src", "packages", "meshes/paper", "meshes/own", "plug_ins", "profiles", "studies",
     "docs/figures/hard_cases.json",
 )  # fmt: skip
-# A frontier of a few settings in one job.
+# A frontier of a few settings in one job, and one draw of random places.
 FEW_SETTINGS = {
     "workflow": {"conditions_per_job": 100},
+    "probing": {"random_draws": 1},
     "cost": {
         "frontier_touches": [5], "frontier_viewpoints": [1], "objects": 1,
         "lean_imprint_resolution": 32,

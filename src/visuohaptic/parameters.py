@@ -11,6 +11,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, ValidationError, model_validator
 
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.section import Section
 from visuohaptic.features.parameters import FeatureParameters
@@ -194,9 +195,14 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
     """Refuse parameters with which touching or recognition would fail: `ParameterError`, which names them.
 
     These are imprints of which the contourlets have no bands, and sequences of more touches than fixations. A
-    study may try them all the same: its table says which conditions failed.
+    study may try them all the same: its table says which conditions failed. Draws are for studies, too.
     """
-    found = []
+    found = [
+        f"probing.strategies has {name}, a draw, and a run takes strategies without numbers; "
+        "probing.random_draws says how many draws of each are measured"
+        for name in parameters.probing.strategies
+        if draw_of(name)[1]
+    ]
     resolution, fixations = parameters.sensor.resolution, parameters.attention.fixations
     if resolution % 2 == 0 and resolution % IMPRINT_MULTIPLE:
         found.append(

@@ -27,6 +27,7 @@ from visuohaptic.recognition.sequences import (
     TouchSequences,
     classes_of_two,
     gather_pipeline,
+    viewpoints_of_all,
     whole_sequences,
 )
 from visuohaptic.studies.conditions import touches_of_run, with_changes
@@ -111,7 +112,7 @@ def sense_all(
     sensed = Parallel(processes)(delayed(sense_object)(mesh, run) for mesh in usable)
     views = {object_of(mesh): one[1] for mesh, one in zip(usable, sensed, strict=True)}
     rows = pa.concat_tables([one[0] for one in sensed])
-    whole = classes_of_two(whole_sequences(rows, touches)[0])
+    whole = classes_of_two(viewpoints_of_all(whole_sequences(rows, touches)[0]))
     if candidates is not None:
         whole, candidates = _both(whole, candidates), _both(candidates, whole)
     recognition = run.recognition.model_copy(update={"touches": touches})

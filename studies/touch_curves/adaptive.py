@@ -28,7 +28,8 @@ from visuohaptic.recognition.pipelines import pipeline_of
 from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, gather_pipeline
 from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, Planned, plan_study
-from visuohaptic.studies.measuring import REFUSALS, Predictions, cell_rows, error_rows
+from visuohaptic.studies.measuring import Predictions, cell_rows, error_rows
+from visuohaptic.studies.recomputing import REFUSALS
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table

@@ -125,8 +125,16 @@ def test_order_of_rows_changes_nothing_and_all_of_it_is_json():
     assert first == second
 
 
-def test_tables_of_different_runs_and_of_strategies_tested_on_other_objects_are_refused():
+def test_tables_of_different_runs_are_refused():
     with pytest.raises(RecognitionError, match="must come from one run"):
         summarise(SECOND[0], FIRST[1])
-    with pytest.raises(RecognitionError, match="same objects"):
-        summarise(*both(FIRST, SECOND))
+
+
+def test_strategies_are_compared_over_the_objects_that_both_tested():
+    compared = summarise(*both(FIRST, SECOND))["comparisons"]["paper"]["naive_bayes"]["random"]
+    assert (compared["objects"], compared["difference"]["mean"]) == (1, 0.0)
+    alone = answers({("cup", "b"): ["cup"]}, strategy="random")
+    with pytest.raises(
+        RecognitionError, match="fixation and random were tested on no object in common"
+    ):
+        summarise(*both(FIRST, alone))

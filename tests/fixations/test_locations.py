@@ -8,6 +8,7 @@ import trimesh
 from numerics.surfaces import build_plain_surface, of_trimesh
 
 from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.locations import candidate_table, locate
@@ -147,3 +148,38 @@ def test_candidates_are_what_the_viewpoint_sees(caster, looks):
         assert 0 < len(points) < 60
         assert (np.sum(normals * (one.camera.eye - points), axis=1) > 0).all()
         assert table.column("touch").to_pylist() == list(range(len(points)))
+
+
+@pytest.mark.parametrize("strategy", [one.name for one in STRATEGIES if one.random])
+def test_a_draw_has_its_own_places_and_its_own_name_in_every_generator(caster, looks, strategy):
+    first, *further = (
+        locate(looks[0], name, ATTENTION, 3)
+        for name in (strategy, f"{strategy}#1", f"{strategy}#2")
+    )
+    points = [matrix(table, ("x", "y", "z")) for table in (first, *further)]
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        assert not np.isclose(
+            points[one][: ATTENTION.fixations], points[other][: ATTENTION.fixations]
+        ).all()
+    chance = first["chance"][0].as_py()
+    assert [table["chance"][0].as_py() for table in further] == [f"{chance}#1", f"{chance}#2"]
+    assert further[0]["unreachable"][0].as_py() == first["unreachable"][0].as_py()
+
+
+def test_the_first_draw_is_drawn_as_it_was_before_there_were_draws(caster, looks):
+    generator = spawn_generator(3, "random", "box/brick", 0)
+    expected = face_outwards(caster, draw_by_area(caster.surface, 6 + SPARE, generator))
+    found = locate(looks[0], "random", ATTENTION, 3)
+    np.testing.assert_array_equal(matrix(found, ("x", "y", "z")), expected.points)
+    again = spawn_generator(3, "random#2", "box/brick", 0)
+    expected = face_outwards(caster, draw_by_area(caster.surface, 6 + SPARE, again))
+    found = locate(looks[0], "random#2", ATTENTION, 3)
+    np.testing.assert_array_equal(matrix(found, ("x", "y", "z")), expected.points)
+
+
+@pytest.mark.parametrize(
+    "name", ["fixation#1", "random#0", "random#-1", "random#", "random#1#2", "none#1"]
+)
+def test_what_is_no_draw_of_a_random_strategy_is_refused(looks, name):
+    with pytest.raises(RegistryError, match="is no"):
+        locate(looks[0], name, ATTENTION, 3)

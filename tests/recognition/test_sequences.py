@@ -12,6 +12,7 @@ from visuohaptic.recognition.sequences import (
     gather_sequences,
     shuffle_touches,
     take_strategy,
+    viewpoints_of_all,
     whole_sequences,
 )
 from visuohaptic.tables.schema import matrix
@@ -91,19 +92,31 @@ def test_a_class_with_a_single_object_is_left_out():
 
 
 @pytest.mark.parametrize("touches", [5, None])
-def test_a_viewpoint_with_too_few_touches_is_left_out_for_every_strategy(touches):
+def test_a_sequence_with_too_few_touches_is_left_out_of_its_own_strategy_only(touches):
     whole = features_table("random", objects=(2, 2), viewpoints=3)
     short = features_table("fixation", objects=(2, 2), viewpoints=3)
     kept_rows = [row for row in range(short.num_rows) if row not in (3, 4, 10, 11, 12, 13, 14)]
     both = pa.concat_tables([whole, short.take(kept_rows)])
     kept, sentences = whole_sequences(both, touches)
     assert sentences == (
-        "class0/object0 has fewer than 5 touches from viewpoints 0, 2, which are left out.",
+        "class0/object0 has fewer than 5 touches by fixation from viewpoints 0, which are left out.",
     )
-    for strategy in ("random", "fixation"):
+    left = {"random": [0, 1, 2] * 4, "fixation": [1, *[0, 1, 2] * 3]}
+    for strategy, viewpoints in left.items():
         mine = kept.filter(pa.compute.equal(kept["strategy"], strategy))
-        sequences = gather_sequences(mine, PAPER_FEATURES, 5)
-        assert sequences.viewpoint.tolist() == [1, 0, 1, 2, 0, 1, 2, 0, 1, 2]
+        assert gather_sequences(mine, PAPER_FEATURES, 5).viewpoint.tolist() == viewpoints
+        taken, _ = take_strategy(both, strategy, touches)
+        assert taken.num_rows == 5 * len(viewpoints)
+
+
+def test_viewpoints_of_all_are_those_from_which_every_strategy_touched():
+    one, other = (features_table(name, objects=(2, 2), viewpoints=3) for name in ("a", "b"))
+    shared = viewpoints_of_all(pa.concat_tables([one, other.slice(10)]))
+    assert shared.num_rows == 2 * (one.num_rows - 10)
+    first = shared.filter(pa.compute.equal(shared["object"], "object0"))
+    assert set(
+        first.filter(pa.compute.equal(first["class"], "class0"))["viewpoint"].to_pylist()
+    ) == {2}
 
 
 def test_fewer_touches_may_be_enough_and_none_are_no_error():

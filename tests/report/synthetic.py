@@ -17,8 +17,9 @@ from visuohaptic.report.object_pictures import make_pictures
 from visuohaptic.report.run import RunFiles
 from visuohaptic.sensor.frames import column_axes
 from visuohaptic.tables import phases
-from visuohaptic.tables.schema import TEXT, build_table, matrix, write_table
+from visuohaptic.tables.schema import TEXT, build_rows, build_table, matrix, write_table
 from visuohaptic.tables.schemas import SCHEMAS
+from visuohaptic.tables.studies import STUDY
 
 OBJECTS = ("cup/mug", "cup/beaker", "ball/football", "ball/marble")
 STRATEGIES = ("fixation", "random")
@@ -62,7 +63,11 @@ def write_run(
     metrics = folder / "reports/metrics.json"
     metrics.parent.mkdir()
     parameters = PARAMETERS.model_dump(mode="json")
-    metrics.write_text(json.dumps({**summarise(scores, predictions), "parameters": parameters}))
+    drawn = _draws(objects, strategies, pipelines)
+    if drawn.num_rows:
+        write_table(STUDY, drawn, folder / "results/study_blocks/random_draws/0000-0000.parquet")
+    summary = summarise(scores, predictions, drawn=drawn)
+    metrics.write_text(json.dumps({**summary, "parameters": parameters}))
     return RunFiles(
         metrics=metrics,
         **{name: [path] for name, path in paths.items()},
@@ -229,6 +234,23 @@ def _answers(objects, strategies, pipelines, generator):
             scores.append({**cell, "split": split, **found})
             predictions += tested
     return _rows(phases.SCORES, scores), _rows(phases.PREDICTIONS, predictions)
+
+
+def _draws(objects, strategies, pipelines):
+    """Make up two further draws of random places, in the paper's pipeline."""
+    generator = np.random.default_rng(1)
+    names = ("random#1", "random#2") if "random" in strategies and "paper" in pipelines else ()
+    rows = [
+        {
+            "study": "random_draws", "condition": "further draws", "pipeline": "paper", "strategy": name,
+            "classifier": "support_vector_machine", **_owner(key), "split": split, "repeat": 0,
+            "sequences": VIEWPOINTS, "accuracy": generator.integers(VIEWPOINTS + 1) / VIEWPOINTS, "seconds": 1.0, "error": None,
+        }
+        for name in names
+        for split in range(2)
+        for key in objects[split::2]
+    ]  # fmt: skip
+    return build_rows(STUDY, rows) if rows else STUDY.arrow.empty_table()
 
 
 def _owner(key):

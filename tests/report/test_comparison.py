@@ -1,6 +1,6 @@
 """Sentences follow the figures."""
 
-from visuohaptic.report.comparison import gain_sentence, merge_notes, read_tables
+from visuohaptic.report.comparison import draws_sentence, gain_sentence, merge_notes, read_tables
 
 COUNTS = {"splits": 81, "repeats": 1, "objects": 12, "sequences": 192, "notes": []}
 TESTED = {"objects": 12, "exact": True}
@@ -43,6 +43,17 @@ def test_the_gain_is_said_with_what_is_significant():
     assert "significant for support vector machine (+13.0)" in sentence
     unsettled = gain_sentence(table((0.03, 0.6)))
     assert "no difference is significant (smallest Holm-adjusted p 0.06)" in unsettled
+
+
+def test_the_spread_over_draws_is_said_where_there_are_several():
+    figures = metrics({SVM: 0.9}, {SVM: 0.8}, {SVM: 0.5})
+    assert draws_sentence(read_tables(figures)[0]) == ""
+    compared = figures["comparisons"]["paper"][SVM]["random"]
+    compared["draws"] = {"count": 3, "leads": [0.1, 0.04, -0.02], "standard_deviation": 0.06}
+    sentence = draws_sentence(read_tables(figures)[0])
+    assert "support vector machine by random probing are means over 3 draws" in sentence
+    assert "by −2.0 to +10.0 points over single draws" in sentence
+    assert "moves the lead by ±6.0 points (standard deviation)" in sentence
 
 
 def test_only_the_papers_pipeline_stands_beside_the_paper():

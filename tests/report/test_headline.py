@@ -36,6 +36,15 @@ def test_accuracies_are_per_cent_and_the_papers_pipeline_comes_first_under_plain
     ]
 
 
+def test_the_lead_and_its_spread_over_draws_are_in_points_where_there_are_draws():
+    lead = {"difference": {"mean": 0.0171}, "draws": {"count": 5, "standard_deviation": 0.0261}}
+    compared = {"paper": {"support_vector_machine": {"random": lead}}}
+    figures = headline_of({**SUMMARY, "comparisons": compared}, [], CostParameters())
+    assert (figures["lead"], figures["lead_draw_sd"]) == (1.71, 2.61)
+    del lead["draws"]
+    assert "lead" not in headline_of({**SUMMARY, "comparisons": compared}, [], CostParameters())
+
+
 def test_seconds_are_of_the_runs_own_setting_by_a_robots_clock_and_by_the_computers():
     cost = CostParameters(touch_seconds=4.0, look_seconds=0.5)
     figures = headline_of(SUMMARY, [OTHER, OWN], cost)

@@ -11,7 +11,7 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, object_of, read_surface, write_surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import run
-from visuohaptic.studies.measuring import Sources
+from visuohaptic.studies.recomputing import Sources
 from visuohaptic.tables.phases import FEATURES, FIXATIONS, TOUCHES
 from visuohaptic.tables.schema import join_parts, write_table
 

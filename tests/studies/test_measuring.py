@@ -16,7 +16,7 @@ from visuohaptic.base.errors import ParameterError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.geometry import surface as surfaces_of_files
 from visuohaptic.recognition.sequences import whole_sequences
-from visuohaptic.studies import measuring
+from visuohaptic.studies import measuring, recomputing
 from visuohaptic.studies.conditions import (
     FIXATION_ONLY,
     describe_conditions,
@@ -25,13 +25,11 @@ from visuohaptic.studies.conditions import (
 )
 from visuohaptic.studies.figures import cells_of
 from visuohaptic.studies.measuring import (
-    Sources,
     features_by_key,
     make_study_block,
-    make_study_features,
     measure_conditions,
-    recompute_features,
 )
+from visuohaptic.studies.recomputing import Sources, make_study_features, recompute_features
 from visuohaptic.studies.study import Condition, Study
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table
@@ -156,7 +154,7 @@ def test_a_broken_condition_is_named_and_stops_nothing(run, tmp_path, monkeypatc
     def refuse(*_):
         raise ParameterError("sensor.resolution is 8: this sensor can't be described.")
 
-    monkeypatch.setattr(measuring, "run", refuse)
+    monkeypatch.setattr(recomputing, "run", refuse)
     sources, features = run
     plan = mine(
         Condition("as run", {**FIXATION_ONLY}),
@@ -224,17 +222,17 @@ def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protoco
     assert (found.accuracy <= 1).all()
 
 
-def test_a_view_is_left_out_for_all_strategies_where_one_lacks_touches():
-    renamed = features_table("random", (3, 3, 3), viewpoints=4, touches=3, separation=0.3)
-    both = pa.concat_tables([WITHOUT_LAST, renamed])
-    changes = {
-        **FIXATION_ONLY,
-        "recognition.touches": 3,
-        "probing.strategies": ["fixation", "random"],
-    }
-    (planned,) = mine(Condition("c", changes)).conditions
-    kept = [measuring.condition_features(planned, both, name) for name in ("fixation", "random")]
-    assert kept[0].num_rows == kept[1].num_rows == SYNTHETIC.num_rows - 9
+def test_where_random_touches_run_out_of_places_changes_nothing_for_fixation():
+    whole = SYNTHETIC.filter(pc.equal(SYNTHETIC["strategy"], "fixation"))
+    short = features_table("random", (3, 3, 3), viewpoints=4, touches=3, separation=0.3).slice(2)
+    changes = {**PAPER_ONLY, "recognition.touches": 3}
+    both = {**changes, "probing.strategies": ["fixation", "random"]}
+    alone, beside = mine(Condition("alone", changes), Condition("beside", both)).conditions
+    key = ("fixation", "support_vector_machine")
+    first = cells(whole, alone)["alone", "paper", *key]
+    second = cells(pa.concat_tables([whole, short]), beside)["beside", "paper", *key]
+    np.testing.assert_array_equal(first.accuracy, second.accuracy)
+    np.testing.assert_array_equal(first.weights, second.weights)
 
 
 def test_a_condition_that_makes_fewer_touches_takes_no_more():

@@ -121,6 +121,24 @@ def test_what_was_lost_added_or_changed_is_measured_again_and_nothing_else(studi
     assert planned(experiment) == {**FRONTIER, **AFTER, **follows}
 
 
+def test_every_run_has_further_draws_and_touches_them_once(finished, tmp_path):
+    experiment = finished.copy(tmp_path / "experiment")
+    experiment.set(probing={"random_draws": 3}, cost={"frontier_touches": []})
+    measured = {"features_of_study": 1, "block_of_study": 1}
+    assert experiment.planned() == {**FRONTIER, **AFTER, **measured}
+    said = experiment.snakemake()
+    assert "mean of 3 draws" in said.stdout
+    metrics = json.loads((experiment.folder / "reports/metrics.json").read_text())
+    draws = metrics["comparisons"]["paper"]["support_vector_machine"]["random"]["draws"]
+    assert (draws["count"], len(draws["leads"])) == (3, 3)
+    assert "means over 3 draws" in (experiment.folder / "reports/report.html").read_text()
+    assert experiment.planned() == {}
+    experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
+    assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED, "block_of_study": 1}
+    experiment.set(probing={"random_draws": 1}, recognition={"classifier": {"svm_penalty": 1.0}})
+    assert experiment.planned() == AFTER
+
+
 def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
     experiment = repository.copy(tmp_path / "experiment")
     shutil.copytree(ROOT / "studies", experiment.folder / "studies", dirs_exist_ok=True)

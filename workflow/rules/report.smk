@@ -28,6 +28,7 @@ rule metrics:
             "metrics",
             scores=files_of("scores", "{pipeline}/{strategy}"),
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
+            drawn=study_blocks("random_draws"),
         ),
     output:
         metrics=report(
@@ -77,6 +78,7 @@ rule report:
             meshes=meshes_of(),
             studies=[file for study in STUDIES_OF_RUN for file in study.shown],
             frontier="results/frontier.parquet",
+            drawn=study_blocks("random_draws"),
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
             gaze=AGREEMENT_WITH_GAZE,

@@ -131,7 +131,10 @@ def needed_by_recomputation(table):
 def recomputation_parameters(wildcards):
     """Give the parameters with which a job recomputes features."""
     return recomputation_of(wildcards).parameters.model_dump(
-        exclude={"workflow", "meshes", "cost", "recognition"}
+        exclude={
+            **dict.fromkeys(("workflow", "meshes", "cost", "recognition"), True),
+            "probing": {"random_draws"},
+        }
     )
 
 

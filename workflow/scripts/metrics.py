@@ -14,4 +14,5 @@ with job(snakemake):
         intervals=IntervalParameters(**snakemake.params.intervals),
         seed=snakemake.params.seed,
         parameters=snakemake.params.parameters,
+        drawn=snakemake.input.drawn,
     )

@@ -14,6 +14,7 @@ from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.tables.phases import PREDICTIONS, SCORES
 from visuohaptic.tables.schema import read_table
+from visuohaptic.tables.studies import STUDY
 
 SIGNIFICANT_DIGITS = 6
 
@@ -27,13 +28,17 @@ def make_metrics(
     intervals: IntervalParameters,
     seed: int,
     parameters: Mapping[str, Any],
+    drawn: Sequence[str | Path] = (),
 ) -> None:
     """Write the metrics file and two plot tables; they hold no seconds, so a rerun gives the same bytes.
 
-    The metrics file names the `parameters` of the run, so that it can be compared with others.
+    The metrics file names the `parameters` of the run, so that it can be compared with others. `drawn` are
+    files of `tables.STUDY` with further draws of random strategies.
     """
     predicted = read_table(PREDICTIONS, predictions)
-    summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, seed))
+    further = read_table(STUDY, drawn) if drawn else None
+    figures = summarise(read_table(SCORES, scores), predicted, intervals, seed, further)
+    summary = round_numbers(figures)
     Path(metrics).parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({**summary, "parameters": parameters}, indent=2, sort_keys=True) + "\n"
     Path(metrics).write_text(text, encoding="utf-8")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,16 @@ from numpy.typing import NDArray
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.evaluation.draws import (
+    CellKey,
+    Draw,
+    FurtherDraws,
+    further_draws,
+    in_common,
+    lead_over_draws,
+    mean_over_draws,
+    plain_lead,
+)
 from visuohaptic.evaluation.intervals import (
     balanced_interval,
     compare_paired,
@@ -38,8 +49,12 @@ METHOD = {
     "its weight in accuracy",
     "interval": "expanded percentile bootstrap over objects, not sequences, with the trained "
     "classifiers as they are; where all objects agree, the exact binomial limit",
-    "comparison": "paired over objects: mean difference, bootstrap interval, and two-sided p "
-    "value of the sign-change permutation test",
+    "comparison": "paired over the objects that both strategies tested, weighted as by fixation: mean "
+    "difference, bootstrap interval, and two-sided p value of the sign-change permutation test",
+    "draws": "where the places of a random strategy were drawn several times, accuracy, balanced_accuracy, "
+    "class_accuracy, by_object and difference are those of each object's mean over draws; leads are fixation "
+    "minus each draw, and standard_deviation is that of the leads (n - 1); object_accuracy and predictions are "
+    "of draw 0",
 }
 
 
@@ -62,19 +77,33 @@ class _ObjectFigures:
     accuracy: FloatArray
     vote: FloatArray
 
+    @property
+    def draw(self) -> Draw:
+        """The accuracies as those of a draw."""
+        return Draw(self.objects, self.accuracy, self.weights)
+
+    def over(self, further: FurtherDraws | None) -> _ObjectFigures:
+        """Return the figures with accuracies as means over this draw and further ones."""
+        if further is None:
+            return self
+        mean = mean_over_draws([self.draw, *further.draws])
+        return replace(self, accuracy=mean.accuracy, weights=mean.weights)
+
 
 def summarise(
     scores: pa.Table,
     predictions: pa.Table,
     parameters: IntervalParameters | None = None,
     seed: int = 0,
+    drawn: pa.Table | None = None,
 ) -> dict[str, Any]:
     """Give every headline figure of recognition, in types that JSON has.
 
     ``method`` says what each figure in ``results[pipeline][strategy][classifier]`` means; an interval
     has ``mean``, ``low`` and ``high``, an end that does not exist is None.
-    ``comparisons[pipeline][classifier][other strategy]`` has fixation minus the other. The seed is
-    the experiment's. Raises `RecognitionError` if scores and predictions are not of the same
+    ``comparisons[pipeline][classifier][other strategy]`` has fixation minus the other. `drawn`, rows of
+    `tables.STUDY`, has further draws of random strategies: their figures are means over draws, and
+    ``draws`` there has the draws one by one. The seed is the experiment's. Raises `RecognitionError` if scores and predictions are not of the same
     experiment.
     """
     parameters = parameters or IntervalParameters()
@@ -86,16 +115,20 @@ def summarise(
             f"from one run."
         )
     figures = {key: _object_figures(rows) for key, rows in cells.items()}
+    further = {key: found for key, found in further_draws(drawn).items() if key in figures}
     results: dict[str, Any] = {}
     for key in sorted(cells):
         pipeline, strategy, classifier = key
-        cell = _summarise_cell(key, figures[key], scores, parameters, seed)
+        over_draws = figures[key].over(further.get(key))
+        cell = _summarise_cell(key, over_draws, scores, parameters, seed)
+        if key in further:
+            cell |= _describe_draws(figures[key].draw, further[key], cell["notes"])
         cell["sequences"] = len(_distinct(cells[key], ["class", "object", "viewpoint"]))
         results.setdefault(pipeline, {}).setdefault(strategy, {})[classifier] = cell
     return {
         "method": METHOD,
         "results": results,
-        "comparisons": _compare_strategies(figures, parameters, seed),
+        "comparisons": _compare_strategies(figures, further, parameters, seed),
     }
 
 
@@ -216,26 +249,39 @@ def _summarise_cell(
     }
 
 
+def _describe_draws(first: Draw, further: FurtherDraws, notes: list[str]) -> dict[str, Any]:
+    accuracies = [one.mean for one in (first, *further.draws)]
+    return {
+        "draws": {"count": len(accuracies), "accuracies": accuracies},
+        "notes": [*notes, *further.notes],
+    }
+
+
 def _compare_strategies(
-    figures: dict[tuple[str, str, str], _ObjectFigures], parameters: IntervalParameters, seed: int
+    figures: Mapping[CellKey, _ObjectFigures],
+    further: Mapping[CellKey, FurtherDraws],
+    parameters: IntervalParameters,
+    seed: int,
 ) -> dict[str, Any]:
     comparisons: dict[str, Any] = {}
-    for pipeline, strategy, classifier in sorted(figures):
-        reference = figures.get((pipeline, REFERENCE_STRATEGY, classifier))
-        other = figures[pipeline, strategy, classifier]
-        if reference is None or strategy == REFERENCE_STRATEGY:
+    for key in sorted(figures):
+        pipeline, strategy, classifier = key
+        fixation = figures.get((pipeline, REFERENCE_STRATEGY, classifier))
+        if fixation is None or strategy == REFERENCE_STRATEGY:
             continue
-        if reference.objects != other.objects:
+        draws = [figures[key].draw, *(further[key].draws if key in further else ())]
+        reference, other = in_common(fixation.draw, mean_over_draws(draws))
+        if not other.objects:
             raise RecognitionError(
-                f"Strategies {REFERENCE_STRATEGY} and {strategy} were not tested on the same "
-                f"objects; run both on all of them before comparing."
+                f"Strategies {REFERENCE_STRATEGY} and {strategy} were tested on no object in common; "
+                f"at least one is needed to compare them."
             )
         generator = spawn_generator(seed, "comparison", pipeline, strategy, classifier)
         comparison = compare_paired(
             reference.accuracy, other.accuracy, reference.weights, parameters, generator
         )
-        comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = {
-            **asdict(comparison),
-            "difference": plain_interval(comparison.difference),
-        }
+        found = {**asdict(comparison), "difference": plain_interval(comparison.difference)}
+        if key in further:
+            found["draws"] = plain_lead(lead_over_draws(fixation.draw, draws))
+        comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = found
     return comparisons

@@ -9,10 +9,11 @@ import pyarrow as pa
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
+from visuohaptic.base.draws import draw_of
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.places import ProbingLocations, sees, turn_towards
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.fixations.probing import STRATEGIES, strategy_of
 from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 from visuohaptic.tables.schema import build_table
 
@@ -20,10 +21,10 @@ from visuohaptic.tables.schema import build_table
 def locate(one: Viewpoint, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
     """Choose where to touch: rows of `tables.FIXATIONS`, up to `SPARE` more than fixations are asked for.
 
-    Fewer are the first of more. What is drawn depends on seed, strategy, object and viewpoint alone. `one` is
+    Fewer are the first of more. What is drawn depends on seed, strategy, draw, object and viewpoint only. `one` is
     a `AttendedView` where the strategy looks. Raises `RegistryError` if there is no such strategy.
     """
-    entry = STRATEGIES[strategy]
+    entry = strategy_of(strategy)
     generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)
     more = attention.model_copy(update={"fixations": attention.fixations + SPARE})
     chosen = entry.choose(one, more, generator)
@@ -41,7 +42,9 @@ def location_table(
     key: str, viewpoint: int, strategy: str, chosen: ProbingLocations | Scanpath
 ) -> pa.Table:
     """Give locations as rows of `tables.FIXATIONS`; those not chosen by pixel have none, and no saliency."""
-    entry = STRATEGIES[strategy] if strategy in STRATEGIES.names else None
+    # Study touch_curves has a strategy of its own, `adaptive`.
+    known = draw_of(strategy)[0] in STRATEGIES.names
+    entry = strategy_of(strategy) if known else None
     count = len(chosen.faces)
     looked: Sequence[object] = [[None] * count] * 3
     if isinstance(chosen, Scanpath):

@@ -16,7 +16,7 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.attended_views import AttendedView, Viewpoint
 from visuohaptic.fixations.locations import locate
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.fixations.probing import strategy_of
 from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.subject import Subject
@@ -69,7 +69,7 @@ class ObjectViews:
     @property
     def needs_looks(self) -> bool:
         """Whether a strategy needs the views."""
-        return any(STRATEGIES[name].looks for name in self.strategies)
+        return any(strategy_of(name).looks for name in self.strategies)
 
     @cached_property
     def viewpoints_used(self) -> Sequence[Viewpoint]:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
+from pydantic import ValidatorFunctionWrapHandler, WrapValidator
+
+from visuohaptic.base.draws import DRAW_MARK
+from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.registry import Registry
 from visuohaptic.fixations.strategies import (
     anywhere,
@@ -121,4 +126,39 @@ STRATEGIES = Registry(
 """Every strategy that places touches from a view or the surface, in the order of reports."""
 
 
-StrategyName = Annotated[str, STRATEGIES]
+def strategy_of(name: str) -> Strategy:
+    """Return the strategy of a name, which may be that of a draw, such as ``random#2``.
+
+    A draw has random generators of its own, also for the sensor's noise. Draw 0 has the name of the
+    strategy. Raises `RegistryError` if there is no such strategy, or it draws nothing.
+    """
+    if DRAW_MARK not in name:
+        return STRATEGIES[name]
+    strategy, _, draw = name.partition(DRAW_MARK)
+    entry = STRATEGIES[strategy]
+    if not entry.random or not re.fullmatch("[1-9][0-9]{0,5}", draw):
+        raise RegistryError(
+            f"{name!r} is no draw of a random strategy; a random strategy and a number from 1 on are "
+            "allowed, such as 'random#1'."
+        )
+    chance = f"{entry.chance or strategy}{DRAW_MARK}{draw}"
+    return replace(entry, name=name, label=f"{entry.label}, draw {draw}", chance=chance)
+
+
+def can_draw_again(name: str) -> bool:
+    """Return whether a run measures further draws of a strategy: it is random, and needs no view."""
+    entry = strategy_of(name)
+    return entry.random and not entry.looks
+
+
+def _check_draw(value: object, check: ValidatorFunctionWrapHandler) -> object:
+    if not isinstance(value, str) or DRAW_MARK not in value:
+        return check(value)
+    try:
+        return strategy_of(value).name
+    except RegistryError as error:
+        raise ValueError(str(error)) from None
+
+
+StrategyName = Annotated[str, STRATEGIES, WrapValidator(_check_draw)]
+"""A strategy, or a draw of a random one."""

@@ -9,6 +9,8 @@ from pydantic import Field
 from visuohaptic.base.section import Section
 from visuohaptic.fixations.probing import StrategyName, Unreachable
 
+MOST_DRAWS = 1000
+
 
 class ProbingParameters(Section):
     """How probing locations are chosen."""
@@ -26,4 +28,12 @@ class ProbingParameters(Section):
         "stop",
         description="What a sequence does where a view has no further place: it stays shorter, or it starts "
         "again at its first place",
+    )
+    random_draws: int = Field(
+        5,
+        ge=1,
+        le=MOST_DRAWS,
+        description="How often a run draws the places of a random strategy that needs no view, such as "
+        "`random`; the headline classifier of pipeline `paper` is measured on each draw, all other figures "
+        "are of the first",
     )

@@ -268,46 +268,58 @@ def take_strategy(
 ) -> tuple[pa.Table, tuple[str, ...]]:
     """Take a strategy's touches as `whole_sequences` and `classes_of_two` leave them.
 
-    Raises `RecognitionError` if nothing is left.
+    Other strategies in the table change nothing. Raises `RecognitionError` if nothing is left.
     """
     found = sorted(pc.unique(features.column("strategy")).to_pylist())
     if strategy not in found:
         raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
-    whole, left_out = whole_sequences(features, touches)
-    chosen = whole.filter(pc.equal(whole.column("strategy"), strategy))
-    if not chosen.num_rows:
+    made = features.filter(pc.equal(features.column("strategy"), strategy))
+    whole, left_out = whole_sequences(made, touches)
+    if not whole.num_rows:
         raise RecognitionError(
             f"No viewpoint of any object has {touches} touches (recognition.touches)."
         )
-    return classes_of_two(chosen), left_out
+    return classes_of_two(whole), left_out
 
 
 def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:
-    """Leave out, for all strategies, the viewpoints where one lacks touches of a whole sequence.
+    """Leave out the sequences that lack touches, each strategy by itself.
 
-    Without a number of touches a whole sequence has as many as the longest. Also gives a sentence
-    for each object with such viewpoints.
+    Without a number of touches a whole sequence has as many as the longest of its strategy. Also returns a
+    sentence for each object and strategy with such sequences.
     """
-    owner = ["class", "object", "viewpoint"]
-    counts = features.group_by([*owner, "strategy"]).aggregate([("touch", "count")])
+    owner = ["class", "object", "strategy", "viewpoint"]
+    counts = features.group_by(owner).aggregate([("touch", "count")])
     if not counts.num_rows:
         return features, ()
-    needed = pc.max(counts.column("touch_count")).as_py() if touches is None else touches
-    strategies = pc.count_distinct(counts.column("strategy")).as_py()
-    least = counts.group_by(owner).aggregate([("touch_count", "min"), ("strategy", "count")])
-    enough = pc.and_(
-        pc.greater_equal(least.column("touch_count_min"), needed),
-        pc.equal(least.column("strategy_count"), strategies),
-    )
-    short = least.filter(pc.invert(enough)).select(owner)
+    longest = counts.group_by("strategy").aggregate([("touch_count", "max")])
+    needed = {
+        strategy: most if touches is None else touches
+        for strategy, most in zip(
+            *(longest.column(name).to_pylist() for name in ("strategy", "touch_count_max")),
+            strict=True,
+        )
+    }
+    enough = [row["touch_count"] >= needed[row["strategy"]] for row in counts.to_pylist()]
+    short = counts.filter(pc.invert(pa.array(enough))).select(owner)
     if not short.num_rows:
         return features, ()
     kept = features.join(short, owner, join_type="left anti").select(features.column_names)
-    left: dict[str, list[int]] = {}
+    left: dict[tuple[str, str], list[int]] = {}
     for row in short.sort_by([(name, "ascending") for name in owner]).to_pylist():
-        left.setdefault(key_of(row), []).append(row["viewpoint"])
+        left.setdefault((key_of(row), row["strategy"]), []).append(row["viewpoint"])
     return kept, tuple(
-        f"{key} has fewer than {needed} touches from viewpoints {', '.join(map(str, places))}, "
-        "which are left out."
-        for key, places in left.items()
+        f"{key} has fewer than {needed[strategy]} touches by {strategy} from viewpoints "
+        f"{', '.join(map(str, places))}, which are left out."
+        for (key, strategy), places in left.items()
     )
+
+
+def viewpoints_of_all(features: pa.Table) -> pa.Table:
+    """Keep the viewpoints from which every strategy of the table has touches."""
+    owner = ["class", "object", "viewpoint"]
+    found = features.group_by([*owner, "strategy"]).aggregate([]).group_by(owner)
+    counts = found.aggregate([("strategy", "count")])
+    strategies = pc.count_distinct(features.column("strategy")).as_py()
+    shared = counts.filter(pc.equal(counts.column("strategy_count"), strategies))
+    return features.join(shared, owner, join_type="left semi").select(features.column_names)

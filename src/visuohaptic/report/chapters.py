@@ -17,6 +17,7 @@ from visuohaptic.tables.studies import (
     COST,
     EFFECT_INFLUENCE,
     EVALUATION,
+    STUDY,
 )
 
 _SHARE = "share of rows with predicted = class, averaged over splits"
@@ -28,6 +29,7 @@ def _of_own_studies(run: Run) -> list[SourceTable]:
 
 
 BEST = SourceTable(f"The best classifier: {_SHARE}", PREDICTIONS, "predictions", "best")
+DRAWN = SourceTable("Further draws of random places", STUDY, "drawn")
 COSTS = SourceTable("Settings of this run", COST, "frontier")
 STABLE = SourceTable("Each object's numbers", STABILITY, "stability")
 INFLUENCE = SourceTable(
@@ -37,7 +39,7 @@ INFLUENCE = SourceTable(
 CHAPTERS = {
     "Answers": (
         Section(
-            "answer", "Answers", sections.answer_values, (BEST, COSTS, STABLE, INFLUENCE),
+            "answer", "Answers", sections.answer_values, (BEST, DRAWN, COSTS, STABLE, INFLUENCE),
         ),
         Section(
             "method", "The method on one object of this run", sections.method_values,
@@ -53,6 +55,7 @@ CHAPTERS = {
             (
                 SourceTable(f"Accuracy: {_SHARE}", PREDICTIONS, "predictions", "pipelines"),
                 SourceTable(_VOTES, PREDICTIONS, "predictions", "pipelines"),
+                DRAWN,
             ),
         ),
         Section(

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from visuohaptic.evaluation.draws import LeadOverDraws
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.report.estimates import Figure
@@ -13,9 +14,11 @@ from visuohaptic.report.wording import (
     classifier_name,
     counted,
     listed,
+    percent_points,
     points,
     probability,
     spaced,
+    strategy_name,
 )
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
@@ -43,13 +46,18 @@ _ORDER = ("fixation", "random")
 
 @dataclass(frozen=True)
 class Comparison:
-    """Fixations against another strategy, over the same objects; p is adjusted over the table's classifiers."""
+    """Fixations against another strategy, over the same objects; p is adjusted over the table's classifiers.
+
+    Where the other strategy's places were drawn several times, `difference` and the p values are of the mean over
+    draws, and `draws` has the lead over each draw; None with a single draw.
+    """
 
     difference: Figure
     p_value: float
     adjusted_p: float
     objects: int
     signs: str
+    draws: LeadOverDraws | None = None
 
 
 @dataclass(frozen=True)
@@ -132,6 +140,24 @@ def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
     )
 
 
+def draws_sentence(table: PipelineTable, strategy: str = "random") -> str:
+    """Say over how many draws of random places the headline figures are means, and how far one draw moves the lead.
+
+    Empty with a single draw.
+    """
+    row = table.headline
+    compared = row.comparisons.get(strategy)
+    if compared is None or compared.draws is None or compared.draws.count < 2:
+        return ""
+    found = compared.draws
+    return (
+        f"Figures of the {row.name} by {strategy_name(strategy)} are means over {found.count} draws of its places; "
+        f"its votes of whole objects, and all other classifiers, are of the first draw. Fixations lead by "
+        f"{points(min(found.leads))} to {points(max(found.leads))} points over single draws: one draw moves the "
+        f"lead by ±{percent_points(found.standard_deviation)} points (standard deviation)."
+    )
+
+
 def gain_sentence(table: PipelineTable) -> str:
     """Say with how many classifiers fixations are ahead of random probing; empty without both."""
     compared = [
@@ -211,6 +237,7 @@ def _row(
                 adjusted[key, strategy],
                 found["objects"],
                 "all" if found["exact"] else "drawn at random",
+                LeadOverDraws(tuple(found["draws"]["leads"])) if "draws" in found else None,
             )
             for strategy, found in compared.items()
         },

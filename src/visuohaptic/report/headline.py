@@ -10,6 +10,7 @@ from typing import Any
 from visuohaptic.parameters import CostParameters
 from visuohaptic.report.comparison import PAPER_PIPELINE
 from visuohaptic.report.cost import on_robot, reference_row
+from visuohaptic.report.questions import MAIN_OPPONENT
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.cost.front import Row, read_costs
 
@@ -41,7 +42,9 @@ def headline_of(
     -------
     dict
         Accuracies of the paper's pipeline by strategy (``fixation``), of others with their name
-        (``order_free_fixation``); ``robot_s``, with the time of touches and looks; ``cpu_s``, computing only.
+        (``order_free_fixation``); ``lead`` of fixation over random probing in the paper's pipeline and
+        ``lead_draw_sd``, its standard deviation over draws, in percentage points, where places were drawn several
+        times; ``robot_s``, with the time of touches and looks; ``cpu_s``, computing only.
     """
     found: dict[str, float] = {}
     results = summary["results"]
@@ -51,6 +54,11 @@ def headline_of(
             headline = HEADLINE_CLASSIFIERS.get(pipeline)
             chosen = headline if headline in classifiers else next(iter(classifiers))
             found[f"{prefix}{strategy}"] = round(100 * classifiers[chosen]["accuracy"]["mean"], 2)
+    compared = summary.get("comparisons", {}).get(PAPER_PIPELINE, {})
+    lead = compared.get(HEADLINE_CLASSIFIERS[PAPER_PIPELINE], {}).get(MAIN_OPPONENT, {})
+    if "draws" in lead:
+        found["lead"] = round(100 * lead["difference"]["mean"], 2)
+        found["lead_draw_sd"] = round(100 * lead["draws"]["standard_deviation"], 2)
     own = reference_row(rows)
     if own is not None and own["seconds"] is not None:
         found["robot_s"] = round(on_robot([own], cost)[0]["seconds"], 2)

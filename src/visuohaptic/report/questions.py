@@ -9,11 +9,12 @@ from typing import Literal
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     REFERENCE,
+    Comparison,
     PipelineTable,
 )
 from visuohaptic.report.estimates import Figure, with_interval
 from visuohaptic.report.variants import VariantsSummary, Verdict
-from visuohaptic.report.wording import counted, percent, points, titled
+from visuohaptic.report.wording import counted, percent, percent_points, points, titled
 
 GAIN = 0.02
 """A gain, as a share, that is worth having."""
@@ -150,8 +151,8 @@ def fixation_answer(
         "Does it help to touch where the eye would fixate?",
         _lead_finding(main.difference, main.objects),
         with_interval(main.difference, points, " points"),
-        f"of accuracy above random touches in reach, {pipeline_name(first.name)}, default reading of the paper"
-        f"{_excluded(main.difference)}.{''.join(further)}",
+        f"of accuracy above random touches in reach{_over_draws(main)}, {pipeline_name(first.name)}, default reading "
+        f"of the paper{_excluded(main.difference)}.{''.join(further)}",
         "comparison",
         beside=tuple(beside),
         rule=f"By the rule for all variants of the paper (studies/variants): {variants.verdict}, "
@@ -175,6 +176,14 @@ def _excluded(lead: Figure) -> str:
         f"; a lead above {points(lead.high).lstrip('+')} points and a lag beyond "
         f"{points(-lead.low).lstrip('+')} are excluded"
     )
+
+
+def _over_draws(compared: Comparison) -> str:
+    """Say how many draws of random places a lead is the mean of, and how far a draw moves it; empty with a single draw."""
+    if compared.draws is None:
+        return ""
+    spread = percent_points(compared.draws.standard_deviation)
+    return f" (mean of {compared.draws.count} draws of their places; a draw moves it by ±{spread})"
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:

@@ -39,6 +39,7 @@ _TABLES = ("predictions", "views", "fixations", "touches", "features", "pictures
 _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
+    "drawn": "results/study_blocks/random_draws",
     "effect_influence": "results/effect_influence.parquet",
     "evaluation": "reports/evaluation.parquet",
     "stability": "results/stability",

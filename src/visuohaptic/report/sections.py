@@ -14,8 +14,9 @@ from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Protocol
-from visuohaptic.report.comparison import PIPELINES, PipelineTable, gain_sentence
+from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
+from visuohaptic.report.draws import kept_sentence, read_draws
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
@@ -79,6 +80,19 @@ rows = rows[(rows["pipeline"] == {pipeline!r}) & (rows["classifier"] == {classif
 right = (rows["predicted"] == rows["class"]).groupby([rows["strategy"], rows["split"], rows["seed"]])
 shares = right.mean().groupby("strategy").mean()
 print({shown})"""
+_LEAD = """\
+import pandas as pd
+rows = pd.read_parquet({place!r}).rename(columns={{"seed": "repeat"}})
+rows = rows.assign(accuracy=rows["predicted"] == rows["class"], sequences=1)
+{further}rows = rows[(rows["pipeline"] == {pipeline!r}) & (rows["classifier"] == {classifier!r})]
+share = rows["sequences"] / rows.groupby(["strategy", "split", "repeat"])["sequences"].transform("sum")
+sums = rows.assign(right=share * rows["accuracy"], weight=share).groupby(["class", "object", "strategy"])
+right, weight = (sums[name].sum().unstack() for name in ("right", "weight"))
+shares = right / weight
+lead = (shares[{first!r}] - shares.filter(regex="^{second}(#|$)").mean(axis=1)).dropna()
+weight = weight.loc[lead.index, {first!r}]
+print(f"{{100 * (lead * weight).sum() / weight.sum():+.1f}} points")"""
+_FURTHER = "rows = pd.concat([rows, pd.read_parquet({place!r})])\n"
 _COST = """\
 import pandas as pd
 rows = pd.read_parquet({place!r})
@@ -91,6 +105,21 @@ def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
     place = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
     return _SHARES.format(
         place=place.as_posix(), pipeline=table.name, classifier=table.headline.key, shown=shown
+    )
+
+
+def recount_lead(run: Run, table: PipelineTable) -> str:
+    """Return the lines that print the lead of the answers' classifier over random touches, from all draws."""
+    place = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
+    compared = table.headline.comparisons.get(MAIN_OPPONENT)
+    drawn = run.parts("drawn") if compared and compared.draws else []
+    return _LEAD.format(
+        place=place.as_posix(),
+        further=_FURTHER.format(place=place_of(run, drawn).as_posix()) if drawn else "",
+        pipeline=table.name,
+        classifier=table.headline.key,
+        first=table.leading,
+        second=MAIN_OPPONENT,
     )
 
 
@@ -136,9 +165,8 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
             recognition_answer(run.pipelines, len(run.classes), touches, unseen, beside=odd),
             accuracy,
         )
-        lead = f"shares[{compared.leading!r}] - shares[{MAIN_OPPONENT!r}]"
-        lead = recount_shares(run, compared, f'f"{{100 * ({lead}):+.1f}} points"')
         beside = variant_sentences(context.variants)
+        lead = recount_lead(run, compared)
         yield fixation_answer(run.pipelines, context.variants, beside), lead
         yield reproduction_answer(first), accuracy
     rows = context.frontier["rows"] if context.frontier else []
@@ -175,6 +203,8 @@ def comparison_values(context: ReportContext) -> Values | None:
     against = others[0] if len(others) == 1 else f"{len(others)} other strategies"
     sentences = (
         gain_sentence(run.pipelines[0]),
+        draws_sentence(run.pipelines[0]),
+        *_kept_draws(run),
         variants_sentence(context.variants),
         *(cue_sentences(context.frontier["rows"]) if context.frontier else ()),
     )
@@ -184,6 +214,15 @@ def comparison_values(context: ReportContext) -> Values | None:
         "tables": run.pipelines,
         "metrics": run.metrics,
     }
+
+
+def _kept_draws(run: Run) -> Iterator[str]:
+    """Say what kept draws of the run's set tell of pipelines that have one draw in the run."""
+    for table in run.pipelines:
+        compared = table.headline.comparisons.get(MAIN_OPPONENT)
+        kept = read_draws(run.parameters.meshes.set, table.name)
+        if kept is not None and compared is not None and compared.draws is None:
+            yield kept_sentence(kept)
 
 
 def evaluation_values(context: ReportContext) -> Values:

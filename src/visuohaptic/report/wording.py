@@ -60,6 +60,11 @@ def points(difference: float) -> str:
     return _with_minus(f"{100 * difference:+.1f}")
 
 
+def percent_points(size: float) -> str:
+    """Write the size of a difference of shares in percentage points, without a sign."""
+    return f"{100 * size:.1f}"
+
+
 def probability(value: float) -> str:
     """Write a p value with two significant digits, tiny ones as a bound."""
     return "< 0.0001" if value < 0.0001 else f"{value:.2g}"

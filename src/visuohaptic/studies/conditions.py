@@ -53,6 +53,7 @@ _FIXED = {
     "workflow": "it changes no result",
     "meshes": "a study has the objects of the run",
     "cost": "it belongs to what is timed",
+    "probing.random_draws": "a condition names its draws, such as random#1, among probing.strategies",
     "recognition.intervals": "all conditions have the intervals of the run",
 }
 

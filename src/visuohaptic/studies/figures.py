@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.evaluation.by_object import average_by_object
 from visuohaptic.evaluation.intervals import (
     Interval,
     PairedComparison,
@@ -26,8 +27,7 @@ from visuohaptic.evaluation.intervals import (
 )
 from visuohaptic.evaluation.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.tables.phases import owners_of
-from visuohaptic.tables.schema import build_rows, matrix, read_table, write_table
+from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 
 Row = dict[str, Any]
@@ -158,18 +158,8 @@ def _cell(rows: pa.Table) -> Cell:
 
 def average_objects(rows: pa.Table, counted: str) -> tuple[Cell, NDArray[np.float64]]:
     """Average each object's `accuracy` over the splits and repeats that tested it; also each row's share of its split."""
-    owners = owners_of(rows)
-    objects = tuple(sorted(set(owners)))
-    places = {owner: place for place, owner in enumerate(objects)}
-    owner = np.array([places[one] for one in owners])
-    split, repeat, count, accuracy = matrix(rows, ["split", "repeat", counted, "accuracy"]).T
-    _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
-    share = count / np.bincount(run, weights=count)[run]
-    weights = np.bincount(owner, weights=share).astype(np.float64)
-    # Shares times counts are whole numbers but for rounding, except where viewpoints vote.
-    right = np.where(count > 1, np.rint(accuracy * count), accuracy)
-    means = np.bincount(owner, weights=share * right / count) / weights
-    return Cell(objects, means, weights), share
+    found = average_by_object(rows, counted)
+    return Cell(found.objects, found.accuracy, found.weights), found.share
 
 
 def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters, seed: int) -> Row:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from itertools import groupby, product
 from pathlib import Path
@@ -16,14 +16,8 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from contourlets.errors import ContourletError
-from visuohaptic.attention.errors import AttentionError
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
-from visuohaptic.base.errors import RecognitionError, VisuohapticError
-from visuohaptic.geometry.subject import Subject
-from visuohaptic.geometry.surface import object_of
-from visuohaptic.io.phase_files import SCHEMAS, objects_of
-from visuohaptic.pipeline import inputs_needed_from, run
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.experiment import SplitPrediction, predict_splits
 from visuohaptic.recognition.pipelines import pipeline_of, pooled_log_probabilities
 from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline, take_strategy
@@ -31,46 +25,20 @@ from visuohaptic.recognition.splits import draw_splits
 from visuohaptic.recognition.voting import evenly_spaced_subsets, vote_credit
 from visuohaptic.studies.conditions import (
     Planned,
-    Recomputation,
     touches_needed,
     training_key,
     with_changes,
 )
+from visuohaptic.studies.recomputing import ERROR, REFUSALS
 from visuohaptic.studies.study import Condition
 from visuohaptic.tables.phases import FEATURES, of_objects
-from visuohaptic.tables.schema import build_table, join_parts, read_table, write_table
+from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import STUDY
 
 if TYPE_CHECKING:
     from visuohaptic.parameters import ExperimentParameters
 
-REFUSALS = (VisuohapticError, AttentionError, ContourletError)
-"""What a condition may fail with; anything else is a fault of the program."""
-
 Paths = Sequence[str | Path]
-
-_ERROR = b"error"
-
-
-@dataclass(frozen=True)
-class Sources:
-    """Files of the run that features are made from: meshes, and parts of tables by name.
-
-    `objects`, ``class/name``, are those of the tables that count; None for all. Meshes are taken as they
-    are.
-    """
-
-    meshes: Paths = ()
-    tables: Mapping[str, Paths] = field(default_factory=dict)
-    objects: Collection[str] | None = None
-
-    def taken_from(self, phase: str) -> list[dict[str, Paths]]:
-        """Give the files that are taken together from a phase on, by table; imprints, which are large, part by part."""
-        needed = inputs_needed_from(phase)
-        tables = {name: self.tables[name] for name in needed if name != "meshes"}
-        if "meshes" in needed or len(tables) > 1:
-            return [tables]
-        return [{name: [part]} for name, parts in tables.items() for part in parts]
 
 
 @dataclass(frozen=True)
@@ -80,35 +48,6 @@ class Predictions:
     sequences: TouchSequences
     splits: Sequence[SplitPrediction]
     seconds: float
-
-
-def make_study_features(recomputation: Recomputation, sources: Sources, output: str | Path) -> None:
-    """Write features that conditions share; where they are refused, an empty table with the reason."""
-    try:
-        table = recompute_features(recomputation, sources)
-    except REFUSALS as refusal:
-        table = FEATURES.arrow.empty_table().replace_schema_metadata({_ERROR: str(refusal)})
-    write_table(FEATURES, table, output)
-
-
-def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
-    """Recompute features of the strategies that the parameters name: `tables.FEATURES`."""
-    parameters = recomputation.parameters
-    meshes = {object_of(mesh): mesh for mesh in sources.meshes}
-    parts = [FEATURES.arrow.empty_table()]
-    for taken in sources.taken_from(recomputation.phase):
-        tables = {
-            name: _of_strategies(
-                of_objects(read_table(SCHEMAS[name], files), sources.objects),
-                parameters.probing.strategies,
-            )
-            for name, files in taken.items()
-        }
-        for key, known in objects_of(tables, meshes):
-            viewpoints = range(parameters.viewpoints.total)
-            subject = Subject.of_mesh(key, meshes.get(key, ""), viewpoints)
-            parts.append(run(subject, parameters, known)["features"])
-    return join_parts(FEATURES, parts)
 
 
 def make_study_block(
@@ -152,7 +91,7 @@ def features_by_key(
     def read(key: str | None) -> pa.Table | str:
         if key is None:
             return of_objects(read_table(FEATURES, features), objects)
-        error = (pq.read_schema(made[key]).metadata or {}).get(_ERROR)
+        error = (pq.read_schema(made[key]).metadata or {}).get(ERROR)
         return read_table(FEATURES, made[key]) if error is None else error.decode("utf-8")
 
     return read
@@ -161,15 +100,14 @@ def features_by_key(
 def condition_features(planned: Planned, features: pa.Table | str, strategy: str) -> pa.Table:
     """Take a condition's rows, of one strategy, of features that others share; `RecognitionError` if there is none.
 
-    Viewpoints without a whole sequence by every strategy of the condition, and classes with a single
-    object, are left out. Features may be the sentence by which they were refused.
+    Viewpoints without a whole sequence by the strategy, and classes with a single object, are left out.
+    Features may be the sentence by which they were refused.
     """
     if isinstance(features, str):
         raise RecognitionError(features)
     parameters = planned.parameters
-    compared = _of_strategies(features, {strategy, *parameters.probing.strategies})
-    made = pc.less(compared.column("touch"), touches_needed(parameters))
-    return take_strategy(compared.filter(made), strategy, parameters.recognition.touches)[0]
+    made = pc.less(features.column("touch"), touches_needed(parameters))
+    return take_strategy(features.filter(made), strategy, parameters.recognition.touches)[0]
 
 
 def measure_conditions(
@@ -262,11 +200,6 @@ def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
             "error": error,
         },
     )
-
-
-def _of_strategies(table: pa.Table, strategies: Iterable[str]) -> pa.Table:
-    chosen = pa.array(list(strategies))
-    return table.filter(pc.is_in(table.column("strategy"), chosen)).combine_chunks()
 
 
 def _count_correct(

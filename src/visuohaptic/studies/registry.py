@@ -13,6 +13,7 @@ from types import ModuleType
 from visuohaptic.base.errors import ParameterError, VisuohapticError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.cost.settings import FRONTIER
+from visuohaptic.studies.draws import RANDOM_DRAWS
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
 from visuohaptic.studies.own import read_study
 from visuohaptic.studies.study import Study
@@ -21,6 +22,7 @@ STUDIES = (
     FRONTIER,
     EFFECTS_STUDY,
     INFLUENCE,
+    RANDOM_DRAWS,
 )
 """The studies of the package."""
 

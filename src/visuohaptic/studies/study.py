@@ -24,7 +24,13 @@ Changes = Mapping[str, Any]
 SECTIONS_WITHOUT_EFFECT = {"workflow": True, "meshes": True, "cost": True}
 """Parameters that no condition depends on, as `pydantic.BaseModel.model_dump` excludes them."""
 
-DUMP_FOR_CONDITIONS = {"exclude": {**SECTIONS_WITHOUT_EFFECT, "recognition": {"intervals"}}}
+DUMP_FOR_CONDITIONS = {
+    "exclude": {
+        **SECTIONS_WITHOUT_EFFECT,
+        "probing": {"random_draws"},
+        "recognition": {"intervals"},
+    }
+}
 """All that conditions depend on."""
 
 FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")

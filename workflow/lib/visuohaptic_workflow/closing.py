@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
-from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.wording import percent, strategy_name
+from visuohaptic.report.comparison import PipelineTable, read_tables
+from visuohaptic.report.wording import percent, percent_points, points, probability, strategy_name
 from visuohaptic.stability.rows import broken_tolerances
 from visuohaptic_workflow.keys import read_record
 
@@ -60,7 +60,26 @@ def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
         lines.append(
             f"Pipeline {table.name}, {table.headline.name}, correctly classified: {', '.join(figures)}."
         )
+        lines += _describe_draws(table)
     return lines
+
+
+def _describe_draws(table: PipelineTable) -> Iterator[str]:
+    """Say how far fixation leads each strategy that was drawn several times, and how far one draw moves that."""
+    for strategy, compared in table.headline.comparisons.items():
+        lead, draws = compared.difference, compared.draws
+        if draws is None or draws.count < 2:
+            continue
+        ends = (
+            ""
+            if lead.low is None or lead.high is None
+            else f"{points(lead.low)} to {points(lead.high)}; "
+        )
+        yield (
+            f"Fixation minus {strategy_name(strategy)}, mean of {draws.count} draws: {points(lead.mean)} points "
+            f"({ends}p {probability(compared.p_value)}); one draw moves it by "
+            f"±{percent_points(draws.standard_deviation)}."
+        )
 
 
 def _interval(low: float | None, high: float | None) -> str:

@@ -34,7 +34,13 @@ _PHASES = (
     "parameters",
     "pipeline",
 )
-_STUDIES = ("studies.conditions", "studies.measuring", "studies.study", "tables.studies")
+_STUDIES = (
+    "studies.conditions",
+    "studies.measuring",
+    "studies.recomputing",
+    "studies.study",
+    "tables.studies",
+)
 _MEASURING = (*_PHASES, *_STUDIES)
 STEP = (*_PHASES, "evaluation", "studies", "tables")
 """The row of a study's step that has none by its name: all that lies below the report."""
@@ -48,7 +54,7 @@ CODE = {
     "features": _DESCRIBING,
     "recognition": ("recognition", *_TABLES),
     "model": ("recognition", "__init__", *_TABLES),
-    "metrics": ("evaluation", "recognition", *_TABLES),
+    "metrics": ("evaluation", "recognition", "tables.studies", *_TABLES),
     "stability_of_object": ("stability", "attention", "contourlets", "tables.stability", *_HAND),
     "features_of_study": _MEASURING,
     "block_of_study": _MEASURING,

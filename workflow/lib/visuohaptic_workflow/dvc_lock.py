@@ -27,7 +27,8 @@ IN_STAGE = "DVC_STAGE"
 EMPTY_WHERE_NOTHING_IS_MADE = (
     "meshes/downloaded",
     *(
-        f"results/{folder}/frontier"
+        f"results/{folder}/{study}"
+        for study in ("frontier", "random_draws")
         for folder in (
             "study_blocks",
             "study_features",

@@ -1,0 +1,87 @@
+"""Features that conditions of a study share and the run does not have.
+
+This module imports no classifier: a job that touches again does not wait for scikit-learn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from contourlets.errors import ContourletError
+from visuohaptic.attention.errors import AttentionError
+from visuohaptic.base.errors import VisuohapticError
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.geometry.surface import object_of
+from visuohaptic.io.phase_files import SCHEMAS, objects_of
+from visuohaptic.pipeline import inputs_needed_from, run
+from visuohaptic.studies.conditions import Recomputation
+from visuohaptic.tables.phases import FEATURES, of_objects
+from visuohaptic.tables.schema import join_parts, read_table, write_table
+
+REFUSALS = (VisuohapticError, AttentionError, ContourletError)
+"""What a condition may fail with; anything else is a fault of the program."""
+
+Paths = Sequence[str | Path]
+
+ERROR = b"error"
+"""Metadata of a table of features: the sentence by which they were refused."""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Files of the run that features are made from: meshes, and parts of tables by name.
+
+    `objects`, ``class/name``, are those of the tables that count; None for all. Meshes are taken as they
+    are.
+    """
+
+    meshes: Paths = ()
+    tables: Mapping[str, Paths] = field(default_factory=dict)
+    objects: Collection[str] | None = None
+
+    def taken_from(self, phase: str) -> list[dict[str, Paths]]:
+        """Give the files that are taken together from a phase on, by table; imprints, which are large, part by part."""
+        needed = inputs_needed_from(phase)
+        tables = {name: self.tables[name] for name in needed if name != "meshes"}
+        if "meshes" in needed or len(tables) > 1:
+            return [tables]
+        return [{name: [part]} for name, parts in tables.items() for part in parts]
+
+
+def make_study_features(recomputation: Recomputation, sources: Sources, output: str | Path) -> None:
+    """Write features that conditions share; where they are refused, an empty table with the reason."""
+    try:
+        table = recompute_features(recomputation, sources)
+    except REFUSALS as refusal:
+        table = FEATURES.arrow.empty_table().replace_schema_metadata({ERROR: str(refusal)})
+    write_table(FEATURES, table, output)
+
+
+def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
+    """Recompute features of the strategies that the parameters name: `tables.FEATURES`."""
+    parameters = recomputation.parameters
+    meshes = {object_of(mesh): mesh for mesh in sources.meshes}
+    parts = [FEATURES.arrow.empty_table()]
+    for taken in sources.taken_from(recomputation.phase):
+        tables = {
+            name: _of_strategies(
+                of_objects(read_table(SCHEMAS[name], files), sources.objects),
+                parameters.probing.strategies,
+            )
+            for name, files in taken.items()
+        }
+        for key, known in objects_of(tables, meshes):
+            viewpoints = range(parameters.viewpoints.total)
+            subject = Subject.of_mesh(key, meshes.get(key, ""), viewpoints)
+            parts.append(run(subject, parameters, known)["features"])
+    return join_parts(FEATURES, parts)
+
+
+def _of_strategies(table: pa.Table, strategies: Iterable[str]) -> pa.Table:
+    chosen = pa.array(list(strategies))
+    return table.filter(pc.is_in(table.column("strategy"), chosen)).combine_chunks()

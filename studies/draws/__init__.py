@@ -1,0 +1,1 @@
+"""Study `draws`: twenty draws of random places in both pipelines."""
