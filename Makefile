@@ -79,9 +79,12 @@ gaze: $(READY)
 	@python -m human_gaze "$(FOLDER)" $(if $(PEER),--peer "$(PEER)")
 
 # Twenty draws of random places in both pipelines, kept with the package (studies/draws/README.md): make draws SET=benchmark
+draws: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 draws: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- reports/draws.json
 	@python -m draws.keeping $(SET)
+	@python -m draws.make_page
+	@python -m variants.make_page
 
 bench: $(DEVELOP)
 	python -m benchmarks
@@ -92,6 +95,7 @@ readme: $(DEVELOP) report
 	python docs/make_readme.py
 	python -m variants.summary
 	python -m variants.make_page
+	python -m draws.make_page
 	python docs/make_claims.py
 	python -m eye_and_touch.make_page
 	python -m touch_curves.make_page

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from visuohaptic.parameters import CostParameters
-from visuohaptic.studies.study import SECTIONS_WITHOUT_EFFECT, Step, Study
+from visuohaptic.studies.study import WITHOUT_EFFECT, Step, Study
 
 CLEAN = "clean"
 """The sight in which looking is learnt."""
@@ -34,7 +34,7 @@ STUDY = Study(
             takes_where={"cost.adaptive": "results/study_candidates.parquet"},
             needs={
                 "exclude": {
-                    **SECTIONS_WITHOUT_EFFECT,
+                    **WITHOUT_EFFECT,
                     "cost": set(CostParameters.model_fields) - PRICES,
                 }
             },

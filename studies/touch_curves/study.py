@@ -9,7 +9,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import FIXATION_ONLY
 from visuohaptic.studies.study import (
     DUMP_FOR_CONDITIONS,
-    SECTIONS_WITHOUT_EFFECT,
+    WITHOUT_EFFECT,
     Condition,
     Step,
     Study,
@@ -49,9 +49,9 @@ STUDY = Study(
             takes=("meshes",),
             needs={
                 "exclude": {
-                    **SECTIONS_WITHOUT_EFFECT,
+                    **WITHOUT_EFFECT,
                     "recognition": True,
-                    "probing": {"strategies"},
+                    "probing": {"strategies", "random_draws"},
                 }
             },
             is_shown=False,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import statistics
+import textwrap
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
 from variants.leads import leads_by_option, strongest_pair, sum_up
 from variants.verdicts import lead_evidence, of_papers_question, verdict
+from visuohaptic.report.draws import read_draws
+from visuohaptic.report.wording import percent_points
 from visuohaptic.studies.figures import Row
 
 PAGE = Path(__file__).parent / "README.md"
@@ -112,11 +115,30 @@ def _lead(rows: Sequence[Row], is_one: Callable[[Row], bool]) -> str:
     return f"{points(row['ahead'])} ({points(row['ahead_low'])} to {points(row['ahead_high'])})"
 
 
+def draws_sentence() -> str:
+    """Say how far one draw of random places moves the lead of a variant, from the kept draws of the default."""
+    kept = read_draws("paper", "paper")
+    if kept is None:
+        return ""
+    spread = percent_points(kept.lead.standard_deviation)
+    text = (
+        f"Each variant has one draw of its random places. In {kept.lead.count} draws of the default on the paper's "
+        f"set (commit {kept.commit[:12]}) the lead lies between {points(min(kept.lead.leads))} and "
+        f"{points(max(kept.lead.leads))} points, standard deviation {spread}: about so far another draw moves the "
+        "lead of one variant."
+    )
+    return textwrap.fill(text, 100, break_on_hyphens=False)
+
+
 def blocks() -> dict[Path, dict[str, str]]:
     """Give the tables of each page, by the names of their blocks."""
     tables = {"paper": kept_variants(PAPER_SET).rows, "outside": kept_variants(OUTSIDE).rows}
     return {
-        PAGE: {"spread": spread_table(tables), "pair": pair_table(tables)},
+        PAGE: {
+            "spread": spread_table(tables),
+            "draws": draws_sentence(),
+            "pair": pair_table(tables),
+        },
         NOTEBOOK: {"options": options_table(tables)},
     }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from variants.design import variant_conditions
-from visuohaptic.studies.study import SECTIONS_WITHOUT_EFFECT, Step, Study
+from visuohaptic.studies.study import WITHOUT_EFFECT, Step, Study
 
 STUDY = Study(
     "variants",
@@ -27,7 +27,7 @@ STUDY = Study(
             "variant",
             "variants.one:make_variant",
             ("results/variant/{condition}.json",),
-            needs={"exclude": SECTIONS_WITHOUT_EFFECT},
+            needs={"exclude": WITHOUT_EFFECT},
             is_shown=False,
         ),
     ),

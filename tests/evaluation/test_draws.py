@@ -7,12 +7,14 @@ from recognition.synthetic import features_table
 
 from visuohaptic import recognition
 from visuohaptic.base.draws import draw_of, name_of_draw
+from visuohaptic.evaluation.draws import further_draws
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
 from visuohaptic.studies.conditions import Planned
 from visuohaptic.studies.measuring import error_rows, measure_conditions
 from visuohaptic.studies.study import Condition
+from visuohaptic.tables.schema import build_rows
 from visuohaptic.tables.studies import STUDY
 
 SVM = "support_vector_machine"
@@ -112,6 +114,14 @@ def test_a_draw_that_could_not_be_measured_is_named(tables):
     assert cell["notes"] == [
         "draw 3 of the places could not be measured: No viewpoint has 5 touches"
     ]
+
+
+def test_draws_are_in_the_order_of_their_numbers():
+    key = {"study": "s", "condition": "c", "pipeline": "paper", "classifier": SVM, "class": "cup"}
+    key |= {"object": "a", "split": 0, "repeat": 0, "sequences": 10, "seconds": 1.0, "error": None}
+    rows = [key | {"strategy": f"random#{draw}", "accuracy": draw / 10} for draw in (10, 2, 1)]
+    (found,) = further_draws(build_rows(STUDY, rows)).values()
+    assert [one.mean for one in found.draws] == [0.1, 0.2, 1.0]
 
 
 def test_a_draws_name_says_its_strategy_and_number():

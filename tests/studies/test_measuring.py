@@ -222,15 +222,17 @@ def test_a_view_with_too_few_places_is_left_out_and_stops_nothing(votes, protoco
     assert (found.accuracy <= 1).all()
 
 
-def test_where_random_touches_run_out_of_places_changes_nothing_for_fixation():
+# A viewpoint with one of three touches, and with none.
+@pytest.mark.parametrize("missing", [2, 3])
+def test_where_random_touches_run_out_of_places_changes_nothing_for_fixation(missing):
     whole = SYNTHETIC.filter(pc.equal(SYNTHETIC["strategy"], "fixation"))
-    short = features_table("random", (3, 3, 3), viewpoints=4, touches=3, separation=0.3).slice(2)
+    short = features_table("random", (3, 3, 3), viewpoints=4, touches=3, separation=0.3)
     changes = {**PAPER_ONLY, "recognition.touches": 3}
     both = {**changes, "probing.strategies": ["fixation", "random"]}
     alone, beside = mine(Condition("alone", changes), Condition("beside", both)).conditions
     key = ("fixation", "support_vector_machine")
     first = cells(whole, alone)["alone", "paper", *key]
-    second = cells(pa.concat_tables([whole, short]), beside)["beside", "paper", *key]
+    second = cells(pa.concat_tables([whole, short.slice(missing)]), beside)["beside", "paper", *key]
     np.testing.assert_array_equal(first.accuracy, second.accuracy)
     np.testing.assert_array_equal(first.weights, second.weights)
 

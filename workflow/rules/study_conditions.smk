@@ -11,7 +11,7 @@ from visuohaptic.studies.conditions import (
 )
 from visuohaptic.studies.registry import find_studies, section_files
 from visuohaptic.studies.sampling import sample_objects
-from visuohaptic.studies.study import DUMP_FOR_CONDITIONS
+from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, WITHOUT_EFFECT
 from visuohaptic_workflow.studies_asked import (
     find_moved,
     is_asked_for,
@@ -131,10 +131,7 @@ def needed_by_recomputation(table):
 def recomputation_parameters(wildcards):
     """Give the parameters with which a job recomputes features."""
     return recomputation_of(wildcards).parameters.model_dump(
-        exclude={
-            **dict.fromkeys(("workflow", "meshes", "cost", "recognition"), True),
-            "probing": {"random_draws"},
-        }
+        exclude={**WITHOUT_EFFECT, "recognition": True}
     )
 
 

@@ -364,7 +364,9 @@ def methods_values(context: ReportContext) -> Values | None:
         return None
     weights = run.parameters.attention.weights.model_dump()
     sizes = Counter(key.split("/")[0] for key in run.tested_objects).values()
+    compared = run.pipelines[0].headline.comparisons.get(MAIN_OPPONENT)
     return {
+        "draws": compared.draws.count if compared and compared.draws else 1,
         "table": run.pipelines[0],
         "protocol": run.parameters.recognition.protocol.resolve(list(sizes)),
         "objects": len(run.objects),

@@ -21,16 +21,15 @@ from visuohaptic.parameters import ExperimentParameters
 Changes = Mapping[str, Any]
 """New values by the parameters' dotted names; a whole section may be named."""
 
-SECTIONS_WITHOUT_EFFECT = {"workflow": True, "meshes": True, "cost": True}
+WITHOUT_EFFECT = {
+    "workflow": True,
+    "meshes": True,
+    "cost": True,
+    "probing": {"random_draws"},
+}
 """Parameters that no condition depends on, as `pydantic.BaseModel.model_dump` excludes them."""
 
-DUMP_FOR_CONDITIONS = {
-    "exclude": {
-        **SECTIONS_WITHOUT_EFFECT,
-        "probing": {"random_draws"},
-        "recognition": {"intervals"},
-    }
-}
+DUMP_FOR_CONDITIONS = {"exclude": {**WITHOUT_EFFECT, "recognition": {"intervals"}}}
 """All that conditions depend on."""
 
 FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")

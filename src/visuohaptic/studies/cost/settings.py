@@ -20,7 +20,7 @@ from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, touches_of_run
 from visuohaptic.studies.study import (
     DUMP_FOR_CONDITIONS,
-    SECTIONS_WITHOUT_EFFECT,
+    WITHOUT_EFFECT,
     Changes,
     Condition,
     Step,
@@ -164,7 +164,7 @@ def cost_study(
         works[1],
         (f"results/{name}.parquet",),
         takes=("blocks", *seconds.files),
-        needs={"exclude": SECTIONS_WITHOUT_EFFECT.keys() - {"cost"}},
+        needs={"exclude": {**WITHOUT_EFFECT, "cost": set()}},
     )
     return Study(
         name,
