@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws bench wheels readme params format lock clean
+.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws turned bench wheels readme params format lock clean
 .PHONY: lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -86,6 +86,13 @@ draws: $(READY)
 	@python -m draws.make_page
 	@python -m variants.make_page
 
+# Objects turned about the vertical and in any way, kept with the package (studies/turned/README.md): make turned SET=benchmark
+turned: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
+turned: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- reports/turned.json
+	@python -m turned.keeping $(SET)
+	@python -m turned.make_page
+
 bench: $(DEVELOP)
 	python -m benchmarks
 
@@ -96,6 +103,7 @@ readme: $(DEVELOP) report
 	python -m variants.summary
 	python -m variants.make_page
 	python -m draws.make_page
+	python -m turned.make_page
 	python docs/make_claims.py
 	python -m eye_and_touch.make_page
 	python -m touch_curves.make_page

@@ -110,7 +110,7 @@ PHASES = (
         "meshes",
         "preparing",
         make_meshes,
-        arguments={"meshes": _all_but(MeshParameters, "meshes", "set")},
+        arguments={"meshes": _all_but(MeshParameters, "meshes", "set"), "seed": "seed"},
         inputs=(),
         writes={"meshes": "meshes"},
     ),

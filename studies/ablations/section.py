@@ -10,7 +10,7 @@ from visuohaptic.report.wording import spaced
 NAMES = {
     "whole_method": "whole method",
     "turned_upright": "each object turned about the vertical",
-    "turned_any_way": "each object's poses turned in any way",
+    "turned_any_way": "each object turned in any way",
     "azimuth_free": "no azimuth in the descriptors",
     "azimuth_free_turned_upright": "no azimuth, objects turned about the vertical",
     "contourlet_only": "contourlet bands as the only descriptor of the imprint",

@@ -42,10 +42,10 @@ PARTS: dict[str, Changes] = {
         "recognition.self_organising_map.output": "none",
         "recognition.pipelines": ("paper",),
     },
-    "turned_upright": {"recognition.protocol.turns": "vertical"},
-    "turned_any_way": {"recognition.protocol.turns": "any"},
+    "turned_upright": {"meshes.turns": "vertical"},
+    "turned_any_way": {"meshes.turns": "any"},
     "azimuth_free": _AZIMUTH_FREE,
-    "azimuth_free_turned_upright": {**_AZIMUTH_FREE, "recognition.protocol.turns": "vertical"},
+    "azimuth_free_turned_upright": {**_AZIMUTH_FREE, "meshes.turns": "vertical"},
     **{preset: {"scene.preset": preset} for preset in PRESETS},
     **{f"without_{channel}": {f"attention.weights.{channel}": 0.0} for channel in CHANNELS},
 }

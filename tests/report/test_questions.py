@@ -36,7 +36,9 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding
     assert plain(found.sentence).endswith(
         "(support vector machine, 12 objects); guessing gives 25 %."
     )
-    assert found.beside == ("Each object is turned by a random angle about the vertical.",)
+    assert found.beside == (
+        "Objects are upright, turned about the vertical, in training and test.",
+    )
 
 
 @pytest.mark.parametrize(

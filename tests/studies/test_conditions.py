@@ -34,6 +34,8 @@ def plan(*changes, run=RUN):
         ({"recognition.touches": 6}, "views"),
         ({"probing.strategies": ["curvature"]}, "views"),
         ({"seed": 1}, "views"),
+        ({"meshes.turns": "vertical"}, "views"),
+        ({"meshes.turn_draw": 3}, None),
     ],
 )
 def test_what_is_made_again_follows_from_what_changes(changes, phase):
@@ -43,6 +45,23 @@ def test_what_is_made_again_follows_from_what_changes(changes, phase):
     )
     described = describe_study(Study("mine", "Mine"), found)
     assert [one["recomputed"] for one in described["conditions"]] == [phase or "recognition"]
+
+
+def test_turns_of_objects_are_drawn_beyond_those_of_the_run_which_may_have_none():
+    vertical = {"meshes.turns": "vertical"}
+    found = plan(vertical, {**vertical, "meshes.turn_draw": 1}, {"meshes.turns": "any"}, vertical)
+    keys = [one.key for one in found.conditions]
+    assert (len(set(keys)), keys[0], None in keys) == (3, keys[3], False)
+    assert found.recomputations[keys[1]].parameters.meshes.turn_draw == 1
+    turned = with_changes(RUN, {**vertical, "meshes.turn_draw": 1})
+    own, size = plan({}, {"sensor.largest_size": 0.2}, run=turned).conditions
+    assert own.key is None
+    (made,) = plan({"sensor.largest_size": 0.2}, run=turned).recomputations.values()
+    assert (made.phase, made.parameters.meshes.turns) == ("touches", "none")
+    assert size.key is not None
+    with pytest.raises(ParameterError, match="the run's objects are turned already") as error:
+        plan({"meshes.turns": "any"}, run=turned)
+    assert "\n" not in str(error.value)
 
 
 def test_conditions_with_the_same_touches_share_them_and_enough_are_made_for_all():
@@ -78,7 +97,7 @@ def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():
         ({"seed.x": 1}, "mine: seed.x is no parameter; seed has no parts."),
         ({"sensor.largest_size": -1}, "mine: sensor.largest_size is -1"),
         ({"scene.preset": "moon"}, "mine: scene.preset is 'moon'"),
-        ({"meshes.set": "all"}, "mine: meshes.set can't vary, for a study has the objects of the run."),
+        ({"meshes.set": "all"}, "mine: meshes.set can't vary, for a study has the prepared objects of the run."),
         ({"workflow": {}}, "mine: workflow can't vary"),
         ({"plugins": ["a.py"]}, "mine: plugins can't vary"),
     ],

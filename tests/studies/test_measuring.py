@@ -15,6 +15,8 @@ from visuohaptic import recognition
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.geometry import surface as surfaces_of_files
+from visuohaptic.geometry.surface import object_of, read_surface
+from visuohaptic.geometry.turning import draw_rotation, turn_surface
 from visuohaptic.recognition.sequences import whole_sequences
 from visuohaptic.studies import measuring, recomputing
 from visuohaptic.studies.conditions import (
@@ -119,6 +121,24 @@ def test_what_comes_before_the_change_is_read_and_not_made(run, monkeypatch, cha
     assert found["touch"].equals(own["touch"])
     assert not found["contourlet_03"].equals(own["contourlet_03"])
     assert found["x"].equals(own["x"]) == (recomputation.phase != "views")
+
+
+def test_turned_objects_are_those_of_a_run_whose_meshes_were_turned(run, tmp_path):
+    changes = {"meshes.turns": "any", "meshes.turn_draw": 2}
+    (recomputation,) = mine(Condition("c", changes)).recomputations.values()
+    turned = {
+        object_of(mesh): turn_surface(
+            read_surface(mesh), draw_rotation("any", object_of(mesh), RUN.seed, 2)
+        )
+        for mesh in run[0].meshes
+    }
+    _, expected = write_sources(tmp_path, turned)
+    found, own = (
+        recompute_features(recomputation, Sources(run[0].meshes)),
+        read_table(FEATURES, run[1]),
+    )
+    assert found.equals(read_table(FEATURES, expected))
+    assert not found["x"].equals(own["x"])
 
 
 def test_more_touches_begin_with_those_of_the_run(run):

@@ -14,4 +14,5 @@ with job(snakemake):
         sources=dict(zip(snakemake.params.models, snakemake.input.sources, strict=True)),
         folder=snakemake.output[0],
         parameters=MeshParameters(**snakemake.params.meshes),
+        seed=snakemake.params.seed,
     )

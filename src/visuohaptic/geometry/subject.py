@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface
+from visuohaptic.geometry.turning import turn_surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,9 +25,20 @@ class Subject:
     viewpoints: Sequence[int] = ()
 
     @classmethod
-    def of_mesh(cls, key: str, mesh: str | Path, viewpoints: Sequence[int] = ()) -> Subject:
-        """Take the object of a mesh file, which is read when a phase needs it."""
-        return cls(key, lambda: RayCaster(read_surface(mesh)), viewpoints)
+    def of_mesh(
+        cls,
+        key: str,
+        mesh: str | Path,
+        viewpoints: Sequence[int] = (),
+        rotation: FloatArray | None = None,
+    ) -> Subject:
+        """Take the object of a mesh file, turned by a rotation (3, 3) if given; read when a phase needs it."""
+
+        def find_caster() -> RayCaster:
+            surface = read_surface(mesh)
+            return RayCaster(surface if rotation is None else turn_surface(surface, rotation))
+
+        return cls(key, find_caster, viewpoints)
 
     @cached_property
     def caster(self) -> RayCaster:

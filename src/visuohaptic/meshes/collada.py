@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
+from visuohaptic.geometry.turning import rotation_matrices
 from visuohaptic.meshes.collada_document import ColladaDocument, Look, integers, numbers, tag
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_parts
@@ -23,7 +24,6 @@ from visuohaptic.meshes.polygons import check_corners, triangulate
 from visuohaptic.meshes.scenes import (
     fan_faces,
     placed,
-    rotation_matrices,
     skinned,
     strip_faces,
 )

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import write_set_aside, write_surface
+from visuohaptic.geometry.turning import draw_rotation, turn_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import prepare_object
@@ -17,11 +18,15 @@ def make_meshes(
     sources: Mapping[str, str | Path],
     folder: str | Path,
     parameters: MeshParameters,
+    seed: int,
 ) -> None:
-    """Make the mesh files ``<name>.ply`` of some objects, by `class/name`; own models are None."""
+    """Make the mesh files ``<name>.ply`` of some objects, by `class/name`; own models are None.
+
+    The seed decides how objects are turned, if `parameters` ask for that.
+    """
     for key, model in models.items():
         output = Path(folder) / f"{key.split('/')[1]}.ply"
-        make_mesh(key, model, sources[key], output, parameters)
+        make_mesh(key, model, sources[key], output, parameters, seed)
 
 
 def make_mesh(
@@ -30,6 +35,7 @@ def make_mesh(
     source: str | Path,
     output: str | Path,
     parameters: MeshParameters,
+    seed: int = 0,
 ) -> None:
     """Make the mesh file of one object; of an own model that can't be used, an empty one with the reason.
 
@@ -39,6 +45,9 @@ def make_mesh(
     category, name = key.split("/")
     try:
         surface = prepare_object(model or Model(category, name), source, parameters)
+        if parameters.turns != "none":
+            rotation = draw_rotation(parameters.turns, key, seed, parameters.turn_draw)
+            surface = turn_surface(surface, rotation)
     except MeshError as error:
         if model is not None:
             raise

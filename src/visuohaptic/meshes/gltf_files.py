@@ -19,6 +19,7 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.srgb import encode_bytes
 from visuohaptic.geometry.texture import CLAMP, MIRROR, REPEAT
+from visuohaptic.geometry.turning import rotation_matrices
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.gltf_document import (
     GltfDocument,
@@ -32,7 +33,6 @@ from visuohaptic.meshes.polygons import check_corners
 from visuohaptic.meshes.scenes import (
     fan_faces,
     placed,
-    rotation_matrices,
     skinned,
     strip_faces,
 )

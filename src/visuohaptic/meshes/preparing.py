@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface, as_stored
+from visuohaptic.geometry.turning import take_faces
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.model_files import PACKED, Source, name_of, read_mesh
@@ -113,7 +114,7 @@ def place(
     scaled, step = _unit_size(replace(surface, vertices=vertices), name)
     cleaned, last = _unit_size(clean(scaled, merge_tolerance), name)
     rounded = as_stored(cleaned)
-    ready = _kept(rounded, rounded.face_areas > 0)
+    ready = take_faces(rounded, rounded.face_areas > 0)
     _check_area(ready, name)
     return ready, _joined(last, _joined(step, way))
 
@@ -148,19 +149,7 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     keep[kept] = True
     merged = replace(surface, faces=faces)
     keep &= whole & (merged.face_areas > 0)
-    return _kept(merged, keep)
-
-
-def _kept(surface: Surface, keep: BoolArray) -> Surface:
-    """Leave out the other faces, and the vertices that only they name."""
-    used, renumbered = np.unique(surface.faces[keep], return_inverse=True)
-    return Surface(
-        surface.vertices[used],
-        renumbered.reshape(-1, 3).astype(np.int64),
-        surface.face_colours[keep],
-        None if surface.texture is None else surface.texture.take(keep),
-        notes=surface.notes,
-    )
+    return take_faces(merged, keep)
 
 
 def _check_finite(surface: Surface, name: str) -> None:

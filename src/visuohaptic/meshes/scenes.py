@@ -60,20 +60,6 @@ def skinned(
     return np.divide(moved, sums, out=vertices.copy(), where=sums > 0)
 
 
-def rotation_matrices(quaternions: FloatArray) -> FloatArray:
-    """Compute the matrices (n, 3, 3) of quaternions (n, 4), x, y, z, w, of any length; zero turns nothing."""
-    lengths = np.linalg.norm(quaternions, axis=1, keepdims=True)
-    x, y, z, w = np.divide(
-        quaternions, lengths, out=np.tile([0.0, 0, 0, 1], (len(quaternions), 1)), where=lengths > 0
-    ).T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), -1, 0)
-
-
 def strip_faces(corners: IntArray) -> IntArray:
     """Return the triangles (n - 2, 3) of a strip of corners (n,), all wound alike."""
     faces = np.column_stack([corners[:-2], corners[1:-1], corners[2:]])

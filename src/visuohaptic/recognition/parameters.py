@@ -102,12 +102,6 @@ class ProtocolParameters(Section):
         le=1000,
         description="How often `auto` deals the objects over folds anew, each object tested once a round",
     )
-    turns: Literal["none", "vertical", "any"] = Field(
-        "none",
-        description="How the poses of each object's touches are turned before training and testing: not, "
-        "about the vertical, or over all rotations; the touches themselves stay. The angles are drawn by the "
-        "object's name alone, the same for every seed and repeat",
-    )
     repeats: int = Field(
         1,
         ge=1,

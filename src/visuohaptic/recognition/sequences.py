@@ -75,7 +75,6 @@ def gather_pipeline(
     for sentence in left_out:
         logger.warning(sentence)
     bands = _filled_bands(features)
-    features = turn_objects(features, parameters.protocol.turns)
     if pipeline == "paper":
         names = bands if "cutaneous" in parameters.cues else []
         names = [*names, *(KINESTHETIC_FEATURES if "kinesthetic" in parameters.cues else ())]
@@ -183,31 +182,6 @@ def first_touches(features: pa.Table, touches: int) -> pa.Table:
     _, starts, counts = np.unique(viewpoint, return_index=True, return_counts=True)
     places = np.arange(len(viewpoint)) - np.repeat(starts, counts)
     return features.filter(pa.array(places < touches))
-
-
-def turn_objects(features: pa.Table, turns: str) -> pa.Table:
-    """Turn the poses of each object's touches, ``vertical`` or ``any``, as its key alone draws it."""
-    from scipy.spatial.transform import Rotation
-
-    if turns == "none":
-        return features
-    owners = np.array(keys_of(features).to_pylist())
-    found = {}
-    for key in np.unique(owners):
-        generator = spawn_generator(0, "turns", key)
-        found[key] = (
-            Rotation.from_euler("y", generator.uniform(0, 2 * np.pi))
-            if turns == "vertical"
-            else Rotation.random(rng=generator)
-        )
-    for names in (("x", "y", "z"), ("normal_x", "normal_y", "normal_z")):
-        values = matrix(features, names)
-        for key, rotation in found.items():
-            values[owners == key] = rotation.apply(values[owners == key])
-        for name, column in zip(names, values.T, strict=True):
-            place = features.schema.get_field_index(name)
-            features = features.set_column(place, features.schema.field(name), [column])
-    return features
 
 
 def spread_contact_states(features: pa.Table) -> pa.Table:

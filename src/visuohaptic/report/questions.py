@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from visuohaptic.geometry.turning import Turns
 from visuohaptic.report.comparison import (
     PAPER_PIPELINE,
     REFERENCE,
@@ -13,6 +14,7 @@ from visuohaptic.report.comparison import (
     PipelineTable,
 )
 from visuohaptic.report.estimates import Figure, with_interval
+from visuohaptic.report.turned import POSES
 from visuohaptic.report.variants import VariantsSummary, Verdict
 from visuohaptic.report.wording import counted, percent, percent_points, points, titled
 
@@ -20,15 +22,6 @@ GAIN = 0.02
 """A gain, as a share, that is worth having."""
 MARGIN = 0.05
 """A difference from a published accuracy, as a share, that still counts as the same."""
-
-Turns = Literal["none", "vertical", "any"]
-
-POSES: Mapping[Turns, str] = {
-    "none": "All objects stand upright and face one way, in training and test.",
-    "vertical": "Each object is turned by a random angle about the vertical.",
-    "any": "Each object is turned at random, in any way.",
-}
-"""What a run's accuracy takes for granted, by `meshes.turns`."""
 
 MAIN_OPPONENT = "random"
 REASONS: Mapping[Verdict, str] = {
@@ -122,7 +115,7 @@ def recognition_answer(
         f"({first.headline.name}, {counted(first.objects, 'object')}); "
         f"{', '.join([*others, f'guessing gives {percent(chance, 0)}'])}.",
         "comparison",
-        beside=(POSES[turns], *beside),
+        beside=(f"Objects are {POSES[turns]}, in training and test.", *beside),
         rule="Rule: yes if the interval of every pipeline lies above guessing; no if every interval excludes a "
         f"gain of {points(GAIN)} points over guessing.",
     )

@@ -162,7 +162,9 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         compared = next((table for table in run.pipelines if has_opponent(table)), first)
         odd = [sentence for sentence in (odd_sentence(context.evaluation),) if sentence]
         yield (
-            recognition_answer(run.pipelines, len(run.classes), touches, unseen, beside=odd),
+            recognition_answer(
+                run.pipelines, len(run.classes), touches, unseen, run.parameters.meshes.turns, odd
+            ),
             accuracy,
         )
         beside = variant_sentences(context.variants)

@@ -51,11 +51,14 @@ _ORDER = tuple(next(iter(phase.writes)) for phase in OF_OBJECT)
 _FIXED = {
     "plugins": "they are code of the whole run",
     "workflow": "it changes no result",
-    "meshes": "a study has the objects of the run",
+    "meshes": "a study has the prepared objects of the run",
     "cost": "it belongs to what is timed",
     "probing.random_draws": "a condition names its draws, such as random#1, among probing.strategies",
     "recognition.intervals": "all conditions have the intervals of the run",
 }
+
+_MAY_VARY = ("meshes.turns", "meshes.turn_draw")
+"""Parameters of fixed sections that a condition may change."""
 
 
 @dataclass(frozen=True)
@@ -117,11 +120,12 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
     Conditions that need the same features have the same key. Raises `ParameterError`, which names
     the condition, if one can't be made.
     """
-    own = _upstream(run)
+    own = _upstream(_turned_further(run, run, source))
     planned: list[Planned] = []
     needs: dict[str, list[Recomputation]] = {}
     for condition in study.conditions(run):
         parameters = with_changes(run, condition.changes, f"{source}: {condition.name}")
+        parameters = _turned_further(parameters, run, f"{source}: {condition.name}")
         upstream = _upstream(parameters)
         phase = next((name for name in _ORDER if upstream[name] != own[name]), None)
         strategies = set(parameters.probing.strategies) - set(run.probing.strategies)
@@ -208,7 +212,7 @@ def touches_of_run(run: ExperimentParameters) -> int:
 
 def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
     for fixed, reason in _FIXED.items():
-        if path == fixed or path.startswith(f"{fixed}."):
+        if path not in _MAY_VARY and (path == fixed or path.startswith(f"{fixed}.")):
             raise ParameterError(f"{source}: {path} can't vary, for {reason}.")
     section: Any = values
     parts = path.split(".")
@@ -221,12 +225,33 @@ def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
     whole[part] = new
 
 
+def _turned_further(
+    parameters: ExperimentParameters, run: ExperimentParameters, source: str
+) -> ExperimentParameters:
+    """Replace how objects are turned by how they are turned beyond the run's meshes."""
+    asked, own = parameters.meshes, run.meshes
+    if asked.turns == "none" == own.turns:
+        further = asked.model_copy(update={"turn_draw": 0})
+    elif (asked.turns, asked.turn_draw) == (own.turns, own.turn_draw):
+        further = asked.model_copy(update={"turns": "none", "turn_draw": 0})
+    elif own.turns == "none":
+        further = asked
+    else:
+        raise ParameterError(
+            f"{source}: meshes.turns is {asked.turns}, and the run's objects are turned already "
+            f"({own.turns}); meshes.turns: none is needed in params.yaml for other turns in a study."
+        )
+    return parameters.model_copy(update={"meshes": further})
+
+
 def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
     """Give the parameters that each phase's tables depend on, but for how many touches are made."""
     attention = parameters.attention.model_copy(update={"fixations": 0})
     probing = parameters.probing.model_copy(update={"strategies": ()})
     alike = parameters.model_copy(update={"attention": attention, "probing": probing})
     found = [phase.written_values(alike) for phase in OF_OBJECT]
+    if parameters.meshes.turns != "none":
+        found[0]["turns"] = parameters.meshes.turns, parameters.meshes.turn_draw
     return dict(zip(_ORDER, found, strict=True))
 
 

@@ -14,10 +14,13 @@ import pyarrow.compute as pc
 
 from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of
+from visuohaptic.geometry.turning import draw_rotation
 from visuohaptic.io.phase_files import SCHEMAS, objects_of
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pipeline import inputs_needed_from, run
 from visuohaptic.studies.conditions import Recomputation
 from visuohaptic.tables.phases import FEATURES, of_objects
@@ -63,7 +66,10 @@ def make_study_features(recomputation: Recomputation, sources: Sources, output: 
 
 
 def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
-    """Recompute features of the strategies that the parameters name: `tables.FEATURES`."""
+    """Recompute features of the strategies that the parameters name: `tables.FEATURES`.
+
+    Meshes are turned as the parameters ask, beyond what their files are turned.
+    """
     parameters = recomputation.parameters
     meshes = {object_of(mesh): mesh for mesh in sources.meshes}
     parts = [FEATURES.arrow.empty_table()]
@@ -77,9 +83,19 @@ def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Tab
         }
         for key, known in objects_of(tables, meshes):
             viewpoints = range(parameters.viewpoints.total)
-            subject = Subject.of_mesh(key, meshes.get(key, ""), viewpoints)
+            subject = Subject.of_mesh(
+                key, meshes.get(key, ""), viewpoints, _rotation(key, parameters)
+            )
             parts.append(run(subject, parameters, known)["features"])
     return join_parts(FEATURES, parts)
+
+
+def _rotation(key: str, parameters: ExperimentParameters) -> FloatArray | None:
+    """Draw the rotation of an object that is turned beyond its mesh file."""
+    turns = parameters.meshes.turns
+    if turns == "none":
+        return None
+    return draw_rotation(turns, key, parameters.seed, parameters.meshes.turn_draw)
 
 
 def _of_strategies(table: pa.Table, strategies: Iterable[str]) -> pa.Table:

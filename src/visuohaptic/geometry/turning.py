@@ -1,0 +1,84 @@
+"""Turning objects into poses that are drawn at random."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.geometry.elementary import sin_cos
+from visuohaptic.geometry.surface import Surface, as_stored
+from visuohaptic.geometry.vectors import product
+
+Turns = Literal["none", "vertical", "any"]
+"""How objects are turned: not at all, about the vertical, or in any way."""
+
+
+def draw_rotation(turns: Turns, key: str, seed: int, draw: int = 0) -> FloatArray:
+    """Draw the rotation of an object.
+
+    Parameters
+    ----------
+    turns : {"none", "vertical", "any"}
+        ``vertical`` draws an angle about y uniformly, ``any`` a rotation uniformly over all rotations
+        (K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992).
+    key : str
+        The object, ``class/name``.
+    seed, draw : int
+        The seed of the experiment, and the index of the draw.
+
+    Returns
+    -------
+    ndarray of shape (3, 3)
+        Rotates column vectors; the same bits on every processor.
+    """
+    if turns == "none":
+        return np.eye(3)
+    generator = spawn_generator(seed, "turns", turns, key, draw)
+    if turns == "vertical":
+        sine, cosine = (float(one) for one in sin_cos(generator.uniform(0.0, 2.0 * math.pi)))
+        return np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+    share, *angles = generator.uniform(size=3) * [1.0, 2.0 * math.pi, 2.0 * math.pi]
+    (sine, other_sine), (cosine, other_cosine) = sin_cos(angles)
+    first, second = math.sqrt(1.0 - share), math.sqrt(share)
+    quaternion = [first * sine, first * cosine, second * other_sine, second * other_cosine]
+    return rotation_matrices(np.array([quaternion]))[0]
+
+
+def turn_surface(surface: Surface, rotation: FloatArray) -> Surface:
+    """Turn a prepared surface about the origin by a rotation (3, 3), and round its vertices as its file does.
+
+    Faces that the rounding leaves without area are dropped.
+    """
+    turned = as_stored(replace(surface, vertices=product(surface.vertices, rotation.T)))
+    return take_faces(turned, turned.face_areas > 0)
+
+
+def take_faces(surface: Surface, keep: BoolArray) -> Surface:
+    """Take the faces for which `keep` (f,) is true, and the vertices of these faces."""
+    used, renumbered = np.unique(surface.faces[keep], return_inverse=True)
+    return Surface(
+        surface.vertices[used],
+        renumbered.reshape(-1, 3).astype(np.int64),
+        surface.face_colours[keep],
+        None if surface.texture is None else surface.texture.take(keep),
+        notes=surface.notes,
+    )
+
+
+def rotation_matrices(quaternions: FloatArray) -> FloatArray:
+    """Compute the matrices (n, 3, 3) of quaternions (n, 4), x, y, z, w, of any length; zero turns nothing."""
+    lengths = np.linalg.norm(quaternions, axis=1, keepdims=True)
+    x, y, z, w = np.divide(
+        quaternions, lengths, out=np.tile([0.0, 0, 0, 1], (len(quaternions), 1)), where=lengths > 0
+    ).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)

@@ -1,0 +1,1 @@
+"""Study `turned`: objects turned about the vertical and in any way."""
