@@ -52,6 +52,8 @@ def test_rows_are_weighted_means_and_leads_over_the_objects_of_both_strategies(t
 def test_a_damaged_file_is_named(tmp_path):
     path = tmp_path / "turned.json"
     path.write_text('{"paper": {"cells": 1}}')
-    with pytest.raises(ReportError, match="turned.json holds no kept accuracies of turned objects"):
+    with pytest.raises(
+        ReportError, match=r"turned\.json holds no kept accuracies of turned objects"
+    ):
         read_turned(path)
     assert all(turned_rows(one, IntervalParameters()) for one in read_turned().values())
