@@ -6,7 +6,7 @@ from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.studies.conditions import describe_study, make_blocks, plan_study, with_changes
-from visuohaptic.studies.study import Condition, Study
+from visuohaptic.studies.study import WITHOUT_EFFECT, Condition, Study
 
 RUN = ExperimentParameters()
 
@@ -62,6 +62,13 @@ def test_turns_of_objects_are_drawn_beyond_those_of_the_run_which_may_have_none(
     with pytest.raises(ParameterError, match="the run's objects are turned already") as error:
         plan({"meshes.turns": "any"}, run=turned)
     assert "\n" not in str(error.value)
+
+
+def test_a_job_is_told_how_objects_are_turned():
+    (made,) = plan({"meshes.turns": "any", "meshes.turn_draw": 2}).recomputations.values()
+    told = made.parameters.model_dump(exclude={**WITHOUT_EFFECT, "recognition": True})
+    found = ExperimentParameters.from_mapping(told).meshes
+    assert (found.turns, found.turn_draw) == ("any", 2)
 
 
 def test_conditions_with_the_same_touches_share_them_and_enough_are_made_for_all():
