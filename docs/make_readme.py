@@ -6,15 +6,17 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from filling import DOCS, fill_page, read_json, share, table
+from filling import DOCS, SETS, fill_page, read_json, share, table
 
 from visuohaptic.evaluation.published import TABLE_1
+from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import read_tables
 from visuohaptic.report.questions import (
     fixation_answer,
     recognition_answer,
     variant_sentences,
 )
+from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.variants import read_variants
 from visuohaptic_workflow.closing import REPORT, describe_results
 
@@ -71,6 +73,25 @@ def percent(interval: dict[str, float]) -> str:
     return f"{share(interval['mean'])} ({100 * interval['low']:.1f}–{100 * interval['high']:.1f})"
 
 
+def turned_table() -> str:
+    """Set kept accuracies by fixation in a row per pose of the objects, and a column per set and pipeline."""
+    kept = read_turned()
+    found = {
+        name: turned_rows(kept[name], IntervalParameters())
+        for name in sorted(kept, key="paper".__ne__)
+    }
+    heads, columns = ["objects are"], []
+    for name, rows in found.items():
+        for pipeline, label in (("paper", "the paper's pipeline"), ("order_free", "ours")):
+            columns.append({row.turns: row.fixation for row in rows if row.pipeline == pipeline})
+            heads.append(f"{SETS[name]}, {label}")
+    rows = [
+        [pose, *(percent(vars(one[turns])) if turns in one else "" for one in columns)]
+        for turns, pose in POSES.items()
+    ]
+    return table(heads, rows)
+
+
 def answers(metrics: dict[str, Any]) -> str:
     """Answer the two questions of the experiment from its figures and the kept variants."""
     tables = read_tables(metrics)
@@ -116,7 +137,11 @@ def printed_lines(metrics: Path) -> str:
 if __name__ == "__main__":
     metrics = ROOT / "reports" / "metrics.json"
     found = read_json(metrics)
-    blocks = {"results": results_table(found), "answers": answers(found)}
+    blocks = {
+        "results": results_table(found),
+        "answers": answers(found),
+        "turned": turned_table(),
+    }
     fill_page(ROOT / "README.md", {**blocks, "make": printed_lines(metrics)})
     timed = read_json(ROOT / "benchmarks" / "results.json")
     fill_page(DOCS / "scaling.md", {"speed": speed_table(timed)})

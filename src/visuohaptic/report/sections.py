@@ -52,6 +52,7 @@ from visuohaptic.report.stability import (
     stability_answer,
 )
 from visuohaptic.report.studies import names_of_own_studies, read_study
+from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
@@ -145,11 +146,32 @@ def answer_values(context: ReportContext) -> Values:
             if answer is not None
         ],
         "untested": not context.run.pipelines,
+        "turned": kept_turned(context.run),
         "frontier": context.frontier,
         "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
         "effects": effects_answer(context.influence["scenes"]) if context.influence else None,
         "stability": stability_answer(found) if found else None,
     }
+
+
+def kept_turned(run: Run) -> Values | None:
+    """Return the kept table of turned objects of the run's set; None where none are kept."""
+    kept = read_turned().get(run.parameters.meshes.set)
+    if kept is None:
+        return None
+    rows = turned_rows(kept, run.parameters.recognition.intervals)
+    poses = {
+        pose: {row.pipeline: row for row in rows if row.turns == turns}
+        for turns, pose in POSES.items()
+    }
+    shown = [{"pose": titled(pose), "by": found} for pose, found in poses.items() if found]
+    return values_or_none(
+        rows=shown,
+        pipelines=list(dict.fromkeys(row.pipeline for row in rows)),
+        date=kept.date,
+        objects=max((row.objects for row in rows), default=0),
+        draws=max((row.draws for row in rows), default=0),
+    )
 
 
 def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
