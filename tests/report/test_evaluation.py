@@ -26,6 +26,6 @@ def test_where_nothing_was_measured_the_kept_evaluation_is_shown(tmp_path):
     kept = read_evaluation(tmp_path / "none")
     assert kept.source is not None
     for measured, objects in ((kept, 22), (MeasuredEvaluation(evaluation_table()), 4)):
-        figures = evaluation_figures(measured, IntervalParameters(), 1)
+        figures = evaluation_figures(measured, IntervalParameters())
         assert figures["objects"] == objects
         assert figures["sentence"].startswith(f"Of {objects} objects that the model has not learnt")

@@ -25,7 +25,6 @@ def make_metrics(
     accuracy: str | Path,
     confusion: str | Path,
     intervals: IntervalParameters,
-    seed: int,
     parameters: Mapping[str, Any],
 ) -> None:
     """Write the metrics file and two plot tables; they hold no seconds, so a rerun gives the same bytes.
@@ -33,7 +32,7 @@ def make_metrics(
     The metrics file names the `parameters` of the run, so that it can be compared with others.
     """
     predicted = read_table(PREDICTIONS, predictions)
-    summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, seed))
+    summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals))
     Path(metrics).parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({**summary, "parameters": parameters}, indent=2, sort_keys=True) + "\n"
     Path(metrics).write_text(text, encoding="utf-8")

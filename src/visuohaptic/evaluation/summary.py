@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import (
     balanced_interval,
     compare_paired,
+    object_interval,
     plain_interval,
-    rate_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.voting import vote_credit
@@ -36,10 +35,11 @@ METHOD = {
     "class_accuracy": "mean over a class's objects of their accuracy",
     "by_object": "each object's share of test sequences correctly classified, over all splits that tested it, and "
     "its weight in accuracy",
-    "interval": "expanded percentile bootstrap over objects, not sequences, with the trained "
-    "classifiers as they are; where all objects agree, the exact binomial limit",
-    "comparison": "paired over objects: mean difference, bootstrap interval, and two-sided p "
-    "value of the sign-change permutation test",
+    "interval": "over objects, not sequences, with the trained classifiers as they are: without the variation of "
+    "training objects; quantiles of the mean with random weights of the objects and of an extra one, which is as "
+    "the worst of them, or as bad as possible beside others as the best, whichever reaches further",
+    "comparison": "paired over objects: mean difference, its interval by the same rule, and two-sided p value of the "
+    "sign-change permutation test",
 }
 
 
@@ -67,14 +67,12 @@ def summarise(
     scores: pa.Table,
     predictions: pa.Table,
     parameters: IntervalParameters | None = None,
-    seed: int = 0,
 ) -> dict[str, Any]:
     """Give every headline figure of recognition, in types that JSON has.
 
     ``method`` says what each figure in ``results[pipeline][strategy][classifier]`` means; an interval
     has ``mean``, ``low`` and ``high``, an end that does not exist is None.
-    ``comparisons[pipeline][classifier][other strategy]`` has fixation minus the other. The seed is
-    the experiment's. Raises `RecognitionError` if scores and predictions are not of the same
+    ``comparisons[pipeline][classifier][other strategy]`` has fixation minus the other. Raises `RecognitionError` if scores and predictions are not of the same
     experiment.
     """
     parameters = parameters or IntervalParameters()
@@ -89,13 +87,13 @@ def summarise(
     results: dict[str, Any] = {}
     for key in sorted(cells):
         pipeline, strategy, classifier = key
-        cell = _summarise_cell(key, figures[key], scores, parameters, seed)
+        cell = _summarise_cell(key, figures[key], scores, parameters)
         cell["sequences"] = len(_distinct(cells[key], ["class", "object", "viewpoint"]))
         results.setdefault(pipeline, {}).setdefault(strategy, {})[classifier] = cell
     return {
         "method": METHOD,
         "results": results,
-        "comparisons": _compare_strategies(figures, parameters, seed),
+        "comparisons": _compare_strategies(figures, parameters),
     }
 
 
@@ -184,20 +182,18 @@ def _summarise_cell(
     figures: _ObjectFigures,
     scores: pa.Table,
     parameters: IntervalParameters,
-    seed: int,
 ) -> dict[str, Any]:
-    generator = spawn_generator(seed, "intervals", *key)
     rows = select(scores, **dict(zip(_CELL, key, strict=True)))
     names = np.array([name for name, _ in figures.objects])
 
     def rate(values: FloatArray, weights: FloatArray) -> dict[str, float | None]:
-        return plain_interval(rate_interval(values, weights, parameters, generator))
+        return plain_interval(object_interval(values, weights, parameters))
 
     return {
         "accuracy": rate(figures.accuracy, figures.weights),
         "object_accuracy": rate(figures.vote, figures.vote_weights),
         "balanced_accuracy": plain_interval(
-            balanced_interval(figures.accuracy, figures.classes, parameters, generator)
+            balanced_interval(figures.accuracy, figures.classes, parameters)
         ),
         "class_accuracy": {
             name: rate(figures.accuracy[names == name], np.ones(np.sum(names == name)))
@@ -217,7 +213,7 @@ def _summarise_cell(
 
 
 def _compare_strategies(
-    figures: dict[tuple[str, str, str], _ObjectFigures], parameters: IntervalParameters, seed: int
+    figures: dict[tuple[str, str, str], _ObjectFigures], parameters: IntervalParameters
 ) -> dict[str, Any]:
     comparisons: dict[str, Any] = {}
     for pipeline, strategy, classifier in sorted(figures):
@@ -230,9 +226,8 @@ def _compare_strategies(
                 f"Strategies {REFERENCE_STRATEGY} and {strategy} were not tested on the same "
                 f"objects; run both on all of them before comparing."
             )
-        generator = spawn_generator(seed, "comparison", pipeline, strategy, classifier)
         comparison = compare_paired(
-            reference.accuracy, other.accuracy, reference.weights, parameters, generator
+            reference.accuracy, other.accuracy, reference.weights, parameters
         )
         comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = {
             **asdict(comparison),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.attention.pyramid import CENTRE_LEVELS, SURROUND_OFFSETS
+from visuohaptic.evaluation.intervals import EXTRA
 from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
@@ -180,7 +181,7 @@ def evaluation_values(context: ReportContext) -> Values:
     """Give what a model answers for objects that it has not learnt, of this run or as kept with the package."""
     run, parameters = context.run, context.run.parameters
     measured = read_evaluation(run.file_of("evaluation"))
-    found = evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
+    found = evaluation_figures(measured, parameters.recognition.intervals)
     return {"evaluation": found}
 
 
@@ -334,6 +335,7 @@ def methods_values(context: ReportContext) -> Values | None:
         "centre_levels": CENTRE_LEVELS,
         "surround_offsets": SURROUND_OFFSETS,
         "penetration_tolerance": PENETRATION_TOLERANCE,
+        "extra_object": EXTRA,
     }
 
 
