@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -45,7 +46,7 @@ _STEP = 1 / 16
 _GROWTH = np.concatenate([[1.0], np.cumprod(np.full(383, 1.0644944589178593))])  # e^x
 _NODES = (_GROWTH - 1 / _GROWTH) / 2
 _WIDTHS = (_GROWTH + 1 / _GROWTH) / 2 * np.where(_GROWTH == 1, 0.5, 1.0)
-_HALVINGS = 40
+_HALVINGS = 16
 _FIRST_HALVINGS = 3
 _TURNS = 100
 _NARROW = 1e-12
@@ -118,7 +119,7 @@ def object_interval(
     if len(values) < 2:
         return Interval(mean, math.nan, math.nan)
     tail = (1 - parameters.confidence) / 2
-    missed = 1 - _quantile(np.ones(len(values)), weights, 0.0, tail)
+    missed = _missed(tuple(weights.tolist()), tail)
     low = _low_end(values, weights, bounds[0], missed, tail)
     high = -_low_end(-values, weights, -bounds[1], missed, tail)
     return Interval(mean, min(low, mean), max(high, mean))
@@ -132,10 +133,16 @@ def balanced_interval(
     return object_interval(values, 1.0 / counts[place], parameters)
 
 
+@lru_cache(maxsize=64)
+def _missed(weights: tuple[float, ...], tail: float) -> float:
+    """Compute the weight that an extra object may have beside objects of some weights."""
+    return 1 - _quantile(np.ones(len(weights)), np.array(weights), 0.0, tail)
+
+
 def _low_end(
     values: FloatArray, weights: FloatArray, worst: float, missed: float, tail: float
 ) -> float:
-    """Compute the low end; `missed` is the weight that the extra object may have had."""
+    """Compute the low end; `missed` is the weight of what the objects may have missed."""
     least, most = float(values.min()), float(values.max())
     shown = _quantile(values, weights, least, tail)
     if math.isinf(worst):
@@ -205,10 +212,10 @@ def _share_below(slopes: FloatArray) -> float:
 def _saddle(slopes: FloatArray) -> float:
     """Compute where the moment generating function over minus its argument is least, left of 0."""
     low, high = 1 / float(slopes.min()), 0.0
-    shapes = np.append(np.ones(len(slopes) - 1), EXTRA)
+    parts = slopes * np.append(np.ones(len(slopes) - 1), EXTRA)
     middle = low / 2
     for _ in range(_HALVINGS):
-        if np.sum(shapes * slopes / (1 - middle * slopes)) > 1 / middle:
+        if np.add.reduce(parts / (1 - middle * slopes)) > 1 / middle:
             high = middle
         else:
             low = middle
