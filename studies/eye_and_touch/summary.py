@@ -20,8 +20,7 @@ from eye_and_touch.study import (
     STOPPING,
     TOUCH,
 )
-from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.evaluation.intervals import compare_paired, rate_interval
+from visuohaptic.evaluation.intervals import compare_paired, object_interval
 from visuohaptic.parameters import CostParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import Cell, Row, average_objects, ends, rows_by
@@ -70,14 +69,14 @@ def _cell(rows: pa.Table) -> SenseCell:
 
 
 def sum_up_senses(
-    table: pa.Table, cost: CostParameters, touches: int, intervals: IntervalParameters, seed: int
+    table: pa.Table, cost: CostParameters, touches: int, intervals: IntervalParameters
 ) -> Row:
     """Sum up `EYE_AND_TOUCH`: answers in each sight with their gains, curves against time, and what budgets buy.
 
     By so many `touches` senses are compared in every sight; ``worth`` is what touching brings a second
     after a look.
     """
-    summary = _Summary(cells_of(table), cost, touches, intervals, seed)
+    summary = _Summary(cells_of(table), cost, touches, intervals)
     return {
         "prices": cost.model_dump(include={"look_seconds", "touch_seconds", "budgets"}),
         "touches": touches,
@@ -95,7 +94,6 @@ class _Summary:
     cost: CostParameters
     touches: int
     intervals: IntervalParameters
-    seed: int
 
     def key(self, sight: str, answer: str, strategy: str = STRATEGIES[0], touches: int = 0) -> Key:
         """Give a key; a cue needs no touch, and touch no sight."""
@@ -106,8 +104,8 @@ class _Summary:
 
     def row(self, key: Key) -> Row:
         """Give accuracy with its interval, time and calibration error."""
-        cell, draws = self.cells[key], spawn_generator(self.seed, "looking")
-        found = rate_interval(cell.accuracy, cell.weights, self.intervals, draws)
+        cell = self.cells[key]
+        found = object_interval(cell.accuracy, cell.weights, self.intervals)
         return {
             **ends("accuracy", "", found),
             "seconds": cell.seconds,
@@ -116,10 +114,7 @@ class _Summary:
 
     def gain(self, first: Cell, second: Cell, over: str) -> Row:
         """Give what one cell gains over another, in pairs over objects."""
-        draws = spawn_generator(self.seed, "looking", "comparison")
-        found = compare_paired(
-            first.accuracy, second.accuracy, first.weights, self.intervals, draws
-        )
+        found = compare_paired(first.accuracy, second.accuracy, first.weights, self.intervals)
         return {"over": over, **ends("difference", "", found.difference), "p_value": found.p_value}
 
     def sight(self, sight: str) -> Row:

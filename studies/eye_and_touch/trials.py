@@ -71,7 +71,7 @@ def make_eye_and_touch(step: StepInputs) -> None:
     measured = measure_senses(sensed, run, step.processes)
     write_table(EYE_AND_TOUCH, measured, table)
     intervals = run.recognition.intervals
-    found = sum_up_senses(measured, run.cost, touches_of_run(run), intervals, run.seed)
+    found = sum_up_senses(measured, run.cost, touches_of_run(run), intervals)
     write_json(found, metrics)
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import cycle, islice
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,26 @@ import pyarrow as pa
 
 from human_gaze.predicting import PREDICTORS, Predictor
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.evaluation.intervals import Interval, object_intervals
+from visuohaptic.evaluation.intervals import (
+    CORRELATION,
+    SHARE,
+    UNBOUNDED,
+    Bounds,
+    Interval,
+    object_interval,
+)
 from visuohaptic.recognition.parameters import IntervalParameters
 
-SHOWN = ("correlation", "auc_top", "auc_gaze", "normalised_saliency", "divergence", "similarity")
+SHOWN: Mapping[str, Bounds] = {
+    "correlation": CORRELATION,
+    "auc_top": SHARE,
+    "auc_gaze": SHARE,
+    "normalised_saliency": UNBOUNDED,
+    "divergence": (0.0, math.inf),
+    "similarity": SHARE,
+}
+"""Measures, each with the least and the largest value that it can have."""
+_GAIN: Bounds = (-2.0, 2.0)
 
 
 @dataclass(frozen=True)
@@ -54,13 +71,12 @@ def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRo
     predictors = [predictor for predictor in PREDICTORS if predictor.name in by_name]
     figures = [_figures(by_name[predictor.name]) for predictor in predictors]
     base = _figures(by_name[against])[:, :1]
-    intervals = iter(
-        object_intervals(
-            np.column_stack([part for own in figures for part in (own, own[:, :1] - base)]),
-            np.ones(len(base)),
-            IntervalParameters(),
-            np.random.default_rng(0),
-        )
+    columns = np.column_stack([part for own in figures for part in (own, own[:, :1] - base)])
+    weights = np.ones(len(base))
+    bounds = cycle([*SHOWN.values(), _GAIN])
+    intervals = (
+        object_interval(column, weights, IntervalParameters(), own)
+        for column, own in zip(columns.T, bounds, strict=False)
     )
     return [
         PredictorRow(

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.tables import TOUCHES_NEEDED
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import Interval, compare_paired, object_interval
 from visuohaptic.evaluation.summary import REFERENCE_STRATEGY
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -54,9 +53,7 @@ def stays_at(level: float, values: Sequence[float]) -> int | None:
     return first + 1 if first < len(values) else None
 
 
-def touches_needed(
-    cells: Mapping[CellKey, Cell], intervals: IntervalParameters, seed: int
-) -> pa.Table:
+def touches_needed(cells: Mapping[CellKey, Cell], intervals: IntervalParameters) -> pa.Table:
     """Sum up curves with intervals over objects: `TOUCHES_NEEDED`.
 
     A curve that failed somewhere is left out, and a gain where fixations weren't run on the same
@@ -69,9 +66,9 @@ def touches_needed(
         {
             **dict(zip(_KEYS, key, strict=True)),
             "level": LEVEL,
-            **_reached([condition_interval(cell, intervals, seed) for cell in curve]),
+            **_reached([condition_interval(cell, intervals) for cell in curve]),
             "most_touches": len(curve),
-            **_area(key, curve, curves.get((key[0], REFERENCE_STRATEGY, key[2])), intervals, seed),
+            **_area(curve, curves.get((key[0], REFERENCE_STRATEGY, key[2])), intervals),
             "objects": len(curve[0].objects),
         }
         for key, curve in sorted(curves.items())
@@ -83,7 +80,7 @@ def make_touches_needed(step: StepInputs) -> None:
     """Write `TOUCHES_NEEDED` of the study's blocks, and the same numbers as JSON."""
     needed, metrics = step.outputs
     cells = read_cells(step.inputs["blocks"])
-    table = touches_needed(cells, step.run.recognition.intervals, step.run.seed)
+    table = touches_needed(cells, step.run.recognition.intervals)
     write_table(TOUCHES_NEEDED, table, needed)
     write_json(nested(table.to_pylist(), _KEYS), metrics)
 
@@ -111,16 +108,13 @@ def _reached(points: Sequence[Interval]) -> dict[str, int | None]:
 
 
 def _area(
-    key: tuple[str, ...],
     curve: Sequence[Cell],
     reference: Sequence[Cell] | None,
     intervals: IntervalParameters,
-    seed: int,
 ) -> dict[str, Any]:
     areas, weights = curve_areas(curve), curve[0].weights
-    area = object_interval(areas, weights, intervals, spawn_generator(seed, "areas", *key))
+    area = object_interval(areas, weights, intervals)
     compared = None
     if reference and reference is not curve and reference[0].objects == curve[0].objects:
-        generator = spawn_generator(seed, "areas", "comparison", *key)
-        compared = compare_paired(curve_areas(reference), areas, weights, intervals, generator)
+        compared = compare_paired(curve_areas(reference), areas, weights, intervals)
     return {**ends("area", "area_", area), **paired("gain", "p_value", compared)}

@@ -80,14 +80,14 @@ def measure_trust(
 
 
 def summarise_trust(
-    table: pa.Table, coverage: float, intervals: IntervalParameters, seed: int
+    table: pa.Table, coverage: float, intervals: IntervalParameters
 ) -> list[dict[str, Any]]:
     """Sum up `TRUST` by strategy and number of views: what `sum_up_answers` gives, and ``area``.
 
     That is under the curve that tells unknown objects from known ones, a mean over the classes left out.
     """
     found = []
-    for figures, rows in sum_up_answers(table, coverage, intervals, seed):
+    for figures, rows in sum_up_answers(table, coverage, intervals):
         areas = [
             _area(select(rows, left_out=name)) for name in rows["left_out"].unique().to_pylist()
         ]
@@ -106,9 +106,7 @@ def make_trust(step: StepInputs) -> None:
     )
     write_table(TRUST, measured, table)
     recognition = run.recognition
-    found = summarise_trust(
-        measured, recognition.order_free.coverage, recognition.intervals, run.seed
-    )
+    found = summarise_trust(measured, recognition.order_free.coverage, recognition.intervals)
     write_json(found, metrics)
 
 

@@ -36,7 +36,6 @@ from variants.kept import OUTSIDE
 from variants.leads import SIGNIFICANT
 from variants.study import STUDY
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, holm
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.parameters import ExperimentParameters
@@ -69,7 +68,6 @@ Option = tuple[str, str]
 def choose_default(
     cells: Mapping[CellKey, Cell],
     intervals: IntervalParameters,
-    seed: int,
     former: Options = FORMER_DEFAULT,
 ) -> Row:
     """Apply the first rule to the cells of study `variants`, as `read_cells` gives them.
@@ -91,7 +89,7 @@ def choose_default(
     best = max(scores, key=lambda name: float(scores[name].mean()))
     listed: dict[str, Row] = {}
     for name, score in scores.items():
-        behind = _compared(scores[best], score, intervals, seed)
+        behind = _compared(scores[best], score, intervals)
         options = variants[name].options.items()
         listed[name] = {
             "variant": name,
@@ -117,7 +115,6 @@ def choose_options(
     cells: Mapping[CellKey, Cell],
     acquired: Mapping[Option, float],
     intervals: IntervalParameters,
-    seed: int,
     former: Options = FORMER_DEFAULT,
 ) -> list[Row]:
     """Apply the second rule: one answer for each choice of touches that is scored, in order.
@@ -128,7 +125,7 @@ def choose_options(
     scores = _option_scores(cells)
     others = [(name, option) for name, option in scores if option != former[name]]
     p_values = [
-        _compared(scores[name, option], scores[name, former[name]], intervals, seed).p_value
+        _compared(scores[name, option], scores[name, former[name]], intervals).p_value
         for name, option in others
     ]
     adjusted = dict(zip(others, holm(p_values), strict=True))
@@ -215,10 +212,8 @@ def _compared(
     first: NDArray[np.float64],
     second: NDArray[np.float64],
     intervals: IntervalParameters,
-    seed: int,
 ) -> PairedComparison:
-    generator = spawn_generator(seed, "studies", "comparison")
-    return compare_paired(first, second, np.ones(len(first)), intervals, generator)
+    return compare_paired(first, second, np.ones(len(first)), intervals)
 
 
 def _cells_of_variant(cells: Mapping[CellKey, Cell], name: str) -> list[Cell]:
@@ -236,10 +231,10 @@ def write_choice(
     """Write what the rules say of a study's blocks as JSON; `features` is the folder of what it recomputed."""
     run = ExperimentParameters()
     cells, intervals = read_cells(parts), run.recognition.intervals
-    chosen = choose_default(cells, intervals, run.seed)
+    chosen = choose_default(cells, intervals)
     if {*chain(*scored_variants().values())} <= {key[0] for key in cells}:
         acquired = _acquired(Path(features), run)
-        chosen["options"] = choose_options(cells, acquired, intervals, run.seed)
+        chosen["options"] = choose_options(cells, acquired, intervals)
     write_json(chosen, output)
 
 

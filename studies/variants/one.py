@@ -24,7 +24,7 @@ def make_variant(step: StepInputs) -> None:
         make_study_block(
             step.study, [step.condition or {}], step.inputs["features"], step.made, block, run
         )
-        table = variant_figures([block], run.recognition.intervals, run.seed)
+        table = variant_figures([block], run.recognition.intervals)
     ordered = table.sort_by([(key, "ascending") for key in VARIANTS.keys])
     rows = ordered.drop_columns("seconds").to_pylist()
     atomic_write_text(step.outputs[0], json.dumps(rows, indent=2, ensure_ascii=False) + "\n")

@@ -27,7 +27,7 @@ from visuohaptic.tables.schema import write_table
 def make_variants(step: StepInputs) -> None:
     """Write `VARIANTS` from the study's blocks, and what they say together as JSON."""
     output, summary = step.outputs
-    table = variant_figures(step.inputs["blocks"], step.run.recognition.intervals, step.run.seed)
+    table = variant_figures(step.inputs["blocks"], step.run.recognition.intervals)
     write_table(VARIANTS, table, output)
     measured = MeasuredVariants(table.to_pylist())
     report = summarise(measured, kept_variants(OUTSIDE)).model_dump(mode="json")

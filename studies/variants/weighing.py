@@ -39,9 +39,7 @@ from visuohaptic.tables.schema import build_rows, matrix, read_table
 from visuohaptic.tables.studies import STUDY
 
 
-def variant_figures(
-    parts: Iterable[str | Path], intervals: IntervalParameters, seed: int
-) -> pa.Table:
+def variant_figures(parts: Iterable[str | Path], intervals: IntervalParameters) -> pa.Table:
     """Give `VARIANTS`, one block of the study in memory at a time.
 
     A file of `tables.STUDY` holds all rows of its conditions.
@@ -55,7 +53,7 @@ def variant_figures(
             rows += [
                 {
                     **_identity(*places[name], classifier, option),
-                    **_figures(name, classifier, opponent, cells, splits, intervals, seed),
+                    **_figures(name, classifier, opponent, cells, splits, intervals),
                 }
                 for option, opponent in OPPONENTS.items()
             ]
@@ -106,7 +104,6 @@ def _figures(
     cells: Mapping[CellKey, Cell],
     splits: Mapping[CellKey, NDArray[np.float64]],
     intervals: IntervalParameters,
-    seed: int,
 ) -> Row:
     row: Row = dict.fromkeys(column.name for column in VARIANTS.columns[4 + len(CHOICES) :])
     strategies = {"fixation": "fixation", "random": opponent}
@@ -115,7 +112,7 @@ def _figures(
     if reasons := [error for error in errors if error is not None]:
         return row | {"error": reasons[0]}
     for strategy, key in found.items():
-        interval = condition_interval(cells[key], intervals, seed)
+        interval = condition_interval(cells[key], intervals)
         published = TABLE_1[classifier][strategy]
         row |= {
             strategy: interval.mean,
@@ -130,7 +127,7 @@ def _figures(
         "splits": len(splits[found["fixation"]]),
         "seconds": (fixation.seconds or 0.0) + (random.seconds or 0.0),
     }
-    return row | paired("ahead", "p_value", compare(fixation, random, intervals, seed))
+    return row | paired("ahead", "p_value", compare(fixation, random, intervals))
 
 
 def summarise_variants(rows: Sequence[Row]) -> dict[str, Any]:

@@ -215,7 +215,7 @@ def test_a_page_shows_the_figures_that_are_kept(script, run_script):
 
 def test_the_page_of_recognition_shows_the_kept_answers_for_odd_objects():
     measured = read_evaluation(None)
-    rows = summarise_evaluation(measured.table, IntervalParameters(), ExperimentParameters().seed)
+    rows = summarise_evaluation(measured.table, IntervalParameters())
     assert len(rows) == 6
     text = (ROOT / "docs" / "recognition.md").read_text()
     for row in rows:

@@ -64,7 +64,7 @@ def by_object(rows):
 
 def test_means_leads_and_spread_are_those_that_pandas_counts(tables):
     _, predictions, drawn = tables
-    found = summarise(*tables[:2], None, 1, drawn)
+    found = summarise(*tables[:2], None, drawn)
     rows = predictions.to_pandas().assign(sequences=1)
     rows["accuracy"] = (rows["predicted"] == rows["class"]).astype(float)
     parts = [by_object(rows), by_object(drawn.to_pandas())]
@@ -88,7 +88,7 @@ def test_means_leads_and_spread_are_those_that_pandas_counts(tables):
 
 
 def test_the_interval_and_the_p_value_are_of_each_objects_mean_over_draws(tables):
-    compared = summarise(*tables[:2], None, 1, tables[2])["comparisons"]["paper"][SVM]["random"]
+    compared = summarise(*tables[:2], None, tables[2])["comparisons"]["paper"][SVM]["random"]
     first = summarise(*tables[:2], None, 1)["comparisons"]["paper"][SVM]["random"]
     ends = [compared["difference"][name] for name in ("low", "high")]
     assert ends != [first["difference"][name] for name in ("low", "high")]
@@ -98,17 +98,17 @@ def test_the_interval_and_the_p_value_are_of_each_objects_mean_over_draws(tables
 
 def test_without_further_draws_and_for_other_cells_nothing_changes(tables):
     alone = summarise(*tables[:2], None, 1)
-    found = summarise(*tables[:2], None, 1, STUDY.arrow.empty_table())
+    found = summarise(*tables[:2], None, STUDY.arrow.empty_table())
     assert found == alone
     assert "draws" not in alone["results"]["paper"]["random"][SVM]
-    with_draws = summarise(*tables[:2], None, 1, tables[2])
+    with_draws = summarise(*tables[:2], None, tables[2])
     assert with_draws["results"]["paper"]["fixation"] == alone["results"]["paper"]["fixation"]
 
 
 def test_a_draw_that_could_not_be_measured_is_named(tables):
     key = ("random_draws", "further draws", "paper", "random#3")
     failed = error_rows(key, (SVM,), "No viewpoint has 5 touches.")
-    found = summarise(*tables[:2], None, 1, pa.concat_tables([tables[2], failed]))
+    found = summarise(*tables[:2], None, pa.concat_tables([tables[2], failed]))
     cell = found["results"]["paper"]["random"][SVM]
     assert cell["draws"]["count"] == 3
     assert cell["notes"] == [

@@ -20,7 +20,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 
-FEW = RecognitionParameters(protocol={"maximum_splits": 3}, intervals={"bootstrap_samples": 200})
+FEW = RecognitionParameters(protocol={"maximum_splits": 3})
 SVM = "support_vector_machine"
 
 
@@ -31,7 +31,7 @@ def features():
 
 def test_a_registered_classifier_has_the_figures_of_the_experiment(features):
     found, seed = vh.evaluate(SVM, features, FEW), ExperimentParameters().seed
-    summary = summarise(*run_pipeline(features, FEW, seed), FEW.intervals, seed)
+    summary = summarise(*run_pipeline(features, FEW, seed), FEW.intervals)
     figure = summary["results"]["paper"]["fixation"][SVM]
     assert (found.accuracy, found.low, found.high) == tuple(
         figure["accuracy"][name] for name in ("mean", "low", "high")

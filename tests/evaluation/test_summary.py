@@ -138,3 +138,57 @@ def test_strategies_are_compared_over_the_objects_that_both_tested():
         RecognitionError, match="fixation and random were tested on no object in common"
     ):
         summarise(*both(FIRST, alone))
+
+
+OBJECTS = {("cup", "a"): 2, ("cup", "b"): 6, ("cup", "d"): 3, ("car", "c"): 4, ("car", "e"): 5}
+RIGHT = {"fixation": (2, 5, 1, 4, 3), "random": (1, 2, 2, 3, 0)}
+
+
+def counted(strategy):
+    other = {"cup": "car", "car": "cup"}
+    named = {
+        key: [key[0]] * right + [other[key[0]]] * (views - right)
+        for (key, views), right in zip(OBJECTS.items(), RIGHT[strategy], strict=True)
+    }
+    return answers(named, strategy)
+
+
+def drawn_interval(values, weights, worst, best, draws=400_000):
+    """Draw the rule of docs/recognition.md, in points of this test alone."""
+    generator = np.random.default_rng(1)
+    own = weights * generator.standard_gamma(1, (draws, len(values)))
+    extra = (weights**2).sum() / weights.sum() * generator.standard_gamma(0.75, draws)
+    total = own.sum(axis=1) + extra
+
+    def quantile(share, objects, further):
+        return np.quantile((own @ objects + extra * further) / total, share)
+
+    same = np.ones(len(values))
+    low = quantile(0.025, values, values.min()), quantile(0.025, values.max() * same, worst)
+    high = quantile(0.975, values, values.max()), quantile(0.975, values.min() * same, best)
+    return [np.average(values, weights=weights), min(low), max(high)]
+
+
+def test_figures_are_those_that_pandas_counts_and_draws_give():
+    scores, predictions = both(counted("fixation"), counted("random"))
+    found = summarise(scores, predictions)
+    frame = predictions.to_pandas().astype({"class": str, "predicted": str})
+    frame["right"] = frame["class"] == frame["predicted"]
+    means = frame.pivot_table(values="right", index=["class", "object"], columns="strategy")
+    views = frame[frame.strategy == "fixation"].groupby(["class", "object"]).size()
+    weights, per_class = views.to_numpy(float), views.groupby("class").transform("size")
+    for strategy in ("fixation", "random"):
+        cell = found["results"]["paper"][strategy]["naive_bayes"]
+        values = means[strategy].to_numpy()
+        for name, own in (("accuracy", weights), ("balanced_accuracy", 1 / per_class.to_numpy())):
+            expected = drawn_interval(values, own, 0, 1)
+            assert list(cell[name].values()) == pytest.approx(expected, abs=0.003)
+    compared = found["comparisons"]["paper"]["naive_bayes"]["random"]
+    gains = (means["fixation"] - means["random"]).to_numpy()
+    expected = drawn_interval(gains, weights, -1, 1)
+    assert list(compared["difference"].values()) == pytest.approx(expected, abs=0.006)
+    signs = np.array(np.meshgrid(*[[-1, 1]] * 5)).reshape(5, -1).T
+    reached = np.abs(signs @ (gains * weights)) >= abs(gains @ weights) - 1e-9
+    assert compared["p_value"] == reached.mean()
+    unweighted = np.abs(signs @ gains) >= abs(gains.sum()) - 1e-9
+    assert reached.mean() != unweighted.mean()

@@ -33,7 +33,6 @@ SMALL = {
         "classifiers": ["k_nearest_neighbours", "support_vector_machine"],
         # More combinations than this: folds of whole objects.
         "protocol": {"maximum_splits": 1, "fold_rounds": 1},
-        "intervals": {"bootstrap_samples": 200},
         "order_free": {"waves": 20, "classifiers": ["linear_discriminant"]},
     },
     "cost": {

@@ -28,16 +28,16 @@ def test_where_nothing_was_measured_the_kept_evaluation_is_shown(tmp_path):
     kept = read_evaluation(tmp_path / "none")
     assert kept.source is not None
     for measured, objects in ((kept, 22), (MeasuredEvaluation(evaluation_table()), 4)):
-        figures = evaluation_figures(measured, IntervalParameters(), 1)
+        figures = evaluation_figures(measured, IntervalParameters())
         assert figures["objects"] == objects
         assert figures["sentence"].startswith(f"Of {objects} objects that the model has not learnt")
         said = odd_sentence(figures)
         assert bool(said) == (measured is kept)
     (row,) = (
         row
-        for row in evaluation_figures(kept, IntervalParameters(), 1)["rows"]
+        for row in evaluation_figures(kept, IntervalParameters())["rows"]
         if (row["strategy"], row["views"]) == ("fixation", 16)
     )
-    said = plain(odd_sentence(evaluation_figures(kept, IntervalParameters(), 1)))
+    said = plain(odd_sentence(evaluation_figures(kept, IntervalParameters())))
     assert f"classifies {100 * row['accuracy'].mean:.0f} % correctly from 16 views" in said
     assert said.endswith(f"hold the class of {100 * row['coverage'].mean:.0f} %.")

@@ -59,7 +59,7 @@ def folder(tmp_path_factory):
     (folder / "reports/variants.json").write_text(summary)
     write_trust(folder)
     write_table(EYE_AND_TOUCH, table_of(poor_sight), results / "eye_and_touch.parquet")
-    senses = sum_up_senses(table_of(poor_sight), PRICES, TOUCHES, INTERVALS, 1)
+    senses = sum_up_senses(table_of(poor_sight), PRICES, TOUCHES, INTERVALS)
     write_json(senses, folder / "reports/eye_and_touch.json")
     write_table(EVALUATION, evaluation_table(), folder / "reports/evaluation.parquet")
     (results / "stability").mkdir()

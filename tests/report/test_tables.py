@@ -7,8 +7,6 @@ from visuohaptic.report.estimates import (
     Figure,
     estimate,
     figure_of,
-    points_above_interval,
-    share_above_interval,
     with_interval,
 )
 from visuohaptic.report.page import make_environment
@@ -45,7 +43,7 @@ def test_formats_are_filters_one_after_another_or_patterns():
     rows = [{"key": "naive_bayes", "seconds": 0.25, "all": (Figure(1.0, 0.7, 1.0),)}]
     columns = ("Name", "key", "spaced|titled"), ("s", "seconds", "%.1f"), ("A", "all.0", "±percent")
     text = plain(read_page(written(rows, columns)).text)
-    assert text == "Caption Name s A Naive bayes 0.2 100.0 % 70.0 % to 100.0 %†"
+    assert text == "Caption Name s A Naive bayes 0.2 100.0 % 70.0 % to 100.0 %"
 
 
 CELL = {"area": 0.5, "area_low": 0.4, "area_high": 0.6, "accuracy": 0.7, "low": 0.6, "high": 0.8}
@@ -61,10 +59,3 @@ def test_the_mean_of_one_object_has_no_ends():
     assert estimate(Interval(0.3, float("nan"), float("nan"))) == Figure(0.3)
     assert with_interval(Figure(0.5, 0.4, 0.6), "{:g}".format, " s") == "0.5 s (0.4 to 0.6)"
     assert with_interval(Figure(0.5), "{:g}".format) == "0.5"
-
-
-def test_an_exact_limit_has_its_mark():
-    assert "†" in share_above_interval(Figure(1.0, 0.7, 1.0))
-    assert "†" not in share_above_interval(Figure(0.9, 0.7, 1.0))
-    assert "†" in points_above_interval(Figure(0.0, -0.2, 0.2))
-    assert "†" not in points_above_interval(Figure(0.0, -0.1, 0.2))

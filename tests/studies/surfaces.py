@@ -22,7 +22,7 @@ RUN = ExperimentParameters.from_mapping(
         "attention": {"fixations": 2},
         "probing": {"strategies": ["fixation"]},
         "sensor": {"resolution": 16},
-        "recognition": {"touches": 2, "intervals": {"bootstrap_samples": 200}},
+        "recognition": {"touches": 2},
         "cost": {
             "touches": [1, 2, 3],
             "viewpoints": [1, 2, 4],

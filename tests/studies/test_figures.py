@@ -5,14 +5,13 @@ import json
 import numpy as np
 import pytest
 
-from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import compare_paired, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import Cell, cells_of, make_study_figures, study_figures
 from visuohaptic.tables.schema import build_table, read_table, write_table
 from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 
-INTERVALS = IntervalParameters(bootstrap_samples=200)
+INTERVALS = IntervalParameters()
 NAMES = ("whole", "better", "worse", "broken")
 STUDY_OF = {
     "name": "mine",
@@ -42,7 +41,7 @@ CELLS = {
 
 
 def rows_of(cells, strategy="fixation"):
-    rows = study_figures(STUDY_OF, CELLS | cells, INTERVALS, 1).to_pylist()
+    rows = study_figures(STUDY_OF, CELLS | cells, INTERVALS).to_pylist()
     return {row["condition"]: row for row in rows if row["strategy"] == strategy}
 
 
@@ -68,8 +67,7 @@ def test_conditions_come_in_their_order_with_a_difference_to_the_first():
 
 def test_differences_are_paired_and_adjusted_over_the_conditions():
     better, worse = (rows_of({})[name] for name in ("better", "worse"))
-    generator = spawn_generator(1, "studies", "comparison")
-    paired = compare_paired(CELLS[key("better")].accuracy, WHOLE, np.ones(6), INTERVALS, generator)
+    paired = compare_paired(CELLS[key("better")].accuracy, WHOLE, np.ones(6), INTERVALS)
     assert (better["p_value"], better["difference_low"]) == (paired.p_value, paired.difference.low)
     adjusted = holm([better["p_value"], worse["p_value"]])
     assert [better["adjusted_p"], worse["adjusted_p"]] == adjusted
@@ -106,7 +104,7 @@ def test_the_weighted_mean_over_objects_is_the_mean_over_splits():
 def test_the_json_holds_the_same_numbers_and_no_seconds(tmp_path):
     write_table(STUDY, study_rows(), tmp_path / "block")
     files = [tmp_path / name for name in ("figures", "figures.json")]
-    make_study_figures(STUDY_OF, [tmp_path / "block"], *files, INTERVALS, 1)
+    make_study_figures(STUDY_OF, [tmp_path / "block"], *files, INTERVALS)
     (row,) = read_table(STUDY_FIGURES, files[0]).to_pylist()
     figures = json.loads(files[1].read_text())["paper"]["fixation"]["naive_bayes"]["whole"]
     assert figures["accuracy"] == pytest.approx(row["accuracy"])

@@ -17,7 +17,7 @@ SMALL = {
     "viewpoints": {"count": 2},
     "rendering": {"resolution": 64},
     "workflow": {"views_per_job": 2, "objects_per_job": 2},
-    "recognition": {"pipelines": ["paper"], "intervals": {"bootstrap_samples": 200}},
+    "recognition": {"pipelines": ["paper"]},
 }
 
 

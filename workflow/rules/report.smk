@@ -54,7 +54,6 @@ rule metrics:
     params:
         key=key_of_job,
         intervals=PARAMETERS.recognition.intervals.model_dump(),
-        seed=PARAMETERS.seed,
         # Those that no accuracy depends on are left out.
         parameters=PARAMETERS.model_dump(mode="json", exclude={"workflow", "cost"}),
     message:

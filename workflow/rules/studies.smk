@@ -102,7 +102,6 @@ rule figures_of_study:
             STUDIES[wildcards.study], PLANS[wildcards.study]
         ),
         intervals=PARAMETERS.recognition.intervals.model_dump(),
-        seed=PARAMETERS.seed,
     message:
         "summing up study {wildcards.study}"
     script:

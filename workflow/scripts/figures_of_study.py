@@ -11,5 +11,4 @@ with job(snakemake):
         output=snakemake.output.figures,
         metrics=snakemake.output.metrics,
         intervals=IntervalParameters(**snakemake.params.intervals),
-        seed=snakemake.params.seed,
     )

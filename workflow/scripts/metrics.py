@@ -12,7 +12,6 @@ with job(snakemake):
         accuracy=snakemake.output.accuracy,
         confusion=snakemake.output.confusion,
         intervals=IntervalParameters(**snakemake.params.intervals),
-        seed=snakemake.params.seed,
         parameters=snakemake.params.parameters,
         drawn=snakemake.input.drawn,
     )

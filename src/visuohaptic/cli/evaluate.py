@@ -50,7 +50,7 @@ def evaluate(
     table = pa.concat_tables(evaluate_model(one.model, features) for one in recognisers)
     write_table(EVALUATION, table, run / TABLE)
     first = recognisers[0]
-    rows = summarise_evaluation(table, first.model.parameters.intervals, first.parameters.seed)
+    rows = summarise_evaluation(table, first.model.parameters.intervals)
     if as_json:
         say_json(rows)
         return

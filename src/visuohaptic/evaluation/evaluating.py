@@ -133,7 +133,7 @@ def evaluate(
             f"{_short(estimator)} can't be fitted or tested on the sequences: {reason.rstrip('.')}."
         ) from error
     scores, predictions = prediction_tables(sequences, predicted, _PIPELINE, strategy)
-    summary = summarise(scores, predictions, parameters.intervals, seed)
+    summary = summarise(scores, predictions, parameters.intervals)
     ((found,),) = (one.values() for one in summary["results"][_PIPELINE].values())
     accuracy = found["accuracy"]
     return Evaluation(

@@ -1,19 +1,57 @@
-"""Intervals and tests that resample objects, for sequences of one object are not independent.
+"""Intervals over objects by one rule, and tests in pairs: sequences of one object are not independent.
 
-What is resampled is a value an object (its accuracy over every split that tested
-it), with the predictions as they are: the intervals show how the figure would vary
-with other test objects of the same kind, not with other training.
+The values are one per object (its accuracy over every split that tested it), with the predictions as they
+are. So an interval shows how far a mean may lie from that of all objects of the same kind, with the trained
+classifiers as they are: without the variation of training objects.
+
+The rule for the low end; the high end is its mirror image. Objects get random weights, and so does an extra
+object: their own weights times draws of gamma distributions, of shape 1 (Bayesian bootstrap, D. Rubin, Annals
+of Statistics 9(1), 1981) and of shape `EXTRA`. The low end is the smaller of two quantiles of the weighted mean:
+
+- what the objects show: the extra object is as bad as the worst of them;
+- what they may have missed: the extra object is as bad as possible, all others as good as the best of them.
+
+Each mean rises with each value, so no end moves up where an object gets worse. Of all-or-nothing objects, both
+quantiles are those of beta distributions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.parameters import IntervalParameters
+
+Bounds = tuple[float, float]
+"""The least and the largest value that an object can have."""
+
+SHARE: Bounds = (0.0, 1.0)
+DIFFERENCE: Bounds = (-1.0, 1.0)
+"""Of two shares."""
+CORRELATION: Bounds = (-1.0, 1.0)
+UNBOUNDED: Bounds = (-math.inf, math.inf)
+
+EXTRA = 0.75
+"""Weight of the extra object, in objects: of the multiples of 0.05, the least that keeps 93 % (docs/recognition.md)."""
+
+# Trapezoids over x with the nodes sinh x: functions that fall as a power are summed as exactly as those that fall as
+# a normal density. Powers of a literal have the same bits on every processor.
+_STEP = 1 / 16
+_GROWTH = np.concatenate([[1.0], np.cumprod(np.full(383, 1.0644944589178593))])  # e^x
+_NODES = (_GROWTH - 1 / _GROWTH) / 2
+_WIDTHS = (_GROWTH + 1 / _GROWTH) / 2 * np.where(_GROWTH == 1, 0.5, 1.0)
+_HALVINGS = 16
+_FIRST_HALVINGS = 3
+_TURNS = 100
+_NARROW = 1e-12
+_ROUNDING = 1e-9
+"""By how much values may miss their bounds."""
 
 
 @dataclass(frozen=True)
@@ -43,115 +81,162 @@ def plain_interval(interval: Interval) -> dict[str, float | None]:
     return {name: None if np.isnan(value) else value for name, value in vars(interval).items()}
 
 
-def resample_objects(objects: int, samples: int, generator: np.random.Generator) -> IntArray:
-    """Draw bootstrap samples: how often each object is in each, shape (samples, objects)."""
-    return generator.multinomial(objects, np.full(objects, 1 / objects), size=samples)
-
-
 def object_interval(
     values: FloatArray,
     weights: FloatArray,
     parameters: IntervalParameters,
-    generator: np.random.Generator,
+    bounds: Bounds = SHARE,
 ) -> Interval:
-    """Give the mean of values of objects (o,), of positive weights (o,), with its bootstrap interval.
+    """Compute the weighted mean of objects' values and its interval, by the rule of this module.
 
-    Objects are drawn with replacement from all, not class by class. The percentiles are expanded for
-    few objects (T. Hesterberg, "What teachers should know about the bootstrap", The American
-    Statistician 69(4), 2015). Of a single object both ends are NaN.
+    Parameters
+    ----------
+    values : array (o,)
+        One value per object, within the bounds.
+    weights : array (o,)
+        Positive weights.
+    parameters : IntervalParameters
+        The confidence.
+    bounds
+        The least and the largest possible value. Where one is infinite, the end on its side only counts what
+        the objects show.
+
+    Returns
+    -------
+    Interval
+        Within the bounds, and with the mean inside. With a single object both ends are NaN.
+
+    Raises
+    ------
+    ValueError
+        If a value lies outside the bounds.
     """
-    return object_intervals(values[:, None], weights, parameters, generator)[0]
-
-
-def object_intervals(
-    values: FloatArray,
-    weights: FloatArray,
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
-) -> list[Interval]:
-    """Give k figures (o, k) of objects as `object_interval` gives each, over the same samples."""
-    means = weights @ values / weights.sum()
+    least, most = float(values.min()), float(values.max())
+    if least < bounds[0] - _ROUNDING or most > bounds[1] + _ROUNDING:
+        raise ValueError(f"values are from {least} to {most}; they must be within {bounds}.")
+    values = np.clip(values, *bounds)
+    mean = float(np.clip(np.einsum("o,o", weights, values) / np.sum(weights), least, most))
     if len(values) < 2:
-        return [Interval(float(mean), float("nan"), float("nan")) for mean in means]
-    drawn = resample_objects(len(values), parameters.bootstrap_samples, generator)
-    resampled = drawn @ (values * weights[:, None]) / (drawn @ weights)[:, None]
-    return [
-        _around(float(mean), column, len(values), parameters.confidence)
-        for mean, column in zip(means, resampled.T, strict=True)
-    ]
-
-
-def rate_interval(
-    values: FloatArray,
-    weights: FloatArray,
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
-) -> Interval:
-    """Give a mean of shares as `object_interval` does, with exact binomial limits at 0 and at 1."""
-    found = object_interval(values, weights, parameters, generator)
-    limit = exact_limit(len(values), parameters.confidence)
-    # Sums of shares may miss 1 by a rounding.
-    if np.all(values > 1 - 1e-12):
-        return Interval(1.0, 1 - limit, 1.0)
-    return Interval(0.0, 0.0, limit) if np.all(values < 1e-12) else found
-
-
-def difference_interval(
-    first: FloatArray,
-    second: FloatArray,
-    weights: FloatArray,
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
-) -> Interval:
-    """Give the mean paired difference of shares (o,), first less second, as `object_interval` does.
-
-    Where all objects have the same share under both, the ends are the exact binomial limits.
-    """
-    found = object_interval(first - second, weights, parameters, generator)
-    limit = exact_limit(len(first), parameters.confidence)
-    return Interval(0.0, -limit, limit) if np.all(np.abs(first - second) < 1e-12) else found
-
-
-def exact_limit(objects: int, confidence: float) -> float:
-    """Give the largest rate that no event among so many objects leaves possible.
-
-    The exact binomial interval's end (C. Clopper and E. Pearson, Biometrika 26(4), 1934).
-    """
-    return float(1 - ((1 - confidence) / 2) ** (1 / objects))
+        return Interval(mean, math.nan, math.nan)
+    tail = (1 - parameters.confidence) / 2
+    missed = _missed(tuple(weights.tolist()), tail)
+    low = _low_end(values, weights, bounds[0], missed, tail)
+    high = -_low_end(-values, weights, -bounds[1], missed, tail)
+    return Interval(mean, min(low, mean), max(high, mean))
 
 
 def balanced_interval(
-    values: FloatArray,
-    classes: IntArray,
-    parameters: IntervalParameters,
-    generator: np.random.Generator,
+    values: FloatArray, classes: IntArray, parameters: IntervalParameters
 ) -> Interval:
-    """Give the mean over classes of the mean over each class's objects, as `object_interval` does."""
-    member = (classes[:, None] == np.unique(classes)).astype(np.float64)
-    mean = float(np.mean(values @ member / member.sum(axis=0)))
-    if len(values) < 2:
-        return Interval(mean, float("nan"), float("nan"))
-    drawn = resample_objects(len(values), parameters.bootstrap_samples, generator)
-    counts = drawn @ member
-    sums = (drawn * values) @ member
-    held = counts > 0
-    means = np.where(held, sums / np.where(held, counts, 1), 0).sum(axis=1) / held.sum(axis=1)
-    return _around(mean, means, len(values), parameters.confidence)
+    """Compute the mean over classes of the mean share (o,) of their objects, and its interval."""
+    _, place, counts = np.unique(classes, return_inverse=True, return_counts=True)
+    return object_interval(values, 1.0 / counts[place], parameters)
 
 
-def _around(mean: float, means: FloatArray, objects: int, confidence: float) -> Interval:
-    """Give a mean with the expanded percentiles of its bootstrap means, shape (samples,)."""
-    tail = expanded_tail(objects, confidence)
-    low, high = np.quantile(means, [tail, 1 - tail])
-    return Interval(mean, float(low), float(high))
+@lru_cache(maxsize=64)
+def _missed(weights: tuple[float, ...], tail: float) -> float:
+    """Compute the weight that an extra object may have beside objects of some weights."""
+    return 1 - _quantile(np.ones(len(weights)), np.array(weights), 0.0, tail)
 
 
-def expanded_tail(objects: int, confidence: float) -> float:
-    """Give the probability left out at each end: Phi(-sqrt(n / (n - 1)) t), t Student's quantile."""
-    from scipy.special import ndtr, stdtrit
+def _low_end(
+    values: FloatArray, weights: FloatArray, worst: float, missed: float, tail: float
+) -> float:
+    """Compute the low end; `missed` is the weight of what the objects may have missed."""
+    least, most = float(values.min()), float(values.max())
+    shown = _quantile(values, weights, least, tail)
+    if math.isinf(worst):
+        return shown
+    return min(shown, (1 - missed) * most + missed * worst)
 
-    student = stdtrit(objects - 1, (1 - confidence) / 2)
-    return float(ndtr(np.sqrt(objects / (objects - 1)) * student))
+
+def _quantile(values: FloatArray, weights: FloatArray, extra: float, tail: float) -> float:
+    """Compute a quantile of the randomly weighted mean of objects and an extra one of value `extra`."""
+    least, most = min(float(values.min()), extra), float(values.max())
+    if least == most:
+        return least
+    places = (np.append(values, extra) - least) / (most - least)
+    # The extra object's own weight is that of a typical one: the mean of the objects' weights, by weight.
+    own = np.append(weights, np.einsum("o,o", weights, weights) / np.sum(weights))
+    level = _root(lambda level: _share_below(own * (places - level)) - tail, -tail, 1 - tail)
+    return least + level * (most - least)
+
+
+def _root(function: Callable[[float], float], below: float, above: float) -> float:
+    """Compute where a function rises through 0 between 0 and 1, where it is `below` and `above`."""
+    # Halvings, then regula falsi that halves the value at an end that stays (Illinois).
+    low, high, last = 0.0, 1.0, 0.0
+    middle = 0.5
+    for turn in range(_TURNS):
+        value = function(middle)
+        if abs(value) < _NARROW or high - low < _NARROW:
+            break
+        if value < 0:
+            low, below, above = middle, value, above / 2 if last < 0 else above
+        else:
+            high, above, below = middle, value, below / 2 if last > 0 else below
+        last = value
+        middle = (low + high) / 2
+        if turn >= _FIRST_HALVINGS:
+            middle = (low * above - high * below) / (above - below)
+    return middle
+
+
+def _share_below(slopes: FloatArray) -> float:
+    """Compute the probability that the sum of slopes (o + 1,) times gamma draws is below 0."""
+    # The inverse Laplace transform of the moment generating function, along a line near its saddle point
+    # (R. Lugannani and S. Rice, Advances in Applied Probability 12(2), 1980). Sums, products, quotients and roots
+    # in one order have the same bits on every processor.
+    if slopes.min() >= 0 or slopes.max() <= 0:
+        return float(slopes.max() <= 0)
+    slopes = slopes / np.abs(slopes).max()
+    saddle = _saddle(slopes)
+    along = 1 - saddle * slopes
+    across = np.multiply.outer(slopes, -saddle * _NODES)
+    squares = (along * along)[:, None] + across * across
+    real, imaginary = along[:, None] / squares, across / squares
+    # A power of 3/4: a root times the root of that root.
+    root = _square_root(real[-1], imaginary[-1])
+    real[-1], imaginary[-1] = _product(*root, *_square_root(*root))
+    while len(real) > 1:
+        half = len(real) // 2
+        first, second = slice(half), slice(half, 2 * half)
+        pairs = _product(real[first], imaginary[first], real[second], imaginary[second])
+        real = np.concatenate([pairs[0], real[2 * half :]])
+        imaginary = np.concatenate([pairs[1], imaginary[2 * half :]])
+    # Divided by the place on the line, in units of the saddle point.
+    parts = (real[0] - imaginary[0] * _NODES) / (1 + _NODES * _NODES)
+    return math.fsum((parts * _WIDTHS).tolist()) * _STEP / math.pi
+
+
+def _saddle(slopes: FloatArray) -> float:
+    """Compute where the moment generating function over minus its argument is least, left of 0."""
+    low, high = 1 / float(slopes.min()), 0.0
+    parts = slopes * np.append(np.ones(len(slopes) - 1), EXTRA)
+    middle = low / 2
+    for _ in range(_HALVINGS):
+        if np.add.reduce(parts / (1 - middle * slopes)) > 1 / middle:
+            high = middle
+        else:
+            low = middle
+        middle = (low + high) / 2
+    return middle
+
+
+def _product(
+    real: FloatArray, imaginary: FloatArray, other_real: FloatArray, other_imaginary: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Multiply complex numbers; NumPy's product may round once less on some processors."""
+    return (
+        real * other_real - imaginary * other_imaginary,
+        real * other_imaginary + imaginary * other_real,
+    )
+
+
+def _square_root(real: FloatArray, imaginary: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Compute the square root of complex numbers with a positive real part."""
+    root = np.sqrt((np.sqrt(real * real + imaginary * imaginary) + real) / 2)
+    return root, imaginary / (2 * root)
 
 
 def compare_paired(
@@ -159,20 +244,21 @@ def compare_paired(
     second: FloatArray,
     weights: FloatArray,
     parameters: IntervalParameters,
-    generator: np.random.Generator,
 ) -> PairedComparison:
-    """Compare values (o,) of the same objects, of positive weights (o,), under two treatments.
+    """Compare shares (o,) of the same objects, of positive weights (o,), under two treatments.
 
     The p value is the share of sign changes of the objects' differences whose mean is at least as
-    far from 0: all of them where they fit, else a sample that counts the observed one.
+    far from 0: all of them where they fit, else a sample that counts the observed one. The sample depends
+    on the number of objects only, so that a comparison has the same p value wherever it is made.
     """
-    interval = difference_interval(first, second, weights, parameters, generator)
+    interval = object_interval(first - second, weights, parameters, DIFFERENCE)
     parts = (first - second) * weights / weights.sum()
     exact = len(parts) < 63 and 2 ** len(parts) <= parameters.permutations
     if exact:
         places = np.arange(2 ** len(parts))[:, None] >> np.arange(len(parts))
         signs = 1.0 - 2.0 * (places & 1)
     else:
+        generator = spawn_generator(0, "sign changes", len(parts))
         signs = generator.choice([-1.0, 1.0], size=(parameters.permutations, len(parts)))
     # Sums that differ by rounding alone are equal.
     reached = np.abs(signs @ parts) >= np.abs(parts.sum()) - 1e-12

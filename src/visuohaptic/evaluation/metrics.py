@@ -26,7 +26,6 @@ def make_metrics(
     accuracy: str | Path,
     confusion: str | Path,
     intervals: IntervalParameters,
-    seed: int,
     parameters: Mapping[str, Any],
     drawn: Sequence[str | Path] = (),
 ) -> None:
@@ -37,7 +36,7 @@ def make_metrics(
     """
     predicted = read_table(PREDICTIONS, predictions)
     further = read_table(STUDY, drawn) if drawn else None
-    figures = summarise(read_table(SCORES, scores), predicted, intervals, seed, further)
+    figures = summarise(read_table(SCORES, scores), predicted, intervals, further)
     summary = round_numbers(figures)
     Path(metrics).parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({**summary, "parameters": parameters}, indent=2, sort_keys=True) + "\n"

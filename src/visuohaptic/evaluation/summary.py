@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.draws import (
     CellKey,
     Draw,
@@ -27,8 +26,8 @@ from visuohaptic.evaluation.draws import (
 from visuohaptic.evaluation.intervals import (
     balanced_interval,
     compare_paired,
+    object_interval,
     plain_interval,
-    rate_interval,
 )
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.voting import vote_credit
@@ -47,10 +46,11 @@ METHOD = {
     "class_accuracy": "mean over a class's objects of their accuracy",
     "by_object": "each object's share of test sequences correctly classified, over all splits that tested it, and "
     "its weight in accuracy",
-    "interval": "expanded percentile bootstrap over objects, not sequences, with the trained "
-    "classifiers as they are; where all objects agree, the exact binomial limit",
+    "interval": "over objects, not sequences, with the trained classifiers as they are: without the variation of "
+    "training objects; quantiles of the mean with random weights of the objects and of an extra one, which is as "
+    "the worst of them, or as bad as possible beside others as the best, whichever reaches further",
     "comparison": "paired over the objects that both strategies tested, weighted as by fixation: mean "
-    "difference, bootstrap interval, and two-sided p value of the sign-change permutation test",
+    "difference, its interval by the same rule, and two-sided p value of the sign-change permutation test",
     "draws": "where the places of a random strategy were drawn several times, accuracy, balanced_accuracy, "
     "class_accuracy, by_object and difference are those of each object's mean over draws; leads are fixation "
     "minus each draw, and standard_deviation is that of the leads (n - 1); object_accuracy and predictions are "
@@ -94,7 +94,6 @@ def summarise(
     scores: pa.Table,
     predictions: pa.Table,
     parameters: IntervalParameters | None = None,
-    seed: int = 0,
     drawn: pa.Table | None = None,
 ) -> dict[str, Any]:
     """Give every headline figure of recognition, in types that JSON has.
@@ -103,7 +102,7 @@ def summarise(
     has ``mean``, ``low`` and ``high``, an end that does not exist is None.
     ``comparisons[pipeline][classifier][other strategy]`` has fixation minus the other. `drawn`, rows of
     `tables.STUDY`, has further draws of random strategies: their figures are means over draws, and
-    ``draws`` there has the draws one by one. The seed is the experiment's. Raises `RecognitionError` if scores and predictions are not of the same
+    ``draws`` there has the draws one by one. Raises `RecognitionError` if scores and predictions are not of the same
     experiment.
     """
     parameters = parameters or IntervalParameters()
@@ -120,7 +119,7 @@ def summarise(
     for key in sorted(cells):
         pipeline, strategy, classifier = key
         over_draws = figures[key].over(further.get(key))
-        cell = _summarise_cell(key, over_draws, scores, parameters, seed)
+        cell = _summarise_cell(key, over_draws, scores, parameters)
         if key in further:
             cell |= _describe_draws(figures[key].draw, further[key], cell["notes"])
         cell["sequences"] = len(_distinct(cells[key], ["class", "object", "viewpoint"]))
@@ -128,7 +127,7 @@ def summarise(
     return {
         "method": METHOD,
         "results": results,
-        "comparisons": _compare_strategies(figures, further, parameters, seed),
+        "comparisons": _compare_strategies(figures, further, parameters),
     }
 
 
@@ -217,20 +216,18 @@ def _summarise_cell(
     figures: _ObjectFigures,
     scores: pa.Table,
     parameters: IntervalParameters,
-    seed: int,
 ) -> dict[str, Any]:
-    generator = spawn_generator(seed, "intervals", *key)
     rows = select(scores, **dict(zip(_CELL, key, strict=True)))
     names = np.array([name for name, _ in figures.objects])
 
     def rate(values: FloatArray, weights: FloatArray) -> dict[str, float | None]:
-        return plain_interval(rate_interval(values, weights, parameters, generator))
+        return plain_interval(object_interval(values, weights, parameters))
 
     return {
         "accuracy": rate(figures.accuracy, figures.weights),
         "object_accuracy": rate(figures.vote, figures.vote_weights),
         "balanced_accuracy": plain_interval(
-            balanced_interval(figures.accuracy, figures.classes, parameters, generator)
+            balanced_interval(figures.accuracy, figures.classes, parameters)
         ),
         "class_accuracy": {
             name: rate(figures.accuracy[names == name], np.ones(np.sum(names == name)))
@@ -261,7 +258,6 @@ def _compare_strategies(
     figures: Mapping[CellKey, _ObjectFigures],
     further: Mapping[CellKey, FurtherDraws],
     parameters: IntervalParameters,
-    seed: int,
 ) -> dict[str, Any]:
     comparisons: dict[str, Any] = {}
     for key in sorted(figures):
@@ -276,9 +272,8 @@ def _compare_strategies(
                 f"Strategies {REFERENCE_STRATEGY} and {strategy} were tested on no object in common; "
                 f"at least one is needed to compare them."
             )
-        generator = spawn_generator(seed, "comparison", pipeline, strategy, classifier)
         comparison = compare_paired(
-            reference.accuracy, other.accuracy, reference.weights, parameters, generator
+            reference.accuracy, other.accuracy, reference.weights, parameters
         )
         found = {**asdict(comparison), "difference": plain_interval(comparison.difference)}
         if key in further:

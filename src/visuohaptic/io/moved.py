@@ -38,6 +38,7 @@ PARAMETERS = {
     "recognition.best": "pipeline best is now order_free, with section recognition.order_free and fixed settings",
     "recognition.classifier.neighbour_weights": "it is gone, the votes of all neighbours count alike",
     "recognition.classifier.tree_criterion": "it is gone, splits lower the Gini impurity",
+    "recognition.intervals.bootstrap_samples": "it is gone, intervals need no samples",
     "recognition.protocol.turns": "it is now meshes.turns, which turns the meshes before they are looked at",
     "rendering.light_azimuth_degrees": "it is gone, both sides are lit alike",
     "viewpoints.first_azimuth_degrees": "it is gone, every ring begins at +z",

@@ -118,12 +118,9 @@ class ProtocolParameters(Section):
 
 
 class IntervalParameters(Section):
-    """Resampling over objects."""
+    """Intervals and tests over objects."""
 
     confidence: float = Field(0.95, gt=0, lt=1, description="Confidence of the intervals")
-    bootstrap_samples: int = Field(
-        4000, ge=100, le=1_000_000, description="Bootstrap samples of the objects"
-    )
     permutations: int = Field(
         16384,
         ge=100,

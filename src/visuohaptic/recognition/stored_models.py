@@ -20,7 +20,7 @@ from visuohaptic.recognition.descriptors import WaveBasis
 from visuohaptic.recognition.model import RecognitionModel
 from visuohaptic.recognition.parameters import RecognitionParameters
 
-FORMAT = "visuohaptic recogniser 9"
+FORMAT = "visuohaptic recogniser 10"
 
 LARGEST_BYTES = 2**30
 """A model file that unpacks to more is refused; a model of 142 objects has some megabytes."""

@@ -16,7 +16,6 @@ from pydantic import BaseModel, Field, PositiveFloat, ValidationError
 
 from visuohaptic.base.errors import ReportError
 from visuohaptic.base.optional_packages import require
-from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.intervals import compare_paired
 from visuohaptic.parameters import leaves
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -128,16 +127,14 @@ def _accuracy_rows(runs: Sequence[Metrics]) -> Iterator[dict[str, object]]:
 def _difference(
     own: dict[str, tuple[float, float]], first: dict[str, tuple[float, float]]
 ) -> dict[str, object]:
-    """Compare over the objects of both; where all are equal, the interval is 0 to 0."""
+    """Compare over the objects of both."""
     objects = sorted(own.keys() & first.keys())
     if not objects:
         return {"objects": 0}
     before, weights = np.array([first[name] for name in objects]).T
     after = np.array([own[name][0] for name in objects])
-    generator = spawn_generator(0, "compared runs")
-    found = compare_paired(after, before, weights, IntervalParameters(), generator)
-    figures = [0.0] * 3 if np.array_equal(before, after) else vars(found.difference).values()
-    p_value, count = found.p_value, len(objects)
+    found = compare_paired(after, before, weights, IntervalParameters())
+    figures, p_value, count = vars(found.difference).values(), found.p_value, len(objects)
     return {**dict(zip(DIFFERENCE, figures, strict=True)), "p_value": p_value, "objects": count}
 
 
@@ -150,7 +147,13 @@ def write_lines(table: pd.DataFrame) -> Iterator[str]:
     for name, run, value in zip(changed.parameter, changed.run, changed.value, strict=True):
         line = f"{name}  {run}  {value}"
         yield from textwrap.wrap(line, 80, subsequent_indent="  ", break_long_words=False)
-    yield from ("", "Correctly classified (%), with 95 % intervals over objects:")
+    yield from (
+        "",
+        (
+            "Correctly classified (%), with 95 % intervals over objects, with the trained classifiers as they are: "
+            "without the variation of training objects."
+        ),
+    )
     for (pipeline, strategy), rows in table.groupby(["pipeline", "strategy"], sort=False):
         yield from ("", f"pipeline {pipeline}, strategy {strategy}")
         shown = rows[["classifier", "run"]].assign(accuracy=_written(rows[VALUE], ".1f"))

@@ -176,11 +176,10 @@ def cue_sentences(rows: Sequence[Row]) -> list[str]:
 
 
 def _setting_row(row: Row) -> Row:
-    limit = "†" if row["error"] in {0.0, 1.0} else ""
     return {
         "setting": titled(_named(row)),
         "seconds": _with_ends(row, "seconds", 1000, ".0f"),
-        "error": _with_ends(row, "error", 100, ".1f", limit),
+        "error": _with_ends(row, "error", 100, ".1f"),
         **{
             part: NONE if row["seconds"] is None else f"{1000 * row[f'seconds_{part}']:.1f}"
             for part in ("look", "touch", "describe", "classify")
@@ -190,13 +189,11 @@ def _setting_row(row: Row) -> Row:
     }
 
 
-def _with_ends(row: Row, name: str, scale: float, form: str, limit: str = "") -> Markup | str:
+def _with_ends(row: Row, name: str, scale: float, form: str) -> Markup | str:
     if row[name] is None:
         return NONE
     value, low, high = (f"{scale * row[name + end]:{form}}" for end in ("", "_low", "_high"))
-    return Markup('{}<span class="interval">{}\N{EN DASH}{}{}</span>').format(
-        value, low, high, limit
-    )
+    return Markup('{}<span class="interval">{}\N{EN DASH}{}</span>').format(value, low, high)
 
 
 def _verdict(row: Row) -> str:

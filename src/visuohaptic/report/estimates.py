@@ -15,9 +15,6 @@ from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import Interval
 from visuohaptic.report.wording import percent, points
 
-LIMIT = "†"
-"""Stands at an interval that is the exact binomial limit, which the page explains."""
-
 Row = Mapping[str, Any]
 """A row of a table, by column."""
 
@@ -31,11 +28,6 @@ class Figure:
     mean: float
     low: float | None = None
     high: float | None = None
-
-    @property
-    def is_limit(self) -> bool:
-        """Whether a share is that of objects that all agree, so that its interval is the exact binomial limit."""
-        return self.low is not None and self.mean in (0.0, 1.0)
 
     def holds(self, value: float) -> bool:
         """Return whether a value lies within the interval, ends included."""
@@ -74,20 +66,19 @@ def with_interval(figure: Figure, write: Callable[[float], str], unit: str = "")
 
 
 def share_above_interval(figure: Figure) -> Markup:
-    """Write a share as `above_interval` does; an interval that is a limit has its mark."""
-    return above_interval(figure, percent, LIMIT if figure.is_limit else "")
+    """Write a share as `above_interval` does."""
+    return above_interval(figure, percent)
 
 
 def points_above_interval(figure: Figure) -> Markup:
-    """Write a difference of shares as `above_interval` does, with the mark of a limit."""
-    is_limit = figure.mean == 0 and figure.low is not None and figure.low == -(figure.high or 0)
-    return above_interval(figure, points, LIMIT if is_limit else "")
+    """Write a difference of shares as `above_interval` does."""
+    return above_interval(figure, points)
 
 
-def above_interval(figure: Figure, write: Callable[[float], str], mark: str = "") -> Markup:
-    """Write a figure of a table's cell, with its interval in a line below, and a mark there."""
+def above_interval(figure: Figure, write: Callable[[float], str]) -> Markup:
+    """Write a figure of a table's cell, with its interval in a line below."""
     mean = Markup('<data value="{}">{}</data>').format(figure.mean, write(figure.mean))
     if figure.low is None or figure.high is None:
         return mean
-    ends = f"{write(figure.low)} to {write(figure.high)}{mark}"
+    ends = f"{write(figure.low)} to {write(figure.high)}"
     return mean + Markup('<span class="interval">{}</span>').format(ends)

@@ -13,11 +13,9 @@ from visuohaptic.studies.evaluation.models import MeasuredEvaluation, summarise_
 from visuohaptic.tables.phases import owners_of
 
 
-def evaluation_figures(
-    measured: MeasuredEvaluation, intervals: IntervalParameters, seed: int
-) -> Row:
+def evaluation_figures(measured: MeasuredEvaluation, intervals: IntervalParameters) -> Row:
     """Sum up a model's answers for objects that it has not learnt: a ``sentence``, and ``rows`` by strategy and number of views."""
-    rows = rows_of(summarise_evaluation(measured.table, intervals, seed))
+    rows = rows_of(summarise_evaluation(measured.table, intervals))
     known = select(measured.table, known=True)
     named = sorted(set(owners_of(known)))
     counts = Counter(category for category, _ in named)

@@ -47,8 +47,6 @@ LARGEST_SHARE = 1.25
 """Where errors beyond their tolerance end, as a share of it."""
 
 _HALF = 0.5
-_SOLID: Literal["-"] = "-"
-_LIMIT: Literal[":"] = ":"
 _ROW, _GAP, _AROUND = 12.0, 11.0, 44.0  # units: of a series, between rows, and of axis and name
 _LEAST_ROWS = 64.0  # units, so that the name of the axis has room
 _LEGEND_LINE = 15.0
@@ -248,9 +246,6 @@ def _draw_intervals(
     start = _HALF if lowest >= _HALF else 0.0
     if chance is not None and chance >= start:
         axes.axvline(chance, color=COLOURS["ink"], linestyle="--", linewidth=1, label="chance")
-    if any(one.is_limit for one in shown):
-        label = "all objects agree: exact limit"
-        axes.plot([], [], color=COLOURS["quiet"], linestyle=_LIMIT, label=label)
     axes.set_xlim(start, 1.01)
     axes.set_yticks(range(len(names)), [textwrap.fill(name, 24) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
@@ -274,8 +269,7 @@ def _draw_series(axes: Axes, series: Series, offset: float) -> None:
     colour, mark = look(series.place)
     for y, one in rows:
         if one.low is not None and one.high is not None:
-            line = _LIMIT if one.is_limit else _SOLID
-            axes.hlines(y, one.low, one.high, colors=colour, linestyles=line)
+            axes.hlines(y, one.low, one.high, colors=colour)
     axes.plot(
         [one.mean for _, one in rows], [y for y, _ in rows], linestyle="", marker=mark, color=colour,
         mfc=series.ground or colour, label=series.label or None, clip_on=False,

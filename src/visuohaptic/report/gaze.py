@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from visuohaptic.base.errors import ReportError
-from visuohaptic.evaluation.intervals import object_intervals
+from visuohaptic.evaluation.intervals import CORRELATION, object_interval
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.wording import decimal
@@ -34,9 +34,10 @@ def gaze_sentence(path: str | Path | None) -> str:
         objects = sorted({row["object"] for row in rows})
         values = np.array([[found[name, one] for name in PREDICTORS] for one in objects], float)
         weights = np.ones(len(objects))
-        intervals = object_intervals(
-            values, weights, IntervalParameters(), np.random.default_rng(0)
-        )
+        intervals = [
+            object_interval(column, weights, IntervalParameters(), CORRELATION)
+            for column in values.T
+        ]
     except (OSError, ValueError, LookupError, TypeError) as error:
         why = " ".join(str(error).split())
         raise ReportError(

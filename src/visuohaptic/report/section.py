@@ -64,8 +64,8 @@ class ReportContext:
     @cached_property
     def evaluation(self) -> Values:
         """The model's answers for objects that it has not learnt, of this run or as kept with the package."""
-        measured, parameters = read_evaluation(self.run.file_of("evaluation")), self.run.parameters
-        return evaluation_figures(measured, parameters.recognition.intervals, parameters.seed)
+        measured = read_evaluation(self.run.file_of("evaluation"))
+        return evaluation_figures(measured, self.run.parameters.recognition.intervals)
 
     @cached_property
     def explaining(self) -> ObjectPage:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.attention.pyramid import CENTRE_LEVELS, SURROUND_OFFSETS
+from visuohaptic.evaluation.intervals import EXTRA
 from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
@@ -406,6 +407,7 @@ def methods_values(context: ReportContext) -> Values | None:
         "centre_levels": CENTRE_LEVELS,
         "surround_offsets": SURROUND_OFFSETS,
         "penetration_tolerance": PENETRATION_TOLERANCE,
+        "extra_object": EXTRA,
     }
 
 

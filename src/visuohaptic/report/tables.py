@@ -23,7 +23,7 @@ Column = Sequence[str]
 """Heading, key and format; without a format the value is written as it is."""
 
 SHARES = {"percent": share_above_interval, "points": points_above_interval}
-"""Formats of figures whose intervals may be limits."""
+"""Formats of shares and of their differences."""
 
 NUMBER = "number"
 """The format of a text that stands where numbers do."""

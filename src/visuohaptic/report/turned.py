@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.evaluation.intervals import object_interval
+from visuohaptic.evaluation.intervals import DIFFERENCE, object_interval
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure, estimate, read_json
@@ -107,9 +107,7 @@ def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRo
 def _row(fixation: TurnedCell, random: TurnedCell, intervals: IntervalParameters) -> TurnedRow:
     first, second = _numbers(fixation), _numbers(random)
     both = np.isfinite(first[0]) & np.isfinite(second[0])
-    lead = object_interval(
-        first[0, both] - second[0, both], first[1, both], intervals, np.random.default_rng(0)
-    )
+    lead = object_interval(first[0, both] - second[0, both], first[1, both], intervals, DIFFERENCE)
     return TurnedRow(
         turns=fixation.turns,
         pipeline=fixation.pipeline,
@@ -129,4 +127,4 @@ def _numbers(cell: TurnedCell) -> FloatArray:
 
 def _figure(numbers: FloatArray, intervals: IntervalParameters) -> Figure:
     accuracy, weights = numbers[:, np.isfinite(numbers[0])]
-    return estimate(object_interval(accuracy, weights, intervals, np.random.default_rng(0)))
+    return estimate(object_interval(accuracy, weights, intervals))

@@ -15,15 +15,14 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.base.atomic_files import atomic_write_text
-from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.by_object import average_by_object
 from visuohaptic.evaluation.intervals import (
     Interval,
     PairedComparison,
     compare_paired,
     holm,
+    object_interval,
     plain_interval,
-    rate_interval,
 )
 from visuohaptic.evaluation.metrics import round_numbers
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -75,17 +74,15 @@ def rows_by(rows: pa.Table, names: Sequence[str]) -> dict[tuple[Any, ...], pa.Ta
     return {key: rows.take(chosen) for key, chosen in places.items()}
 
 
-def condition_interval(cell: Cell, intervals: IntervalParameters, seed: int) -> Interval:
-    """Give a cell's accuracy; all cells have the same draws of objects, so equal ones stay equal."""
-    generator = spawn_generator(seed, "studies")
-    return rate_interval(cell.accuracy, cell.weights, intervals, generator)
+def condition_interval(cell: Cell, intervals: IntervalParameters) -> Interval:
+    """Compute a cell's mean accuracy and its interval over objects."""
+    return object_interval(cell.accuracy, cell.weights, intervals)
 
 
 def study_figures(
     study: Mapping[str, Any],
     cells: Mapping[CellKey, Cell],
     intervals: IntervalParameters,
-    seed: int,
 ) -> pa.Table:
     """Sum up a study, as `conditions.describe_study` gives it: `tables.STUDY_FIGURES`.
 
@@ -107,8 +104,8 @@ def study_figures(
                 "place": order[key[0]],
                 "recomputed": condition["recomputed"],
                 "compared_with": None if other == key[0] else other,
-                **_figures(cells[key], cells.get((other, *key[1:])), intervals, seed),
-                **paired("lead", "lead_p", compare(leader, cells[key], intervals, seed)),
+                **_figures(cells[key], cells.get((other, *key[1:])), intervals),
+                **paired("lead", "lead_p", compare(leader, cells[key], intervals)),
             }
         )
     _adjust(rows)
@@ -121,10 +118,9 @@ def make_study_figures(
     output: str | Path,
     metrics: str | Path,
     intervals: IntervalParameters,
-    seed: int,
 ) -> None:
     """Write `tables.STUDY_FIGURES` of a study, and the same numbers without seconds as JSON."""
-    table = study_figures(study, read_cells(parts), intervals, seed)
+    table = study_figures(study, read_cells(parts), intervals)
     write_table(STUDY_FIGURES, table, output)
     write_json(
         nested(table.to_pylist(), ("pipeline", "strategy", "classifier", "condition")), metrics
@@ -162,12 +158,12 @@ def average_objects(rows: pa.Table, counted: str) -> tuple[Cell, NDArray[np.floa
     return Cell(found.objects, found.accuracy, found.weights), found.share
 
 
-def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters, seed: int) -> Row:
+def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters) -> Row:
     row: Row = {"seconds": cell.seconds, "error": cell.error, "objects": len(cell.objects) or None}
     row |= dict.fromkeys(("accuracy", "low", "high", "adjusted_p"))
     if cell.error is None:
-        row |= ends("accuracy", "", condition_interval(cell, intervals, seed))
-    return row | paired("difference", "p_value", compare(cell, other, intervals, seed))
+        row |= ends("accuracy", "", condition_interval(cell, intervals))
+    return row | paired("difference", "p_value", compare(cell, other, intervals))
 
 
 def paired(name: str, p_value: str, found: PairedComparison | None) -> Row:
@@ -180,19 +176,13 @@ def compare(
     cell: Cell | None,
     other: Cell | None,
     intervals: IntervalParameters,
-    seed: int,
-    draws: Sequence[str] = ("studies", "comparison"),
 ) -> PairedComparison | None:
-    """Compare two cells in pairs; None where one is missing, they are the same, or of other objects.
-
-    Comparisons with the same `draws` resample the same objects, so that equal cells get equal intervals.
-    """
+    """Compare two cells in pairs; None where one is missing, they are the same, or of other objects."""
     if cell is None or other is None or other is cell:
         return None
     if not cell.objects or other.objects != cell.objects:
         return None
-    generator = spawn_generator(seed, *draws)
-    return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, generator)
+    return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals)
 
 
 def ends(name: str, prefix: str, interval: Interval | None) -> Row:

@@ -116,7 +116,7 @@ class Step:
     takes: tuple[str, ...] = ("blocks",)
     takes_where: Mapping[str, str] = field(default_factory=dict)
     needs: Mapping[str, Any] = field(
-        default_factory=lambda: {"include": {"seed": True, "recognition": {"intervals"}}}
+        default_factory=lambda: {"include": {"recognition": {"intervals"}}}
     )
     objects: str = "study"
     is_block: bool = False

@@ -156,11 +156,7 @@ COST = Schema(
         Column("changes", TEXT, "other parameters that differ from the run's, JSON"),
         share("error", "share of recognitions that are wrong", nullable=True),
         share("error_low", "lower end of its interval over objects", nullable=True),
-        share(
-            "error_high",
-            "upper end of its interval over objects; of no error, the exact binomial one",
-            nullable=True,
-        ),
+        share("error_high", "upper end of its interval over objects", nullable=True),
         *difference("lost", "error rate less that of the run's own setting from one viewpoint"),
         count("objects", "objects that were tested", 1, nullable=True),
         Column("failed", TEXT, "why it could not be run", nullable=True),

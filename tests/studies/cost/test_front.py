@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
-from visuohaptic.evaluation.intervals import exact_limit
+from visuohaptic.evaluation.intervals import DIFFERENCE, object_interval
 from visuohaptic.studies.cost.front import (
     error_rate,
     make_frontier,
@@ -95,14 +95,14 @@ def rows_of(touches, accuracies, times):
     return setting_rows(settings, cells, np.tile(taken[..., None, None], 8), RUN)
 
 
-LIMIT = exact_limit(12, 0.95)
+LIMIT = object_interval(np.zeros(12), np.ones(12), RUN.recognition.intervals, DIFFERENCE).high
 
 
 @pytest.mark.parametrize(
     ("own", "other", "mean", "low", "high"),
     [
         ([0.9] * 12, [0.4, 0.8] * 6, 0.3, (0.1, 0.3), (0.3, 0.5)),
-        # So many equal objects leave open that others differ.
+        # Twelve equal objects leave open that others differ.
         ([1.0] * 12, [1.0] * 12, 0, (-LIMIT, -LIMIT), (LIMIT, LIMIT)),
     ],
 )

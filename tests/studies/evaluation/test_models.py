@@ -58,7 +58,7 @@ def test_the_answers_are_those_that_the_model_gives(model, evaluated):
 
 
 def test_the_summary_is_of_shares_over_objects(evaluated):
-    one, every = summarise_evaluation(evaluated, IntervalParameters(), 1)
+    one, every = summarise_evaluation(evaluated, IntervalParameters())
     assert (one["views"], every["views"], every["stated"]) == (1, 4, 0.9)
     rows = select(evaluated, views=1)
     assert one["accuracy"][0] == pytest.approx(np.mean(rows["correct"].to_numpy()))
@@ -71,8 +71,8 @@ def test_an_object_of_a_class_that_the_model_does_not_know_is_counted_apart(mode
     found = evaluate_model(model, with_column(ALL, "class", names.combine_chunks()))
     strange = select(found, known=False).to_pylist()
     assert not any(row["correct"] or row["covered"] for row in strange)
-    figures = summarise_evaluation(found, IntervalParameters(), 1)[-1]
-    known = summarise_evaluation(select(found, known=True), IntervalParameters(), 1)[-1]
+    figures = summarise_evaluation(found, IntervalParameters())[-1]
+    known = summarise_evaluation(select(found, known=True), IntervalParameters())[-1]
     assert figures["accuracy"] == known["accuracy"]
     assert "found_unknown" in figures
 

@@ -23,7 +23,7 @@ from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.tables.schema import build_rows, names_of
 
 COST = CostParameters(budgets=(5, 12), touch_seconds=5, look_seconds=0.5)
-INTERVALS = IntervalParameters(bootstrap_samples=200)
+INTERVALS = IntervalParameters()
 TOUCHES = 2
 
 
@@ -70,7 +70,7 @@ def poor_sight(sight, answer, _strategy, touches):
 
 @pytest.fixture(scope="module")
 def found():
-    return sum_up_senses(table_of(poor_sight), COST, TOUCHES, INTERVALS, 1)
+    return sum_up_senses(table_of(poor_sight), COST, TOUCHES, INTERVALS)
 
 
 def test_accuracy_is_the_mean_over_objects_and_calibration_the_gap_of_the_tenths():

@@ -33,7 +33,6 @@ RUN = ExperimentParameters.from_mapping(
             "touches": 2,
             "order_free": {"waves": 20},
             "protocol": {"maximum_splits": 1, "folds": 2, "fold_rounds": 1},
-            "intervals": {"bootstrap_samples": 200},
         },
         "cost": {"budgets": [4, 10.5, 16]},
     }

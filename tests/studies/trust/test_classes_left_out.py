@@ -52,7 +52,7 @@ def test_sets_of_another_coverage_are_those_that_would_be_given_where_it_is_stat
 
 
 def test_unknown_objects_are_stranger_than_known_ones(measured):
-    found = summarise_trust(measured, 0.9, IntervalParameters(), 1)
+    found = summarise_trust(measured, 0.9, IntervalParameters())
     (figures,) = [one for one in found if one["views"] == 4]
     assert figures["area"] > 0.9
     assert figures["coverage"][0] > 0.7
@@ -70,7 +70,7 @@ def test_an_object_with_a_view_less_is_compared_with_the_others(category):
     of_object = (pc.field("class") == category) & (pc.field("object") == "object0")
     shown = table.filter(~(of_object & (pc.field("viewpoint") == 3)))
     found = measure_trust(shown, "fixation", "naive_bayes", PARAMETERS, 1)
-    figures = summarise_trust(found, 0.9, IntervalParameters(), 1)
+    figures = summarise_trust(found, 0.9, IntervalParameters())
     assert [one["views"] for one in figures] == [1, 4]
     assert all(np.isfinite(one["area"]) for one in figures)
 

@@ -35,7 +35,7 @@ def write_trust(folder, **columns):
     """Write the table and its figures where the workflow does."""
     table = trust_table(**columns)
     write_table(TRUST, table, folder / "results/trust.parquet")
-    found = summarise_trust(table, 0.9, IntervalParameters(), 1)
+    found = summarise_trust(table, 0.9, IntervalParameters())
     (folder / "reports").mkdir(exist_ok=True)
     write_json(found, folder / "reports/trust.json")
     return folder / "results/trust.parquet", folder / "reports/trust.json"

@@ -20,7 +20,7 @@ from visuohaptic.studies.figures import Cell
 VARIANTS = [variant for variant in all_variants() if variant.part == "recognition"]
 ON_OTHERS = [variant for variant in all_variants() if variant.part in PARTS_ON_OTHERS]
 OBJECTS = tuple(("cup", f"{place:02d}") for place in range(40))
-INTERVALS = IntervalParameters(bootstrap_samples=200, permutations=2000)
+INTERVALS = IntervalParameters(permutations=2000)
 ALL_ACQUIRED = dict.fromkeys(scored_variants(), 1.0)
 
 
@@ -38,12 +38,12 @@ def cells(accuracy, variants=VARIANTS):
 
 
 def options_of(accuracy, acquired=ALL_ACQUIRED):
-    found = choose_options(cells(accuracy, ON_OTHERS), acquired, INTERVALS, 1)
+    found = choose_options(cells(accuracy, ON_OTHERS), acquired, INTERVALS)
     return {one["choice"]: one for one in found}
 
 
 def default_of(accuracy):
-    return choose_default(cells(accuracy), INTERVALS, 1, BASE)
+    return choose_default(cells(accuracy), INTERVALS, BASE)
 
 
 def test_a_clear_winner_is_chosen():
@@ -98,7 +98,7 @@ def test_no_rule_sees_who_leads_or_touches_out_of_reach():
         key: replace(cell, accuracy=cell.accuracy + shifts.get(key[2], 0.0))
         for key, cell in held.items()
     }
-    before, after = (choose_options(one, ALL_ACQUIRED, INTERVALS, 1) for one in (held, shifted))
+    before, after = (choose_options(one, ALL_ACQUIRED, INTERVALS) for one in (held, shifted))
     assert [one["chosen"] for one in before] == [one["chosen"] for one in after]
-    first, second = (choose_default(one, INTERVALS, 1)["chosen"] for one in (held, shifted))
+    first, second = (choose_default(one, INTERVALS)["chosen"] for one in (held, shifted))
     assert first["variant"] == second["variant"]

@@ -29,7 +29,6 @@ RUN = ExperimentParameters.model_validate(
     {
         "probing": {"strategies": STRATEGIES},
         "attention": {"weights": "equal"},
-        "recognition": {"intervals": {"bootstrap_samples": 200}},
     }
 )
 OBJECTS = (3, 3, 2)

@@ -12,7 +12,7 @@ import pyarrow as pa
 from scipy.special import stdtrit
 
 from visuohaptic.base.arrays import BoolArray, FloatArray
-from visuohaptic.evaluation.intervals import Interval, PairedComparison, holm
+from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.cost.settings import ORDER, Setting, frontier_settings
@@ -91,14 +91,13 @@ def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
     if cell.error is not None:
         return {"failed": cell.error}
     wrong = replace(cell, accuracy=1 - cell.accuracy)
-    found = condition_interval(wrong, run.recognition.intervals, run.seed)
-    clipped = Interval(*np.clip([*vars(found).values()], 0, 1).tolist())
-    return {**ends("error", "error_", clipped), "objects": len(cell.objects)}
+    found = condition_interval(wrong, run.recognition.intervals)
+    return {**ends("error", "error_", found), "objects": len(cell.objects)}
 
 
 def _compare(cell: Cell | None, other: Cell, run: ExperimentParameters) -> PairedComparison | None:
-    """Compare cells of the same objects, with the draws of the error rates."""
-    return compare(cell, other, run.recognition.intervals, run.seed, draws=("studies",))
+    """Compare cells of the same objects."""
+    return compare(cell, other, run.recognition.intervals)
 
 
 def time_quantiles(times: FloatArray) -> Row:

@@ -9,8 +9,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.evaluation.intervals import plain_interval, rate_interval
+from visuohaptic.evaluation.intervals import object_interval, plain_interval
 from visuohaptic.evaluation.summary import select
 from visuohaptic.studies.figures import rows_by
 
@@ -22,7 +21,7 @@ VIEWS = (1, 4, 16)
 
 
 def sum_up_answers(
-    table: pa.Table, coverage: float, intervals: IntervalParameters, seed: int
+    table: pa.Table, coverage: float, intervals: IntervalParameters
 ) -> Iterator[tuple[dict[str, Any], pa.Table]]:
     """Give by strategy and number of views shares with intervals over objects, the sets' mean size, and the rows.
 
@@ -42,8 +41,7 @@ def sum_up_answers(
             ):
                 if len(of):
                     means, counts = _by_object(of, column)
-                    generator = spawn_generator(seed, "certainty", strategy, views, name)
-                    interval = rate_interval(means, counts, intervals, generator)
+                    interval = object_interval(means, counts, intervals)
                     figures[name] = list(plain_interval(interval).values())
             figures["set_size"] = float(np.mean(known["candidates"].to_numpy()))
             yield figures, rows

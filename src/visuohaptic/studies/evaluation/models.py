@@ -96,15 +96,13 @@ def _classify_object(
             }
 
 
-def summarise_evaluation(
-    table: pa.Table, intervals: IntervalParameters, seed: int
-) -> list[dict[str, Any]]:
+def summarise_evaluation(table: pa.Table, intervals: IntervalParameters) -> list[dict[str, Any]]:
     """Sum up `tables.EVALUATION` by strategy and number of views, as `sum_up_answers` does."""
     parts = [select(table, strategy=name) for name in table.column("strategy").unique().to_pylist()]
     return [
         figures
         for part in parts
-        for figures, _ in sum_up_answers(part, part["stated"][0].as_py(), intervals, seed)
+        for figures, _ in sum_up_answers(part, part["stated"][0].as_py(), intervals)
     ]
 
 
