@@ -89,7 +89,7 @@ def test_means_leads_and_spread_are_those_that_pandas_counts(tables):
 
 def test_the_interval_and_the_p_value_are_of_each_objects_mean_over_draws(tables):
     compared = summarise(*tables[:2], None, tables[2])["comparisons"]["paper"][SVM]["random"]
-    first = summarise(*tables[:2], None, 1)["comparisons"]["paper"][SVM]["random"]
+    first = summarise(*tables[:2])["comparisons"]["paper"][SVM]["random"]
     ends = [compared["difference"][name] for name in ("low", "high")]
     assert ends != [first["difference"][name] for name in ("low", "high")]
     assert ends[0] < compared["difference"]["mean"] < ends[1]
@@ -97,7 +97,7 @@ def test_the_interval_and_the_p_value_are_of_each_objects_mean_over_draws(tables
 
 
 def test_without_further_draws_and_for_other_cells_nothing_changes(tables):
-    alone = summarise(*tables[:2], None, 1)
+    alone = summarise(*tables[:2])
     found = summarise(*tables[:2], None, STUDY.arrow.empty_table())
     assert found == alone
     assert "draws" not in alone["results"]["paper"]["random"][SVM]
