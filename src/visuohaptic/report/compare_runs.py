@@ -127,14 +127,16 @@ def _accuracy_rows(runs: Sequence[Metrics]) -> Iterator[dict[str, object]]:
 def _difference(
     own: dict[str, tuple[float, float]], first: dict[str, tuple[float, float]]
 ) -> dict[str, object]:
-    """Compare over the objects of both."""
+    """Compare over the objects of both; runs that are equal on all of them have no interval."""
     objects = sorted(own.keys() & first.keys())
     if not objects:
         return {"objects": 0}
     before, weights = np.array([first[name] for name in objects]).T
     after = np.array([own[name][0] for name in objects])
     found = compare_paired(after, before, weights, IntervalParameters())
-    figures, p_value, count = vars(found.difference).values(), found.p_value, len(objects)
+    is_equal = np.array_equal(before, after)
+    figures = (0.0, None, None) if is_equal else vars(found.difference).values()
+    p_value, count = found.p_value, len(objects)
     return {**dict(zip(DIFFERENCE, figures, strict=True)), "p_value": p_value, "objects": count}
 
 
@@ -149,10 +151,8 @@ def write_lines(table: pd.DataFrame) -> Iterator[str]:
         yield from textwrap.wrap(line, 80, subsequent_indent="  ", break_long_words=False)
     yield from (
         "",
-        (
-            "Correctly classified (%), with 95 % intervals over objects, with the trained classifiers as they are: "
-            "without the variation of training objects."
-        ),
+        "Correctly classified (%), with 95 % intervals over objects, without the",
+        "variation of training objects:",
     )
     for (pipeline, strategy), rows in table.groupby(["pipeline", "strategy"], sort=False):
         yield from ("", f"pipeline {pipeline}, strategy {strategy}")
@@ -167,7 +167,6 @@ def _written(figures: pd.DataFrame, form: str) -> list[str]:
     texts = []
     for mean, low, high in (100 * figures.astype(float)).itertuples(index=False):
         ends = "" if math.isnan(low) else f" ({low:{form}} to {high:{form}})"
-        # Runs that are equal on every object have an interval without width.
-        text = "equal" if low == high == 0 else f"{mean:{form}}{ends}"
+        text = "equal" if mean == 0 and math.isnan(low) else f"{mean:{form}}{ends}"
         texts.append("" if math.isnan(mean) else text)
     return texts
