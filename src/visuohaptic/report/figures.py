@@ -287,9 +287,9 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         axes.plot(seconds, error, color=colour, marker=mark, markersize=7, zorder=3)
         name = str(row["setting"]).removesuffix(", 1 viewpoint")
         # The names of two families stand on different sides, as their settings may lie close to each other.
-        offset = (5, 4) if families.index(row["family"]) else (-5, -11)
+        offset = (5, 4) if families.index(row["family"]) else (6, -8)
         axes.annotate(
-            name, (seconds, error), offset, textcoords="offset points", zorder=4, ha="left" if offset[0] > 0 else "right",
+            name, (seconds, error), offset, textcoords="offset points", zorder=4,
             bbox={"facecolor": COLOURS["paper"], "edgecolor": "none", "alpha": 0.8, "pad": 0.3},
         )  # fmt: skip
 
