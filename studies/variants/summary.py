@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import get_args
 
 import visuohaptic.report
 from variants.choices import BEST_OF_PAPER
@@ -66,11 +67,13 @@ def _main_leads(rows: Sequence[Row]) -> list[Lead]:
         Lead(
             objects=objects,
             variant=one.variant,
+            opponent=opponent,
             difference=one.difference,
             low=one.low,
             high=one.high,
         )
-        for one in lead_evidence({"": rows}, BEST_OF_PAPER)
+        for opponent in get_args(Lead.model_fields["opponent"].annotation)
+        for one in lead_evidence({"": rows}, BEST_OF_PAPER, opponent)
         if one.variant != "other"
     ]
 

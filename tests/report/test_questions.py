@@ -109,19 +109,33 @@ def test_the_third_answer_asks_whether_whole_intervals_are_near(accuracies, reac
 
 
 LEADS = [
-    Lead(objects=objects, variant=variant, difference=one, low=one - 0.05, high=one + 0.05)
+    Lead(
+        objects=objects,
+        variant=variant,
+        opponent=opponent,
+        difference=one,
+        low=one - 0.05,
+        high=one + 0.05,
+    )
     for objects in (12, 130)
-    for variant, one in (("default", objects / 1000), ("literal", -0.03))
+    for variant, opponent, one in (
+        ("default", "reachable", objects / 1000),
+        ("default", "visible", -0.02),
+        ("literal", "reachable", -0.03),
+    )
 ]
 
 
 def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
-    (sentence,) = variant_sentences(VariantsSummary(verdict="no", leads=LEADS))
-    assert plain(sentence).startswith(
-        "In this run: on 130 objects the default reading leads by +13.0 points (+8.0 to +18.0), and the "
-        "most literal reading by −3.0 points"
+    first, second = map(plain, variant_sentences(VariantsSummary(verdict="no", leads=LEADS)))
+    assert first.startswith(
+        "In this run: on 130 objects, which chose the default reading, fixation leads random places in reach by "
+        "+13.0 points (+8.0 to +18.0), and random places on the side that the eye sees by −2.0 points"
     )
-    assert variant_sentences(VariantsSummary(verdict="no", leads=LEADS[:1])) == []
+    assert first.endswith("; a lead above 3.0 points and a lag beyond 7.0 are excluded.")
+    assert second.endswith("by −3.0 points (−8.0 to +2.0).")
+    assert variant_sentences(VariantsSummary(verdict="no", leads=LEADS[:2])) == []
+    assert variant_sentences(VariantsSummary(verdict="no")) == []
 
 
 def test_nothing_is_said_of_a_comparison_that_was_not_made():

@@ -243,22 +243,27 @@ def variants_sentence(variants: VariantsSummary) -> str:
 
 def variant_sentences(variants: VariantsSummary) -> list[str]:
     """Say how far fixations lead in the default and the most literal variant on the largest measured set."""
-    if not variants.leads:
-        return []
-    objects = max(lead.objects for lead in variants.leads)
+    objects = max((lead.objects for lead in variants.leads), default=0)
     found = {
-        lead.variant: with_interval(Figure(lead.difference, lead.low, lead.high), points, " points")
+        (lead.variant, lead.opponent): Figure(lead.difference, lead.low, lead.high)
         for lead in variants.leads
         if lead.objects == objects
     }
-    if set(found) != {"default", "literal"}:
+    reach, seen, literal = (
+        found.get(key)
+        for key in (("default", "reachable"), ("default", "visible"), ("literal", "reachable"))
+    )
+    if reach is None or seen is None or literal is None:
         return []
     kept = f"Kept, {variants.source.date}" if variants.source else "In this run"
-    sentence = (
-        f"{kept}: on {objects} objects the default reading leads by {found['default']}, and the most literal "
-        f"reading by {found['literal']}. These objects chose the default reading."
-    )
-    return [sentence]
+    return [
+        (
+            f"{kept}: on {objects} objects, which chose the default reading, fixation leads random places in reach by "
+            f"{with_interval(reach, points, ' points')}, and random places on the side that the eye sees by "
+            f"{with_interval(seen, points, ' points')}{_excluded(seen)}."
+        ),
+        f"The most literal reading leads random places in reach there by {with_interval(literal, points, ' points')}.",
+    ]
 
 
 def has_opponent(table: PipelineTable) -> bool:

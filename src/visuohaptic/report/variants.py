@@ -35,12 +35,16 @@ class Spread(BaseModel):
 
 
 class Lead(BaseModel):
-    """The lead of fixations over random touches in reach under one variant, as a share, with its interval over objects."""
+    """The lead of fixations over random touches under one variant, as a share, with its interval over objects.
+
+    `opponent` says where random touches are: anywhere in reach, or only on the side that the eye sees.
+    """
 
     model_config = ConfigDict(frozen=True)
 
     objects: int
     variant: Literal["default", "literal"]
+    opponent: Literal["reachable", "visible"]
     difference: float
     low: float
     high: float
