@@ -129,8 +129,8 @@ LEADS = [
 def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
     first, second = map(plain, variant_sentences(VariantsSummary(verdict="no", leads=LEADS)))
     assert first.startswith(
-        "In this run: on 130 objects, which chose the default reading, fixation leads random places in reach by "
-        "+13.0 points (+8.0 to +18.0), and random places on the side that the eye sees by −2.0 points"
+        "In this run: on 130 objects, which chose the default reading, the lead of fixation is +13.0 points "
+        "(+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
     )
     assert first.endswith("; a lead above 3.0 points and a lag beyond 7.0 are excluded.")
     assert second.endswith("by −3.0 points (−8.0 to +2.0).")

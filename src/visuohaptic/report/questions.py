@@ -258,11 +258,11 @@ def variant_sentences(variants: VariantsSummary) -> list[str]:
     kept = f"Kept, {variants.source.date}" if variants.source else "In this run"
     return [
         (
-            f"{kept}: on {objects} objects, which chose the default reading, fixation leads random places in reach by "
-            f"{with_interval(reach, points, ' points')}, and random places on the side that the eye sees by "
-            f"{with_interval(seen, points, ' points')}{_excluded(seen)}."
+            f"{kept}: on {objects} objects, which chose the default reading, the lead of fixation is "
+            f"{with_interval(reach, points, ' points')} over random places in reach, and "
+            f"{with_interval(seen, points, ' points')} over random places on the side that the eye sees{_excluded(seen)}."
         ),
-        f"The most literal reading leads random places in reach there by {with_interval(literal, points, ' points')}.",
+        f"In the most literal reading the lead over places in reach is {with_interval(literal, points, ' points')}.",
     ]
 
 
