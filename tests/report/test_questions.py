@@ -133,7 +133,7 @@ def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
         "(+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
     )
     assert first.endswith("; a lead above 3.0 points and a lag beyond 7.0 are excluded.")
-    assert second.endswith("by −3.0 points (−8.0 to +2.0).")
+    assert second.endswith("is −3.0 points (−8.0 to +2.0).")
     assert variant_sentences(VariantsSummary(verdict="no", leads=LEADS[:2])) == []
     assert variant_sentences(VariantsSummary(verdict="no")) == []
 
