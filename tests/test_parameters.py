@@ -81,8 +81,8 @@ def test_parameters_in_python_that_are_none_are_named(values, sentence):
         as_parameters(values)
 
 
-TOUCHES, FIXATIONS, RESOLUTION = (
-    "recognition.touches", "attention.fixations", "sensor.resolution",
+TOUCHES, FIXATIONS, RESOLUTION, FRAME = (
+    "recognition.touches", "attention.fixations", "sensor.resolution", "recognition.frame",
 )  # fmt: skip
 
 
@@ -92,6 +92,8 @@ TOUCHES, FIXATIONS, RESOLUTION = (
         ({TOUCHES: 8}, f"{TOUCHES} is 8 and {FIXATIONS} is 5"),
         ({TOUCHES: 5, FIXATIONS: 3}, f"{TOUCHES} is 5 and {FIXATIONS} is 3"),
         *(({RESOLUTION: side}, f"{RESOLUTION} is {side}, .* 16 dir") for side in (2, 12)),
+        ({FRAME: "none", "features.descriptor": "wavelet"}, f"{FRAME} is none, .* is wavelet"),
+        ({FRAME: "centre", "features.levels": [3, 3]}, f"{FRAME} is centre, .*levels .3, 3"),
     ],
 )
 def test_what_would_fail_is_refused_before_a_run(values, sentence):

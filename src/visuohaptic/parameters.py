@@ -20,11 +20,11 @@ from visuohaptic.fixations.parameters import (
     ViewpointParameters,
 )
 from visuohaptic.fixations.probing_parameters import ProbingParameters
-from visuohaptic.io.moved import unknown_parameter
+from visuohaptic.io.moved import moved_value, unknown_parameter
 from visuohaptic.io.plugins import load_files, load_installed
 from visuohaptic.io.yaml_files import read_yaml
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.parameters import ROLLING_FRAMES, RecognitionParameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 
@@ -34,6 +34,9 @@ MOST_VIEWPOINTS = 4096
 DIRECTIONS = 16
 IMPRINT_MULTIPLE = 8
 """What an even resolution must be a multiple of, for so many directional bands (packages/contourlets)."""
+
+DIRECTIONAL = ("contourlet", "nonsubsampled_contourlet")
+"""Descriptors whose bands, of levels [4], shift cyclically where the sensor rolls."""
 
 
 _WITHOUT_REPEATS = (
@@ -194,8 +197,8 @@ def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
 def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
     """Refuse parameters with which touching or recognition would fail: `ParameterError`, which names them.
 
-    These are imprints of which the contourlets have no bands, and sequences of more touches than fixations. A
-    study may try them all the same: its table says which conditions failed. Draws are for studies, too.
+    These are imprints of which the contourlets have no bands, sequences of more touches than fixations, and a frame
+    without the roll of the sensor for imprints without directional bands. A study may try them all the same: its table says which conditions failed. Draws are for studies, too.
     """
     found = [
         f"probing.strategies has {name}, a draw, and a run takes strategies without numbers; "
@@ -217,8 +220,25 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
             f"recognition.touches is {touches} and attention.fixations is {fixations}: a view has no "
             "more touches than fixations; lower the first or raise the second"
         )
+    found += _undirected(parameters)
     if found:
         raise ParameterError(f"{source}: {'; '.join(found)}.")
+
+
+def _undirected(parameters: ExperimentParameters) -> Iterator[str]:
+    """Find descriptors of imprints from which the roll of the sensor can't be removed, where it is unknown."""
+    own, chosen = parameters.recognition, parameters.features
+    if own.frame not in ROLLING_FRAMES or "order_free" not in own.pipelines:
+        return
+    if "contourlet" not in own.order_free.cues:
+        return
+    if chosen.descriptor not in DIRECTIONAL or chosen.levels != (4,):
+        yield (
+            f"recognition.frame is {own.frame}, in which the roll of the sensor is unknown, and "
+            f"features.descriptor is {chosen.descriptor} with levels {list(chosen.levels)}; "
+            f"{DIRECTIONS} directional bands are needed: "
+            f"{' or '.join(DIRECTIONAL)}, with levels [4]"
+        )
 
 
 def read_parameters(path: str | Path) -> ExperimentParameters:
@@ -308,4 +328,5 @@ def _sentence(problem: Mapping[str, object]) -> str:
     message = str(problem["msg"]).removeprefix("Value error, ").rstrip(".")
     if problem["type"] == "value_error":
         return f"{path}: {message}" if path else message
-    return f"{path} is {problem['input']!r}: {message[0].lower()}{message[1:]}"
+    where = moved_value(path.rstrip(".0123456789"), problem["input"])
+    return f"{path} is {problem['input']!r}: {where or message[0].lower() + message[1:]}"

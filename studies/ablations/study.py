@@ -17,8 +17,8 @@ _SKIN = ("contourlet", "imprint", "sensor")
 _POSE = ("pose", "relations", "embedding")
 _ONE_DESCRIPTOR: Changes = {"recognition.order_free.cues": ("contourlet", "sensor", *_POSE)}
 
-_AZIMUTH_FREE: Changes = {
-    "recognition.order_free.cues": (*_SKIN, "relations", "azimuth_free"),
+_VERTICAL: Changes = {
+    "recognition.frame": "vertical",
     "recognition.pipelines": ("order_free",),
 }
 
@@ -44,8 +44,8 @@ PARTS: dict[str, Changes] = {
     },
     "turned_upright": {"meshes.turns": "vertical"},
     "turned_any_way": {"meshes.turns": "any"},
-    "azimuth_free": _AZIMUTH_FREE,
-    "azimuth_free_turned_upright": {**_AZIMUTH_FREE, "meshes.turns": "vertical"},
+    "vertical_frame": _VERTICAL,
+    "vertical_frame_turned_upright": {**_VERTICAL, "meshes.turns": "vertical"},
     **{preset: {"scene.preset": preset} for preset in PRESETS},
     **{f"without_{channel}": {f"attention.weights.{channel}": 0.0} for channel in CHANNELS},
 }

@@ -135,8 +135,8 @@ def _describe(
     if not touched:
         yield from [views] * splits
         return
-    own = run.recognition.order_free
-    waves = draw_waves(own, run.seed)
+    own = run.recognition
+    waves = draw_waves(own.order_free, run.seed)
     of: NDArray[np.float64] | None = None
     for features in touched:
         if features is not of:

@@ -18,8 +18,9 @@ from touch_curves.temperature import fit_temperature
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.descriptors import LEAST_SIZE, POSE
+from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.encoding import fit_standardiser
+from visuohaptic.recognition.frames import LEAST_SIZE
 from visuohaptic.recognition.parameters import OrderFreeParameters
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
 from visuohaptic.recognition.splits import Split

@@ -56,7 +56,7 @@ def measure_trust(
         raise RecognitionError(
             f"There are {len(sequences.classes)} classes; at least three are needed to leave one out."
         )
-    described = describe_all(sequences, parameters.order_free, seed)
+    described = describe_all(sequences, parameters, seed)
     rows: list[dict[str, object]] = []
     with one_thread():
         for left_out in range(len(sequences.classes)):

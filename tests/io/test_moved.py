@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from visuohaptic.base.errors import ParameterError, PlugInError
 from visuohaptic.cli.commands import app
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.io.moved import COMMANDS, CONSTANTS, FOLDERS, PARAMETERS, STUDIES, TARGETS
+from visuohaptic.io.moved import COMMANDS, CONSTANTS, FOLDERS, PARAMETERS, STUDIES, TARGETS, VALUES
 from visuohaptic.io.plugins import load_files
 from visuohaptic.parameters import ExperimentParameters, as_parameters, leaves
 from visuohaptic.studies.conditions import with_changes
@@ -32,6 +32,15 @@ def test_an_old_parameter_is_refused_with_where_it_is_now(name):
     sentence = re.escape(f"{name} is no parameter: {PARAMETERS[name]}")
     with pytest.raises(ParameterError, match=sentence):
         as_parameters({name: 1})
+
+
+@pytest.mark.parametrize(("name", "value"), VALUES)
+def test_an_old_value_is_refused_with_where_it_is_now(name, value):
+    for given in (value, [value]):
+        with pytest.raises(ParameterError, match=re.escape(VALUES[name, value])):
+            as_parameters({name: given})
+    (parameter, allowed), *_ = re.findall(r"([\w.]+): (\w+)$", VALUES[name, value])
+    as_parameters({parameter: allowed})
 
 
 def test_a_study_refuses_an_old_parameter_and_what_an_old_section_held():

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from recognition.synthetic import PAPER_FEATURES, features_table
 
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.geometry.turning import draw_rotation
 from visuohaptic.recognition.descriptors import (
     POSE,
     describe_relations,
@@ -13,8 +11,7 @@ from visuohaptic.recognition.descriptors import (
     draw_waves,
     embed_poses,
 )
-from visuohaptic.recognition.parameters import OrderFreeParameters
-from visuohaptic.recognition.sequences import gather_sequences
+from visuohaptic.recognition.parameters import OrderFreeParameters, RecognitionParameters
 
 PARAMETERS = OrderFreeParameters()
 WAVES = draw_waves(PARAMETERS, 1)
@@ -31,7 +28,7 @@ def sequences(count=6, touches=5, seed=0):
 
 
 def describe(values, names=NAMES, parameters=PARAMETERS):
-    return describe_sequences(values, names, WAVES, parameters)
+    return describe_sequences(values, names, WAVES, RecognitionParameters(order_free=parameters))
 
 
 def test_a_row_depends_on_its_own_sequence_alone_in_any_order_of_its_touches():
@@ -51,15 +48,6 @@ def test_products_of_embeddings_tend_to_the_gaussian_kernel():
     expected = np.exp(-squares / (2 * 0.5**2))
     # A mean of 5000 terms of variance at most 1.5 is within .1 at more than five sigma.
     np.testing.assert_allclose(embedded @ embedded.T / 5000, expected, atol=0.1)
-
-
-def test_points_of_a_plane_have_no_extent_across_it_not_even_by_rounding():
-    generator = np.random.default_rng(0)
-    plane = generator.normal(size=(200, 2, 3))
-    points = np.einsum("sti,sij->stj", generator.normal(size=(200, 5, 2)), plane)
-    extents = describe_relations(points, np.broadcast_to([0.0, 1.0, 0.0], points.shape))[:, -3:]
-    assert (extents[:, 0] == 0).all()
-    assert (extents[:, 1:] > 1e-3).all()
 
 
 def test_relations_of_an_equilateral_triangle():
@@ -95,23 +83,3 @@ def test_columns_that_a_table_lacks_are_left_out_or_named():
         describe(values, POSE, OrderFreeParameters(cues=("imprint",)))
     with pytest.raises(RecognitionError, match="normal_z of the pose"):
         describe(values[..., :-1], POSE[:-1])
-
-
-def turned_poses(values, rotation):
-    """Turn positions and normals, the columns of `POSE`, of sequences of `PAPER_FEATURES`."""
-    values = values.copy()
-    for first in (len(PAPER_FEATURES) - 6, len(PAPER_FEATURES) - 3):
-        values[..., first : first + 3] = values[..., first : first + 3] @ rotation.T
-    return values
-
-
-def test_azimuth_free_descriptors_do_not_feel_a_turn_about_the_vertical():
-    table = features_table(objects=(2, 2), seed=3)
-    values = gather_sequences(table, PAPER_FEATURES, 5).features
-    parameters = OrderFreeParameters(cues=("contourlet", "relations", "azimuth_free"))
-    upright = describe(values, PAPER_FEATURES, parameters)
-    for turns, is_felt in (("vertical", False), ("any", True)):
-        turned = turned_poses(values, draw_rotation(turns, "cup/mug", seed=1))
-        change = np.abs(describe(turned, PAPER_FEATURES, parameters) - upright).max()
-        assert (change > 0.1) == is_felt
-        assert is_felt or change < 1e-9

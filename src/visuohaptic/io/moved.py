@@ -46,6 +46,11 @@ PARAMETERS = {
 }
 """Parameters and sections by dotted names."""
 
+VALUES = {
+    ("recognition.order_free.cues", "azimuth_free"): "it is now recognition.frame: vertical",
+}
+"""Values of parameters, by the parameter's dotted name and the value."""
+
 COMMANDS = {
     "compare --out": "it is now `compare --csv FILE`",
     "export --run": "it is gone, `visuohaptic export FOLDER` takes the run in the working folder",
@@ -93,3 +98,8 @@ def unknown_parameter(name: str) -> str:
     names = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
     where = next((PARAMETERS[one] for one in names if one in PARAMETERS), None)
     return f"{name} is no parameter" + (f": {where}" if where else "")
+
+
+def moved_value(name: str, value: object) -> str:
+    """Return where a value of the parameter with a dotted name is now; an empty text if the value never was one."""
+    return VALUES.get((name, value), "") if isinstance(value, str) else ""

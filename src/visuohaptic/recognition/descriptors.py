@@ -1,14 +1,13 @@
 """Descriptors of a sequence of touches, independent of their order: the input of pipeline `order_free`.
 
-Nothing here is fitted. Objects stand upright, y up, with their front along z, and
+Nothing here is fitted. In frame `full` objects stand upright, y up, with their front along z, and
 most are about left-right symmetric; the mirrored and view-invariant descriptors
-build on that.
+build on that. The other frames know less (`frames`, `roll_free`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pyarrow as pa
@@ -17,25 +16,34 @@ from numpy.typing import NDArray
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.recognition.encoding import ROUNDING
-from visuohaptic.recognition.parameters import OrderFreeParameters, RecognitionParameters
+from visuohaptic.recognition.frames import (
+    LEAST_SIZE,
+    WaveBasis,
+    central_coordinates,
+    central_relations,
+    each_pair,
+    embed,
+    embed_central,
+    embed_rigid,
+    embed_upright,
+    principal_extents,
+    rigid_coordinates,
+    rigid_relations,
+    statistics,
+    turning_relations,
+    upright_coordinates,
+)
+from visuohaptic.recognition.parameters import (
+    ROLLING_FRAMES,
+    Frame,
+    OrderFreeParameters,
+    RecognitionParameters,
+)
+from visuohaptic.recognition.roll_free import roll_free_bands, roll_free_imprint
 from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline
 from visuohaptic.tables.phases import KINESTHETIC_FEATURES
 
 POSE = KINESTHETIC_FEATURES
-LEAST_SIZE = 1e-6
-
-
-@dataclass(frozen=True)
-class WaveBasis:
-    """Plane waves over the six numbers of a pose: directions (6, w) and phases (w,), radians.
-
-    Their means over a sequence are the kernel mean embedding of its poses in a Gaussian kernel (A.
-    Rahimi and B. Recht, "Random features for large-scale kernel machines", NIPS 2007).
-    """
-
-    directions: FloatArray
-    phases: FloatArray
 
 
 def draw_waves(parameters: OrderFreeParameters, seed: int) -> WaveBasis:
@@ -47,10 +55,10 @@ def draw_waves(parameters: OrderFreeParameters, seed: int) -> WaveBasis:
 
 
 def describe_all(
-    sequences: TouchSequences, parameters: OrderFreeParameters, seed: int
+    sequences: TouchSequences, parameters: RecognitionParameters, seed: int
 ) -> FloatArray:
     """Describe s sequences with the waves that the experiment's seed draws: (s, d)."""
-    waves = draw_waves(parameters, seed)
+    waves = draw_waves(parameters.order_free, seed)
     return describe_sequences(sequences.features, sequences.feature_names, waves, parameters)
 
 
@@ -64,7 +72,7 @@ def touch_descriptors(
     features : pyarrow.Table
         Rows of `tables.FEATURES`.
     parameters : RecognitionParameters, optional
-        Cues and waves (`order_free`), and the number of touches per sequence.
+        Cues and waves (`order_free`), the known frame, and the number of touches per sequence.
     seed : int
         Draws the waves; use one seed for training and test.
 
@@ -91,47 +99,42 @@ def touch_descriptors(
     sequences = gather_pipeline(features, own, "order_free")
     owners = [sequences.objects[index] for index in sequences.object_index]
     return (
-        describe_all(sequences, own.order_free, seed),
+        describe_all(sequences, own, seed),
         np.array([category for category, _ in owners]),
         np.array([f"{category}/{name}" for category, name in owners]),
     )
 
 
 def describe_sequences(
-    features: FloatArray, names: Sequence[str], waves: WaveBasis, parameters: OrderFreeParameters
+    features: FloatArray, names: Sequence[str], waves: WaveBasis, parameters: RecognitionParameters
 ) -> FloatArray:
     """Describe sequences (s, t, k) by statistics and relations of their touches: (s, d).
 
-    The k columns `names` are the pose, and what there is of others. Raises `RecognitionError` if a
-    column of the pose is missing or no cue has a column.
+    The k columns `names` are the pose, and what there is of others. `parameters.frame` says what the
+    descriptors may know of the object's pose. Raises `RecognitionError` if a column of the pose is
+    missing, no cue has a column, or the columns do not allow the frame.
     """
     missing = [name for name in POSE if name not in names]
     if missing:
         raise RecognitionError(f"The features lack the columns {', '.join(missing)} of the pose.")
     pose = features[:, :, [list(names).index(name) for name in POSE]]
     points, normals = pose[:, :, :3], pose[:, :, 3:]
+    frame, cues = parameters.frame, parameters.order_free.cues
     makers = {
-        "contourlet": lambda: statistics(_columns(features, names, "contourlet_")),
-        "imprint": lambda: statistics(_columns(features, names, "imprint_")),
+        "contourlet": lambda: statistics(_describe_bands(features, names, frame)),
+        "imprint": lambda: statistics(_describe_imprint(features, names, frame)),
         "sensor": lambda: _describe_sensor(features, names),
-        "pose": lambda: statistics(pose_coordinates(points, normals)),
-        "relations": lambda: describe_relations(points, normals),
-        "embedding": lambda: embed_poses(points, normals, waves),
-        "azimuth_free": lambda: _describe_azimuth_free(points, normals, waves),
+        "pose": lambda: statistics(COORDINATES[frame](points, normals)),
+        "relations": lambda: RELATIONS[frame](points, normals),
+        "embedding": lambda: EMBEDDINGS[frame](points, normals, waves),
     }
-    described = np.concatenate([makers[cue]() for cue in parameters.cues], axis=1)
+    described = np.concatenate([makers[cue]() for cue in cues], axis=1)
     if not described.shape[1]:
         raise RecognitionError(
-            f"The features have no column for the cues {', '.join(parameters.cues)}; "
+            f"The features have no column for the cues {', '.join(cues)}; "
             f"pose, relations and embedding need none but the pose."
         )
     return described
-
-
-def statistics(values: FloatArray) -> FloatArray:
-    """Give mean, standard deviation, minimum and maximum over touches: (s, t, k) to (s, 4 k)."""
-    parts = (values.mean(axis=1), values.std(axis=1), values.min(axis=1), values.max(axis=1))
-    return np.concatenate(parts, axis=1)
 
 
 def pose_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
@@ -153,62 +156,71 @@ def pose_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
     )
 
 
-def azimuth_free_coordinates(
-    points: FloatArray, normals: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Turn touches (s, t, 3) about the upright axis into the plane of x and y, on one side."""
-    axial = np.hypot(points[..., 0], points[..., 2])
-    way = points[..., ::2] / np.maximum(axial, LEAST_SIZE)[..., None]
-    away = (way * normals[..., ::2]).sum(axis=-1)
-    around = np.abs(way[..., 0] * normals[..., 2] - way[..., 1] * normals[..., 0])
-    placed = np.stack([axial, points[..., 1], np.zeros_like(axial)], axis=-1)
-    return placed, np.stack([away, normals[..., 1], around], axis=-1)
-
-
-def _describe_azimuth_free(points: FloatArray, normals: FloatArray, waves: WaveBasis) -> FloatArray:
-    placed, turned = azimuth_free_coordinates(points, normals)
-    coordinates = np.concatenate([placed[..., :2], turned], axis=-1)
-    embedded = embed_poses(placed, turned, waves)
-    return np.concatenate([statistics(coordinates), embedded], axis=1)
-
-
 def describe_relations(points: FloatArray, normals: FloatArray) -> FloatArray:
     """Describe how the touches of a sequence lie to one another, of (s, t, 3) each: (s, 27).
 
     Statistics over all pairs of touches, then the three principal extents of the points. A single
     touch has no pair, and zeros.
     """
-    touches = points.shape[1]
-    centred = points - points.mean(axis=1, keepdims=True)
-    scatter = np.einsum("sti,stj->sij", centred, centred) / touches
-    squares = np.linalg.eigvalsh(scatter)
-    # Of points in a plane the least is rounding, whose root is far larger.
-    squares[squares <= ROUNDING * squares[:, -1:]] = 0.0
-    extents = np.sqrt(squares)
-    if touches == 1:
-        return np.zeros((len(points), 27))
-    first, second = np.triu_indices(touches, 1)
-    step = points[:, second] - points[:, first]
-    distance = np.linalg.norm(step, axis=-1)
-    along = step / np.maximum(distance, LEAST_SIZE)[..., None]
-    leaving = (normals[:, first] * along).sum(axis=-1)
-    arriving = (normals[:, second] * along).sum(axis=-1)
-    pairs = [
-        distance,
-        np.abs(step[..., 1]),
-        np.hypot(step[..., 0], step[..., 2]),
-        (normals[:, first] * normals[:, second]).sum(axis=-1),
-        arriving - leaving,
-        np.abs(arriving + leaving),
+    pairs = each_pair(points, normals)
+    values = [
+        pairs.distance,
+        np.abs(pairs.step[..., 1]),
+        np.hypot(pairs.step[..., 0], pairs.step[..., 2]),
+        pairs.agreement,
+        pairs.arriving - pairs.leaving,
+        np.abs(pairs.arriving + pairs.leaving),
     ]
-    return np.concatenate([statistics(np.stack(pairs, axis=-1)), extents], axis=1)
+    described = statistics(np.stack(values, axis=-1))
+    return np.concatenate([described, principal_extents(points)], axis=1)
+
+
+def upright_relations(points: FloatArray, normals: FloatArray) -> FloatArray:
+    """Compute `describe_relations` and the turns about the vertical from touch to touch: (s, 39)."""
+    return np.concatenate([describe_relations(points, normals), turning_relations(points)], axis=1)
 
 
 def embed_poses(points: FloatArray, normals: FloatArray, waves: WaveBasis) -> FloatArray:
-    """Give the mean of each wave over a sequence's poses, left and right alike: (s, t, 3) to (s, w)."""
+    """Compute the mean of each wave over a sequence's poses, left and right alike: (s, t, 3) to (s, w)."""
     pose = np.concatenate([points, normals], axis=-1)
     pose[..., [0, 3]] = np.abs(pose[..., [0, 3]])
-    return np.sqrt(2) * np.cos(pose @ waves.directions + waves.phases).mean(axis=1)
+    return embed(pose, waves)
+
+
+COORDINATES: Mapping[Frame, Callable[[FloatArray, FloatArray], FloatArray]] = {
+    "none": rigid_coordinates,
+    "centre": central_coordinates,
+    "vertical": upright_coordinates,
+    "full": pose_coordinates,
+}
+"""Coordinates of each touch that a frame knows, of points and normals."""
+
+RELATIONS: Mapping[Frame, Callable[[FloatArray, FloatArray], FloatArray]] = {
+    "none": rigid_relations,
+    "centre": central_relations,
+    "vertical": upright_relations,
+    "full": describe_relations,
+}
+"""Relations of the touches to one another that a frame knows."""
+
+EMBEDDINGS: Mapping[Frame, Callable[[FloatArray, FloatArray, WaveBasis], FloatArray]] = {
+    "none": embed_rigid,
+    "centre": embed_central,
+    "vertical": embed_upright,
+    "full": embed_poses,
+}
+"""Kernel mean embeddings of what a frame knows of touches and of pairs of touches."""
+
+
+def _describe_bands(features: FloatArray, names: Sequence[str], frame: Frame) -> FloatArray:
+    bands = _columns(features, names, "contourlet_")
+    return roll_free_bands(bands) if frame in ROLLING_FRAMES else bands
+
+
+def _describe_imprint(features: FloatArray, names: Sequence[str], frame: Frame) -> FloatArray:
+    if frame in ROLLING_FRAMES:
+        return roll_free_imprint(features, names)
+    return _columns(features, names, "imprint_")
 
 
 def _columns(features: FloatArray, names: Sequence[str], prefix: str) -> FloatArray:

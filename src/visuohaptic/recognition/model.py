@@ -18,23 +18,26 @@ from visuohaptic.base.errors import RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.certainty import Certainty, fit_certainty
 from visuohaptic.recognition.classifiers import ClassifierName
-from visuohaptic.recognition.descriptors import WaveBasis, describe_sequences, draw_waves
+from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import one_thread, seeded
-from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.frames import WaveBasis
+from visuohaptic.recognition.parameters import ROLLING_FRAMES, RecognitionParameters
 from visuohaptic.recognition.pipelines import (
     fit_calibrated,
     log_probabilities,
     pipeline_of,
     pooled_log_probabilities,
 )
+from visuohaptic.recognition.roll_free import check_directions
 from visuohaptic.recognition.sequences import (
+    filled_bands,
     first_touches,
     gather_any,
     gather_pipeline,
     spread_contact_states,
 )
 from visuohaptic.recognition.splits import check_two_classes
-from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.phases import CONTOURLET_FEATURES, FEATURES
 from visuohaptic.tables.schema import known_columns
 
 
@@ -163,6 +166,8 @@ class RecognitionModel:
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is classified from one touch on.")
         parts = gather_any(spread_contact_states(features), self.feature_names, self.touches)
+        if self._needs_directions:
+            check_directions(len(filled_bands(features)))
         if self.pipeline == "paper":  # wavelet levels need whole sequences
             parts = [part for part in parts if part.shape[1] == self.touches]
         if self.parameters.order == "shuffled":
@@ -175,12 +180,20 @@ class RecognitionModel:
             )
         return self._describe(parts)
 
+    @property
+    def _needs_directions(self) -> bool:
+        """Whether a descriptor takes the bands of an imprint as directions, whose order a roll shifts."""
+        own = self.parameters
+        is_rolling = self.pipeline == "order_free" and own.frame in ROLLING_FRAMES
+        has_bands = CONTOURLET_FEATURES[0] in self.feature_names
+        return is_rolling and has_bands and "contourlet" in own.order_free.cues
+
     def _describe(self, parts: Sequence[FloatArray]) -> FloatArray:
         if self.waves is None:
             return np.concatenate(parts)
-        own = self.parameters.order_free
         described = [
-            describe_sequences(part, self.feature_names, self.waves, own) for part in parts
+            describe_sequences(part, self.feature_names, self.waves, self.parameters)
+            for part in parts
         ]
         return np.concatenate(described)
 

@@ -13,8 +13,14 @@ from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.maps import MAPS
 
-Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding", "azimuth_free"]
+Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding"]
 """Groups of descriptors: what the skin tells, what the sensor does, where it is."""
+
+Frame = Literal["none", "centre", "vertical", "full"]
+"""What is known of the object's frame, from nothing to everything."""
+
+ROLLING_FRAMES: tuple[Frame, ...] = ("none", "centre")
+"""Frames in which the roll of the sensor is unknown: the roll is upright, so it follows the vertical."""
 
 ExtensionMode = Literal[
     "symmetric",
@@ -149,11 +155,13 @@ class OrderFreeParameters(Section):
     cues: tuple[Cue, ...] = Field(
         ("contourlet", "imprint", "sensor", "pose", "relations", "embedding"),
         min_length=1,
-        description="Groups of descriptors; a group whose columns a table lacks is left out; `azimuth_free` "
-        "replaces `pose` and `embedding` where objects are upright and turned in unknown ways",
+        description="Groups of descriptors; a group whose columns a table lacks is left out",
     )
     waves: int = Field(
-        300, ge=1, le=5000, description="Random waves of the kernel mean embedding of the poses"
+        300,
+        ge=1,
+        le=5000,
+        description="Random waves of each kernel mean embedding, of the poses and of their pairs",
     )
     wave_length: float = Field(
         0.35,
@@ -189,6 +197,12 @@ class RecognitionParameters(Section):
         ("cutaneous", "kinesthetic"),
         min_length=1,
         description="What is known of a touch: what the skin feels, and where it is (pipeline `paper`)",
+    )
+    frame: Frame = Field(
+        "full",
+        description="What the descriptors may know of the object's pose (pipeline `order_free`); `none`: "
+        "nothing, descriptors are the same for all rotations and translations; `centre`: the object's "
+        "centre; `vertical`: centre and vertical, but no azimuth; `full`: the whole pose",
     )
     touches: int | None = Field(
         5,

@@ -120,7 +120,7 @@ class OrderFreePipeline:
 
     def rows(self, sequences: TouchSequences) -> FloatArray:
         """Compute the descriptors of sequences: (s, d)."""
-        return describe_all(sequences, self.parameters.order_free, self.seed)
+        return describe_all(sequences, self.parameters, self.seed)
 
     def seeds(self, generator: np.random.Generator) -> dict[str, int]:
         """Return an independent seed per classifier."""

@@ -74,7 +74,7 @@ def gather_pipeline(
     features, left_out = whole_sequences(features, parameters.touches)
     for sentence in left_out:
         logger.warning(sentence)
-    bands = _filled_bands(features)
+    bands = filled_bands(features)
     if pipeline == "paper":
         names = bands if "cutaneous" in parameters.cues else []
         names = [*names, *(KINESTHETIC_FEATURES if "kinesthetic" in parameters.cues else ())]
@@ -94,7 +94,7 @@ def gather_pipeline(
     return sequences if parameters.order == "kept" else shuffle_touches(sequences, seed)
 
 
-def _filled_bands(features: pa.Table) -> list[str]:
+def filled_bands(features: pa.Table) -> list[str]:
     """Return the columns ``contourlet_…`` that the descriptor of the imprint fills; the others are 0."""
     present = [name for name in CONTOURLET_FEATURES if name in features.column_names]
     # A band can be 0 by chance; only the bands after the last filled band do not belong to the descriptor.

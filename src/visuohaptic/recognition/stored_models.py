@@ -16,7 +16,7 @@ from sklearn.svm import SVC
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition.certainty import Certainty, Reference
-from visuohaptic.recognition.descriptors import WaveBasis
+from visuohaptic.recognition.frames import WaveBasis
 from visuohaptic.recognition.model import RecognitionModel
 from visuohaptic.recognition.parameters import RecognitionParameters
 

@@ -36,7 +36,7 @@ def answer(sequences, *described, count=1):
 @pytest.fixture(scope="module")
 def answered():
     sequences = sequences_of(4, 4, 4)
-    described = describe_all(sequences, PARAMETERS.order_free, SEED)
+    described = describe_all(sequences, PARAMETERS, SEED)
     # In a second condition of the test, descriptors are nowhere near those of training.
     strange = described + 50 * described.std(axis=0) * np.sin(np.arange(described.shape[1]))
     return sequences, *answer(sequences, described, strange, count=3)

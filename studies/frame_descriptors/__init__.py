@@ -1,0 +1,1 @@
+"""Which descriptors of touches serve an object of unknown pose best."""

@@ -1,0 +1,109 @@
+"""Families of descriptors of touches that no rotation or translation of all touches changes.
+
+Points and normals have the shape (s, t, 3): s sequences of t touches, in object radii and as unit
+vectors.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from visuohaptic.recognition.frames import (
+    LEAST_SIZE,
+    WaveBasis,
+    both_ways,
+    embed,
+    embed_rigid,
+    rigid_coordinates,
+    statistics,
+)
+
+Array = NDArray[np.float64]
+
+KERNEL_WIDTHS = (0.175, 0.35, 0.7)
+"""Widths of Gaussian kernels between points (object radii)."""
+
+POWERS = (2, 3, 4)
+"""Powers of kernel matrices whose traces describe their spectra."""
+
+
+def pair_waves(points: Array, normals: Array, waves: WaveBasis) -> Array:
+    """Embed the point pair features of all pairs of touches: (s, w)."""
+    return embed_rigid(points, normals, waves)
+
+
+def local_frames(points: Array, normals: Array, waves: WaveBasis) -> Array:
+    """Describe each touch in the local reference frames of all others: (s, 24 + w).
+
+    The frame of a touch has its normal as first axis, and as second axis the way, in the tangent
+    plane, to the mean of the other touches. Frames of one normal are those of spin images (A. Johnson
+    and M. Hebert, PAMI 1999); a second axis from the neighbours is that of SHOT (F. Tombari et al.,
+    ECCV 2010). Along the third axis only sizes count, so a mirrored object is described alike.
+    """
+    touches = points.shape[1]
+    others = (points.sum(axis=1, keepdims=True) - points) / max(touches - 1, 1)
+    ways = others - points
+    level = ways - (ways * normals).sum(axis=-1, keepdims=True) * normals
+    second = level / np.maximum(np.linalg.norm(level, axis=-1, keepdims=True), LEAST_SIZE)
+    third = np.cross(normals, second)
+    pairs = both_ways(points, normals)
+    seen = [pairs.step, normals[:, pairs.second]]
+    local = [
+        (vectors * axes[:, pairs.first]).sum(axis=-1)
+        for vectors in seen
+        for axes in (normals, second, third)
+    ]
+    coordinates = np.stack(local, axis=-1)
+    coordinates[..., [2, 5]] = np.abs(coordinates[..., [2, 5]])
+    return np.concatenate([statistics(coordinates), embed(coordinates, waves)], axis=1)
+
+
+def spectral_moments(points: Array, normals: Array, waves: WaveBasis) -> Array:  # noqa: ARG001 - as all families
+    """Describe the touches of a sequence by moments and spectra of the whole set: (s, 34).
+
+    Statistics of `rigid_coordinates`; eigenvalues of the normals' second moment, length of their mean;
+    trace and singular values of the moment of points and normals; traces of powers of kernel matrices
+    between touches, without and with the cosine between normals.
+    """
+    touches = points.shape[1]
+    centred = points - points.mean(axis=1, keepdims=True)
+    second = np.einsum("sti,stj->sij", normals, normals) / touches
+    mixed = np.einsum("sti,stj->sij", centred, normals) / touches
+    parts = [
+        statistics(rigid_coordinates(points, normals)),
+        np.linalg.eigvalsh(second),
+        np.linalg.norm(normals.mean(axis=1), axis=-1, keepdims=True),
+        np.einsum("sii->s", mixed)[:, None],
+        np.linalg.svd(mixed, compute_uv=False),
+    ]
+    squares = np.square(points[:, :, None] - points[:, None]).sum(axis=-1)
+    cosines = np.einsum("sik,sjk->sij", normals, normals)
+    for width in KERNEL_WIDTHS:
+        kernel = np.exp(-squares / (2 * width**2))
+        for matrices in (kernel, kernel * cosines):
+            powers = [np.linalg.matrix_power(matrices / touches, power) for power in POWERS]
+            parts += [np.einsum("sii->s", matrix)[:, None] for matrix in powers]
+    return np.concatenate(parts, axis=1)
+
+
+def triples(points: Array, normals: Array, waves: WaveBasis) -> Array:
+    """Describe the triangles of all triples of touches: (s, 28 + w).
+
+    Sides by length, area, the mean cosine of the normals to the triangle's own normal and the mean of
+    its size, and the size of the triple product of the normals; without three touches zeros.
+    """
+    index = np.array(list(combinations(range(points.shape[1]), 3)), dtype=np.int64).reshape(-1, 3)
+    corners, own = points[:, index], normals[:, index]
+    edges = np.roll(corners, -1, axis=2) - corners
+    sides = np.sort(np.linalg.norm(edges, axis=-1), axis=-1)
+    across = np.cross(edges[:, :, 0], edges[:, :, 1])
+    double = np.linalg.norm(across, axis=-1, keepdims=True)
+    facing = np.einsum("sptk,spk->spt", own, across / np.maximum(double, LEAST_SIZE))
+    product = np.einsum("spk,spk->sp", np.cross(own[:, :, 0], own[:, :, 1]), own[:, :, 2])
+    cosines = [np.abs(facing.mean(axis=-1)), np.abs(facing).mean(axis=-1), np.abs(product)]
+    coordinates = np.concatenate([sides, np.stack(cosines, axis=-1)], axis=-1)
+    described = statistics(np.concatenate([coordinates, double / 2], axis=-1))
+    return np.concatenate([described, embed(coordinates, waves)], axis=1)
