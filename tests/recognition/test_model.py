@@ -69,10 +69,10 @@ class Mischief:
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (skops.io.dumps({"format": Mischief()}), "UntrustedTypes.*Mischief"),
+        (skops.io.dumps({"format": Mischief()}), "Untrusted types .*Mischief"),
         (pickle.dumps(Mischief()), "is no complete"),
         (skops.io.dumps({"format": "something else"}), "is a 'something else'"),
-        (skops.io.dumps({"format": FORMAT}), "KeyError.*description"),
+        (skops.io.dumps({"format": FORMAT}), "'description' is missing"),
         (None, "is no complete"),
     ],
 )

@@ -3,9 +3,11 @@
 import numpy as np
 import pandas as pd
 import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from visuohaptic.base.errors import TableError
+from visuohaptic.tables import schema
 from visuohaptic.tables.phases import FIXATIONS
 from visuohaptic.tables.schema import (
     build_table,
@@ -87,6 +89,20 @@ def test_a_refused_table_leaves_the_old_file_as_it_was(tmp_path):
         write_table(FIXATIONS, pa.concat_tables([good, good]), path)
     assert path.read_bytes() == before
     assert [file.name for file in tmp_path.iterdir()] == ["mug.parquet"]
+
+
+def test_a_file_that_declares_too_many_values_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    path = tmp_path / "fixations.parquet"
+    write_table(FIXATIONS, build_table(FIXATIONS, fixation_columns()), path)
+    values = 5 * len(FIXATIONS.columns)
+    monkeypatch.setattr(schema, "MOST_VALUES", values)
+    assert read_table(FIXATIONS, path).num_rows == 5
+    monkeypatch.setattr(schema, "MOST_VALUES", values - 1)
+    monkeypatch.setattr(pq.ParquetFile, "read", None)
+    with pytest.raises(
+        TableError, match=f"declares {values} values in 5 rows; at most {values - 1}"
+    ):
+        read_table(FIXATIONS, path)
 
 
 def test_half_a_file_and_no_file_are_named(tmp_path):

@@ -71,6 +71,9 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
         unfinished.write_bytes(content)
 
 
+_WAY_OUT = "Train the model again with `snakemake -j2 model_all`."
+
+
 def load_model(path: str | Path) -> RecognitionModel:
     """Read a model that `save_model` wrote; a file that would bring code of its own is refused.
 
@@ -82,10 +85,17 @@ def load_model(path: str | Path) -> RecognitionModel:
         model.check()
     except Exception as error:
         raise RecognitionError(
-            f"{path} is no complete {FORMAT!r}, or its parts don't belong together; train it again "
-            f"({type(error).__name__}: {error})."
+            f"{path} is no complete {FORMAT!r}, or its parts don't belong together ({_reason(error)}). {_WAY_OUT}"
         ) from error
     return model
+
+
+def _reason(error: Exception) -> str:
+    """Say in a few words why a file could not be read."""
+    said = " ".join(str(error).split())
+    if isinstance(error, KeyError):
+        return f"{said} is missing"
+    return said.rstrip(".") or "it holds other values than a model"
 
 
 def _read(path: Path) -> RecognitionModel:

@@ -41,7 +41,7 @@ def gaze_sentence(path: str | Path | None) -> str:
     except (OSError, ValueError, LookupError, TypeError) as error:
         why = " ".join(str(error).split())
         raise ReportError(
-            f"{path} holds no table of agreement with gaze ({why}); restore or delete it."
+            f"{path} holds no table of agreement with gaze ({why}); make gaze writes one."
         ) from error
     equal, fitted = (with_interval(estimate(one), decimal) for one in intervals)
     return (

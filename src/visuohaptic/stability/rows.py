@@ -46,7 +46,7 @@ def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
         except (OSError, KeyError, pa.ArrowInvalid) as error:
             rows = []
             sentences.append(
-                f"{path} can't be read as a table of checks ({error}); delete it and run again."
+                f"{path} can't be read as a table of checks ({error}): make verify says which steps make it again."
             )
         sentences += [_sentence(row) for row in rows if not _held(row)]
     return sentences

@@ -18,6 +18,9 @@ import pyarrow.parquet as pq
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import TableError
 
+MOST_VALUES = 500_000_000
+"""A file with more numbers and texts is refused: Parquet holds equal values in few bytes, and memory does not."""
+
 _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
 
@@ -350,9 +353,24 @@ def _parquet_files(paths: Sequence[str | Path]) -> list[Path]:
     return files
 
 
+def _check_values(file: Path, stored: pq.FileMetaData) -> None:
+    """Refuse a file whose values, unpacked, would not fit into memory."""
+    groups = map(stored.row_group, range(stored.num_row_groups))
+    values = sum(
+        group.column(place).num_values for group in groups for place in range(group.num_columns)
+    )
+    if values > MOST_VALUES:
+        raise TableError(
+            f"{file} declares {values:,} values in {stored.num_rows:,} rows; at most {MOST_VALUES:,} "
+            "values are allowed in a file."
+        )
+
+
 def _read_part(schema: Schema, file: Path) -> pa.Table:
     try:
-        part = pq.ParquetFile(file).read()
+        stored = pq.ParquetFile(file)
+        _check_values(file, stored.metadata)
+        part = stored.read()
     except FileNotFoundError as error:
         raise TableError(f"table {schema.name}: there is no file {file}.") from error
     except (OSError, pa.ArrowException) as error:
