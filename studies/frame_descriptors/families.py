@@ -15,9 +15,9 @@ from visuohaptic.recognition.frames import (
     LEAST_SIZE,
     WaveBasis,
     both_ways,
+    central_coordinates,
     embed,
     embed_rigid,
-    rigid_coordinates,
     statistics,
 )
 
@@ -64,7 +64,7 @@ def local_frames(points: Array, normals: Array, waves: WaveBasis) -> Array:
 def spectral_moments(points: Array, normals: Array, waves: WaveBasis) -> Array:  # noqa: ARG001 - as all families
     """Describe the touches of a sequence by moments and spectra of the whole set: (s, 34).
 
-    Statistics of `rigid_coordinates`; eigenvalues of the normals' second moment, length of their mean;
+    Statistics of `central_coordinates` about the mean of the points; eigenvalues of the normals' second moment, length of their mean;
     trace and singular values of the moment of points and normals; traces of powers of kernel matrices
     between touches, without and with the cosine between normals.
     """
@@ -73,7 +73,7 @@ def spectral_moments(points: Array, normals: Array, waves: WaveBasis) -> Array: 
     second = np.einsum("sti,stj->sij", normals, normals) / touches
     mixed = np.einsum("sti,stj->sij", centred, normals) / touches
     parts = [
-        statistics(rigid_coordinates(points, normals)),
+        statistics(central_coordinates(centred, normals)),
         np.linalg.eigvalsh(second),
         np.linalg.norm(normals.mean(axis=1), axis=-1, keepdims=True),
         np.einsum("sii->s", mixed)[:, None],

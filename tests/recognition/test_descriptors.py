@@ -79,7 +79,7 @@ def test_cues_choose_their_columns():
 def test_columns_that_a_table_lacks_are_left_out_or_named():
     values = sequences()[..., 4:]
     assert np.isfinite(describe(values, POSE)).all()
-    with pytest.raises(RecognitionError, match="no column for the cues imprint"):
+    with pytest.raises(RecognitionError, match="no descriptor of the cues imprint in frame full"):
         describe(values, POSE, OrderFreeParameters(cues=("imprint",)))
     with pytest.raises(RecognitionError, match="normal_z of the pose"):
         describe(values[..., :-1], POSE[:-1])

@@ -135,6 +135,11 @@ def test_the_number_of_descriptors_is_the_same_for_any_number_of_touches(frame):
     assert len(counts) == 1
 
 
+def test_a_touch_by_itself_has_no_pose_without_a_frame():
+    with pytest.raises(RecognitionError, match="no descriptor of the cues pose in frame none"):
+        describe(*drawn(5), "none", cues=("pose",))
+
+
 @pytest.mark.parametrize("frame", FRAMES)
 def test_a_row_is_the_same_bit_for_bit_beside_other_sequences_and_in_blocks(frame, monkeypatch):
     points, normals = drawn(5, count=40)

@@ -131,8 +131,8 @@ def describe_sequences(
     described = np.concatenate([makers[cue]() for cue in cues], axis=1)
     if not described.shape[1]:
         raise RecognitionError(
-            f"The features have no column for the cues {', '.join(cues)}; "
-            f"pose, relations and embedding need none but the pose."
+            f"There is no descriptor of the cues {', '.join(cues)} in frame {frame}: the features lack "
+            f"their columns, or the frame knows nothing of them; relations and embedding need only the pose."
         )
     return described
 

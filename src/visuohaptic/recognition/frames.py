@@ -120,9 +120,9 @@ def central_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
     return np.stack([radius, outward], axis=-1)
 
 
-def rigid_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
-    """Compute `central_coordinates` about the mean of the sequence's points: (s, t, 2)."""
-    return central_coordinates(points - points.mean(axis=1, keepdims=True), normals)
+def rigid_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:  # noqa: ARG001 - as all frames
+    """Return no coordinates, (s, t, 0): without a frame a touch has none by itself."""
+    return points[..., :0]
 
 
 def upright_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
