@@ -3,10 +3,11 @@
 import json
 
 import pytest
+from report.pages import plain
 
 from visuohaptic.base.errors import ReportError
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.turned import POSES, read_turned, turned_rows
+from visuohaptic.report.turned import POSES, TurnedSet, read_turned, turned_rows, turned_sentence
 
 
 def cell(turns, strategy, accuracy, pipeline="paper"):
@@ -47,6 +48,16 @@ def test_rows_are_weighted_means_and_leads_over_the_objects_of_both_strategies(t
     assert second.lead.mean == pytest.approx((-0.25 + 0.75) / 4)
     assert (second.objects, second.draws) == (2, 5)
     assert second.lead.low < second.lead.mean < second.lead.high
+
+
+def test_the_leads_are_said_pose_by_pose():
+    kept = TurnedSet.model_validate(KEPT["paper"])
+    said = plain(turned_sentence(kept, IntervalParameters()))
+    assert said.startswith(
+        "Kept, 2026-11-26: on 2 objects the lead over random places in reach is +12.5 points ("
+    )
+    assert said.endswith(") where they are turned in any way.")
+    assert turned_sentence(kept, IntervalParameters(), "another") == ""
 
 
 def test_a_damaged_file_is_named(tmp_path):

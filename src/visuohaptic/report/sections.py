@@ -14,7 +14,7 @@ from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.parameters import Protocol
+from visuohaptic.recognition.parameters import IntervalParameters, Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
 from visuohaptic.report.draws import kept_sentence, read_draws
@@ -53,7 +53,7 @@ from visuohaptic.report.stability import (
     stability_answer,
 )
 from visuohaptic.report.studies import names_of_own_studies, read_study
-from visuohaptic.report.turned import POSES, read_turned, turned_rows
+from visuohaptic.report.turned import POSES, read_turned, turned_rows, turned_sentence
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
@@ -155,6 +155,14 @@ def answer_values(context: ReportContext) -> Values:
     }
 
 
+def turned_leads(intervals: IntervalParameters) -> list[str]:
+    """Say how far fixation leads on turned objects of the largest kept set."""
+    kept = read_turned()
+    largest = max(kept.values(), key=lambda one: len(one.objects), default=None)
+    found = turned_sentence(largest, intervals) if largest else ""
+    return [found] if found else []
+
+
 def kept_turned(run: Run) -> Values | None:
     """Return the kept table of turned objects of the run's set; None where none are kept."""
     kept = read_turned().get(run.parameters.meshes.set)
@@ -190,7 +198,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
             ),
             accuracy,
         )
-        beside = variant_sentences(context.variants)
+        beside = [*variant_sentences(context.variants), *turned_leads(recognition.intervals)]
         lead = recount_lead(run, compared)
         yield fixation_answer(run.pipelines, context.variants, beside), lead
         yield reproduction_answer(first), accuracy

@@ -17,7 +17,8 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.evaluation.intervals import DIFFERENCE, object_interval
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure, estimate, read_json
+from visuohaptic.report.estimates import Figure, estimate, read_json, with_interval
+from visuohaptic.report.wording import counted, listed, points
 
 KEPT = "turned.json"
 
@@ -102,6 +103,20 @@ def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRo
             if fixation is not None and random is not None:
                 rows.append(_row(fixation, random, intervals))
     return rows
+
+
+def turned_sentence(kept: TurnedSet, intervals: IntervalParameters, pipeline: str = "paper") -> str:
+    """Say how far fixation leads random touches in reach by the pose of the objects, in one pipeline; empty if not kept."""
+    rows = [row for row in turned_rows(kept, intervals) if row.pipeline == pipeline]
+    if not rows:
+        return ""
+    leads = [
+        f"{with_interval(row.lead, points, ' points')} where they are {row.pose}" for row in rows
+    ]
+    return (
+        f"Kept, {kept.date}: on {counted(rows[0].objects, 'object')} the lead over random places in reach is "
+        f"{listed(leads)}."
+    )
 
 
 def _row(fixation: TurnedCell, random: TurnedCell, intervals: IntervalParameters) -> TurnedRow:
