@@ -72,5 +72,5 @@ def read_variants(path: Path | None = None) -> VariantsSummary:
         path,
         lambda found: VariantsSummary.model_validate(found["report"]),
         "has no summary of the variants",
-        "run `snakemake -j2 variants_all` again, or delete the file",
+        "run `snakemake -j2 variants_all` again",
     )
