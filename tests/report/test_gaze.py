@@ -38,6 +38,7 @@ def test_without_a_table_there_is_no_sentence_and_another_table_is_refused(tmp_p
     (tmp_path / "text.parquet").write_text("no table")
     for path in (tmp_path / "text.parquet", written(tmp_path, ROWS)):
         with pytest.raises(
-            ReportError, match=rf"{path.name} holds no table of agreement with gaze"
+            ReportError,
+            match=rf"{path.name} holds no table of agreement with gaze .*; `git checkout .* restores",
         ):
             gaze_sentence(path)

@@ -71,9 +71,6 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
         unfinished.write_bytes(content)
 
 
-_WAY_OUT = "Train the model again with `snakemake -j2 model_all`."
-
-
 def load_model(path: str | Path) -> RecognitionModel:
     """Read a model that `save_model` wrote; a file that would bring code of its own is refused.
 
@@ -85,17 +82,25 @@ def load_model(path: str | Path) -> RecognitionModel:
         model.check()
     except Exception as error:
         raise RecognitionError(
-            f"{path} is no complete {FORMAT!r}, or its parts don't belong together ({_reason(error)}). {_WAY_OUT}"
+            f"{path} is no complete {FORMAT!r}, or its parts don't belong together: {_reason_of(error)}; "
+            "train it again."
         ) from error
     return model
 
 
-def _reason(error: Exception) -> str:
-    """Say in a few words why a file could not be read."""
-    said = " ".join(str(error).split())
-    if isinstance(error, KeyError):
-        return f"{said} is missing"
-    return said.rstrip(".") or "it holds other values than a model"
+def _reason_of(error: Exception) -> str:
+    """Return in plain words why a file is no model."""
+    match error:
+        case FileNotFoundError():
+            return "there is no such file"
+        case OSError(strerror=str(reason)):
+            return f"the file can't be opened ({reason})"
+        case zipfile.BadZipFile():
+            return "the file is damaged or of another kind"
+        case KeyError(args=(name,)):
+            return f"{name!r} is missing"
+        case _:
+            return str(error).rstrip(".") or "its content is of another kind"
 
 
 def _read(path: Path) -> RecognitionModel:
@@ -105,7 +110,10 @@ def _read(path: Path) -> RecognitionModel:
         raise RecognitionError(
             f"it unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are allowed"
         )
-    state = skops.io.loads(path.read_bytes(), trusted=list(TRUSTED))
+    content = path.read_bytes()
+    if unsafe := {*skops.io.get_untrusted_types(data=content)} - {*TRUSTED}:
+        raise RecognitionError(f"it needs {', '.join(sorted(unsafe))}, and such code is not run")
+    state = skops.io.loads(content, trusted=list(TRUSTED))
     if state["format"] != FORMAT:
         raise RecognitionError(f"it is a {state['format']!r}")
     description = json.loads(state["description"])

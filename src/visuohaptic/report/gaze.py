@@ -6,13 +6,13 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet as pq
 
-from visuohaptic.base.errors import ReportError
+from visuohaptic.base.errors import ReportError, TableError
 from visuohaptic.evaluation.intervals import CORRELATION, object_interval
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.wording import decimal
+from visuohaptic.tables.schema import open_parquet
 
 PREDICTORS = ("equal", "chosen")
 """Equal weights of all channels; weights of the channels and terms that were chosen on other objects."""
@@ -27,7 +27,7 @@ def gaze_sentence(path: str | Path | None) -> str:
     if path is None:
         return ""
     try:
-        table = pq.read_table(path)
+        table = open_parquet(path).read()
         date = json.loads(table.schema.metadata[b"origin"])["date"]
         rows = [row for row in table.to_pylist() if row["part"] == "training"]
         found = {(row["predictor"], row["object"]): row["correlation"] for row in rows}
@@ -38,10 +38,11 @@ def gaze_sentence(path: str | Path | None) -> str:
             object_interval(column, weights, IntervalParameters(), CORRELATION)
             for column in values.T
         ]
-    except (OSError, ValueError, LookupError, TypeError) as error:
-        why = " ".join(str(error).split())
+    except (OSError, TableError, ValueError, LookupError, TypeError) as error:
+        why = " ".join(str(error).split()).rstrip(".")
         raise ReportError(
-            f"{path} holds no table of agreement with gaze ({why}); make gaze writes one."
+            f"{path} holds no table of agreement with gaze ({why}); "
+            f"`git checkout {path}` restores the kept one."
         ) from error
     equal, fitted = (with_interval(estimate(one), decimal) for one in intervals)
     return (

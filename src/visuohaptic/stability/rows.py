@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
+from visuohaptic.base.errors import TableError
 from visuohaptic.stability.findings import Result
 from visuohaptic.tables.phases import owner_columns
-from visuohaptic.tables.schema import build_rows
+from visuohaptic.tables.schema import build_rows, open_parquet
 from visuohaptic.tables.stability import STABILITY
 
 
@@ -42,11 +42,12 @@ def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
     sentences = []
     for path in paths:
         try:
-            rows = pq.ParquetFile(path).read().to_pylist()
-        except (OSError, KeyError, pa.ArrowInvalid) as error:
+            rows = open_parquet(path).read().to_pylist()
+        except (OSError, TableError, pa.ArrowInvalid) as error:
             rows = []
             sentences.append(
-                f"{path} can't be read as a table of checks ({error}): make verify says which steps make it again."
+                f"{path} can't be read as a table of checks ({str(error).rstrip('.')}); run "
+                f"`snakemake -j2 --force {path}` to write it again."
             )
         sentences += [_sentence(row) for row in rows if not _held(row)]
     return sentences

@@ -18,8 +18,8 @@ import pyarrow.parquet as pq
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import TableError
 
-MOST_VALUES = 500_000_000
-"""A file with more numbers and texts is refused: Parquet holds equal values in few bytes, and memory does not."""
+MOST_VALUES = 200_000_000
+"""Values of one Parquet file, all columns and lists counted; a short file may claim any number."""
 
 _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
@@ -353,30 +353,39 @@ def _parquet_files(paths: Sequence[str | Path]) -> list[Path]:
     return files
 
 
-def _check_values(file: Path, stored: pq.FileMetaData) -> None:
-    """Refuse a file whose values, unpacked, would not fit into memory."""
-    groups = map(stored.row_group, range(stored.num_row_groups))
+def open_parquet(file: str | Path) -> pq.ParquetFile:
+    """Open a Parquet file, of which only the metadata is read.
+
+    Raises `TableError` if there is no such file, or it is no Parquet, or it has more than
+    `MOST_VALUES` values.
+    """
+    try:
+        opened = pq.ParquetFile(file)
+    except FileNotFoundError as error:
+        raise TableError(f"there is no file {file}.") from error
+    except (OSError, pa.ArrowException) as error:
+        raise TableError(f"{file} can't be read as Parquet: {_one_line(error)}.") from error
+    groups = [opened.metadata.row_group(group) for group in range(opened.num_row_groups)]
     values = sum(
-        group.column(place).num_values for group in groups for place in range(group.num_columns)
+        group.column(column).num_values for group in groups for column in range(group.num_columns)
     )
     if values > MOST_VALUES:
         raise TableError(
-            f"{file} declares {values:,} values in {stored.num_rows:,} rows; at most {MOST_VALUES:,} "
-            "values are allowed in a file."
+            f"{file} has {opened.metadata.num_rows} rows with {values} values; {MOST_VALUES} values "
+            "are allowed."
         )
+    return opened
 
 
 def _read_part(schema: Schema, file: Path) -> pa.Table:
+    opened = open_parquet(file)
+    # Columns that the table does not have must not take memory.
+    if opened.schema_arrow.names != schema.arrow.names:
+        raise TableError(
+            f"{file} has the columns {_signature(opened.schema_arrow)}; table {schema.name} has {_signature(schema.arrow)}."
+        )
     try:
-        stored = pq.ParquetFile(file)
-        _check_values(file, stored.metadata)
-        part = stored.read()
-    except FileNotFoundError as error:
-        raise TableError(f"table {schema.name}: there is no file {file}.") from error
+        part = opened.read()
     except (OSError, pa.ArrowException) as error:
         raise TableError(f"{file} can't be read as Parquet: {_one_line(error)}.") from error
-    if part.schema.names != schema.arrow.names:
-        raise TableError(
-            f"{file} has the columns {_signature(part.schema)}; table {schema.name} has {_signature(schema.arrow)}."
-        )
     return known_columns(schema, part)
