@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
 from filling import fill_page, table
@@ -26,7 +27,8 @@ def blocks() -> dict[str, str]:
     sources = ", ".join(
         f"{name}: commit {one.commit[:12]}, {one.date}" for name, one in kept.items()
     )
-    return {"turned": f"{table(HEADS, rows)}\n\nMeasured once and kept; {sources}."}
+    source = textwrap.fill(f"Measured once and kept; {sources}.", 100, break_on_hyphens=False)
+    return {"turned": f"{table(HEADS, rows)}\n\n{source}"}
 
 
 def _cells(row: TurnedRow) -> list[object]:
