@@ -213,6 +213,24 @@ def test_a_page_shows_the_figures_that_are_kept(script, run_script):
         assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in text, f"run {script}"
 
 
+@pytest.mark.parametrize("study", ["draws", "turned"])
+def test_the_page_of_a_study_shows_what_the_library_keeps(study, run_script):
+    made = run_script(f"studies/{study}/make_page")
+    for block, content in made["blocks"]().items():
+        assert f"<!-- {block} -->\n{content}\n<!-- /{block} -->" in made["PAGE"].read_text()
+
+
+def test_the_readme_shows_the_kept_accuracies_of_turned_objects(run_script):
+    content = run_script("docs/make_readme")["turned_table"]()
+    text = (ROOT / "README.md").read_text()
+    assert f"<!-- turned -->\n{content}\n<!-- /turned -->" in text
+    page = (ROOT / "studies/turned/README.md").read_text()
+    shown = re.findall(r"(\d+\.\d) % \((\d+\.\d)–(\d+\.\d)\)", content)
+    assert len(shown) == 12
+    for mean, low, high in shown:
+        assert f"| {mean} % ({low} % to {high} %) |" in page
+
+
 def test_leads_that_the_claims_repeat_have_the_intervals_of_their_tables():
     text = (ROOT / "docs" / "claims.md").read_text().replace("+0.0", "0.0")
     first = next(line for line in text.splitlines() if line.startswith("| Fixations guide touch"))
