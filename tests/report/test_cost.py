@@ -61,11 +61,11 @@ def test_the_answer_goes_by_the_clock_of_a_robot():
     assert answer.number == "4.6 s"
     said = plain(answer.sentence)
     assert said.startswith(
-        "for an error rate of 40.0 % (20.0 % to 90.0 %) (eye fixations, 1 touch, "
+        "is the quickest recognition, with an error rate of 40.0 % (20.0 % to 90.0 %) (eye fixations, 1"
     )
     assert "takes 21 s (eye fixations, 5 touches, pipeline order_free)" in said
     assert said.endswith(
-        "4 s per touch and 0.5 s per look, which are assumed, and the computing, 10 ms to 150 ms."
+        "4 s per touch and 0.5 s per look, both assumed, and 10 ms to 150 ms of computing."
     )
     rows[0]["error"] = 0.0
     answer = cost_answer(rows, CostParameters())

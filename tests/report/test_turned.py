@@ -54,7 +54,7 @@ def test_the_leads_are_said_pose_by_pose():
     kept = TurnedSet.model_validate(KEPT["paper"])
     said = plain(turned_sentence(kept, IntervalParameters()))
     assert said.startswith(
-        "Kept, 2026-11-26: on 2 objects the lead over random places in reach is +12.5 points ("
+        "Measured on 2026-11-26, on 2 objects: the lead over random places in reach is +12.5 points ("
     )
     assert said.endswith(") where they are turned in any way.")
     assert turned_sentence(kept, IntervalParameters(), "another") == ""

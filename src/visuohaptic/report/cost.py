@@ -111,15 +111,15 @@ def cost_answer(rows: Sequence[Row], cost: CostParameters) -> Answer | None:
     lowest = (
         "no slower setting has a lower error rate"
         if first is last
-        else f"the lowest, {_error(last)}, takes {duration(last['seconds'])} ({_described(last)})"
+        else f"the lowest error rate, {_error(last)}, takes {duration(last['seconds'])} ({_described(last)})"
     )
     return Answer(
         "What does accuracy cost in time?",
         "",
         duration(first["seconds"]),
-        f"for an error rate of {_error(first)} ({_described(first)}); {lowest}. The clock is a robot's: {cost.touch_seconds:g} s per touch and "
-        f"{cost.look_seconds:g} s per look, which are assumed, and the computing, "
-        f"{duration(computing[0])} to {duration(computing[-1])}.",
+        f"is the quickest recognition, with an error rate of {_error(first)} ({_described(first)}); {lowest}. The times "
+        f"are a robot's: {cost.touch_seconds:g} s per touch and {cost.look_seconds:g} s per look, both assumed, and "
+        f"{duration(computing[0])} to {duration(computing[-1])} of computing.",
         "cost",
         rule="The quickest and the most accurate of the settings that no other setting beats in both time and error "
         "rate. In brackets: intervals over objects.",
@@ -250,4 +250,4 @@ def _all_touches(row: Mapping[str, Any]) -> int:
 
 
 def _named(row: Row) -> str:
-    return f"{strategy_name(row['family'])}, {row['setting']}"
+    return f"{strategy_name(row['family'])}, {row['setting']}".removesuffix(", 1 viewpoint")

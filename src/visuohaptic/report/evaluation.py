@@ -41,9 +41,10 @@ def odd_sentence(figures: Row) -> str:
         key=lambda one: int(one["views"]),
     )
     return (
-        f"Kept, {source.date}: of {figures['objects']} odd objects of the same classes, pipeline order_free classifies "
-        f"{percent(row['accuracy'].mean, 0)} correctly from {counted(row['views'], 'view')}, and sets that state "
-        f"{percent(row['stated'], 0)} hold the class of {percent(row['coverage'].mean, 0)}."
+        f"Measured on {source.date}: of {figures['objects']} untypical objects of the same classes (set odd) pipeline "
+        f"order_free classifies {percent(row['accuracy'].mean, 0)} correctly from {counted(row['views'], 'view')}. Its "
+        f"prediction sets should hold the true class of {percent(row['stated'], 0)}, and hold that of "
+        f"{percent(row['coverage'].mean, 0)}."
     )
 
 

@@ -103,7 +103,7 @@ def recognition_answer(
     elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
         finding = "No"
     others = [
-        f"{with_interval(figure, percent)} by {pipeline_name(table.name)}"
+        f"{with_interval(figure, percent)} by our own {pipeline_name(table.name)}"
         for table, figure in zip(tables[1:], found[1:], strict=True)
     ]
     first = tables[0]
@@ -144,8 +144,8 @@ def fixation_answer(
         "Does it help to touch where the eye would fixate?",
         _lead_finding(main.difference, main.objects),
         with_interval(main.difference, points, " points"),
-        f"of accuracy above random touches in reach{_over_draws(main)}, {pipeline_name(first.name)}, default reading "
-        f"of the paper{_excluded(main.difference)}.{''.join(further)}",
+        f"is the lead in accuracy over touches at random places that the sensor can reach{_over_draws(main)}, in "
+        f"{pipeline_name(first.name)}{_excluded(main.difference)}.{''.join(further)}",
         "comparison",
         beside=tuple(beside),
         rule=f"By the rule for all variants of the paper (studies/variants): {variants.verdict}, "
@@ -158,7 +158,7 @@ def _lead_finding(lead: Figure, objects: int) -> str:
         return "Yes, on these objects"
     if lead.high is not None and lead.high < 0:
         return "No, on these objects random touches lead"
-    return f"{counted(objects, 'object')} cannot tell"
+    return f"Not settled by {counted(objects, 'object')}"
 
 
 def _excluded(lead: Figure) -> str:
@@ -166,7 +166,7 @@ def _excluded(lead: Figure) -> str:
     if lead.low is None or lead.high is None or not lead.low <= 0 <= lead.high:
         return ""
     return (
-        f"; a lead above {points(lead.high).lstrip('+')} points and a lag beyond "
+        f"; leads above {points(lead.high).lstrip('+')} points and lags beyond "
         f"{points(-lead.low).lstrip('+')} are excluded"
     )
 
@@ -176,7 +176,9 @@ def _over_draws(compared: Comparison) -> str:
     if compared.draws is None:
         return ""
     spread = percent_points(compared.draws.standard_deviation)
-    return f" (mean of {compared.draws.count} draws of their places; a draw moves it by ±{spread})"
+    return (
+        f" (mean of {compared.draws.count} draws of the places; a single draw varies by ±{spread})"
+    )
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:
@@ -201,17 +203,18 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         number = with_interval(here, percent)
         against = f"here, {percent(published, 2)} published ({row.name}). "
     margin = f"{100 * MARGIN:.0f} points"
-    finding = "Not shown"
+    finding = "Not settled"
     if within == len(gaps):
         finding = f"Yes, within {margin}"
     elif outside:
-        finding = f"{outside} of {len(gaps)} accuracies differ by more than {margin}"
+        finding = f"No for {outside} of {len(gaps)} accuracies"
     return Answer(
         "Is the paper reproduced?",
         finding,
         number,
-        f"{against}Of {len(gaps)} published accuracies, {within} lie within {margin} of ours, {outside} lie "
-        f"farther away, and {len(gaps) - within - outside} may do either by our intervals. The objects are others.",
+        f"{against}Of {len(gaps)} published accuracies {outside} lie more than {margin} from our whole intervals, "
+        f"{within} within {margin}, and {len(gaps) - within - outside} are not settled. Our objects are not those of "
+        "the paper.",
         "comparison",
         rule=f"Rule: a published accuracy is found again if the whole interval here lies within {margin} of it. "
         "A wide interval that contains it shows nothing.",
@@ -255,14 +258,17 @@ def variant_sentences(variants: VariantsSummary) -> list[str]:
     )
     if reach is None or seen is None or literal is None:
         return []
-    kept = f"Kept, {variants.source.date}" if variants.source else "In this run"
+    when = f"Measured on {variants.source.date}" if variants.source else "In this run"
     return [
         (
-            f"{kept}: on {objects} objects, which chose the default reading, the lead of fixation is "
-            f"{with_interval(reach, points, ' points')} over random places in reach, and "
-            f"{with_interval(seen, points, ' points')} over random places on the side that the eye sees{_excluded(seen)}."
+            f"{when}, on the {objects} objects by which the paper's open steps were settled, which may raise it: the "
+            f"lead is {with_interval(reach, points, ' points')} over random places in reach, and "
+            f"{with_interval(seen, points, ' points')} over random places on the side that the eye sees."
         ),
-        f"In the most literal reading the lead over places in reach is {with_interval(literal, points, ' points')}.",
+        (
+            f"If the paper is read most literally, the lead there is {with_interval(literal, points, ' points')} over "
+            "random places in reach."
+        ),
     ]
 
 

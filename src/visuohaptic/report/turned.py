@@ -114,7 +114,7 @@ def turned_sentence(kept: TurnedSet, intervals: IntervalParameters, pipeline: st
         f"{with_interval(row.lead, points, ' points')} where they are {row.pose}" for row in rows
     ]
     return (
-        f"Kept, {kept.date}: on {counted(rows[0].objects, 'object')} the lead over random places in reach is "
+        f"Measured on {kept.date}, on {counted(rows[0].objects, 'object')}: the lead over random places in reach is "
         f"{listed(leads)}."
     )
 
