@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.turning import rotation_matrices
-from visuohaptic.meshes.collada_document import ColladaDocument, Look, integers, numbers, tag
+from visuohaptic.meshes.collada_document import (
+    ColladaDocument,
+    Look,
+    integers,
+    numbers,
+    parse_collada,
+    tag,
+)
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_parts
 from visuohaptic.meshes.parts import Paint, Part
@@ -69,7 +76,9 @@ def read_collada(data: bytes, companions: Companions) -> list[Part]:
     and morph targets are applied as the nodes stand. Raises `MeshError`, with the reason only, if the
     file is broken, shows too much, or uses what is not read.
     """
-    document = ColladaDocument(data, companions)
+    root = parse_collada(data)
+    del data
+    document = ColladaDocument(root, companions)
     companions.up_axis = document.up_axis
     shown, worlds = _scene(document)
     return [part for one in shown for part in _parts(document, one, worlds)]
@@ -177,8 +186,13 @@ def _size(document: ColladaDocument, instance: Any, place: str) -> tuple[int, in
     """Return how many primitives an instance shows, and how many corners at most."""
     geometry, _ = _geometry(document, instance, place)
     primitives = list(geometry.iter(*(f"{{*}}{kind}" for kind in _SURFACES)))
-    texts = [one.text or "" for primitive in primitives for one in primitive.iterfind("{*}p")]
-    return len(primitives), _CORNERS_A_NUMBER * sum(text.count(" ") + 1 for text in texts)
+    # One text at a time: a primitive's is as large as its part of the file.
+    counts = (
+        (one.text or "").count(" ") + 1
+        for primitive in primitives
+        for one in primitive.iterfind("{*}p")
+    )
+    return len(primitives), _CORNERS_A_NUMBER * sum(counts)
 
 
 def _geometry(document: ColladaDocument, instance: Any, place: str) -> tuple[Any, list[Any]]:

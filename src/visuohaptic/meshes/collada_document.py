@@ -52,6 +52,19 @@ class Look:
     coordinates: str = ""
 
 
+def parse_collada(data: bytes) -> Any:
+    """Return the root of a COLLADA file, an ``lxml`` element.
+
+    Raises `MeshError`, with the reason only, if it is other XML or an archive.
+    """
+    if is_zipfile(io.BytesIO(data)):
+        raise MeshError("it is a zip archive; unpack it first")
+    root = parse_xml(data)
+    if tag(root) != "COLLADA":
+        raise MeshError(f"it begins with {tag(root)[:_LONGEST_SHOWN]!r}; COLLADA is needed")
+    return root
+
+
 class ColladaDocument:
     """A COLLADA file whose entries are checked when they are used.
 
@@ -63,14 +76,8 @@ class ColladaDocument:
         The files beside it.
     """
 
-    def __init__(self, data: bytes, companions: Companions) -> None:
-        if is_zipfile(io.BytesIO(data)):
-            raise MeshError("it is a zip archive; unpack it first")
-        self.root = parse_xml(data)
-        if tag(self.root) != "COLLADA":
-            raise MeshError(
-                f"it begins with {tag(self.root)[:_LONGEST_SHOWN]!r}; COLLADA is needed"
-            )
+    def __init__(self, root: Any, companions: Companions) -> None:
+        self.root = root
         elements = sum(1 for element in self.root.iter() if tag(element) != "p")
         if elements > MOST_ELEMENTS:
             raise MeshError(f"it has {elements} elements; {MOST_ELEMENTS} are allowed")

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import IntArray
 
+_AT_ONCE = 1 << 16  # faces
+
 
 def as_bytes(colours: NDArray[Any]) -> NDArray[np.uint8]:
     """Return colours (n, 3) as uint8, by the range that their largest number tells.
@@ -32,4 +34,8 @@ def mean_of_corners(colours: NDArray[np.uint8] | None, faces: IntArray) -> NDArr
     """Compute colours (f, 3) of faces (f, 3) from those of vertices (v, 3); None stays None."""
     if colours is None:
         return None
-    return np.rint(colours[faces].mean(axis=1)).astype(np.uint8)
+    means = np.empty((len(faces), 3), dtype=np.uint8)
+    for start in range(0, len(faces), _AT_ONCE):
+        block = slice(start, start + _AT_ONCE)
+        means[block] = np.rint(colours[faces[block]].mean(axis=1))
+    return means

@@ -312,6 +312,7 @@ class _Primitive:
             raise MeshError(f"{self.place} is of mode {str(mode)[:9]}; 0 to 6 are allowed")
         if len(corners) < 3:
             return np.zeros((0, 3), dtype=np.int64)
+        corners = corners.astype(np.int64)
         return strip_faces(corners) if mode == _STRIP else fan_faces(corners)
 
     def _corners(self) -> IntArray:
@@ -321,7 +322,7 @@ class _Primitive:
         stored = self.document.stored(self.described["indices"], f"indices of {self.place}", 1)
         if stored.dtype.kind != "u":
             raise MeshError(f"{self.place} has indices of {stored.dtype}; unsigned ones are needed")
-        corners = stored[:, 0].astype(np.int64)
+        corners = stored[:, 0]
         try:
             check_corners(corners, count)
         except MeshError as error:

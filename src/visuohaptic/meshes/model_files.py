@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import io
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -41,6 +42,7 @@ PACKED = ".ply.gz"
 
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae", "stl")
 _MOST_MISSING = 5
+_BLOCK_BYTES = 1 << 20
 
 
 def read_mesh(
@@ -78,7 +80,7 @@ def read_mesh(
         stream: Any = source
         kind = _kind_of(stream, file_type)
         return read_data(_read_bounded(stream, name, largest_megabytes), kind, name, Companions())
-    return _surface(lambda: parts_in_memory(source), name, "a mesh", Companions())
+    return _surface([source], parts_in_memory, name, "a mesh", Companions())
 
 
 def name_of(source: Source) -> str:
@@ -101,15 +103,26 @@ def read_data(data: bytes, kind: str, name: str, companions: Companions) -> Surf
     kind = kind.lower()
     if kind in _TEXT_KINDS:
         data = data.removeprefix(codecs.BOM_UTF8)
-    return _surface(lambda: _READERS[kind](data, companions), name, kind.upper(), companions)
+    held = [data]
+    # The reader's own name for the content is the only one, so that the reader can free it.
+    del data
+    reader = _READERS[kind]
+    return _surface(
+        held, lambda content: reader(content, companions), name, kind.upper(), companions
+    )
 
 
 def _surface(
-    read: Callable[[], Sequence[Part]], name: str, kind: str, companions: Companions
+    held: list[Any],
+    read: Callable[[Any], Sequence[Part]],
+    name: str,
+    kind: str,
+    companions: Companions,
 ) -> Surface:
+    """Return the surface of the parts of a content, which is taken out of `held`."""
     # A parser fed with a broken file may fail in any way.
     try:
-        surface = join_parts(read())
+        surface = join_parts(read(held.pop()))
     except Exception as error:
         raise MeshError(f"{name} can't be read as {kind}: {_reason_of(error)}.") from error
     return replace(surface, notes=_notes(name, companions), up_axis=companions.up_axis)
@@ -138,10 +151,10 @@ def _read_path(path: Path, name: str, largest_megabytes: float) -> Surface:
         raise MeshError(f"{name} {why}")
     try:
         with path.open("rb") as stream:
-            data = _read_bounded(stream, name, largest_megabytes)
+            held = [_read_bounded(stream, name, largest_megabytes)]
     except OSError as error:
         raise MeshError(f"{name} can't be read: {error.strerror}.") from error
-    return read_data(data, path.suffix[1:], name, FolderCompanions(path))
+    return read_data(held.pop(), path.suffix[1:], name, FolderCompanions(path))
 
 
 def _kind_of(stream: Any, file_type: str | None) -> str:
@@ -161,12 +174,16 @@ def _kind_of(stream: Any, file_type: str | None) -> str:
 
 
 def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> bytes:
-    data = stream.read(int(largest_megabytes * 1e6) + 1)
-    if not isinstance(data, bytes):
-        raise MeshError(f'{name} gives text; open it with mode "rb".')
+    # A stream that is asked for many bytes takes their memory before it reads any.
+    content, left = io.BytesIO(), int(largest_megabytes * 1e6) + 1
+    while left and (block := stream.read(min(left, _BLOCK_BYTES))):
+        if not isinstance(block, bytes):
+            raise MeshError(f'{name} gives text; open it with mode "rb".')
+        left -= content.write(block)
+    data = content.getvalue()
     if not data:
         raise MeshError(f"{name} is empty.")
-    if len(data) > largest_megabytes * 1e6:
+    if not left:
         raise MeshError(
             f"{name} has more than {largest_megabytes:g} MB, which are allowed "
             "(meshes.largest_megabytes)."

@@ -47,6 +47,7 @@ def read_obj(data: bytes, companions: Companions) -> list[Part]:
     data = as_utf_8(data)
     check_lines(data)
     said = read_statements(data)
+    del data
     check_parts(len(said.polygons), "materials")
     materials = read_libraries(said.libraries, companions)
     _note_what_is_not_read(said, materials, companions)
@@ -118,6 +119,7 @@ def _parts(
     faces = np.empty(triangles.shape, dtype=np.int64)
     for start in range(0, len(faces), _AT_ONCE):
         faces[start : start + _AT_ONCE] = corners[triangles[start : start + _AT_ONCE]]
+    del corners
     plain = Part(vertices.points, faces, _face_colours(faces, material, vertices.colours))
     image_map = material.image_map
     if image_map is None:

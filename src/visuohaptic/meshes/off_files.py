@@ -14,7 +14,7 @@ from visuohaptic.meshes.colours import as_bytes, mean_of_corners
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines
 from visuohaptic.meshes.parts import GREY, Part
-from visuohaptic.meshes.polygons import check_corners, triangulate
+from visuohaptic.meshes.polygons import check_corners, named_triangles
 from visuohaptic.meshes.text_numbers import numbers_of, plain_lines
 
 # ModelNet has files whose counts follow the keyword without a blank.
@@ -74,13 +74,12 @@ def read_off(data: bytes, companions: Companions) -> list[Part]:
     faces = _read_faces(header, numbers[rows.size :], _behind(widths, rows.size))
     points = np.ascontiguousarray(rows[:, :3])
     check_corners(faces.corners, len(points))
-    triangles, owners = triangulate(points, faces.corners, faces.counts)
-    named = faces.corners[triangles]
+    named, owners = named_triangles(points, faces.corners, faces.counts)
     colours = mean_of_corners(_vertex_colours(header, rows), named)
     if faces.coloured.any():
         of_faces = as_bytes(faces.colours)[owners]
         others = np.array(GREY, np.uint8) if colours is None else colours
-        colours = np.where(faces.coloured[owners, None], of_faces, others)
+        colours = np.where(faces.coloured[owners][:, None], of_faces, others)
     if header.places:
         companions.notes.append("has coordinates on an image that OFF can't name")
     return [Part(points, named, colours)]

@@ -48,7 +48,12 @@ def join_parts(parts: Sequence[Part]) -> Surface:
     Raises `MeshError`, with the reason only, if there are no faces, an array has another shape, a
     face names no vertex, or an image can't be read.
     """
-    shown = [_without_unnamed(part) for part in parts if len(part.faces)]
+    waiting = [part for part in parts if len(part.faces)][::-1]
+    # Parts may be views of the file's content, which is freed with the last one.
+    del parts
+    shown = []
+    while waiting:
+        shown.append(_without_unnamed(waiting.pop()))
     if not shown:
         raise MeshError("it has no faces; triangles or polygons are needed")
     starts = np.cumsum([0, *(len(part.vertices) for part in shown[:-1])])
@@ -74,7 +79,7 @@ def _without_unnamed(part: Part) -> Part:
         if array.ndim != 2 or array.shape[1] != 3:
             raise MeshError(f"{what} have the shape {array.shape}; (n, 3) is needed")
     # An index too high would name a vertex of the next part.
-    check_corners(faces.ravel(), len(vertices))
+    check_corners(faces, len(vertices))
     named = np.zeros(len(vertices), dtype=bool)
     named[faces] = True
     if not named.all():

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import re
-import tempfile
-import warnings
 from collections.abc import Iterator
-from contextlib import suppress
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from plyfile import PlyData, PlyElement, PlyElementParseError, PlyListProperty
+from plyfile import PlyData, PlyElement, PlyListProperty
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
-from visuohaptic.geometry.ply_header import LONGEST, PlyHeader, check_ply_size, read_ply_header
+from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 from visuohaptic.meshes.colours import as_bytes, mean_of_corners
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines, check_parts
 from visuohaptic.meshes.parts import GREY, Paint, Part
+from visuohaptic.meshes.ply_tables import decoded, read_tables
 from visuohaptic.meshes.polygons import check_corners, triangulate
 from visuohaptic.meshes.text_numbers import plain_lines
 
@@ -33,7 +31,6 @@ _COLOURS = (
 )
 _STRIPS = "tristrips"
 _IMAGE = re.compile(r"comment\s+TextureFile\s+(.*\S)", re.IGNORECASE)
-_MEANT = re.compile(r"\s*(?:ply|format|element|property)\b")
 _MOST_BLANK_LINES = 100_000
 
 
@@ -53,7 +50,7 @@ def read_ply(data: bytes, companions: Companions) -> list[Part]:
         lines = data.count(b"\n", header.length)
         if lines > header.rows + _MOST_BLANK_LINES:
             raise MeshError(f"its header claims {header.rows} rows, and {lines} lines follow")
-    tables = _read_tables(data, header)
+    tables = read_tables(data, header)
     if "vertex" not in tables:
         return []
     vertex = tables["vertex"]
@@ -70,7 +67,7 @@ class _Images:
     """The images that a header names, which are opened once coordinates on them are there."""
 
     def __init__(self, header: bytes, companions: Companions) -> None:
-        lines = _decoded(header).splitlines()
+        lines = decoded(header).splitlines()
         self.names = [found[1] for line in lines if (found := _IMAGE.fullmatch(line.strip()))]
         self._companions = companions
         check_parts(len(self.names), "images")
@@ -98,17 +95,15 @@ def _faces(tables: PlyData, points: FloatArray, images: _Images) -> Iterator[Par
     name = None if face is None else _name_of_corners(face)
     if face is None or name is None:
         return
-    corners, counts = _lists(face.data[name])
-    if corners.dtype.kind == "f":
-        corners = _whole(corners)
-    check_corners(corners, len(points))
-    triangles, owners = triangulate(points, corners, counts)
-    named = corners.reshape(-1, 3) if (counts == 3).all() else corners[triangles]
+    named, owners = _named_triangles(face.data[name], points)
     numbers = np.zeros(len(face.data), dtype=np.int64)
     if "texnumber" in face.data.dtype.names:
         numbers = np.nan_to_num(face.data["texnumber"], nan=-1).astype(np.int64)
     places = _places(tables["vertex"], named)
     if _PLACES in face.data.dtype.names:
+        corners, counts = _lists(face.data[name])
+        corners = _whole(corners)
+        triangles, owners = triangulate(points, corners, counts)
         values, lengths = _lists(face.data[_PLACES])
         whole = lengths == 2 * counts
         numbers = np.where(whole, numbers, -1)
@@ -120,6 +115,20 @@ def _faces(tables: PlyData, points: FloatArray, images: _Images) -> Iterator[Par
     colours = _face_colours(tables, owners, named)
     for shown, paint in images.paints(places, numbers[owners]):
         yield Part(points, named[shown], None if colours is None else colours[shown], paint)
+
+
+def _named_triangles(rows: NDArray[Any], points: FloatArray) -> tuple[IntArray, IntArray | slice]:
+    """Return triangles (t, 3) of rows of the points, and of each one its polygon or a slice of all."""
+    if rows.dtype != object and rows.shape[1] == 3:
+        # A view of the file takes no memory until the file's is free.
+        named = _whole(rows)
+        check_corners(named, len(points))
+        return named, slice(None)
+    corners, counts = _lists(rows)
+    corners = _whole(corners)
+    check_corners(corners, len(points))
+    triangles, owners = triangulate(points, corners, counts)
+    return corners[triangles], owners
 
 
 def _strips(
@@ -154,7 +163,9 @@ def _name_of_corners(element: PlyElement) -> str | None:
     return next((one for one in lists if len(lists) == 1 or one in _CORNERS), None)
 
 
-def _whole(corners: NDArray[np.floating]) -> IntArray:
+def _whole(corners: NDArray[Any]) -> IntArray:
+    if corners.dtype.kind != "f":
+        return corners
     wrong = corners[~(np.abs(corners) < 2**53) | (np.floor(corners) != corners)]
     if len(wrong):
         raise MeshError(f"a face names vertex {wrong[0]:g}; whole numbers are needed")
@@ -181,7 +192,9 @@ def _places(vertex: PlyElement, named: IntArray) -> FloatArray | None:
     return None
 
 
-def _face_colours(tables: PlyData, owners: IntArray, named: IntArray) -> NDArray[np.uint8] | None:
+def _face_colours(
+    tables: PlyData, owners: IntArray | slice, named: IntArray
+) -> NDArray[np.uint8] | None:
     """Return the colours of triangles: of their vertices, else of their polygon, else of its material."""
     of_vertices = _colours(tables["vertex"])
     if of_vertices is not None:
@@ -204,45 +217,3 @@ def _colours(element: PlyElement) -> NDArray[np.uint8] | None:
         if set(names) <= set(_scalars(element)) and len(element.data):
             return as_bytes(np.column_stack([element[name] for name in names]))
     return None
-
-
-def _read_tables(data: bytes, header: PlyHeader) -> PlyData:
-    with tempfile.TemporaryFile() as file:
-        file.write(_plain_header(data[: header.length]))
-        file.write(memoryview(data)[header.length :])
-        if not header.ascii:
-            known = dict.fromkeys(_CORNERS, 3) | {_PLACES: 6}
-            with suppress(PlyElementParseError):
-                file.seek(0)
-                # What lies in a file is read as one array, and lists of other lengths are refused.
-                return PlyData.read(file, mmap="c", known_list_len={"face": known})
-        file.seek(0)
-        return _read_row_by_row(file)
-
-
-def _read_row_by_row(file: BinaryIO) -> PlyData:
-    try:
-        with warnings.catch_warnings():
-            # plyfile reads rows of text by NumPy, which warns of a list that is empty.
-            warnings.filterwarnings("ignore", "loadtxt: input contained no data")
-            return PlyData.read(file)
-    except PlyElementParseError as error:
-        if error.row is None or "early end" not in error.message:
-            raise
-        raise MeshError(
-            f"it is truncated: its header promises {error.element.count} rows of "
-            f"{error.element.name!r}, and {error.row} are there whole"
-        ) from error
-
-
-def _plain_header(header: bytes) -> bytes:
-    """Return the header without comments, which may be in any encoding, its words parted by one blank."""
-    lines = [" ".join(line.split()) for line in _decoded(header).splitlines() if _MEANT.match(line)]
-    return "\n".join([*lines, "end_header\n"]).encode("ascii", "replace")
-
-
-def _decoded(header: bytes) -> str:
-    try:
-        return header.decode("utf-8")
-    except UnicodeDecodeError:
-        return header.decode("latin-1")

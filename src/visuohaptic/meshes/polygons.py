@@ -64,6 +64,20 @@ def triangulate(
     return triangles, owners
 
 
+def named_triangles(
+    points: FloatArray, corners: IntArray, counts: IntArray
+) -> tuple[IntArray, IntArray | slice]:
+    """Cut polygons as `triangulate` does, into triangles (t, 3) of rows of `points`.
+
+    Also returns the polygon of each triangle: its indices (t,), or a slice of all if all are triangles.
+    """
+    # An index of each corner takes more memory than the corners.
+    if (counts == 3).all():
+        return corners.reshape(-1, 3), slice(None)
+    triangles, owners = triangulate(points, corners, counts)
+    return corners[triangles], owners
+
+
 def fan(count: int) -> IntArray:
     """Give the triangles, shape (count - 2, 3), of a polygon that is cut from its first corner."""
     second = np.arange(1, max(count - 1, 1))
@@ -79,7 +93,7 @@ def check_corners(corners: IntArray, vertices: int, first: int = 0) -> None:
     if corners.min() >= first and corners.max() <= last:
         return
     if not vertices:
-        raise MeshError(f"a face names vertex {corners[0]}, and no vertices are there")
+        raise MeshError(f"a face names vertex {corners.flat[0]}, and no vertices are there")
     wrong = corners[(corners < first) | (corners > last)][0]
     raise MeshError(f"a face names vertex {wrong}; {first} to {last} are there")
 

@@ -8,6 +8,7 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines
@@ -40,7 +41,9 @@ def read_stl(data: bytes, companions: Companions) -> list[Part]:  # noqa: ARG001
     if len(data) == size:
         rows = np.frombuffer(data, _FACE, offset=_HEADER_BYTES)
         colours = _colours(data[:_HEADER_BYTES], rows["attribute"])
-        return [_part(rows["corners"].reshape(-1, 3), colours)]
+        points = np.empty((3 * len(rows), 3))
+        points.reshape(-1, 3, 3)[:] = rows["corners"]
+        return [_part(points, colours)]
     text = _NAME.sub(rb"\1 ", plain_lines(data).lower())
     if b"solid" not in text or b"facet" not in text:
         what = "it is truncated" if len(data) < size else "it holds too much"
@@ -50,8 +53,7 @@ def read_stl(data: bytes, companions: Companions) -> list[Part]:  # noqa: ARG001
     return [_part(_corners_of_text(text), None)]
 
 
-def _part(vertices: NDArray[np.floating], colours: NDArray[np.uint8] | None) -> Part:
-    points = vertices.astype(np.float64)
+def _part(points: FloatArray, colours: NDArray[np.uint8] | None) -> Part:
     return Part(points, np.arange(len(points)).reshape(-1, 3), colours)
 
 
@@ -102,6 +104,7 @@ def _colours(header: bytes, attributes: NDArray[np.uint16]) -> NDArray[np.uint8]
         own[:] = False
     shifts = (0, 5, 10) if magics else (10, 5, 0)
     others = np.frombuffer(magics[1], np.uint8) if magics else np.array(GREY, np.uint8)
-    channels = [(attributes >> shift) & 31 for shift in shifts]
-    colours = np.rint(np.stack(channels, axis=1) * (255 / 31)).astype(np.uint8)
-    return np.where(own[:, None], colours, others)
+    levels = np.rint(np.arange(32) * (255 / 31)).astype(np.uint8)
+    colours = np.stack([levels[(attributes >> shift) & 31] for shift in shifts], axis=1)
+    colours[~own] = others
+    return colours

@@ -188,8 +188,9 @@ class _Reader:
             resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False,
             remove_comments=True, remove_pis=True,
         )  # fmt: skip
+        names: dict[str, str] = {}
         for _, element in parsed:
-            name = element.tag.rpartition("}")[2]
+            name = names.get(element.tag) or names.setdefault(element.tag, _tag(element))
             if name not in ends:
                 continue
             try:
@@ -231,10 +232,10 @@ class _Reader:
         self._properties.extend((int(first), int(get("p2", first)), int(get("p3", first))))
 
     def _object(self, element: Any) -> None:
-        vertices = np.array(self._points, dtype=np.float64).reshape(-1, 3)
-        faces = np.array(self._corners, dtype=np.int64).reshape(-1, 3)
-        groups = np.array(self._groups, dtype=np.int64)
-        properties = np.array(self._properties, dtype=np.int64).reshape(-1, 3)
+        vertices = np.frombuffer(self._points, dtype=np.float64).reshape(-1, 3)
+        faces = np.frombuffer(self._corners, dtype=np.int64).reshape(-1, 3)
+        groups = np.frombuffer(self._groups, dtype=np.int64)
+        properties = np.frombuffer(self._properties, dtype=np.int64).reshape(-1, 3)
         number = element.get("id", "")
         try:
             check_corners(faces.ravel(), len(vertices))
