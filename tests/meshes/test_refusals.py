@@ -167,5 +167,6 @@ def test_a_hostile_file_is_named_and_takes_neither_time_nor_memory(tmp_path, nam
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 500
-    assert seconds < 5
+    # A file that can keep a reader busy does so for minutes.
+    assert seconds < 60
     assert peak < 100e6
