@@ -110,7 +110,8 @@ PHASES = (
         "meshes",
         "preparing",
         make_meshes,
-        arguments={"meshes": _all_but(MeshParameters, "meshes", "set"), "seed": "seed"},
+        # The seed, which turns objects, is added where they are turned: another seed makes no other upright meshes.
+        arguments={"meshes": _all_but(MeshParameters, "meshes", "set")},
         inputs=(),
         writes={"meshes": "meshes"},
     ),

@@ -78,6 +78,7 @@ rule meshes:
     params:
         **phase_of("meshes").written_values(PARAMETERS),
         key=key_of_job,
+        seed=0 if PARAMETERS.meshes.turns == "none" else PARAMETERS.seed,
         models=models_of,
     message:
         "preparing {wildcards.objects} and others"
