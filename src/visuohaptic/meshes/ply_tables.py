@@ -135,10 +135,7 @@ def _fill(rows: NDArray[Any], numbers: FloatArray) -> bool:
 
 
 class _Text:
-    """The numbers of a text, parsed in blocks of whole lines.
-
-    Methods raise `ValueError` where a word is no number or the text ends.
-    """
+    """The numbers of a text in blocks of lines; `ValueError` where a word is no number or the text ends."""
 
     def __init__(self, data: bytes, start: int) -> None:
         self._blocks = _blocks(data, start)
