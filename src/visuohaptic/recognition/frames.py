@@ -121,7 +121,7 @@ def central_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
 
 
 def rigid_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:  # noqa: ARG001 - as all frames
-    """Return no coordinates, (s, t, 0): without a frame a touch has none by itself."""
+    """Return no coordinates, shape (s, t, 0): without a frame a single touch has no pose."""
     return points[..., :0]
 
 

@@ -181,7 +181,7 @@ def count_passed_over(touches: pa.Table) -> Counter[str]:
 
 
 def replaced_sentence(touches: pa.Table, fixations: int) -> str:
-    """Say how many touches by fixation are not at one of a view's fixations; empty where all are.
+    """Say how many touches by fixation lie at none of a view's fixations; empty if all lie at one.
 
     Parameters
     ----------
