@@ -3,7 +3,6 @@
 import base64
 import gzip
 import io
-import time
 import tracemalloc
 import zipfile
 from functools import partial
@@ -115,7 +114,7 @@ HOSTILE = {
     "hello.off": (b"hello\n1 2\n", "not OFF"),
     "materials.obj": (VERTICES + b"".join(b"usemtl m%d\nf 1 2 3\n" % n for n in range(6000)), "6000 materials"),
     "crossing.obj": (CROSSING, "not convex has 5000 corners"),
-    "wide.obj": (VERTICES + b"f 1 2 3\n" * 100_000 + b"f 1 2 " + b"9" * 3000, "can't be read as OBJ"),
+    "wide.obj": (VERTICES + b"f 1 2 3\n" * 100_000 + b"f 1 2 " + b"9" * 3000, "line 100004: a number is too large"),
     "index.obj": (VERTICES + b"f 1 2 4\n", "names vertex 4; 1 to 3"),
     "backwards.obj": (VERTICES + b"f 1 2 -4\n", "names vertex 0; 1 to 3"),
     "flat.obj": (b"v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "line 1: a vertex has 2 coordinates"),
@@ -154,23 +153,18 @@ HOSTILE = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", HOSTILE)
-def test_a_hostile_file_is_named_and_takes_neither_time_nor_memory(tmp_path, name):
+def test_a_hostile_file_is_named_by_the_limit_that_it_breaks_and_takes_little_memory(
+    tmp_path, name
+):
     content, says = HOSTILE[name]
     path = tmp_path / name
     path.write_bytes(content.encode() if isinstance(content, str) else content)
-    prepare = partial(prepare_object, Model("a", "b"), path, MeshParameters(largest_megabytes=50))
-    # Tracing memory takes several times as long as reading, so the time is that of a reading without it.
-    started = time.process_time()
-    with pytest.raises(MeshError, match=says):
-        prepare()
-    seconds = time.process_time() - started
     tracemalloc.start()
     with pytest.raises(MeshError, match=says) as caught:
-        prepare()
+        prepare_object(Model("a", "b"), path, MeshParameters(largest_megabytes=50))
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
     assert len(str(caught.value)) < 500
-    assert seconds < 5
     assert peak < 100e6

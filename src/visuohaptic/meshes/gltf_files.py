@@ -60,6 +60,7 @@ _PRIMITIVE_KEYS = ("attributes", "indices", "material", "mode", "targets")
 _ATTRIBUTE = re.compile(r"(POSITION|NORMAL|TANGENT|(TEXCOORD|COLOR|JOINTS|WEIGHTS)_\d+|_.*)")
 _NO_SURFACE = {0, 1, 2, 3}  # points and lines
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_AT_ONCE = 1 << 16  # faces
 _WRAPS = {10497: REPEAT, 33071: CLAMP, 33648: MIRROR}
 
 
@@ -358,20 +359,27 @@ class _Primitive:
         """Return the triangles as parts of one colour or image each."""
         look = _look(self.document, self.described, self.place)
         image = None if look.texture is None else self._image(look)
-        light = look.factor[None]
-        if "COLOR_0" in self.attributes:
-            corners = self._morphed("COLOR_0", self.shares("COLOR_0", 3, 4))[:, :3]
-            light = look.factor * np.nan_to_num(corners)[faces].mean(axis=1)
-        light = np.clip(light, 0.0, 1.0)
         if image is None:
-            colours = np.broadcast_to(encode_bytes(light), (len(faces), 3))
-            yield Part(vertices, faces, colours)
+            encoded = np.concatenate([encode_bytes(light) for light in self._light(look, faces)])
+            yield Part(vertices, faces, np.broadcast_to(encoded, (len(faces), 3)))
             return
+        light = np.concatenate(list(self._light(look, faces)))
         coordinates, wraps = self._coordinates(look), self._wraps(look)
         for chosen, tint in self._tints(light, len(faces)):
             red, green, blue = map(float, tint)
             paint = Paint(image, coordinates[faces[chosen]], wraps, (red, green, blue), linear=True)
             yield Part(vertices, faces[chosen], None, paint)
+
+    def _light(self, look: _Look, faces: IntArray) -> Iterator[FloatArray]:
+        """Yield the light of faces, (n, 3), in blocks; one row where no vertex has a colour."""
+        if "COLOR_0" not in self.attributes:
+            yield np.clip(look.factor[None], 0.0, 1.0)
+            return
+        corners = self._morphed("COLOR_0", self.shares("COLOR_0", 3, 4))[:, :3]
+        corners = np.nan_to_num(corners)
+        for start in range(0, len(faces), _AT_ONCE):
+            mean = corners[faces[start : start + _AT_ONCE]].mean(axis=1)
+            yield np.clip(look.factor * mean, 0.0, 1.0)
 
     def _tints(self, light: FloatArray, count: int) -> Iterator[tuple[Any, FloatArray]]:
         """Return the faces that share a colour which multiplies their image."""

@@ -80,7 +80,7 @@ def read_mesh(
         stream: Any = source
         kind = _kind_of(stream, file_type)
         return read_data(_read_bounded(stream, name, largest_megabytes), kind, name, Companions())
-    return _surface([source], parts_in_memory, name, "a mesh", Companions())
+    return _surface([source], _parts_in_memory, name, "a mesh", Companions())
 
 
 def name_of(source: Source) -> str:
@@ -104,17 +104,13 @@ def read_data(data: bytes, kind: str, name: str, companions: Companions) -> Surf
     if kind in _TEXT_KINDS:
         data = data.removeprefix(codecs.BOM_UTF8)
     held = [data]
-    # The reader's own name for the content is the only one, so that the reader can free it.
     del data
-    reader = _READERS[kind]
-    return _surface(
-        held, lambda content: reader(content, companions), name, kind.upper(), companions
-    )
+    return _surface(held, _READERS[kind], name, kind.upper(), companions)
 
 
 def _surface(
     held: list[Any],
-    read: Callable[[Any], Sequence[Part]],
+    read: Callable[[Any, Companions], Sequence[Part]],
     name: str,
     kind: str,
     companions: Companions,
@@ -122,10 +118,15 @@ def _surface(
     """Return the surface of the parts of a content, which is taken out of `held`."""
     # A parser fed with a broken file may fail in any way.
     try:
-        surface = join_parts(read(held.pop()))
+        # No name here holds the content, so that a reader can free it.
+        surface = join_parts(read(held.pop(), companions))
     except Exception as error:
         raise MeshError(f"{name} can't be read as {kind}: {_reason_of(error)}.") from error
     return replace(surface, notes=_notes(name, companions), up_axis=companions.up_axis)
+
+
+def _parts_in_memory(mesh: Any, companions: Companions) -> Sequence[Part]:  # noqa: ARG001
+    return parts_in_memory(mesh)
 
 
 def _notes(name: str, companions: Companions) -> tuple[str, ...]:

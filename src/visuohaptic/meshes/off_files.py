@@ -15,7 +15,7 @@ from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines
 from visuohaptic.meshes.parts import GREY, Part
 from visuohaptic.meshes.polygons import check_corners, named_triangles
-from visuohaptic.meshes.text_numbers import numbers_of, plain_lines
+from visuohaptic.meshes.text_numbers import blocks_of_lines, numbers_of, plain_lines
 
 # ModelNet has files whose counts follow the keyword without a blank.
 _KEYWORD = re.compile(rb"\s*(ST)?(C?N?|NC)(4?)OFF(?=[\s\d]|$)", re.IGNORECASE)
@@ -40,7 +40,17 @@ class _Header:
 
 @dataclass(frozen=True)
 class _Faces:
-    """Corners of all faces, face after face, how many each has, and the numbers behind them."""
+    """Faces, as numbers of their corners.
+
+    Attributes
+    ----------
+    corners, counts : numpy.ndarray
+        Rows of vertices, face after face, and how many each face has.
+    colours : numpy.ndarray
+        Shape (c, 3): the numbers behind the corners of the faces that are `coloured`.
+    coloured : numpy.ndarray
+        Shape (f,): whether a face has a colour.
+    """
 
     corners: IntArray
     counts: IntArray
@@ -58,28 +68,27 @@ def read_off(data: bytes, companions: Companions) -> list[Part]:
     number, a face names no vertex, or the file is binary.
     """
     text = plain_lines(data)
+    del data
     check_lines(text)
     if b"#" in text:
         text = _COMMENT.sub(b"", text)
     header = _read_header(text)
-    body = text[header.length :]
-    numbers = numbers_of(body, 1 + text.count(b"\n", 0, header.length))
-    widths = np.fromiter(
-        (count for line in body.split(b"\n") if (count := len(line.split()))), dtype=np.int64
-    )
-    columns = _columns(header, widths)
-    if header.vertices * columns > len(numbers):
-        raise _wrong("it is truncated", header, widths)
-    rows = numbers[: header.vertices * columns].reshape(-1, columns)
-    faces = _read_faces(header, numbers[rows.size :], _behind(widths, rows.size))
+    blocks = _read_by_lines(header, text)
+    if blocks is None:
+        rows, faces = _read_flowing(header, text)
+    else:
+        # What has been read takes the memory of the text.
+        del text
+        rows, faces = _join_blocks(*blocks)
     points = np.ascontiguousarray(rows[:, :3])
     check_corners(faces.corners, len(points))
     named, owners = named_triangles(points, faces.corners, faces.counts)
     colours = mean_of_corners(_vertex_colours(header, rows), named)
     if faces.coloured.any():
-        of_faces = as_bytes(faces.colours)[owners]
+        of_faces = np.zeros((len(faces.counts), 3), np.uint8)
+        of_faces[faces.coloured] = as_bytes(faces.colours)
         others = np.array(GREY, np.uint8) if colours is None else colours
-        colours = np.where(faces.coloured[owners][:, None], of_faces, others)
+        colours = np.where(faces.coloured[owners][:, None], of_faces[owners], others)
     if header.places:
         companions.notes.append("has coordinates on an image that OFF can't name")
     return [Part(points, named, colours)]
@@ -109,6 +118,62 @@ def _read_header(text: bytes) -> _Header:
     )
 
 
+def _read_by_lines(header: _Header, text: bytes) -> tuple[list[FloatArray], list[_Faces]] | None:
+    """Read vertices and faces that have a line each, block after block; None where others are there."""
+    line = 1 + text.count(b"\n", 0, header.length)
+    rows: list[FloatArray] = []
+    faces: list[_Faces] = []
+    waiting, first = header.vertices, 0
+    for block in blocks_of_lines(text, header.length):
+        numbers, widths = numbers_of(block, line), _widths(block)
+        line += block.count(b"\n")
+        if waiting and len(widths):
+            columns = rows[0].shape[1] if rows else int(widths[0])
+            here = min(waiting, len(widths))
+            if columns < 3 or (widths[:here] != columns).any():
+                return None
+            rows.append(numbers[: here * columns].reshape(-1, columns))
+            numbers, widths = numbers[here * columns :], widths[here:]
+            waiting -= here
+        if first + len(widths) > header.faces:
+            return None
+        faces.append(_faces_of_lines(numbers, widths, first))
+        first += len(widths)
+    if waiting or first < header.faces or not rows:
+        return None
+    return rows, faces
+
+
+def _join_blocks(rows: list[FloatArray], faces: list[_Faces]) -> tuple[FloatArray, _Faces]:
+    points = np.concatenate(rows)
+    # Each block is freed when its numbers have been joined.
+    rows.clear()
+    return points, _Faces(
+        np.concatenate([one.corners for one in faces]),
+        np.concatenate([one.counts for one in faces]),
+        np.concatenate([one.colours for one in faces]),
+        np.concatenate([one.coloured for one in faces]),
+    )
+
+
+def _read_flowing(header: _Header, text: bytes) -> tuple[FloatArray, _Faces]:
+    """Read numbers that white space of any kind parts; all are in memory at once."""
+    body = text[header.length :]
+    numbers = numbers_of(body, 1 + text.count(b"\n", 0, header.length))
+    widths = _widths(body)
+    columns = _columns(header, widths)
+    if header.vertices * columns > len(numbers):
+        raise _wrong("it is truncated", header, widths)
+    rows = numbers[: header.vertices * columns].reshape(-1, columns)
+    return rows, _read_faces(header, numbers[rows.size :], _behind(widths, rows.size))
+
+
+def _widths(text: bytes) -> IntArray:
+    """Return how many words each line has that has any."""
+    counts = (len(line.split()) for line in text.split(b"\n"))
+    return np.fromiter(filter(None, counts), dtype=np.int64)
+
+
 def _columns(header: _Header, widths: IntArray) -> int:
     """Return how many numbers a vertex has: those of its line where each has one, else as the keyword says."""
     of_vertices = widths[: header.vertices]
@@ -129,21 +194,25 @@ def _behind(widths: IntArray, count: int) -> IntArray | None:
 def _read_faces(header: _Header, numbers: FloatArray, widths: IntArray | None) -> _Faces:
     if widths is None or len(widths) != header.faces:
         return _parted_by_counts(header, numbers, widths)
+    return _faces_of_lines(numbers, widths, 0)
+
+
+def _faces_of_lines(numbers: FloatArray, widths: IntArray, first: int) -> _Faces:
+    """Read faces of a line each, the first of which has a number in sentences."""
     starts = np.cumsum(widths) - widths
     counts = _whole(numbers[starts])
     wrong = np.flatnonzero((counts < 0) | (counts >= widths))
     if len(wrong):
         place = wrong[0]
         raise MeshError(
-            f"face {place} promises {counts[place]} corners, and {widths[place] - 1} numbers follow"
+            f"face {first + place} promises {counts[place]} corners, and {widths[place] - 1} numbers follow"
         )
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     corners = numbers[np.repeat(starts + 1, counts) + within]
     # A single number is a place in a table of colours that Geomview has.
     coloured = widths - 1 - counts >= 3
-    colours = np.zeros((header.faces, 3))
-    first = (starts + 1 + counts)[coloured]
-    colours[coloured] = numbers[first[:, None] + np.arange(3)]
+    behind = (starts + 1 + counts)[coloured]
+    colours = numbers[behind[:, None] + np.arange(3)]
     return _Faces(_whole(corners), counts, colours, coloured)
 
 
@@ -162,7 +231,7 @@ def _parted_by_counts(header: _Header, numbers: FloatArray, widths: IntArray | N
     return _Faces(
         _whole(np.concatenate(corners)),
         np.array(counts, dtype=np.int64),
-        np.zeros((header.faces, 3)),
+        np.zeros((0, 3)),
         np.zeros(header.faces, dtype=bool),
     )
 

@@ -6,7 +6,6 @@ import io
 import re
 import tempfile
 import warnings
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -16,10 +15,11 @@ from plyfile import PlyData, PlyElement, PlyElementParseError, PlyListProperty
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.ply_header import PlyHeader
+from visuohaptic.meshes.text_numbers import blocks_of_lines
 
 _MEANT = re.compile(r"\s*(?:ply|format|element|property)\b")
 _COUNT = re.compile(rb"^(element \S+) (\d+)$", re.MULTILINE)
-_BLOCK_BYTES = 1 << 20  # of a text, parsed at once
+_LONGEST_ROW = 1 << 16  # numbers
 
 
 def read_tables(data: bytes, header: PlyHeader) -> PlyData:
@@ -102,7 +102,7 @@ def _text_rows(text: _Text, element: PlyElement, count: int) -> NDArray[Any] | N
             if isinstance(one, PlyListProperty):
                 of_length, of_values = one.list_dtype()
                 length = text.peek(width) if count else 0
-                if not 0 <= length <= _BLOCK_BYTES:
+                if not 0 <= length <= _LONGEST_ROW:
                     return None
                 columns += [(_length_of(one), of_length), (one.name, of_values, (length,))]
                 width += 1 + length
@@ -138,7 +138,7 @@ class _Text:
     """The numbers of a text in blocks of lines; `ValueError` where a word is no number or the text ends."""
 
     def __init__(self, data: bytes, start: int) -> None:
-        self._blocks = _blocks(data, start)
+        self._blocks = blocks_of_lines(data, start)
         self._numbers = np.empty(0)
 
     def peek(self, place: int) -> int:
@@ -164,13 +164,6 @@ class _Text:
         if not block.isspace():
             parsed = np.fromstring(block, sep=" ")
             self._numbers = np.concatenate([self._numbers, parsed])
-
-
-def _blocks(data: bytes, start: int) -> Iterator[bytes]:
-    while start < len(data):
-        stop = data.find(b"\n", start + _BLOCK_BYTES) + 1 or len(data)
-        yield data[start:stop]
-        start = stop
 
 
 def _is_even(rows: NDArray[Any], element: PlyElement) -> bool:

@@ -76,13 +76,12 @@ def _repeated(part: Part, matrices: FloatArray) -> Part:
     count = len(matrices)
     vertices = np.einsum("nij,vj->nvi", matrices[:, :3, :3], part.vertices)
     vertices += matrices[:, None, :3, 3]
-    faces = part.faces
-    if count != 1:
-        starts = len(part.vertices) * np.arange(count)
-        faces = (faces[None] + starts[:, None, None]).reshape(-1, 3)
+    if count == 1:
+        return replace(part, vertices=vertices[0])
+    starts = len(part.vertices) * np.arange(count)
     return Part(
         vertices.reshape(-1, 3),
-        faces,
+        (part.faces[None] + starts[:, None, None]).reshape(-1, 3),
         None if part.colours is None else np.tile(part.colours, (count, 1)),
         _with_corners(part.paint, lambda corners: np.tile(corners, (count, 1, 1))),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from itertools import islice
 
 import numpy as np
@@ -24,7 +25,10 @@ _FLAG = 1 << 15
 # Patterns are of small letters and begin with one, which is several times faster.
 _NAME = re.compile(rb"(solid\b)(?:(?!\bfacet\s+normal\b)[^\n])*")
 _CORNER = re.compile(rb"vertex(?:\s+(\S+\s+\S+\s+\S+))?")
+_SOLID, _FACET = re.compile(rb"solid", re.IGNORECASE), re.compile(rb"facet", re.IGNORECASE)
+_END_OF_FACE = re.compile(rb"\bendloop\s+endfacet\b", re.IGNORECASE)
 _CORNERS_AT_ONCE = 30_000
+_BLOCK_BYTES = 1 << 20
 
 
 def read_stl(data: bytes, companions: Companions) -> list[Part]:  # noqa: ARG001 - the signature of all readers
@@ -44,36 +48,49 @@ def read_stl(data: bytes, companions: Companions) -> list[Part]:  # noqa: ARG001
         points = np.empty((3 * len(rows), 3))
         points.reshape(-1, 3, 3)[:] = rows["corners"]
         return [_part(points, colours)]
-    text = _NAME.sub(rb"\1 ", plain_lines(data).lower())
-    if b"solid" not in text or b"facet" not in text:
+    if not (_SOLID.search(data) and _FACET.search(data)):
         what = "it is truncated" if len(data) < size else "it holds too much"
         raise MeshError(
             f"{what}: its header promises {promised} faces, hence {size} bytes, and {len(data)} are there"
         )
-    return [_part(_corners_of_text(text), None)]
+    return [_part(_corners_of_text(data), None)]
 
 
 def _part(points: FloatArray, colours: NDArray[np.uint8] | None) -> Part:
     return Part(points, np.arange(len(points)).reshape(-1, 3), colours)
 
 
-def _corners_of_text(text: bytes) -> NDArray[np.float64]:
+def _corners_of_text(data: bytes) -> NDArray[np.float64]:
     """Return the corners, shape (3 f, 3), face after face."""
-    check_lines(text)
-    closed = text.count(b"endfacet")
-    faces = text.count(b"facet") - closed
-    ended = text.rfind(b"endsolid") == text.rfind(b"solid") - len("end")
-    found, corners = _CORNER.finditer(text), 0
+    check_lines(data)
+    closed, faces, corners, ended = 0, 0, 0, False
     numbers = [np.empty((0, 3))]
-    while block := [corner[1] for corner in islice(found, _CORNERS_AT_ONCE)]:
-        numbers.append(_numbers_of(block, corners))
-        corners += len(block)
+    for part in _whole_faces(data):
+        text = _NAME.sub(rb"\1 ", plain_lines(part).lower())
+        ends = text.count(b"endfacet")
+        closed, faces = closed + ends, faces + text.count(b"facet") - ends
+        if b"solid" in text:
+            ended = text.rfind(b"endsolid") == text.rfind(b"solid") - len("end")
+        found = _CORNER.finditer(text)
+        while block := [corner[1] for corner in islice(found, _CORNERS_AT_ONCE)]:
+            numbers.append(_numbers_of(block, corners))
+            corners += len(block)
     if not ended or (closed, corners) != (faces, 3 * faces):
         raise MeshError(
             f"it is truncated: {faces} faces and so {3 * faces} corners are promised, and {closed} ends of "
             f"faces, {corners} corners and {'an' if ended else 'no'} end of the last solid are there"
         )
     return np.concatenate(numbers)
+
+
+def _whole_faces(data: bytes) -> Iterator[bytes]:
+    """Yield a text in blocks of a megabyte or more that end behind a face."""
+    start = 0
+    while start < len(data):
+        end = _END_OF_FACE.search(data, start + _BLOCK_BYTES)
+        stop = end.end() if end else len(data)
+        yield data[start:stop]
+        start = stop
 
 
 def _numbers_of(corners: list[bytes | None], before: int) -> NDArray[np.float64]:

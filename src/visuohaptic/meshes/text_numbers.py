@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError
 
 _LONGEST_SHOWN = 40
+_BLOCK_BYTES = 1 << 18
 
 
 def plain_lines(data: bytes) -> bytes:
     r"""Return a text whose lines end in ``\n`` only, whichever system wrote it."""
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in data else data
+
+
+def blocks_of_lines(data: bytes, start: int = 0) -> Iterator[bytes]:
+    """Yield a text from a place on in blocks of whole lines, each of some 260 kB."""
+    while start < len(data):
+        stop = data.find(b"\n", start + _BLOCK_BYTES) + 1 or len(data)
+        yield data[start:stop]
+        start = stop
 
 
 def numbers_of(text: bytes, first_line: int) -> FloatArray:

@@ -1,0 +1,61 @@
+"""The memory that reading a mesh takes, in multiples of the file's unpacked size."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from meshes.generated import as_dae, as_obj, as_off, as_ply, exported, model, object_of, three_mf
+
+from visuohaptic.meshes.model_files import read_mesh
+
+
+def grid(side):
+    """A square of side x side cells, two triangles each."""
+    across = np.linspace(-1, 1, side + 1).astype(np.float32)
+    x, y = np.meshgrid(across, across)
+    points = np.column_stack([x.ravel(), y.ravel(), np.sin(3 * x.ravel())])
+    first = (np.arange(side)[:, None] * (side + 1) + np.arange(side)).ravel()
+    halves = [first, first + 1, first + side + 2], [first, first + side + 2, first + side + 1]
+    return points, np.concatenate([np.column_stack(half) for half in halves])
+
+
+def as_3mf(points, faces):
+    vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*point) for point in points.tolist())
+    triangles = "".join(
+        '<triangle v1="{}" v2="{}" v3="{}"/>'.format(*face) for face in faces.tolist()
+    )
+    shape = f"<mesh><vertices>{vertices}</vertices><triangles>{triangles}</triangles></mesh>"
+    return model(object_of(shape))
+
+
+# Three times the file, as docs/formats/README.md says, and what blocks of text add in a small file.
+WRITERS = {
+    "binary.ply": (250, 3.1, as_ply),
+    "text.ply": (190, 3.1, lambda points, faces: as_ply(points, faces, "ascii")),
+    "a.off": (190, 3.1, as_off),
+    "binary.stl": (170, 3.1, lambda *mesh: exported(*mesh, "stl")),
+    "text.stl": (75, 3.1, lambda *mesh: exported(*mesh, "stl_ascii")),
+    "a.glb": (290, 3.1, lambda *mesh: exported(*mesh, "glb")),
+    "a.obj": (190, 3.1, as_obj),
+    "a.dae": (190, 3.1, lambda *mesh: as_dae(*mesh, "polylist")),
+    "a.3mf": (140, 3.1, as_3mf),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WRITERS)
+def test_reading_takes_a_small_multiple_of_the_unpacked_file(name, tmp_path):
+    side, most, write = WRITERS[name]
+    content = write(*grid(side))
+    size = len(content)
+    assert 2.5e6 < size < 4.5e6
+    path = tmp_path / name
+    path.write_bytes(three_mf(content) if name == "a.3mf" else content)
+    # Imports of the first reading take memory of their own.
+    read_mesh((np.eye(3), np.array([[0, 1, 2]])))
+    tracemalloc.start()
+    surface = read_mesh(path)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert len(surface.faces) == 2 * side * side
+    assert peak < most * size
