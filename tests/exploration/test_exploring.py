@@ -13,9 +13,11 @@ from phases_by_files import run_phases
 import visuohaptic as vh
 from visuohaptic.base.errors import MeshError, ParameterError, RecognitionError
 from visuohaptic.evaluation.summary import select
+from visuohaptic.exploration.recognising import check_alike
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.stored_models import load_model, save_model
 
 ROOT = Path(__file__).parents[2]
@@ -68,6 +70,39 @@ def test_touches_of_another_kind_than_the_model_learnt_are_refused(ring_file):
     looked = vh.load(ring_file).touch(1, "fixation", SMALL)
     with pytest.raises(RecognitionError, match=r"sensor.resolution 32 \(the model's is 16\)"):
         looked.recognise(recogniser)
+
+
+def test_a_frame_that_is_not_the_models_is_refused_where_it_was_asked_for(tmp_path):
+    fit_on_nonsense(tmp_path)
+    recogniser = vh.read_recogniser(tmp_path / "recogniser.skops")
+    touched = recogniser.parameters
+    strategy = recogniser.model.strategy
+    own = RecognitionParameters(frame="none")
+    of_none = replace(recogniser, model=replace(recogniser.model, parameters=own))
+
+    def asked(frame):
+        return touched.model_copy(update={"recognition": RecognitionParameters(frame=frame)})
+
+    sentence = r"^recognition\.frame is none, and the model was fitted for full; "
+    with pytest.raises(RecognitionError, match=sentence):
+        check_alike(strategy, asked("none"), recogniser)
+    with pytest.raises(RecognitionError, match="is full, and the model was fitted for none"):
+        check_alike(strategy, asked("full"), of_none)
+    check_alike(strategy, asked("none"), of_none)
+    # A frame that nobody asked for is the model's.
+    check_alike(strategy, touched, of_none)
+
+
+def test_the_frame_that_was_asked_for_reaches_the_model(tmp_path, ring_file):
+    fit_on_nonsense(tmp_path)
+    recogniser = vh.read_recogniser(tmp_path / "recogniser.skops")
+    learnt = recogniser.parameters.model_dump(exclude={"recognition"}, exclude_unset=True)
+    asked = {**learnt, "recognition": {"frame": "none"}}
+    made = vh.load(ring_file, parameters={"meshes.own_up_axis": "y"}).touch(
+        1, recogniser.model.strategy, asked
+    )
+    with pytest.raises(RecognitionError, match="frame is none, and the model was fitted for full"):
+        made.recognise(recogniser)
 
 
 def test_a_model_that_does_not_say_how_its_touches_were_made_is_refused(tmp_path):

@@ -89,7 +89,11 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
 
 
 def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogniser) -> None:
-    """Refuse touches that were made in another way than those that the model learnt from."""
+    """Refuse touches that were made in another way than those that the model learnt from.
+
+    Raises `RecognitionError` if the strategy, a parameter of touching, or a frame that `touched` sets
+    (`recognition.frame`) is not that of the model.
+    """
     from visuohaptic.parameters import leaves
 
     sections = touching_sections()
@@ -98,6 +102,7 @@ def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogn
             f"The object was touched by {strategy} and the model learnt from touches by "
             f"{recogniser.model.strategy}; touch with strategy {recogniser.model.strategy!r}."
         )
+    _check_frame(touched, recogniser)
     here, there = (
         dict(leaves(parameters.model_dump(include=sections)))
         for parameters in (touched, recogniser.parameters)
@@ -113,6 +118,19 @@ def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogn
         )
         raise RecognitionError(
             f"The object was touched with {found}; touch it with the model's own parameters."
+        )
+
+
+def _check_frame(touched: ExperimentParameters, recogniser: Recogniser) -> None:
+    """Refuse a frame that the caller set and the model was not fitted for."""
+    # The default is nobody's request: models of all frames are asked with default parameters.
+    if "frame" not in touched.recognition.model_fields_set:
+        return
+    here, there = touched.recognition.frame, recogniser.model.parameters.frame
+    if here != there:
+        raise RecognitionError(
+            f"recognition.frame is {here}, and the model was fitted for {there}; set {there}, or "
+            f"fit a model with recognition.frame {here}."
         )
 
 
