@@ -19,6 +19,19 @@ def grid(side):
     return points, np.concatenate([np.column_stack(half) for half in halves])
 
 
+def quads_of(faces):
+    """The squares that the triangles of a grid are halves of."""
+    first, second = np.split(faces, 2)
+    return np.column_stack([first, second[:, 2]])
+
+
+def half_quads_of(faces):
+    """The triangles of half the squares, and the other squares."""
+    first, second = np.split(faces, 2)
+    half = len(first) // 2
+    return [*first[:half], *second[:half], *quads_of(faces)[half:]]
+
+
 def as_3mf(points, faces):
     vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*point) for point in points.tolist())
     triangles = "".join(
@@ -32,6 +45,8 @@ def as_3mf(points, faces):
 WRITERS = {
     "binary.ply": (250, 3.1, as_ply),
     "text.ply": (190, 3.1, lambda points, faces: as_ply(points, faces, "ascii")),
+    "quads.ply": (290, 3.1, lambda points, faces: as_ply(points, quads_of(faces))),
+    "mixed.ply": (280, 3.1, lambda points, faces: as_ply(points, half_quads_of(faces))),
     "a.off": (190, 3.1, as_off),
     "binary.stl": (170, 3.1, lambda *mesh: exported(*mesh, "stl")),
     "text.stl": (75, 3.1, lambda *mesh: exported(*mesh, "stl_ascii")),

@@ -82,13 +82,14 @@ def read_off(data: bytes, companions: Companions) -> list[Part]:
         rows, faces = _join_blocks(*blocks)
     points = np.ascontiguousarray(rows[:, :3])
     check_corners(faces.corners, len(points))
-    named, owners = named_triangles(points, faces.corners, faces.counts)
+    named, pieces = named_triangles(points, faces.corners, faces.counts)
     colours = mean_of_corners(_vertex_colours(header, rows), named)
     if faces.coloured.any():
         of_faces = np.zeros((len(faces.counts), 3), np.uint8)
         of_faces[faces.coloured] = as_bytes(faces.colours)
         others = np.array(GREY, np.uint8) if colours is None else colours
-        colours = np.where(faces.coloured[owners][:, None], of_faces[owners], others)
+        coloured = np.repeat(faces.coloured, pieces)[:, None]
+        colours = np.where(coloured, np.repeat(of_faces, pieces, axis=0), others)
     if header.places:
         companions.notes.append("has coordinates on an image that OFF can't name")
     return [Part(points, named, colours)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,17 +28,17 @@ class Part:
     Attributes
     ----------
     vertices : numpy.ndarray
-        Shape (v, 3), float, in the file's frame; the transforms of a scene are applied.
+        Shape (v, 3), numbers of any type, in the file's frame; the transforms of a scene are applied.
     faces : numpy.ndarray
-        Shape (f, 3), integers: rows of `vertices`.
+        Shape (f, 3), integers of any type: rows of `vertices`.
     colours : numpy.ndarray or None
         Shape (f, 3), uint8, sRGB; None where the file names no colour.
     paint : Paint or None
         An image on all faces; their colour is then its mean.
     """
 
-    vertices: FloatArray
-    faces: IntArray
+    vertices: NDArray[Any]
+    faces: NDArray[Any]
     colours: NDArray[np.uint8] | None = None
     paint: Paint | None = None
 
@@ -48,33 +49,51 @@ def join_parts(parts: Sequence[Part]) -> Surface:
     Raises `MeshError`, with the reason only, if there are no faces, an array has another shape, a
     face names no vertex, or an image can't be read.
     """
-    waiting = [part for part in parts if len(part.faces)][::-1]
-    # Parts may be views of the file's content, which is freed with the last one.
+    shown = [_without_unnamed(part) for part in parts if len(part.faces)]
+    # Parts may be large, and the surface takes the memory of each one that is joined.
     del parts
-    shown = []
-    while waiting:
-        shown.append(_without_unnamed(waiting.pop()))
     if not shown:
         raise MeshError("it has no faces; triangles or polygons are needed")
-    starts = np.cumsum([0, *(len(part.vertices) for part in shown[:-1])])
-    colours, texture = add_textures(
-        [part.paint for part in shown],
-        [len(part.faces) for part in shown],
-        np.concatenate([_colours(part) for part in shown]),
-    )
-    if len(shown) == 1:
-        return Surface(shown[0].vertices, shown[0].faces, colours, texture)
-    return Surface(
-        np.concatenate([part.vertices for part in shown]),
-        np.concatenate([part.faces + start for part, start in zip(shown, starts, strict=True)]),
-        colours,
-        texture,
-    )
+    paints, colours = [part.paint for part in shown], [part.colours for part in shown]
+    of_parts, faces_of_parts = [part.vertices for part in shown], [part.faces for part in shown]
+    del shown
+    counts, starts = [*map(len, faces_of_parts)], np.cumsum([0, *map(len, of_parts[:-1])])
+    vertices = _joined_vertices(of_parts)
+    faces = _joined_faces(faces_of_parts, starts)
+    face_colours, texture = add_textures(paints, counts, _joined_colours(colours, counts))
+    return Surface(vertices, faces, face_colours, texture)
+
+
+def _joined_vertices(parts: list[NDArray[Any]]) -> FloatArray:
+    """Return vertices (v, 3) of parts, which are taken out of the list one after another."""
+    if len(parts) == 1:
+        return np.asarray(parts.pop(), dtype=np.float64)
+    joined, end = np.empty((sum(map(len, parts)), 3)), 0
+    parts.reverse()
+    while parts:
+        part = parts.pop()
+        joined[end : end + len(part)] = part
+        end += len(part)
+    return joined
+
+
+def _joined_faces(parts: list[NDArray[Any]], starts: IntArray) -> IntArray:
+    """Return faces (f, 3) of parts, whose vertices begin at `starts`; parts are taken out of the list."""
+    if len(parts) == 1:
+        return np.asarray(parts.pop(), dtype=np.int64)
+    joined, end = np.empty((sum(map(len, parts)), 3), dtype=np.int64), 0
+    parts.reverse()
+    for start in starts:
+        part = parts.pop()
+        rows = joined[end : end + len(part)]
+        rows[:] = part
+        rows += start
+        end += len(part)
+    return joined
 
 
 def _without_unnamed(part: Part) -> Part:
-    vertices = np.asarray(part.vertices, dtype=np.float64)
-    faces = np.asarray(part.faces, dtype=np.int64)
+    vertices, faces = np.asarray(part.vertices), np.asarray(part.faces)
     for what, array in (("vertices", vertices), ("faces", faces)):
         if array.ndim != 2 or array.shape[1] != 3:
             raise MeshError(f"{what} have the shape {array.shape}; (n, 3) is needed")
@@ -83,12 +102,16 @@ def _without_unnamed(part: Part) -> Part:
     named = np.zeros(len(vertices), dtype=bool)
     named[faces] = True
     if not named.all():
-        faces = (np.cumsum(named) - 1)[faces]
+        faces = (np.cumsum(named, dtype=np.int32) - 1)[faces]
         vertices = vertices[named]
     return Part(vertices, faces, part.colours, part.paint)
 
 
-def _colours(part: Part) -> NDArray[np.uint8]:
-    if part.colours is None:
-        return np.tile(np.array(GREY, dtype=np.uint8), (len(part.faces), 1))
-    return part.colours
+def _joined_colours(
+    parts: Sequence[NDArray[np.uint8] | None], counts: Sequence[int]
+) -> NDArray[np.uint8]:
+    joined, end = np.empty((sum(counts), 3), dtype=np.uint8), 0
+    for colours, count in zip(parts, counts, strict=True):
+        joined[end : end + count] = GREY if colours is None else colours
+        end += count
+    return joined

@@ -1,4 +1,4 @@
-"""PLY files, read by plyfile's tables: polygons, strips, colours, and images by faces or vertices."""
+"""PLY files: polygons, strips, colours, and images by faces or vertices."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from plyfile import PlyData, PlyElement, PlyListProperty
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
@@ -17,8 +16,8 @@ from visuohaptic.meshes.colours import as_bytes, mean_of_corners
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines, check_parts
 from visuohaptic.meshes.parts import GREY, Paint, Part
-from visuohaptic.meshes.ply_tables import decoded, read_tables
-from visuohaptic.meshes.polygons import check_corners, triangulate
+from visuohaptic.meshes.ply_tables import Lists, Table, decoded, read_tables
+from visuohaptic.meshes.polygons import check_corners, named_triangles, triangulate
 from visuohaptic.meshes.text_numbers import plain_lines
 
 _CORNERS = ("vertex_indices", "vertex_index")
@@ -50,17 +49,17 @@ def read_ply(data: bytes, companions: Companions) -> list[Part]:
         lines = data.count(b"\n", header.length)
         if lines > header.rows + _MOST_BLANK_LINES:
             raise MeshError(f"its header claims {header.rows} rows, and {lines} lines follow")
+    images = _Images(data[: header.length], companions)
     tables = read_tables(data, header)
+    # The surface takes the memory of the file.
+    del data
     if "vertex" not in tables:
         return []
-    vertex = tables["vertex"]
-    if not set("xyz") <= set(_scalars(vertex)):
+    columns = tables["vertex"].columns
+    if not set("xyz") <= set(columns):
         raise MeshError("its vertices have no numbers x, y and z")
-    points = np.empty((len(vertex.data), 3))
-    for axis, name in enumerate("xyz"):
-        points[:, axis] = vertex[name]
-    images = _Images(data[: header.length], companions)
-    return [*_faces(tables, points, images), *_strips(vertex, tables, points, images)]
+    points = np.stack([columns.pop(name) for name in "xyz"], axis=1)
+    return [*_faces(tables, points, images), *_strips(tables, points, images)]
 
 
 class _Images:
@@ -73,9 +72,15 @@ class _Images:
         check_parts(len(self.names), "images")
 
     def paints(
-        self, places: FloatArray | None, numbers: IntArray
+        self,
+        places: FloatArray | None,
+        numbers: NDArray[np.integer],
+        pieces: NDArray[np.int32],
     ) -> Iterator[tuple[NDArray[np.bool_] | slice, Paint | None]]:
-        """Return the faces of each image, and the image on them, by the image's number (f,) of each face."""
+        """Return the triangles of each image, and the image on them.
+
+        `numbers` (p,) are the image's number per polygon, `pieces` (p,) the number of its triangles.
+        """
         if not self.names:
             yield slice(None), None
             return
@@ -84,63 +89,68 @@ class _Images:
             yield slice(None), None
             return
         opened = [self._companions.image(name) for name in self.names]
-        for number in np.unique(numbers):
-            shown = numbers == number
+        of_triangles = np.repeat(numbers, pieces)
+        for number in np.unique(of_triangles):
+            shown = of_triangles == number
             image = opened[number] if 0 <= number < len(opened) else None
             yield shown, None if image is None else Paint(image, places[shown])
 
 
-def _faces(tables: PlyData, points: FloatArray, images: _Images) -> Iterator[Part]:
-    face = next((one for one in tables.elements if one.name == "face"), None)
+def _faces(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> Iterator[Part]:
+    face = tables.get("face")
     name = None if face is None else _name_of_corners(face)
     if face is None or name is None:
         return
-    named, owners = _named_triangles(face.data[name], points)
-    numbers = np.zeros(len(face.data), dtype=np.int64)
-    if "texnumber" in face.data.dtype.names:
-        numbers = np.nan_to_num(face.data["texnumber"], nan=-1).astype(np.int64)
-    places = _places(tables["vertex"], named)
-    if _PLACES in face.data.dtype.names:
-        corners, counts = _lists(face.data[name])
-        corners = _whole(corners)
-        triangles, owners = triangulate(points, corners, counts)
-        values, lengths = _lists(face.data[_PLACES])
-        whole = lengths == 2 * counts
+    # The numbers of corners are not needed beside the triangles.
+    polygons = face.lists.pop(name)
+    corners = _whole(polygons.values)
+    check_corners(corners, len(points))
+    numbers: NDArray[np.integer] = np.broadcast_to(np.int32(0), face.rows)
+    if "texnumber" in face.columns:
+        numbers = np.nan_to_num(face.columns["texnumber"], nan=-1).astype(np.int64)
+    places: FloatArray | None
+    if _PLACES in face.lists:
+        triangles, pieces = triangulate(points, corners, polygons.counts)
+        whole = face.lists[_PLACES].counts == 2 * polygons.counts
         numbers = np.where(whole, numbers, -1)
-        first = np.where(whole, np.cumsum(lengths) - lengths, 0)[owners]
-        within = triangles - (np.cumsum(counts) - counts)[owners, None]
-        across = np.where(whole[owners, None], first[:, None] + 2 * within, 0)
-        values = np.append(values, [0.0, 0.0])
-        places = np.stack([values[across], values[across + 1]], axis=-1)
-    colours = _face_colours(tables, owners, named)
-    for shown, paint in images.paints(places, numbers[owners]):
+        places = _places_of_faces(face.lists[_PLACES], polygons.counts, whole, triangles, pieces)
+        named = corners[triangles].astype(np.int64, copy=False)
+    else:
+        named, pieces = named_triangles(points, corners, polygons.counts)
+        places = _places(tables["vertex"], named)
+    del polygons, corners
+    colours = _face_colours(tables, pieces, named)
+    for shown, paint in images.paints(places, numbers, pieces):
         yield Part(points, named[shown], None if colours is None else colours[shown], paint)
 
 
-def _named_triangles(rows: NDArray[Any], points: FloatArray) -> tuple[IntArray, IntArray | slice]:
-    """Return triangles (t, 3) of rows of the points, and of each one its polygon or a slice of all."""
-    if rows.dtype != object and rows.shape[1] == 3:
-        # A view of the file takes no memory until the file's is free.
-        named = _whole(rows)
-        check_corners(named, len(points))
-        return named, slice(None)
-    corners, counts = _lists(rows)
-    corners = _whole(corners)
-    check_corners(corners, len(points))
-    triangles, owners = triangulate(points, corners, counts)
-    return corners[triangles], owners
+def _places_of_faces(
+    places: Lists,
+    counts: NDArray[np.int32],
+    whole: NDArray[np.bool_],
+    triangles: IntArray,
+    pieces: NDArray[np.int32],
+) -> FloatArray:
+    """Return coordinates (t, 3, 2) of corners; any numbers where a polygon is not `whole`."""
+    owners = np.repeat(np.arange(len(counts)), pieces)
+    firsts = np.cumsum(places.counts, dtype=np.int64) - places.counts
+    first = np.where(whole, firsts, 0)[owners]
+    within = triangles - (np.cumsum(counts, dtype=np.int64) - counts)[owners, None]
+    across = np.where(whole[owners, None], first[:, None] + 2 * within, 0)
+    values = np.append(places.values, [0.0, 0.0])
+    return np.stack([values[across], values[across + 1]], axis=-1)
 
 
-def _strips(
-    vertex: PlyElement, tables: PlyData, points: FloatArray, images: _Images
-) -> Iterator[Part]:
+def _strips(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> Iterator[Part]:
     """Return the triangles of strips: lists of vertices, parted by -1, that every three in a row span."""
     if _STRIPS not in tables:
         return
     name = _name_of_corners(tables[_STRIPS])
     if name is None:
         return
-    rows, _ = _lists(np.array([np.append(row, -1) for row in tables[_STRIPS].data[name]], object))
+    strips, vertex = tables[_STRIPS].lists[name], tables["vertex"]
+    # A strip ends with its row, too.
+    rows = np.insert(_whole(strips.values).astype(np.int64), np.cumsum(strips.counts), -1)
     three = np.lib.stride_tricks.sliding_window_view(rows, 3) if len(rows) > 2 else rows[:0]
     three = three.reshape(-1, 3)
     starts = np.maximum.accumulate(np.where(rows == -1, np.arange(len(rows)) + 1, 0))
@@ -151,19 +161,20 @@ def _strips(
     kept = (triangles >= 0).all(axis=1) & (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(
         axis=1
     )
-    named = triangles[kept].astype(np.int64)
+    named = triangles[kept]
     check_corners(rows[rows != -1], len(points))
     colours = mean_of_corners(_colours(vertex), named)
-    for shown, paint in images.paints(_places(vertex, named), np.zeros(len(named), np.int64)):
+    of_first = np.zeros(len(named), dtype=np.int32)
+    for shown, paint in images.paints(_places(vertex, named), of_first, of_first + 1):
         yield Part(points, named[shown], None if colours is None else colours[shown], paint)
 
 
-def _name_of_corners(element: PlyElement) -> str | None:
-    lists = [one.name for one in element.properties if isinstance(one, PlyListProperty)]
+def _name_of_corners(element: Table) -> str | None:
+    lists = list(element.lists)
     return next((one for one in lists if len(lists) == 1 or one in _CORNERS), None)
 
 
-def _whole(corners: NDArray[Any]) -> IntArray:
+def _whole(corners: NDArray[Any]) -> NDArray[np.integer]:
     if corners.dtype.kind != "f":
         return corners
     wrong = corners[~(np.abs(corners) < 2**53) | (np.floor(corners) != corners)]
@@ -172,28 +183,16 @@ def _whole(corners: NDArray[Any]) -> IntArray:
     return corners.astype(np.int64)
 
 
-def _scalars(element: PlyElement) -> list[str]:
-    return [one.name for one in element.properties if not isinstance(one, PlyListProperty)]
-
-
-def _lists(rows: NDArray[Any]) -> tuple[NDArray[Any], IntArray]:
-    """Return the numbers of lists, row after row, and how many each row has."""
-    if rows.dtype != object:
-        return rows.ravel(), np.full(len(rows), rows.shape[1], dtype=np.int64)
-    counts = np.fromiter(map(len, rows), np.int64, len(rows))
-    return np.concatenate([np.empty(0, np.int64), *rows]), counts
-
-
-def _places(vertex: PlyElement, named: IntArray) -> FloatArray | None:
+def _places(vertex: Table, named: IntArray) -> FloatArray | None:
     for names in _PLACES_OF_VERTICES:
-        if set(names) <= set(_scalars(vertex)):
-            places = np.column_stack([vertex[name] for name in names]).astype(np.float64)
+        if set(names) <= set(vertex.columns):
+            places = np.column_stack([vertex.columns[name] for name in names]).astype(np.float64)
             return places[named]
     return None
 
 
 def _face_colours(
-    tables: PlyData, owners: IntArray | slice, named: IntArray
+    tables: dict[str, Table], pieces: NDArray[np.int32], named: IntArray
 ) -> NDArray[np.uint8] | None:
     """Return the colours of triangles: of their vertices, else of their polygon, else of its material."""
     of_vertices = _colours(tables["vertex"])
@@ -202,18 +201,18 @@ def _face_colours(
     face = tables["face"]
     of_faces = _colours(face)
     if of_faces is not None:
-        return of_faces[owners]
+        return np.repeat(of_faces, pieces, axis=0)
     materials = _colours(tables["material"]) if "material" in tables else None
-    if materials is None or "material_index" not in face.data.dtype.names:
+    if materials is None or "material_index" not in face.columns:
         return None
-    number = face["material_index"].astype(np.int64)[owners]
+    number = np.repeat(face.columns["material_index"].astype(np.int64), pieces)
     known = (number >= 0) & (number < len(materials))
     return np.where(known[:, None], materials[np.where(known, number, 0)], np.array(GREY, np.uint8))
 
 
-def _colours(element: PlyElement) -> NDArray[np.uint8] | None:
+def _colours(element: Table) -> NDArray[np.uint8] | None:
     """Return the colours of an element's rows; None where it has none."""
     for names in _COLOURS:
-        if set(names) <= set(_scalars(element)) and len(element.data):
-            return as_bytes(np.column_stack([element[name] for name in names]))
+        if set(names) <= set(element.columns) and element.rows:
+            return as_bytes(np.column_stack([element.columns[name] for name in names]))
     return None

@@ -1,4 +1,4 @@
-"""The tables of a PLY file: views of its bytes where all rows of an element have one length."""
+"""The rows of a PLY file, as arrays: a column per number and the numbers of each list in one array."""
 
 from __future__ import annotations
 
@@ -6,32 +6,79 @@ import io
 import re
 import tempfile
 import warnings
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from plyfile import PlyData, PlyElement, PlyElementParseError, PlyListProperty
+from plyfile import PlyData, PlyElement, PlyElementParseError, PlyListProperty, PlyProperty
 
-from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.ply_header import PlyHeader
+from visuohaptic.meshes.polygons import index_runs
 from visuohaptic.meshes.text_numbers import blocks_of_lines
 
 _MEANT = re.compile(r"\s*(?:ply|format|element|property)\b")
 _COUNT = re.compile(rb"^(element \S+) (\d+)$", re.MULTILINE)
 _LONGEST_ROW = 1 << 16  # numbers
+_BLOCK_BYTES = 1 << 14  # whose places fit the cache of a processor
+
+_Kinds: TypeAlias = tuple[np.dtype[Any] | None, np.dtype[Any]]  # of a list's length, and of numbers
 
 
-def read_tables(data: bytes, header: PlyHeader) -> PlyData:
-    """Read the tables of a PLY file; those of a binary one are views of `data` where they can be.
+@dataclass(frozen=True)
+class Lists:
+    """Lists of one property.
 
-    Lists whose rows have one length are arrays (n, k), others arrays (n,) of objects. Raises
-    `MeshError`, with the reason only, if rows are missing, and ``plyfile.PlyParseError`` if a table
+    Attributes
+    ----------
+    values : numpy.ndarray
+        Shape (n,): the numbers of all lists, row after row.
+    counts : numpy.ndarray
+        Shape (r,), int32: how many numbers each row has.
+    """
+
+    values: NDArray[Any]
+    counts: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of one element.
+
+    Attributes
+    ----------
+    rows : int
+        Number of rows.
+    columns : dict
+        Numbers (r,) per property that is no list, in the file's type.
+    lists : dict
+        `Lists` per property that is a list.
+    """
+
+    rows: int
+    columns: dict[str, NDArray[Any]]
+    lists: dict[str, Lists]
+
+
+def read_tables(data: bytes, header: PlyHeader) -> dict[str, Table]:
+    """Read the table of each element; no array is a view of `data`.
+
+    Raises `MeshError`, with the reason only, if rows are missing, and ``plyfile.PlyParseError`` if a table
     can't be read.
     """
     plain = plain_header(data[: header.length])
-    tables = _even_tables(data, plain, header)
-    return _uneven_tables(data, plain, header) if tables is None else tables
+    # plyfile would copy the rows; of a header that promises none it reads the properties.
+    described = PlyData.read(io.BytesIO(_COUNT.sub(rb"\1 0", plain)))
+    counts = [int(count) for _, count in _COUNT.findall(plain)]
+    tables = (
+        _text_tables(data, header, described, counts)
+        if header.ascii
+        else _binary_tables(data, header.length, described, counts)
+    )
+    return _tables_by_plyfile(data, plain, header) if tables is None else tables
 
 
 def plain_header(header: bytes) -> bytes:
@@ -48,26 +95,51 @@ def decoded(header: bytes) -> str:
         return header.decode("latin-1")
 
 
-def _even_tables(data: bytes, plain: bytes, header: PlyHeader) -> PlyData | None:
-    """Return tables whose rows have one length per element; None where one has others."""
-    # plyfile would copy the rows; of a header that promises none it reads the properties.
-    tables = PlyData.read(io.BytesIO(_COUNT.sub(rb"\1 0", plain)))
-    counts = [int(count) for _, count in _COUNT.findall(plain)]
-    if header.ascii:
-        lines = data.count(b"\n", header.length) + (not data.endswith(b"\n"))
-        text = _Text(data, header.length) if lines == header.rows else None
-    start = header.length
-    for element, count in zip(tables.elements, counts, strict=True):
-        rows: NDArray[Any] | None
-        if not header.ascii:
-            rows = _binary_rows(data, start, element, count, tables.byte_order)
-            start += 0 if rows is None else rows.nbytes
-        else:
-            rows = None if text is None else _text_rows(text, element, count)
+def _text_tables(
+    data: bytes, header: PlyHeader, described: PlyData, counts: list[int]
+) -> dict[str, Table] | None:
+    """Read tables of a line per row, whose rows have one length per element; None where one has others."""
+    if data.count(b"\n", header.length) + (not data.endswith(b"\n")) != header.rows:
+        return None
+    text, tables = _Text(data, header.length), {}
+    for element, count in zip(described.elements, counts, strict=True):
+        rows = _text_rows(text, element, count)
         if rows is None:
             return None
-        element.data = rows[[one.name for one in element.properties]]
+        tables[element.name] = _table_of_even(rows, element)
     return tables
+
+
+def _binary_tables(
+    data: bytes, start: int, described: PlyData, counts: list[int]
+) -> dict[str, Table] | None:
+    """Read binary tables; None where rows are missing or a list's length is no whole number."""
+    tables = {}
+    for element, count in zip(described.elements, counts, strict=True):
+        rows = _binary_rows(data, start, element, count, described.byte_order)
+        if rows is not None:
+            tables[element.name] = _table_of_even(rows, element)
+            start += rows.nbytes
+            continue
+        found = _uneven_table(data, start, element, count, described.byte_order)
+        if found is None:
+            return None
+        tables[element.name], start = found
+    return tables
+
+
+def _table_of_even(rows: NDArray[Any], element: PlyElement) -> Table:
+    columns, lists = {}, {}
+    for one in element.properties:
+        values = rows[one.name]
+        # Copies: a view would keep the whole file in memory.
+        copied = values.astype(values.dtype.newbyteorder("="), order="C")
+        if isinstance(one, PlyListProperty):
+            counts = np.broadcast_to(np.int32(values.shape[1]), len(rows))
+            lists[one.name] = Lists(copied.reshape(-1), counts)
+        else:
+            columns[one.name] = copied
+    return Table(len(rows), columns, lists)
 
 
 def _binary_rows(
@@ -183,8 +255,91 @@ def _fields(dtype: np.dtype[Any]) -> list[tuple[str, np.dtype[Any]]]:
     return [(name, dtype[name]) for name in dtype.names or ()]
 
 
-def _uneven_tables(data: bytes, plain: bytes, header: PlyHeader) -> PlyData:
-    """Read tables row by row by plyfile, whose lists are objects."""
+def _uneven_table(
+    data: bytes, start: int, element: PlyElement, count: int, order: str
+) -> tuple[Table, int] | None:
+    """Read rows whose lists have any length, and return where they end; None where rows are missing."""
+    kinds = [_kinds(one, order) for one in element.properties]
+    if any(length is not None and length.kind == "f" for length, _ in kinds):
+        return None
+    values, counts = [bytearray() for _ in kinds], [bytearray() for _ in kinds]
+    left = count
+    while left:
+        if start >= len(data):
+            return None
+        starts = _row_starts(data, start, kinds, left)
+        places, lengths, ends = _claimed(data, starts, kinds)
+        if ends[-1] > len(data) or any((one < 0).any() for one in lengths):
+            return None
+        for number, (_, kind) in enumerate(kinds):
+            index = index_runs(places[number], lengths[number], kind.itemsize)
+            values[number] += _at_each_byte(data, kind)[index].tobytes()
+            counts[number] += lengths[number].astype(np.int32).tobytes()
+        left -= len(starts)
+        start = int(ends[-1])
+    columns, lists = {}, {}
+    for number, one in enumerate(element.properties):
+        kind = kinds[number][1]
+        numbers = np.frombuffer(values[number], kind).astype(kind.newbyteorder("="), copy=False)
+        if isinstance(one, PlyListProperty):
+            lists[one.name] = Lists(numbers, np.frombuffer(counts[number], np.int32))
+        else:
+            columns[one.name] = numbers
+    return Table(count, columns, lists), start
+
+
+def _row_starts(data: bytes, start: int, kinds: Sequence[_Kinds], most: int) -> IntArray:
+    """Return where the rows in a block begin, at least one and `most` at most.
+
+    A row's length is known from its beginning only. So each byte of the block points to where a row
+    that began there would end. Following all pointers of a row at once, then those of two, of four and
+    so on, finds the beginnings without a loop over rows.
+    """
+    block = np.arange(start, min(start + _BLOCK_BYTES, len(data)))
+    _, _, ends = _claimed(data, block, kinds)
+    # The last place stands for all behind the block.
+    jump = np.append(np.minimum(ends - start, len(block)), len(block))
+    starts = np.zeros(1, dtype=np.int64)
+    while len(starts) < most and starts[-1] < len(block):
+        starts = np.concatenate([starts, jump[starts]])
+        jump = jump[jump]
+    return start + starts[starts < len(block)][:most]
+
+
+def _claimed(
+    data: bytes, starts: IntArray, kinds: Sequence[_Kinds]
+) -> tuple[list[IntArray], list[IntArray], IntArray]:
+    """Return where each property would begin in rows that began at `starts`, its length, and where they end.
+
+    Where a length stands behind the end of the data, so does the end of its row.
+    """
+    places, lengths, place = [], [], starts
+    for of_length, kind in kinds:
+        count = np.ones(len(starts), dtype=np.int64)
+        if of_length is not None:
+            numbers = _at_each_byte(data, of_length)
+            count = numbers[np.minimum(place, len(numbers) - 1)].astype(np.int64)
+            place = place + of_length.itemsize
+        places.append(place)
+        lengths.append(count)
+        place = place + kind.itemsize * np.maximum(count, 0)
+    return places, lengths, place
+
+
+def _at_each_byte(data: bytes, kind: np.dtype[Any]) -> NDArray[Any]:
+    """Return a view of the numbers that begin at each byte; they overlap."""
+    return np.ndarray((len(data) - kind.itemsize + 1,), kind, data, 0, (1,))
+
+
+def _kinds(one: PlyProperty, order: str) -> _Kinds:
+    if isinstance(one, PlyListProperty):
+        of_length, of_values = map(np.dtype, one.list_dtype(order))
+        return of_length, of_values
+    return None, np.dtype(one.dtype(order))
+
+
+def _tables_by_plyfile(data: bytes, plain: bytes, header: PlyHeader) -> dict[str, Table]:
+    """Read tables row by row by plyfile, whose lists are objects; it says which row is wrong."""
     with tempfile.TemporaryFile() as file:
         file.write(plain)
         file.write(memoryview(data)[header.length :])
@@ -193,7 +348,7 @@ def _uneven_tables(data: bytes, plain: bytes, header: PlyHeader) -> PlyData:
             with warnings.catch_warnings():
                 # plyfile reads rows of text by NumPy, which warns of a list that is empty.
                 warnings.filterwarnings("ignore", "loadtxt: input contained no data")
-                return PlyData.read(file)
+                return {one.name: _table_of_objects(one) for one in PlyData.read(file).elements}
         except PlyElementParseError as error:
             if error.row is None or "early end" not in error.message:
                 raise
@@ -201,3 +356,15 @@ def _uneven_tables(data: bytes, plain: bytes, header: PlyHeader) -> PlyData:
                 f"it is truncated: its header promises {error.element.count} rows of "
                 f"{error.element.name!r}, and {error.row} are there whole"
             ) from error
+
+
+def _table_of_objects(element: PlyElement) -> Table:
+    columns, lists = {}, {}
+    for one in element.properties:
+        rows = element.data[one.name]
+        if isinstance(one, PlyListProperty):
+            counts = np.fromiter(map(len, rows), np.int32, len(rows))
+            lists[one.name] = Lists(np.concatenate([np.empty(0, np.int64), *rows]), counts)
+        else:
+            columns[one.name] = rows
+    return Table(len(element.data), columns, lists)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 from mapbox_earcut import triangulate_float64
+from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
@@ -16,10 +17,13 @@ MOST_CORNERS_CUT = 1_000
 """Corners of one polygon that is not convex; cutting one that crosses itself takes their square."""
 
 _AREA_TOLERANCE = 1e-6  # relative; text formats hold some six digits, so corners on a line are not
-_BLOCK_CORNERS = 1 << 18
+_BLOCK_CORNERS = 1 << 14
+_BLOCK_POLYGONS = 1 << 12
 
 
-def cuts(points: FloatArray, corners: IntArray, counts: IntArray) -> dict[int, IntArray]:
+def cuts(
+    points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
+) -> dict[int, IntArray]:
     """Cut each polygon that its fan does not cover exactly, by ear clipping (``mapbox_earcut``).
 
     A polygon is seen along its area vector (Newell's normal), so one that is not flat is cut as its
@@ -30,52 +34,99 @@ def cuts(points: FloatArray, corners: IntArray, counts: IntArray) -> dict[int, I
     has. Gives by the number of each polygon that needs it triangles (t, 3): places among its own
     corners, in its own winding.
     """
-    starts = np.cumsum(counts) - counts
     found: dict[int, IntArray] = {}
-    for count in np.unique(counts[counts > 3]):
-        places = np.flatnonzero(counts == count)
-        for block in np.array_split(places, -(-len(places) * count // _BLOCK_CORNERS)):
-            polygons = points[corners[starts[block, None] + np.arange(count)]]
-            cut = _cut_block(polygons)
-            found |= {int(block[place]): triangles for place, triangles in cut.items()}
+    corner = 0
+    for first in range(0, len(counts), _BLOCK_POLYGONS):
+        block = counts[first : first + _BLOCK_POLYGONS]
+        starts = corner + np.cumsum(block, dtype=np.int64) - block
+        for place, triangles in _cuts_of_block(points, corners, block, starts).items():
+            found[first + place] = triangles
+        corner += int(block.sum(dtype=np.int64))
+    return found
+
+
+def _cuts_of_block(
+    points: NDArray[np.floating],
+    corners: NDArray[np.integer],
+    counts: NDArray[np.integer],
+    starts: IntArray,
+) -> dict[int, IntArray]:
+    found: dict[int, IntArray] = {}
+    for count in map(int, np.unique(counts[counts > 3])):
+        alike = np.flatnonzero(counts == count)
+        for places in np.array_split(alike, -(-len(alike) * count // _BLOCK_CORNERS)):
+            polygons = points[corners[starts[places, None] + np.arange(count)]]
+            cut = _cut_polygons(polygons.astype(np.float64, copy=False))
+            found |= {int(places[place]): triangles for place, triangles in cut.items()}
     return found
 
 
 def triangulate(
-    points: FloatArray, corners: IntArray, counts: IntArray
-) -> tuple[IntArray, IntArray]:
+    points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
+) -> tuple[IntArray, NDArray[np.int32]]:
     """Cut polygons into triangles, in their order: each by its fan, or as `cuts` does where that is wrong.
 
     `points`, `corners` and `counts` are those of `cuts`. Returns triangles (t, 3), indices into
-    `corners`, and the index (t,) of each triangle's polygon. Polygons of fewer than three corners go.
+    `corners`, and how many triangles (p,) each polygon has: none if it has fewer than three corners.
     """
     if (counts == 3).all():
-        return np.arange(len(corners)).reshape(-1, 3), np.arange(len(counts))
+        return np.arange(len(corners)).reshape(-1, 3), np.ones(len(counts), dtype=np.int32)
     cut = cuts(points, corners, counts)
-    pieces = np.maximum(counts - 2, 0)
+    pieces = np.maximum(counts, 2, dtype=np.int32, casting="same_kind")
+    pieces -= 2
     for polygon, triangles in cut.items():
         pieces[polygon] = len(triangles)
+    found = np.empty((pieces.sum(dtype=np.int64), 3), dtype=np.int64)
+    corner = triangle = 0
+    numbers = np.array(sorted(cut), dtype=np.int64)
+    # Several arrays as large as `found` would be needed at once.
+    for first in range(0, len(counts), _BLOCK_POLYGONS):
+        block = slice(first, first + _BLOCK_POLYGONS)
+        of_block = slice(*np.searchsorted(numbers, [first, first + _BLOCK_POLYGONS]))
+        inside = {int(number) - first: cut[int(number)] for number in numbers[of_block]}
+        fans = _fans(counts[block], pieces[block], inside)
+        np.add(fans, corner, out=found[triangle : triangle + len(fans)])
+        triangle, corner = triangle + len(fans), corner + int(counts[block].sum(dtype=np.int64))
+    return found, pieces
+
+
+def _fans(
+    counts: NDArray[np.integer], pieces: NDArray[np.int32], cut: dict[int, IntArray]
+) -> IntArray:
+    """Return triangles (t, 3), indices into the polygons' corners: those of `cut`, else fans."""
     owners = np.repeat(np.arange(len(counts)), pieces)
-    starts, begins = np.cumsum(counts) - counts, np.cumsum(pieces) - pieces
-    second = np.arange(len(owners)) - begins[owners] + 1
-    triangles = starts[owners][:, None] + np.column_stack([0 * second, second, second + 1])
+    starts = np.cumsum(counts, dtype=np.int64) - counts
+    begins = np.cumsum(pieces, dtype=np.int64) - pieces
+    first, second = starts[owners], np.arange(len(owners)) - begins[owners] + 1
+    triangles = np.column_stack([first, first + second, first + second + 1])
     for polygon, inner in cut.items():
         triangles[begins[polygon] : begins[polygon] + len(inner)] = starts[polygon] + inner
-    return triangles, owners
+    return triangles
 
 
 def named_triangles(
-    points: FloatArray, corners: IntArray, counts: IntArray
-) -> tuple[IntArray, IntArray | slice]:
+    points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
+) -> tuple[IntArray, NDArray[np.int32]]:
     """Cut polygons as `triangulate` does, into triangles (t, 3) of rows of `points`.
 
-    Also returns the polygon of each triangle: its indices (t,), or a slice of all if all are triangles.
+    Also returns how many triangles (p,) each polygon has.
     """
-    # An index of each corner takes more memory than the corners.
     if (counts == 3).all():
-        return corners.reshape(-1, 3), slice(None)
-    triangles, owners = triangulate(points, corners, counts)
-    return corners[triangles], owners
+        ones = np.broadcast_to(np.int32(1), len(counts))
+        return corners.reshape(-1, 3).astype(np.int64, copy=False), ones
+    triangles, pieces = triangulate(points, corners, counts)
+    # A second array of as many triangles would be needed without blocks.
+    for start in range(0, len(triangles), _BLOCK_CORNERS):
+        block = triangles[start : start + _BLOCK_CORNERS]
+        block[:] = corners[block]
+    return triangles, pieces
+
+
+def index_runs(starts: IntArray, counts: IntArray, step: int = 1) -> IntArray:
+    """Return indices (sum of `counts`,) that go up from each start (n,) in steps, as many as its count."""
+    ends = np.cumsum(counts)
+    firsts = np.repeat(starts - step * (ends - counts), counts)
+    return firsts + step * np.arange(len(firsts))
 
 
 def fan(count: int) -> IntArray:
@@ -84,7 +135,7 @@ def fan(count: int) -> IntArray:
     return np.column_stack([np.zeros_like(second), second, second + 1])
 
 
-def check_corners(corners: IntArray, vertices: int, first: int = 0) -> None:
+def check_corners(corners: NDArray[np.integer], vertices: int, first: int = 0) -> None:
     """Refuse, with the reason alone, corners that name no vertex; vertices are counted from `first`."""
     if not len(corners):
         return
@@ -98,7 +149,7 @@ def check_corners(corners: IntArray, vertices: int, first: int = 0) -> None:
     raise MeshError(f"a face names vertex {wrong}; {first} to {last} are there")
 
 
-def _cut_block(polygons: FloatArray) -> dict[int, IntArray]:
+def _cut_polygons(polygons: FloatArray) -> dict[int, IntArray]:
     """Cut those of polygons (p, n, 3), in any unit, that their fans do not cover exactly."""
     # A polygon of one point, or with a NaN, has no unit and fails no comparison.
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
