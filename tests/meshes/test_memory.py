@@ -4,9 +4,22 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from meshes.generated import as_dae, as_obj, as_off, as_ply, exported, model, object_of, three_mf
+import trimesh
+from meshes.generated import (
+    as_dae,
+    as_gltf,
+    as_obj,
+    as_off,
+    as_ply,
+    exported,
+    model,
+    object_of,
+    three_mf,
+)
 
 from visuohaptic.meshes.model_files import read_mesh
+
+PARTS = 20
 
 
 def grid(side):
@@ -32,6 +45,15 @@ def half_quads_of(faces):
     return [*first[:half], *second[:half], *quads_of(faces)[half:]]
 
 
+def as_parts(points, faces):
+    # trimesh writes equal arrays once.
+    parts = [
+        trimesh.Trimesh(points + part, np.roll(faces, part, axis=0), process=False)
+        for part in range(PARTS)
+    ]
+    return trimesh.Scene(parts).export(file_type="glb")
+
+
 def as_3mf(points, faces):
     vertices = "".join('<vertex x="{}" y="{}" z="{}"/>'.format(*point) for point in points.tolist())
     triangles = "".join(
@@ -51,6 +73,9 @@ WRITERS = {
     "binary.stl": (170, 3.1, lambda *mesh: exported(*mesh, "stl")),
     "text.stl": (75, 3.1, lambda *mesh: exported(*mesh, "stl_ascii")),
     "a.glb": (290, 3.1, lambda *mesh: exported(*mesh, "glb")),
+    "parts.glb": (65, 3.1, as_parts),
+    "inline.gltf": (240, 3.1, as_gltf),
+    "quads.obj": (210, 3.1, lambda points, faces: as_obj(points, quads_of(faces))),
     "a.obj": (190, 3.1, as_obj),
     "a.dae": (190, 3.1, lambda *mesh: as_dae(*mesh, "polylist")),
     "a.3mf": (140, 3.1, as_3mf),
@@ -72,5 +97,5 @@ def test_reading_takes_a_small_multiple_of_the_unpacked_file(name, tmp_path):
     surface = read_mesh(path)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert len(surface.faces) == 2 * side * side
+    assert len(surface.faces) == 2 * side * side * (PARTS if name == "parts.glb" else 1)
     assert peak < most * size

@@ -5,7 +5,7 @@ glTF 2.0 (ISO/IEC 12113:2022), sections 3.4 to 3.8 and 4.4 (GLB).
 
 from __future__ import annotations
 
-import base64
+import binascii
 import json
 import struct
 from collections.abc import Collection
@@ -83,7 +83,7 @@ class GltfDocument:
     def __init__(self, data: bytes, companions: Companions) -> None:
         self._size = len(data)
         text, self._chunk = _unpacked(data) if data[:4] == b"glTF" else (data, None)
-        self.tree = _parsed(text)
+        self.tree = _parsed(_decoded(text))
         self.companions = companions
         self._buffers: dict[object, memoryview] = {}
         self._images: dict[object, PackedImage | None] = {}
@@ -232,6 +232,11 @@ class GltfDocument:
         described = self.entry("buffers", index, place)
         refuse_unknown(described, f"buffer {index}", ())
         name = described.get("uri")
+        if name is not None and name.startswith("data:"):
+            # The text is not needed beside its bytes.
+            del name
+            self._buffers[index] = memoryview(_inline(described.pop("uri")))
+            name = None
         # Many buffers may name one file.
         key = index if name is None else name
         if key not in self._buffers:
@@ -248,7 +253,7 @@ class GltfDocument:
             if index != 0 or self._chunk is None:
                 raise MeshError(f"buffer {index} has no data")
             return self._chunk
-        return _inline(name) if name.startswith("data:") else self.companions.read(name)
+        return self.companions.read(name)
 
 
 def required(holder: dict[str, Any], name: str, kind: type, place: str) -> Any:
@@ -302,13 +307,17 @@ def _unpacked(data: bytes) -> tuple[bytes, memoryview | None]:
     return bytes(chunks[b"JSON"]), chunks.get(b"BIN\0")
 
 
-def _parsed(text: bytes) -> dict[str, Any]:
+def _decoded(text: bytes) -> str:
     # Several programs fill the chunk up with NUL instead of blanks.
     text = text.rstrip(b"\0 \t\r\n")
     try:
-        tree = json.loads(text)
+        return text.decode(json.detect_encoding(text), "surrogatepass")
     except UnicodeDecodeError:
-        tree = json.loads(text.decode("latin-1"))
+        return text.decode("latin-1")
+
+
+def _parsed(text: str) -> dict[str, Any]:
+    tree = json.loads(text)
     if not isinstance(tree, dict):
         raise MeshError("its JSON is no object")
     return tree
@@ -318,7 +327,8 @@ def _inline(address: str) -> bytes:
     """Return the bytes of a ``data:`` address (RFC 2397)."""
     kind, _, data = address.partition(",")
     if kind.endswith(";base64"):
-        return base64.b64decode(unquote(data) if "%" in data else data)
+        # `base64.b64decode` would copy the text.
+        return binascii.a2b_base64(unquote(data) if "%" in data else data)
     return unquote_to_bytes(data)
 
 

@@ -91,6 +91,8 @@ def read_gltf(data: bytes, companions: Companions) -> list[Part]:
     """
     companions.up_axis = "y"
     document = GltfDocument(data, companions)
+    # The file's text is not needed beside its buffers.
+    del data
     shown = _shown(document)
     _check_size(document, shown)
     return [part for one in shown for part in _mesh_parts(document, one)]
