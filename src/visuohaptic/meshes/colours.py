@@ -7,9 +7,9 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.base.arrays import IntArray
+from visuohaptic.base.arrays import FloatArray, IntArray
 
-_AT_ONCE = 1 << 16  # faces
+_AT_ONCE = 1 << 14  # rows
 
 
 def as_bytes(colours: NDArray[Any]) -> NDArray[np.uint8]:
@@ -19,11 +19,18 @@ def as_bytes(colours: NDArray[Any]) -> NDArray[np.uint8]:
     """
     if colours.dtype == np.uint8:
         return colours
-    values = np.nan_to_num(colours.astype(np.float64), posinf=np.inf, neginf=0.0)
-    largest = values.max(initial=0.0)
+    blocks = [slice(start, start + _AT_ONCE) for start in range(0, len(colours), _AT_ONCE)]
+    largest = max((_as_float(colours[block]).max() for block in blocks), default=0.0)
     fractions = colours.dtype.kind == "f"
     scale = 255.0 if fractions and largest <= 1.0 else 1.0 if largest <= 255.0 else 255.0 / 65535.0
-    return np.rint(np.clip(scale * values, 0.0, 255.0)).astype(np.uint8)
+    found = np.empty(colours.shape, dtype=np.uint8)
+    for block in blocks:
+        found[block] = np.rint(np.clip(scale * _as_float(colours[block]), 0.0, 255.0))
+    return found
+
+
+def _as_float(colours: NDArray[Any]) -> FloatArray:
+    return np.nan_to_num(colours.astype(np.float64), posinf=np.inf, neginf=0.0)
 
 
 @overload

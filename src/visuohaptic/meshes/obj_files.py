@@ -19,7 +19,7 @@ from visuohaptic.meshes.polygons import cuts
 from visuohaptic.meshes.wavefront import as_utf_8, shown
 
 _NO_MATERIAL = frozenset({"", "None", "(null)"})  # Blender's names of none
-_AT_ONCE = 1 << 18  # faces
+_AT_ONCE = 1 << 16  # faces
 _LARGEST_BYTE = 255.0
 _HALVES = np.array([[0, 1, 2], [2, 3, 0]], dtype=np.int32)  # of a quadrilateral
 _ALMOST_ONE = 1.05  # a colour of 1 as rounding may leave it
@@ -213,9 +213,11 @@ def _face_colours(
     whole = np.tile(np.rint(own).astype(np.uint8), (len(faces), 1))
     if colours is None:
         return whole
-    mean = (colours[faces[:, 0]] + colours[faces[:, 1]] + colours[faces[:, 2]]) / 3
-    known = ~np.isnan(mean).any(axis=1)
-    whole[known] = np.rint(255.0 * mean[known] * material.tint)
+    for start in range(0, len(faces), _AT_ONCE):
+        first, second, third = faces[start : start + _AT_ONCE].T
+        mean = (colours[first] + colours[second] + colours[third]) / 3
+        known = ~np.isnan(mean).any(axis=1)
+        whole[start : start + _AT_ONCE][known] = np.rint(255.0 * mean[known] * material.tint)
     return whole
 
 
