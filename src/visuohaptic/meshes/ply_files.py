@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,13 @@ _COLOURS = (
     ("r", "g", "b"),
 )
 _STRIPS = "tristrips"
+_NAMES_OF_COLOURS = tuple(chain(*_COLOURS))
+_COLUMNS = {
+    "vertex": ("x", "y", "z", *chain(*_PLACES_OF_VERTICES), *_NAMES_OF_COLOURS),
+    "face": ("texnumber", "material_index", *_NAMES_OF_COLOURS),
+    "material": _NAMES_OF_COLOURS,
+    _STRIPS: (),
+}
 _IMAGE = re.compile(r"comment\s+TextureFile\s+(.*\S)", re.IGNORECASE)
 _MOST_BLANK_LINES = 100_000
 
@@ -50,7 +58,7 @@ def read_ply(data: bytes, companions: Companions) -> list[Part]:
         if lines > header.rows + _MOST_BLANK_LINES:
             raise MeshError(f"its header claims {header.rows} rows, and {lines} lines follow")
     images = _Images(data[: header.length], companions)
-    tables = read_tables(data, header)
+    tables = read_tables(data, header, _COLUMNS)
     # The surface takes the memory of the file.
     del data
     if "vertex" not in tables:

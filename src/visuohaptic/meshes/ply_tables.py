@@ -6,7 +6,7 @@ import io
 import re
 import tempfile
 import warnings
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -63,8 +63,12 @@ class Table:
     lists: dict[str, Lists]
 
 
-def read_tables(data: bytes, header: PlyHeader) -> dict[str, Table]:
-    """Read the table of each element; no array is a view of `data`.
+def read_tables(
+    data: bytes, header: PlyHeader, columns: Mapping[str, Collection[str]]
+) -> dict[str, Table]:
+    """Read tables of the elements that are keys of `columns`; no array is a view of `data`.
+
+    Each table has all lists of its element and, of the other properties, those that `columns` names.
 
     Raises `MeshError`, with the reason only, if rows are missing, and ``plyfile.PlyParseError`` if a table
     can't be read.
@@ -74,11 +78,11 @@ def read_tables(data: bytes, header: PlyHeader) -> dict[str, Table]:
     described = PlyData.read(io.BytesIO(_COUNT.sub(rb"\1 0", plain)))
     counts = [int(count) for _, count in _COUNT.findall(plain)]
     tables = (
-        _text_tables(data, header, described, counts)
+        _text_tables(data, header, described, counts, columns)
         if header.ascii
-        else _binary_tables(data, header.length, described, counts)
+        else _binary_tables(data, header.length, described, counts, columns)
     )
-    return _tables_by_plyfile(data, plain, header) if tables is None else tables
+    return _tables_by_plyfile(data, plain, header, columns) if tables is None else tables
 
 
 def plain_header(header: bytes) -> bytes:
@@ -96,7 +100,11 @@ def decoded(header: bytes) -> str:
 
 
 def _text_tables(
-    data: bytes, header: PlyHeader, described: PlyData, counts: list[int]
+    data: bytes,
+    header: PlyHeader,
+    described: PlyData,
+    counts: list[int],
+    columns: Mapping[str, Collection[str]],
 ) -> dict[str, Table] | None:
     """Read tables of a line per row, whose rows have one length per element; None where one has others."""
     if data.count(b"\n", header.length) + (not data.endswith(b"\n")) != header.rows:
@@ -106,31 +114,42 @@ def _text_tables(
         rows = _text_rows(text, element, count)
         if rows is None:
             return None
-        tables[element.name] = _table_of_even(rows, element)
+        if element.name in columns:
+            tables[element.name] = _table_of_even(rows, element, columns[element.name])
     return tables
 
 
 def _binary_tables(
-    data: bytes, start: int, described: PlyData, counts: list[int]
+    data: bytes,
+    start: int,
+    described: PlyData,
+    counts: list[int],
+    columns: Mapping[str, Collection[str]],
 ) -> dict[str, Table] | None:
     """Read binary tables; None where rows are missing or a list's length is no whole number."""
     tables = {}
     for element, count in zip(described.elements, counts, strict=True):
         rows = _binary_rows(data, start, element, count, described.byte_order)
+        wanted = columns.get(element.name, ())
         if rows is not None:
-            tables[element.name] = _table_of_even(rows, element)
             start += rows.nbytes
+            if element.name in columns:
+                tables[element.name] = _table_of_even(rows, element, wanted)
             continue
-        found = _uneven_table(data, start, element, count, described.byte_order)
+        found = _uneven_table(data, start, element, count, described.byte_order, wanted)
         if found is None:
             return None
-        tables[element.name], start = found
+        table, start = found
+        if element.name in columns:
+            tables[element.name] = table
     return tables
 
 
-def _table_of_even(rows: NDArray[Any], element: PlyElement) -> Table:
+def _table_of_even(rows: NDArray[Any], element: PlyElement, wanted: Collection[str]) -> Table:
     columns, lists = {}, {}
     for one in element.properties:
+        if one.name not in wanted and not isinstance(one, PlyListProperty):
+            continue
         values = rows[one.name]
         # Copies: a view would keep the whole file in memory.
         copied = values.astype(values.dtype.newbyteorder("="), order="C")
@@ -256,12 +275,22 @@ def _fields(dtype: np.dtype[Any]) -> list[tuple[str, np.dtype[Any]]]:
 
 
 def _uneven_table(
-    data: bytes, start: int, element: PlyElement, count: int, order: str
+    data: bytes,
+    start: int,
+    element: PlyElement,
+    count: int,
+    order: str,
+    wanted: Collection[str],
 ) -> tuple[Table, int] | None:
     """Read rows whose lists have any length, and return where they end; None where rows are missing."""
     kinds = [_kinds(one, order) for one in element.properties]
     if any(length is not None and length.kind == "f" for length, _ in kinds):
         return None
+    read = [
+        number
+        for number, one in enumerate(element.properties)
+        if isinstance(one, PlyListProperty) or one.name in wanted
+    ]
     values, counts = [bytearray() for _ in kinds], [bytearray() for _ in kinds]
     left = count
     while left:
@@ -271,20 +300,21 @@ def _uneven_table(
         places, lengths, ends = _claimed(data, starts, kinds)
         if ends[-1] > len(data) or any((one < 0).any() for one in lengths):
             return None
-        for number, (_, kind) in enumerate(kinds):
+        for number in read:
+            kind = kinds[number][1]
             index = index_runs(places[number], lengths[number], kind.itemsize)
             values[number] += _at_each_byte(data, kind)[index].tobytes()
             counts[number] += lengths[number].astype(np.int32).tobytes()
         left -= len(starts)
         start = int(ends[-1])
     columns, lists = {}, {}
-    for number, one in enumerate(element.properties):
-        kind = kinds[number][1]
+    for number in read:
+        name, kind = element.properties[number].name, kinds[number][1]
         numbers = np.frombuffer(values[number], kind).astype(kind.newbyteorder("="), copy=False)
-        if isinstance(one, PlyListProperty):
-            lists[one.name] = Lists(numbers, np.frombuffer(counts[number], np.int32))
+        if kinds[number][0] is None:
+            columns[name] = numbers
         else:
-            columns[one.name] = numbers
+            lists[name] = Lists(numbers, np.frombuffer(counts[number], np.int32))
     return Table(count, columns, lists), start
 
 
@@ -338,7 +368,9 @@ def _kinds(one: PlyProperty, order: str) -> _Kinds:
     return None, np.dtype(one.dtype(order))
 
 
-def _tables_by_plyfile(data: bytes, plain: bytes, header: PlyHeader) -> dict[str, Table]:
+def _tables_by_plyfile(
+    data: bytes, plain: bytes, header: PlyHeader, columns: Mapping[str, Collection[str]]
+) -> dict[str, Table]:
     """Read tables row by row by plyfile, whose lists are objects; it says which row is wrong."""
     with tempfile.TemporaryFile() as file:
         file.write(plain)
@@ -348,7 +380,11 @@ def _tables_by_plyfile(data: bytes, plain: bytes, header: PlyHeader) -> dict[str
             with warnings.catch_warnings():
                 # plyfile reads rows of text by NumPy, which warns of a list that is empty.
                 warnings.filterwarnings("ignore", "loadtxt: input contained no data")
-                return {one.name: _table_of_objects(one) for one in PlyData.read(file).elements}
+                return {
+                    one.name: _table_of_objects(one, columns[one.name])
+                    for one in PlyData.read(file).elements
+                    if one.name in columns
+                }
         except PlyElementParseError as error:
             if error.row is None or "early end" not in error.message:
                 raise
@@ -358,13 +394,13 @@ def _tables_by_plyfile(data: bytes, plain: bytes, header: PlyHeader) -> dict[str
             ) from error
 
 
-def _table_of_objects(element: PlyElement) -> Table:
+def _table_of_objects(element: PlyElement, wanted: Collection[str]) -> Table:
     columns, lists = {}, {}
     for one in element.properties:
         rows = element.data[one.name]
         if isinstance(one, PlyListProperty):
             counts = np.fromiter(map(len, rows), np.int32, len(rows))
             lists[one.name] = Lists(np.concatenate([np.empty(0, np.int64), *rows]), counts)
-        else:
+        elif one.name in wanted:
             columns[one.name] = rows
     return Table(len(element.data), columns, lists)
