@@ -60,7 +60,7 @@ class WorkflowParameters(Section):
 
     views_per_job: int = Field(16, ge=1, le=1024, description="Viewpoints that one job covers")
     objects_per_job: int = Field(
-        8, ge=1, le=1024, description="Objects of one class that one job takes through a phase"
+        10, ge=1, le=1024, description="Most objects that one job takes through a phase"
     )
     conditions_per_job: int | None = Field(
         None,

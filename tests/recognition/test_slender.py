@@ -44,11 +44,13 @@ def table():
 @pytest.mark.parametrize("pipeline", ["paper", "order_free"])
 def test_recognition_goes_on_without_those_views(table, tmp_path, caplog, pipeline):
     write_table(FEATURES, table, tmp_path / "features.parquet")
-    for strategy in ("fixation", "random"):
-        files.make_scores(
-            [tmp_path / "features.parquet"], tmp_path / f"scores/{strategy}.parquet",
-            tmp_path / f"predictions/{strategy}.parquet", pipeline, strategy, QUICK, 1,
-        )  # fmt: skip
+    made = {
+        name: {one: tmp_path / f"{name}/{one}.parquet" for one in ("fixation", "random")}
+        for name in ("scores", "predictions")
+    }
+    files.make_scores(
+        [tmp_path / "features.parquet"], **made, pipeline=pipeline, parameters=QUICK, seed=1
+    )
     scores, predictions = (
         read_table(schema, tmp_path / schema.name) for schema in (SCORES, PREDICTIONS)
     )

@@ -286,7 +286,7 @@ def _neutral(schema, name):
 def _write_mesh(folder, key):
     category, name = key.split("/", 1)
     # A file's name may be shorter than an object's: such an object is without a model.
-    place = category.replace("/", "_"), "block", f"{name.replace('/', '_')[:240]}.ply"
+    place = "block", category.replace("/", "_"), f"{name.replace('/', '_')[:240]}.ply"
     path = folder.joinpath("meshes", *place)
     write_surface(ball(6), path)
     return path

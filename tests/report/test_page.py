@@ -187,7 +187,7 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     tables = files.views, files.touches, tmp_path / "held.parquet"
     make_pictures({}, *tables, pictures, shown=OBJECTS, faces=4000)
     nowhere = {
-        "pictures": [pictures], "meshes": ["nowhere/cup/mug/mug.ply"], "credits": ["nowhere.csv"],
+        "pictures": [pictures], "meshes": ["nowhere/cup/mug.ply"], "credits": ["nowhere.csv"],
         "logs": tmp_path / "nowhere", "effects": (),
         "extras": {"cost": tmp_path / "nowhere", "stability": tmp_path / "nowhere.json"},
     }  # fmt: skip

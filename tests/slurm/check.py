@@ -124,7 +124,7 @@ def _time(name, folder, command, environment):
 
 def _break(cluster, folder, is_over):
     """Kill both daemons once a block has begun, and start them again."""
-    while not list(folder.glob("results/meshes/*/*/*.ply")):
+    while not list(folder.glob("results/meshes/*/*/*/*.ply")):
         time.sleep(0.5)
     cluster.kill("slurmctld")
     cluster.kill("slurmd")

@@ -1,7 +1,6 @@
 """A few small objects of two classes, and what a small run makes of them."""
 
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import trimesh
@@ -68,7 +67,7 @@ def run_tables(surfaces, parameters=RUN):
 
 def write_meshes(folder, surfaces):
     """Write surfaces as meshes of a run, and give their files."""
-    meshes = [folder / key / f"{Path(key).name}.ply" for key in surfaces]
+    meshes = [folder / f"{key}.ply" for key in surfaces]
     for mesh, surface in zip(meshes, surfaces.values(), strict=True):
         mesh.parent.mkdir(parents=True, exist_ok=True)
         write_surface(surface, mesh)

@@ -29,7 +29,7 @@ OBJECT = "chair/bs0_chair2/00-01.parquet"
 class Change:
     """What differs from the finished run: parameters, and files by what becomes of their content.
 
-    All phases run from the `first` on, so many `jobs` of it, of two blocks of objects and two strategies; or, of a table
+    All phases run from the `first` on, so many `jobs` of it, of two blocks of objects or one pipeline; or, of a table
     that is lost or edited and comes out as it was, `alone` this one.
     """
 
@@ -100,7 +100,7 @@ CHANGES = {
     "scene": of("touches", scene={"preset": "fsr400", "effects": {"noise": "never"}}),
     "a scene to see": of("fixations", scene={"effects": {"shading": "never"}}),
     "features": of("features", features={"extension": "symmetric"}),
-    "recognition": of("recognition", recognition={"classifier": {"neighbours": 3}}),
+    "recognition": of("recognition", 1, recognition={"classifier": {"neighbours": 3}}),
     "seed": of("fixations", seed=7),
     "workflow": of("meshes", 4, workflow={"objects_per_job": 1}),
     "views a job": of("fixations", 4, workflow={"views_per_job": 1}),
@@ -111,18 +111,20 @@ CHANGES = {
     },
     "other columns": file("report", CATALOGUE, cells(**dict.fromkeys(columns_aside(), "1234")), 1),
     "a credit": file("report", "meshes/paper/credits.csv", cells(licence="CC0-1.0"), 1),
-    "a script": file("recognition", "workflow/scripts/recognition.py"),
+    "a script": file("recognition", "workflow/scripts/recognition.py", jobs=1),
     "meshes/preparing": file("meshes", "src/visuohaptic/meshes/preparing.py"),
     "attention/saliency": file("fixations", "src/visuohaptic/attention/saliency.py"),
     "sensor/placing": file("touches", "src/visuohaptic/sensor/placing.py"),
     "contourlets/directional": file(
         "features", "packages/contourlets/src/contourlets/directional.py"
     ),
-    "recognition/classifiers": file("recognition", "src/visuohaptic/recognition/classifiers.py"),
+    "recognition/classifiers": file(
+        "recognition", "src/visuohaptic/recognition/classifiers.py", jobs=1
+    ),
     "evaluation/metrics": file("metrics", "src/visuohaptic/evaluation/metrics.py", jobs=1),
     "evaluation/intervals": file("metrics", "src/visuohaptic/evaluation/intervals.py", jobs=1),
     "an edited table": alone("features", f"results/features/{OBJECT}", edited),
-    "no mesh": alone("meshes", "results/meshes/chair/bs0_chair2/bs0_chair2.ply"),
+    "no mesh": alone("meshes", "results/meshes/bottle/bs0_yogurtBottle/bottle/bs0_yogurtBottle.ply"),
     "no views": alone("fixations", f"results/views/{OBJECT}"),
     "no effects": alone("touches", f"results/effects/touches/{OBJECT}"),
     "no plot": alone("metrics", "reports/plots/accuracy.csv"),

@@ -100,7 +100,7 @@ def test_files_of_the_user_stay_and_what_is_no_longer_named_is_put_aside(stand_i
     for file in mine:
         file.parent.mkdir(exist_ok=True)
         file.write_text("mine")
-    earlier = "results/meshes/chair/earlier/gone.ply"
+    earlier = "results/meshes/chair/earlier/chair/gone.ply"
     write_set_aside(stand_in.folder / earlier, "it has no face")
     record = {"key": "", "parts": {}, "tables": {earlier: ""}, "log": "logs/gone.log"}
     (results / "records/gone.json").write_text(json.dumps(record))

@@ -1,7 +1,7 @@
 """Meshes: models as they come → one clean, centred, coloured surface of unit size an object.
 
 Takes meshes/catalogue.csv, meshes/paper/, meshes/own/, and downloads what the set lacks;
-gives results/meshes/<class>/<block>/<object>.ply: a block of objects is named after its first.
+gives results/meshes/<block>/<class>/<object>.ply: a block is named after its first object, <class>/<object>.
 """
 
 from dataclasses import asdict

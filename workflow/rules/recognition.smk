@@ -1,6 +1,6 @@
 """Recognition: features of all objects → scores and predictions for every split and classifier.
 
-Takes results/features/; gives the tables results/scores/ and results/predictions/.
+Takes results/features/; gives the tables results/scores/ and results/predictions/, a job per pipeline.
 """
 
 
@@ -8,7 +8,7 @@ rule recognition_all:
     input:
         files_of("scores", "{pipeline}/{strategy}"),
         files_of("predictions", "{pipeline}/{strategy}"),
-        files_of("records/recognition", "{pipeline}/{strategy}", "json"),
+        files_of("records/recognition", "{pipeline}", "json"),
 
 
 rule recognition:
@@ -17,17 +17,18 @@ rule recognition:
         # Stops before the first job where there are no classes to tell apart.
         checked=lambda wildcards: or_stop(check_classes, OBJECTS) or [],
     output:
-        scores="results/scores/{pipeline}/{strategy}.parquet",
-        predictions="results/predictions/{pipeline}/{strategy}.parquet",
-        record="results/records/recognition/{pipeline}/{strategy}.json",
+        scores=files_of("scores", "{{pipeline}}/{strategy}"),
+        predictions=files_of("predictions", "{{pipeline}}/{strategy}"),
+        record="results/records/recognition/{pipeline}.json",
     log:
-        "logs/recognition/{pipeline}/{strategy}.log",
+        "logs/recognition/{pipeline}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
         **phase_of("recognition").written_values(PARAMETERS),
         key=key_of_job,
+        strategies=PARAMETERS.probing.strategies,
     message:
-        "training and testing on touches by {wildcards.strategy}, pipeline {wildcards.pipeline}"
+        "training and testing pipeline {wildcards.pipeline}"
     script:
         "../scripts/recognition.py"

@@ -1,16 +1,16 @@
-"""Train and test one pipeline on the touches of one strategy."""
+"""Train and test one pipeline on the touches of each strategy."""
 
 from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):
+    strategies = snakemake.params.strategies
     make_scores(
         features=snakemake.input.features,
-        scores=snakemake.output.scores,
-        predictions=snakemake.output.predictions,
+        scores=dict(zip(strategies, snakemake.output.scores, strict=True)),
+        predictions=dict(zip(strategies, snakemake.output.predictions, strict=True)),
         pipeline=snakemake.wildcards.pipeline,
-        strategy=snakemake.wildcards.strategy,
         parameters=RecognitionParameters(**snakemake.params.recognition),
         seed=snakemake.params.seed,
     )

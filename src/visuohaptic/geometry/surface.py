@@ -124,16 +124,16 @@ def _sentences(path: str | Path, kind: str) -> Iterator[str]:
 
 
 def object_of(mesh: str | Path) -> str:
-    """Name the object, `class/name`, of a mesh file ``<class>/<block>/<name>.ply``."""
+    """Name the object, `class/name`, of a mesh file ``<class>/<name>.ply``."""
     mesh = Path(mesh)
-    return f"{mesh.parents[1].name}/{mesh.stem}"
+    return f"{mesh.parent.name}/{mesh.stem}"
 
 
 def meshes_in(
     folders: Iterable[str | Path], objects: Collection[str] | None = None
 ) -> dict[str, Path]:
-    """Give the mesh file of each object, `class/name`, in folders ``<class>/<block>``; of `objects` alone if given."""
-    files = (file for folder in folders for file in Path(folder).glob("*.ply"))
+    """Find the mesh file of each object, `class/name`, in the folders of blocks; only of `objects` if given."""
+    files = (file for folder in folders for file in Path(folder).glob("*/*.ply"))
     found = {object_of(file): file for file in files}
     return {key: found[key] for key in sorted(found) if objects is None or key in objects}
 

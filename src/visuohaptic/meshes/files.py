@@ -20,13 +20,12 @@ def make_meshes(
     parameters: MeshParameters,
     seed: int,
 ) -> None:
-    """Make the mesh files ``<name>.ply`` of some objects, by `class/name`; own models are None.
+    """Make the mesh files ``<class>/<name>.ply`` of some objects, by `class/name`; own models are None.
 
     The seed decides how objects are turned, if `parameters` ask for that.
     """
     for key, model in models.items():
-        output = Path(folder) / f"{key.split('/')[1]}.ply"
-        make_mesh(key, model, sources[key], output, parameters, seed)
+        make_mesh(key, model, sources[key], Path(folder) / f"{key}.ply", parameters, seed)
 
 
 def make_mesh(

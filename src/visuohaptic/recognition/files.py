@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -16,24 +16,24 @@ logger = logging.getLogger(__name__)
 
 def make_scores(
     features: Sequence[str | Path],
-    scores: str | Path,
-    predictions: str | Path,
+    scores: Mapping[str, str | Path],
+    predictions: Mapping[str, str | Path],
     pipeline: str,
-    strategy: str,
     parameters: RecognitionParameters,
     seed: int,
 ) -> None:
-    """Make the score and prediction tables of one pipeline and strategy.
+    """Make the score and prediction tables of one pipeline, a file per strategy.
 
-    Raises `RecognitionError` if the table has no touch of the strategy, or not what the experiment
-    needs.
+    Raises `RecognitionError` if the features have no touch of a strategy, or do not allow the experiment.
     """
     # With scikit-learn, which whoever reads the list of phases does not need.
     from visuohaptic.recognition.experiment import run_pipeline
 
-    table, left_out = take_strategy(read_table(FEATURES, features), strategy, parameters.touches)
-    for sentence in left_out:
-        logger.warning(sentence)
-    scored, predicted = run_pipeline(table, parameters, seed, pipeline)
-    write_table(SCORES, scored, scores)
-    write_table(PREDICTIONS, predicted, predictions)
+    touched = read_table(FEATURES, features)
+    for strategy, output in scores.items():
+        table, left_out = take_strategy(touched, strategy, parameters.touches)
+        for sentence in left_out:
+            logger.warning(sentence)
+        scored, predicted = run_pipeline(table, parameters, seed, pipeline)
+        write_table(SCORES, scored, output)
+        write_table(PREDICTIONS, predicted, predictions[strategy])

@@ -50,7 +50,7 @@ _EXTRAS = {
 class RunFiles:
     """Where a run's tables lie, in parts; what may be missing has a default.
 
-    `meshes` are ``<class>/<block>/<object>.ply``; later `credits` add to earlier ones; the page names files from
+    `meshes` are ``<block>/<class>/<object>.ply``; later `credits` add to earlier ones; the page names files from
     `folder` on; `extras` are tables that not every run has; `earlier_studies` have the date of the state that they
     belong to; `studies` are folders whose studies may bring sections of their own; `gaze` is a table of
     `gaze.gaze_sentence`, measured once; `key` is the digest of all that the page was made from.

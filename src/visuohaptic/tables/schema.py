@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -49,7 +50,7 @@ class Schema:
     key_columns: tuple[Column, ...]
     others: tuple[Column, ...]
 
-    @property
+    @cached_property
     def columns(self) -> tuple[Column, ...]:
         """All columns, those that identify a row first."""
         return (*self.key_columns, *self.others)
@@ -59,7 +60,7 @@ class Schema:
         """The names of the columns that identify a row."""
         return names_of(self.key_columns)
 
-    @property
+    @cached_property
     def arrow(self) -> pa.Schema:
         """The same schema for pyarrow, descriptions and units as metadata."""
         return pa.schema(

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
 
 
 def divide(objects: Iterable[str], per_job: int) -> dict[str, list[str]]:
     """Divide objects, ``class/name``, into blocks of at most `per_job`, sorted, each by the name of its first object.
 
-    A block holds objects of one class. A class that has too many is halved by a bit of each name's SHA-256, and so
-    on: an object stays in its place whatever others there are, and one more or one less changes one block alone.
-    A block that grows too large becomes two, and two that fit into one become one.
+    Too many objects are halved by a bit of each name's SHA-256, and so are the halves: an object stays in its block
+    whatever others there are, and an object more or less changes one block. A block that grows too large becomes
+    two, and two blocks that fit into one become one.
     """
-    classes = groupby(sorted(objects), key=lambda key: key.partition("/")[0])
-    parts = (part for _, members in classes for part in _halve(list(members), per_job, 0))
-    return {part[0]: part for part in sorted(parts)}
+    return {part[0]: part for part in sorted(_halve(sorted(objects), per_job, 0))}
 
 
 def _halve(members: Sequence[str], per_job: int, bit: int) -> Iterator[list[str]]:

@@ -25,7 +25,7 @@ ASIDE = Path(".cache/aside")
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
     """Give all that a run says at its end; figures only of a current report, as others are another run's."""
-    meshes = sorted(Path("results/meshes").glob("*/*/*.ply"), key=object_of)
+    meshes = sorted(Path("results/meshes").glob("*/*/*/*.ply"), key=object_of)
     reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
     exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
     return [
