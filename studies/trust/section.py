@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from trust.study import STUDY
 from trust.tables import STATED_COVERAGES, TRUST
 from visuohaptic.evaluation.summary import select
-from visuohaptic.recognition.certainty import least_objects
+from visuohaptic.recognition.parameters import least_objects
 from visuohaptic.report.drawing import COLOURS, style
 from visuohaptic.report.estimates import Row, read_json
 from visuohaptic.report.evaluation import rows_of

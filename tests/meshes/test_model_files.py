@@ -45,7 +45,9 @@ def test_the_mesh_file_of_an_own_model_has_its_notes_and_a_run_says_them_at_its_
 ):
     monkeypatch.chdir(tmp_path)
     path = write_square(tmp_path, text="mtllib b.mtl\n" + SQUARE)
-    make_mesh("cup/a", None, path, "results/meshes/cup/a/cup/a.ply", MeshParameters(own_up_axis="y"))
+    make_mesh(
+        "cup/a", None, path, "results/meshes/cup/a/cup/a.ply", MeshParameters(own_up_axis="y")
+    )
     (note,) = notes_of("results/meshes/cup/a/cup/a.ply")
     assert "'b.mtl', which is not there" in note
     assert lines_at_end(report_is_current=False) == [f"warning: cup/a: {note}"]

@@ -7,7 +7,6 @@ Artificial Intelligence 74, 2015). The final model learnt from all objects, so t
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +16,7 @@ from scipy.spatial.distance import cdist
 from sklearn.covariance import LedoitWolf
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.recognition.parameters import least_objects
 from visuohaptic.recognition.pipelines import log_probabilities, pooled_log_probabilities
 from visuohaptic.recognition.splits import RandomState, held_out_folds
 from visuohaptic.recognition.voting import evenly_spaced_subsets
@@ -219,11 +219,6 @@ def fit_reference(rows: FloatArray, owners: IntArray) -> Reference:
         fitted = LedoitWolf(assume_centered=True).fit(deviations)
         whitening = np.linalg.inv(np.linalg.cholesky(fitted.covariance_)).T
     return Reference(whitening, means @ whitening)
-
-
-def least_objects(coverage: float) -> int:
-    """Return the number of objects from which a set of this coverage can leave out a class."""
-    return math.ceil(round(coverage / (1 - coverage), 9))
 
 
 def _views_of(total: int, turn: int) -> Sequence[BoolArray]:

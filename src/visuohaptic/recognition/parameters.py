@@ -225,3 +225,8 @@ class RecognitionParameters(Section):
     order_free: OrderFreeParameters = OrderFreeParameters()
     protocol: ProtocolParameters = ProtocolParameters()
     intervals: IntervalParameters = IntervalParameters()
+
+
+def least_objects(coverage: float) -> int:
+    """Return the number of objects from which a prediction set of this coverage can leave out a class."""
+    return math.ceil(round(coverage / (1 - coverage), 9))

@@ -42,7 +42,7 @@ FIXATION_ONLY: Changes = {"probing.strategies": ("fixation",), **ONE_CLASSIFIER}
 
 MOST_BLOCKS = 8
 MOST_CONDITIONS_A_BLOCK = 25
-LEAST_TRAININGS_A_BLOCK = 6
+LEAST_TRAININGS_A_BLOCK = 12
 """Fewer pairs of a pipeline and a strategy take no longer than a job needs to start."""
 
 _ORDER = tuple(next(iter(phase.writes)) for phase in OF_OBJECT)
