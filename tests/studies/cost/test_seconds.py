@@ -8,16 +8,19 @@ from studies.surfaces import RUN, run_tables, small_surfaces
 
 from settings_cost.study import STUDY, settings_of
 from visuohaptic.geometry.subject import Subject
-from visuohaptic.studies.conditions import plan_study
+from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.cost import seconds
 from visuohaptic.studies.cost.seconds import (
     FittedSetting,
     fit_setting,
+    fit_settings,
     measure_seconds,
     prepare,
     recognise,
     time_object,
 )
+from visuohaptic.studies.cost.settings import FRONTIER, frontier_settings
+from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.studies import COST_PARTS
 
 
@@ -89,6 +92,25 @@ def test_a_phase_put_between_the_others_counts_for_the_whole(surfaces, fitted, m
     (row,) = time_object("box/box1", surfaces["box/box1"], fitted[:1], 0)
     known = sum(row[f"seconds_{name}"] for name in ("look", "touch", "describe", "classify"))
     assert row["seconds"] > 1.01 * known
+
+
+def test_settings_that_differ_in_strategy_share_a_model_and_others_have_their_own(monkeypatch):
+    run = with_changes(RUN, {"probing.strategies": ["fixation", "random"]})
+    refused = {f"fixation, 1 touch, {views}" for views in ("1 viewpoint", "4 viewpoints")}
+    monkeypatch.setattr(seconds, "features_by_key", lambda *_: lambda _key: None)
+    monkeypatch.setattr(
+        seconds,
+        "fit_setting",
+        lambda _, one, *__: None if one.condition.name in refused else object(),
+    )
+    step = StepInputs("frontier", {"features": ()}, ("out",), run)
+    found = fit_settings(FRONTIER, frontier_settings(run), step)
+    models = {(one.setting.family, one.setting.touches): one.model for one in found}
+    assert models["fixation", 2] is models["random", 2]
+    assert ("fixation", 1) not in models
+    assert models["random", 1] is not models["random", 2]
+    cues = [one.model for one in found if one.setting.family == "cues"]
+    assert len({id(one) for one in (*cues, models["fixation", 2])}) == 3
 
 
 def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):

@@ -64,18 +64,29 @@ def write_seconds(step: StepInputs, study: Study, settings: Sequence[Setting], r
 def fit_settings(
     study: Study, settings: Sequence[Setting], step: StepInputs
 ) -> list[FittedSetting]:
-    """Train each setting that can be; one model where settings differ in the viewpoints alone."""
+    """Train each setting that can be; settings that differ only in viewpoints or in strategy share a model.
+
+    The time of an answer depends on the model's size, which the strategy of the training touches does not change.
+    """
     run, features = step.run, features_by_key(step.inputs["features"], step.made, step.objects)
     planned = plan_study(study, run).conditions
     models: dict[tuple[str, str], RecognitionModel | None] = {}
     found: list[FittedSetting] = []
     for setting, one in zip(settings, planned, strict=True):
-        asked = training_key(one)
-        if asked not in models:
+        asked = _model_key(one)
+        if models.get(asked) is None:
             models[asked] = fit_setting(setting, one, features(one.key), run.seed)
         if model := models[asked]:
             found.append(FittedSetting(setting, one.parameters, model))
     return found
+
+
+def _model_key(planned: Planned) -> tuple[str, str]:
+    """Return what settings with one model have in common: features, and all parameters but the strategies."""
+    parameters = planned.parameters
+    probing = parameters.probing.model_copy(update={"strategies": ()})
+    alike = parameters.model_copy(update={"probing": probing})
+    return training_key(replace(planned, parameters=alike))
 
 
 def fit_setting(
