@@ -3,12 +3,16 @@
 Takes results/features/; gives the tables results/scores/ and results/predictions/, a job per pipeline.
 """
 
+# In the name of the record: a job of other strategies has another record, and files of a strategy that is no longer
+# asked for are put aside.
+STRATEGIES_ASKED = "+".join(PARAMETERS.probing.strategies)
+
 
 rule recognition_all:
     input:
         files_of("scores", "{pipeline}/{strategy}"),
         files_of("predictions", "{pipeline}/{strategy}"),
-        files_of("records/recognition", "{pipeline}", "json"),
+        files_of("records/recognition", f"{{pipeline}}/{STRATEGIES_ASKED}", "json"),
 
 
 rule recognition:
@@ -19,9 +23,9 @@ rule recognition:
     output:
         scores=files_of("scores", "{{pipeline}}/{strategy}"),
         predictions=files_of("predictions", "{{pipeline}}/{strategy}"),
-        record="results/records/recognition/{pipeline}.json",
+        record=f"results/records/recognition/{{pipeline}}/{STRATEGIES_ASKED}.json",
     log:
-        "logs/recognition/{pipeline}.log",
+        f"logs/recognition/{{pipeline}}/{STRATEGIES_ASKED}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:
