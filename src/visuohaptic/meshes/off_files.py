@@ -40,17 +40,7 @@ class _Header:
 
 @dataclass(frozen=True)
 class _Faces:
-    """Faces, as numbers of their corners.
-
-    Attributes
-    ----------
-    corners, counts : numpy.ndarray
-        Rows of vertices, face after face, and how many each face has.
-    colours : numpy.ndarray
-        Shape (c, 3): the numbers behind the corners of the faces that are `coloured`.
-    coloured : numpy.ndarray
-        Shape (f,): whether a face has a colour.
-    """
+    """Corners, their number per face, the numbers behind the corners of coloured faces, (c, 3), and which are coloured."""
 
     corners: IntArray
     counts: IntArray
