@@ -319,12 +319,10 @@ def _uneven_table(
 
 
 def _row_starts(data: bytes, start: int, kinds: Sequence[_Kinds], most: int) -> IntArray:
-    """Return where the rows in a block begin, at least one and `most` at most.
-
-    A row's length is known from its beginning only. So each byte of the block points to where a row
-    that began there would end. Following all pointers of a row at once, then those of two, of four and
-    so on, finds the beginnings without a loop over rows.
-    """
+    """Return where the rows in a block begin, at least one and `most` at most."""
+    # A row's length is known only from its beginning. So each byte of the block points to where a row that began
+    # there would end. Following the pointers over one row, then over two rows, four rows and so on finds all
+    # beginnings without a loop over rows.
     block = np.arange(start, min(start + _BLOCK_BYTES, len(data)))
     _, _, ends = _claimed(data, block, kinds)
     # The last place stands for all behind the block.
@@ -339,10 +337,8 @@ def _row_starts(data: bytes, start: int, kinds: Sequence[_Kinds], most: int) -> 
 def _claimed(
     data: bytes, starts: IntArray, kinds: Sequence[_Kinds]
 ) -> tuple[list[IntArray], list[IntArray], IntArray]:
-    """Return where each property would begin in rows that began at `starts`, its length, and where they end.
-
-    Where a length stands behind the end of the data, so does the end of its row.
-    """
+    """Return where each property would begin in rows that began at `starts`, its length, and where they end."""
+    # Where a length stands behind the end of the data, so does the end of its row.
     places, lengths, place = [], [], starts
     for of_length, kind in kinds:
         count = np.ones(len(starts), dtype=np.int64)
