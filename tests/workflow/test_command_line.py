@@ -25,7 +25,7 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_
     elsewhere.snakemake(*snakefile)
     assert (folder / "reports/report.html").exists()
     assert not (fresh_stand_in.folder / "results").exists()
-    record = (folder / "results/records/recognition/paper/fixation.json").read_text()
+    record = (folder / "results/records/recognition/paper/fixation+random.json").read_text()
     assert '"neighbours": 3' in record
     assert "Nothing to be done" in elsewhere.snakemake(*snakefile).stdout
 

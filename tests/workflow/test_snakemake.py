@@ -9,6 +9,8 @@ import pytest
 import trimesh
 from small_experiment import SMALL_OBJECTS
 
+from visuohaptic.geometry.surface import object_of
+from visuohaptic.report.run import find_run
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.stability import STABILITY
@@ -32,6 +34,14 @@ def test_pandas_reads_each_table_whole(finished):
     # Strategies, classifiers, splits of two objects in two classes. kNN asks five neighbours, and four sequences train.
     assert len(scores) == 2 * 4 * 4
     assert "k_nearest_neighbours" not in set(scores["classifier"])
+
+
+def test_a_finished_run_is_found_with_the_mesh_of_each_object(finished):
+    files, _, objects = find_run(finished.folder)
+    assert sorted(object_of(mesh).partition("/")[2] for mesh in files.meshes) == sorted(
+        SMALL_OBJECTS
+    )
+    assert len(objects) == len(SMALL_OBJECTS)
 
 
 def test_the_books_of_the_effects_read_as_one_table(finished):

@@ -26,7 +26,7 @@ MINE = {
 }
 # An empty frontier, for which nothing is measured, but which is written.
 FRONTIER = {"frontier_seconds": 1, "frontier": 1}
-RECOGNISED = {"recognition": 2}
+RECOGNISED = {"recognition": 1}
 AFTER = {"metrics": 1, "report": 1}
 EARLIER = "was measured with an earlier state"
 FIGURES = "results/studies/mine.parquet"

@@ -214,7 +214,7 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
         metrics=folder / METRICS,
         **tables,
         effects=[*_parts(results / "effects/views"), *_parts(results / "effects/touches")],
-        meshes=sorted((results / "meshes").glob("*/*/*.ply")),
+        meshes=sorted((results / "meshes").rglob("*.ply")),
         credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],
         logs=logs if logs.is_dir() else None,
         folder=folder,
