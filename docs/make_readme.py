@@ -16,7 +16,7 @@ from visuohaptic.report.questions import (
     recognition_answer,
     variant_sentences,
 )
-from visuohaptic.report.sections import turned_leads
+from visuohaptic.report.sections import kept_leads
 from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.variants import read_variants
 from visuohaptic_workflow.closing import REPORT, describe_results
@@ -100,7 +100,7 @@ def answers(metrics: dict[str, Any]) -> str:
     found = (
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
         fixation_answer(
-            tables, variants, [*variant_sentences(variants), *turned_leads(IntervalParameters())]
+            tables, variants, [*variant_sentences(variants), *kept_leads(IntervalParameters())]
         ),
     )
     sentences = [

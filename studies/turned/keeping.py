@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import visuohaptic.report
+from classifier_settings.choose import choosing_half
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ReportError
+from visuohaptic.meshes.catalogue import models_of_set
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.provenance import find_commit
 from visuohaptic.report.turned import KEPT, TurnedCell, TurnedSet, read_turned
@@ -22,13 +24,19 @@ from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
 from visuohaptic.studies.study import StepInputs
 
 MEASURED = Path("reports/turned.json")
+CATALOGUE = Path("meshes/catalogue.csv")
+NAMES = ("turns", "known", "touches", "pipeline", "strategy", "classifier")
+"""Columns that name a kept cell."""
 PLACE = Path(visuohaptic.report.__file__).with_name(KEPT)
 
 
 def make_turned(step: StepInputs) -> None:
     """Write the mean accuracy per object over the draws of the turns as JSON."""
     cells = read_cells(step.inputs["blocks"])
-    write_json({"set": step.run.meshes.set, **means_over_draws(cells)}, step.outputs[0])
+    chosen = choosing_half(models_of_set(CATALOGUE, "outside"))
+    measured = means_over_draws(cells)
+    choosing = sorted(chosen.intersection(measured["objects"]))
+    write_json({"set": step.run.meshes.set, "choosing": choosing, **measured}, step.outputs[0])
 
 
 def means_over_draws(cells: Mapping[CellKey, Cell]) -> dict[str, Any]:
@@ -41,21 +49,17 @@ def means_over_draws(cells: Mapping[CellKey, Cell]) -> dict[str, Any]:
     if failed:
         raise ReportError(f"Turned objects could not be measured, {failed[0]}")
     objects = sorted({key for cell in cells.values() for key in cell.objects})
-    drawn: dict[tuple[str, str, str, str], list[dict[Any, tuple[float, float]]]] = {}
+    drawn: dict[tuple[object, ...], list[dict[Any, tuple[float, float]]]] = {}
     for (condition, pipeline, strategy, classifier), cell in cells.items():
         values = zip(cell.accuracy.tolist(), cell.weights.tolist(), strict=True)
-        key = (condition.split()[0], pipeline, strategy, classifier)
+        turns, _, known, touches = condition.split()
+        key = (turns, known, int(touches), pipeline, strategy, classifier)
         drawn.setdefault(key, []).append(dict(zip(cell.objects, values, strict=True)))
     found = []
-    for (turns, pipeline, strategy, classifier), draws in drawn.items():
-        accuracy, weights = zip(*(_mean(draws, key) for key in objects), strict=True)
-        names = {
-            "turns": turns,
-            "pipeline": pipeline,
-            "strategy": strategy,
-            "classifier": classifier,
-        }
-        found.append({**names, "draws": len(draws), "accuracy": accuracy, "weights": weights})
+    for names, draws in drawn.items():
+        accuracy, weights = zip(*(_mean(draws, one) for one in objects), strict=True)
+        named = dict(zip(NAMES, names, strict=True))
+        found.append({**named, "draws": len(draws), "accuracy": accuracy, "weights": weights})
     return {"objects": ["/".join(key) for key in objects], "cells": found}
 
 
@@ -79,6 +83,7 @@ def keep(name: str, measured: Path = MEASURED, place: Path = PLACE) -> None:
         commit=find_commit(),
         date=datetime.now(UTC).strftime("%Y-%m-%d"),
         objects=found["objects"],
+        choosing=found["choosing"],
         cells=tuple(TurnedCell.model_validate(one) for one in found["cells"]),
     )
     sets = ",\n".join(f'"{one}": {kept[one].model_dump_json()}' for one in sorted(kept))

@@ -1,34 +1,74 @@
-"""What turning the objects costs: upright and aligned, turned about the vertical, and turned in any way."""
+"""What an unknown pose costs: objects turned before they are looked at, recognised by what is known of their frame."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import get_args
 
+from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.turned import POSES
+from visuohaptic.recognition.parameters import Frame
+from visuohaptic.report.turned import POSES, STATISTICS, STRATEGIES, Known
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
-from visuohaptic.studies.study import Condition, Step, Study
+from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, Changes, Condition, Step, Study
 
 DRAWS = 5
 """Draws of the turns."""
 
+RECOGNISED_BY: dict[Known, Changes] = {
+    STATISTICS: {
+        "recognition.frame": "none",
+        "recognition.order_free.cues": ("contourlet", "imprint", "sensor", "relations"),
+    },
+    **{frame: {"recognition.frame": frame} for frame in get_args(Frame)},
+}
+"""The parameters by which touches are described, by what is known of the frame."""
 
-def name_of(turns: str, draw: int) -> str:
-    """Name a condition after how its objects are turned, and the draw."""
-    return f"{turns} {draw}"
+FRAMES: dict[Turns, tuple[Known, ...]] = {
+    "none": ("none", "centre", "vertical", "full"),
+    "vertical": ("none", "centre", "vertical", "full"),
+    "any": (STATISTICS, "none", "centre", "full"),
+}
+"""What the descriptors take as known of the frame, by how objects are turned; turned in any way, no object stands
+upright, so that no vertical is known."""
+
+CURVES: dict[Turns, tuple[Known, ...]] = {
+    "none": ("full",),
+    "vertical": ("vertical",),
+    "any": ("none", "centre", "full"),
+}
+"""The frames in which sequences of other lengths than the run's are recognised, too: what is not known is turned."""
+
+LENGTHS = (1, 2, 10, 20)
+"""Touches of these sequences."""
 
 
-def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield each pose of the objects, by draw; objects that are not turned have no draws."""
-    same = {
-        **ONE_CLASSIFIER,
-        "probing.strategies": ("fixation", "random"),
-        "recognition.pipelines": tuple(HEADLINE_CLASSIFIERS),
-    }
+def name_of(turns: Turns, draw: int, known: Known, touches: int) -> str:
+    """Name a condition after how its objects are turned, the draw, what is known of the frame, and the touches."""
+    return f"{turns} {draw} {known} {touches}"
+
+
+def conditions(run: ExperimentParameters) -> Iterator[Condition]:
+    """Yield each pose of the objects, by draw, frame and touches; objects that are not turned have no draws."""
+    own = run.recognition.touches or run.attention.fixations
     for turns in POSES:
         for draw in range(1 if turns == "none" else DRAWS):
-            changes = {**same, "meshes.turns": turns, "meshes.turn_draw": draw}
-            yield Condition(name_of(turns, draw), changes)
+            pose = {"meshes.turns": turns, "meshes.turn_draw": draw}
+            for known in FRAMES[turns]:
+                lengths = {own, *LENGTHS} if known in CURVES[turns] else {own}
+                for touches in sorted(lengths):
+                    is_headline = known == "full" and touches == own
+                    changes = {
+                        **ONE_CLASSIFIER,
+                        **pose,
+                        **RECOGNISED_BY[known],
+                        "probing.strategies": STRATEGIES,
+                        "recognition.touches": touches,
+                        "recognition.pipelines": tuple(HEADLINE_CLASSIFIERS)
+                        if is_headline
+                        else ("order_free",),
+                    }
+                    yield Condition(name_of(turns, draw, known, touches), changes)
 
 
 STUDY = Study(
@@ -36,6 +76,15 @@ STUDY = Study(
     "Turned objects",
     conditions,
     steps=(
+        Step(
+            "trained_upright",
+            "turned.trained_upright:make_trained_upright",
+            ("results/trained_upright.parquet",),
+            takes=("made",),
+            needs=DUMP_FOR_CONDITIONS,
+            is_block=True,
+            is_shown=False,
+        ),
         Step(
             "turned",
             "turned.keeping:make_turned",

@@ -74,7 +74,7 @@ def predict_turned(
     field = turned.schema.field(index)
     further = pc.add(turned.column("viewpoint"), viewpoints).cast(field.type)
     shifted = turned.set_column(index, field, further)
-    both = pa.concat_tables([upright, shifted])
+    both = pa.concat_tables([upright, shifted], promote_options="default")
     sequences = gather_pipeline(both, recognition, PIPELINE, run.seed)
     is_turned = sequences.viewpoint >= viewpoints
     splits = [

@@ -7,11 +7,25 @@ from report.pages import plain
 
 from visuohaptic.base.errors import ReportError
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.turned import POSES, TurnedSet, read_turned, turned_rows, turned_sentence
+from visuohaptic.report.turned import (
+    POSES,
+    STRATEGIES,
+    CellName,
+    TurnedSet,
+    contrast,
+    curve_rows,
+    frame_rows,
+    read_turned,
+    turned_rows,
+    turned_sentence,
+    unknown_pose_sentence,
+)
 
 
-def cell(turns, strategy, accuracy, pipeline="paper"):
-    named = {"turns": turns, "strategy": strategy, "pipeline": pipeline}
+def cell(turns, strategy, accuracy, pipeline="paper", known="full", touches=5):
+    named = {
+        "turns": turns, "strategy": strategy, "pipeline": pipeline, "known": known, "touches": touches,
+    }  # fmt: skip
     weights = [None if one is None else 1.0 + place for place, one in enumerate(accuracy)]
     return {
         **named, "classifier": "support_vector_machine", "draws": 5, "accuracy": accuracy,
@@ -24,18 +38,25 @@ KEPT = {
         "commit": "0123456789abcdef",
         "date": "2026-11-26",
         "objects": ["box/a", "box/b", "cup/c"],
+        "choosing": ["cup/c"],
         "cells": [
             cell("any", "random", [0.5, None, 0.25]),
             cell("any", "fixation", [0.25, 0.75, 0.5]),
+            cell("any", "random_visible", [0.5, 0.5, 0.5]),
             cell("none", "random", [0.5, 0.5, 0.5], "order_free"),
+            cell("none", "random_visible", [0.75, 0.5, 0.5], "order_free"),
             cell("none", "fixation", [1.0, 1.0, 1.0], "order_free"),
             cell("vertical", "fixation", [1.0, 1.0, 1.0], "order_free"),
+            cell("any", "random", [0.25, 0.25, 1.0], "order_free", "none"),
+            cell("any", "random_visible", [0.5, 0.5, 1.0], "order_free", "none"),
+            cell("any", "fixation", [0.5, 1.0, 0.0], "order_free", "none"),
+            cell("any", "fixation", [0.0, 0.0, 0.0], "order_free", "none", 20),
         ],
     }
 }
 
 
-def test_rows_are_weighted_means_and_leads_over_the_objects_of_both_strategies(tmp_path):
+def test_rows_are_weighted_means_and_leads_over_the_objects_of_all_strategies(tmp_path):
     path = tmp_path / "turned.json"
     path.write_text(json.dumps(KEPT))
     first, second = turned_rows(read_turned(path)["paper"], IntervalParameters())
@@ -43,11 +64,57 @@ def test_rows_are_weighted_means_and_leads_over_the_objects_of_both_strategies(t
         "none", "order_free", "any", "paper",
     )  # fmt: skip
     assert second.pose == POSES["any"]
-    assert second.fixation.mean == pytest.approx((0.25 + 1.5 + 1.5) / 6)
+    assert second.fixation.mean == pytest.approx((0.25 + 1.5) / 4)
     assert second.random.mean == pytest.approx((0.5 + 0.75) / 4)
     assert second.lead.mean == pytest.approx((-0.25 + 0.75) / 4)
     assert (second.objects, second.draws) == (2, 5)
     assert second.lead.low < second.lead.mean < second.lead.high
+    assert second.salience.mean == pytest.approx(-0.25 / 4)
+
+
+def test_frames_are_compared_on_the_objects_that_chose_nothing():
+    kept = TurnedSet.model_validate(KEPT["paper"])
+    assert kept.reports.tolist() == [True, True, False]
+    upright, unknown = frame_rows(kept, IntervalParameters())
+    assert (upright.known, unknown.known, unknown.objects) == ("full", "none", 2)
+    assert unknown.fixation.mean == pytest.approx((0.5 + 2 * 1.0) / 3)
+    assert unknown.lead.mean == pytest.approx((0.25 + 2 * 0.75) / 3)
+    assert unknown.salience.mean == pytest.approx((0.0 + 2 * 0.5) / 3)
+
+
+def test_a_curve_has_the_objects_that_have_sequences_of_all_lengths():
+    cells = [
+        cell("any", strategy, values, "order_free", "none", touches)
+        for strategy in STRATEGIES
+        for touches, values in ((5, [0.5, 1.0, 0.5]), (20, [1.0, None, 1.0]))
+    ]
+    kept = TurnedSet.model_validate(KEPT["paper"] | {"choosing": [], "cells": cells})
+    short, long = curve_rows(kept, IntervalParameters())
+    assert (short.touches, long.touches) == (5, 20)
+    assert (short.objects, long.objects) == (2, 2)
+    assert (short.fixation.mean, long.fixation.mean) == (0.5, 1.0)
+    only_short = kept.model_copy(update={"cells": kept.cells[::2]})
+    assert curve_rows(only_short, IntervalParameters()) == []
+
+
+def test_a_change_of_a_lead_is_a_contrast_of_four_cells_over_the_same_objects():
+    kept = TurnedSet.model_validate(KEPT["paper"])
+    unknown, known = ("any", "none", 5), ("none", "full", 5)
+    plus = [CellName(*unknown, "fixation"), CellName(*known, "random")]
+    minus = [CellName(*unknown, "random"), CellName(*known, "fixation")]
+    found = contrast(kept, plus, minus, IntervalParameters())
+    assert found.mean == pytest.approx((-0.25 + 2 * 0.25) / 3)
+    assert -2 <= found.low < found.mean < found.high <= 2
+    with pytest.raises(ReportError, match="is kept for any centre 5 random"):
+        contrast(kept, [CellName("any", "centre", 5, "random")], [], IntervalParameters())
+
+
+def test_what_an_unknown_pose_changes_is_said_for_both_kinds_of_random_places():
+    kept = TurnedSet.model_validate(KEPT["paper"])
+    said = plain(unknown_pose_sentence(kept, IntervalParameters()))
+    assert said.startswith("An unknown pose changes the lead by +8.3 points (")
+    assert ") over random places in reach and by −8.3 points (" in said
+    assert said.endswith(") over random places in sight (2 objects, pipeline order_free).")
 
 
 def test_the_leads_are_said_pose_by_pose():

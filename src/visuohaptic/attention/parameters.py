@@ -111,7 +111,7 @@ class AttentionParameters(BaseModel):
         "local_maxima",
         description="How a map with one strong peak is promoted over one with many: the operator N",
     )
-    fixations: _Whole = Field(5, ge=1, le=16, description="Fixations in each view")
+    fixations: _Whole = Field(5, ge=1, le=32, description="Fixations in each view")
     inhibition: Literal["surface", "image"] = Field(
         "surface",
         description="Whether return is inhibited by distance on the `surface` or in the `image`",

@@ -207,7 +207,7 @@ class RecognitionParameters(Section):
     touches: int | None = Field(
         5,
         ge=1,
-        le=16,
+        le=32,
         description="Touches of a sequence that are used, the first ones; null for all",
     )
     order: Literal["kept", "shuffled"] = Field(

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from markupsafe import Markup
+from pydantic import ValidationError
 
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import Interval
@@ -47,8 +48,16 @@ def read_json(path: Path, make: Callable[[Any], Made], fault: str, way_out: str)
     try:
         return make(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, LookupError, AttributeError) as error:
-        why = " ".join(str(error).split())
+        why = " ".join(_first_fault(error).split())
         raise ReportError(f"{path} {fault} ({why}); {way_out}.") from error
+
+
+def _first_fault(error: Exception) -> str:
+    """Return the first fault of values that do not fit a model, or the error's own words."""
+    if not isinstance(error, ValidationError):
+        return str(error)
+    first = error.errors()[0]
+    return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
 
 
 def estimate(interval: Interval) -> Figure:

@@ -17,7 +17,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters, Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
-from visuohaptic.report.draws import kept_sentence, read_draws
+from visuohaptic.report.draws import kept_sentence, lead_ranges_sentence, read_draws
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
@@ -53,7 +53,16 @@ from visuohaptic.report.stability import (
     stability_answer,
 )
 from visuohaptic.report.studies import names_of_own_studies, read_study
-from visuohaptic.report.turned import POSES, read_turned, turned_rows, turned_sentence
+from visuohaptic.report.turned import (
+    FRAMES_OF_POSES,
+    KNOWN,
+    POSES,
+    frame_rows,
+    read_turned,
+    turned_rows,
+    turned_sentence,
+    unknown_pose_sentence,
+)
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
@@ -155,12 +164,14 @@ def answer_values(context: ReportContext) -> Values:
     }
 
 
-def turned_leads(intervals: IntervalParameters) -> list[str]:
-    """Say how far fixation leads on turned objects of the largest kept set."""
+def kept_leads(intervals: IntervalParameters) -> list[str]:
+    """Say how far fixation leads in the largest kept sets: over draws of random places, and on turned objects."""
     kept = read_turned()
     largest = max(kept.values(), key=lambda one: len(one.objects), default=None)
-    found = turned_sentence(largest, intervals) if largest else ""
-    return [found] if found else []
+    found = [lead_ranges_sentence()]
+    if largest:
+        found += [turned_sentence(largest, intervals), unknown_pose_sentence(largest, intervals)]
+    return [sentence for sentence in found if sentence]
 
 
 def kept_turned(run: Run) -> Values | None:
@@ -174,8 +185,16 @@ def kept_turned(run: Run) -> Values | None:
         for turns, pose in POSES.items()
     }
     shown = [{"pose": titled(pose), "by": found} for pose, found in poses.items() if found]
+    frames = [
+        {"known": titled(KNOWN[row.known]), "row": row}
+        for turns, known in FRAMES_OF_POSES
+        for row in frame_rows(kept, run.parameters.recognition.intervals)
+        if (row.turns, row.known) == (turns, known)
+    ]
     return values_or_none(
         rows=shown,
+        frames=frames,
+        reporting=int(kept.reports.sum()),
         pipelines=list(dict.fromkeys(row.pipeline for row in rows)),
         date=kept.date,
         objects=max((row.objects for row in rows), default=0),
@@ -198,7 +217,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
             ),
             accuracy,
         )
-        beside = [*variant_sentences(context.variants), *turned_leads(recognition.intervals)]
+        beside = [*variant_sentences(context.variants), *kept_leads(recognition.intervals)]
         lead = recount_lead(run, compared)
         yield fixation_answer(run.pipelines, context.variants, beside), lead
         yield reproduction_answer(first), accuracy

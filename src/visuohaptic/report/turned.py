@@ -5,16 +5,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import Literal, NamedTuple
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from visuohaptic.base.arrays import FloatArray
-from visuohaptic.evaluation.intervals import DIFFERENCE, object_interval
+from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.base.errors import ReportError
+from visuohaptic.evaluation.intervals import object_interval
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure, estimate, read_json, with_interval
@@ -29,6 +31,39 @@ POSES: Mapping[Turns, str] = {
 }
 """The poses of the objects in words, by `meshes.turns`."""
 
+Known = Literal["statistics", "none", "centre", "vertical", "full", "trained_upright"]
+"""What the descriptors take as known of the object's frame: `recognition.frame`, `STATISTICS` or `TRAINED_UPRIGHT`."""
+
+STATISTICS: Literal["statistics"] = "statistics"
+"""Nothing is known, and touches and pairs of touches are described by statistics, without their waves."""
+
+TRAINED_UPRIGHT: Literal["trained_upright"] = "trained_upright"
+"""All is taken as known, and the pipeline learnt from objects that stand upright and face one way."""
+
+KNOWN: Mapping[Known, str] = {
+    "full": "all",
+    "vertical": "centre and vertical",
+    "centre": "centre",
+    "none": "nothing",
+    STATISTICS: "nothing, without waves",
+    TRAINED_UPRIGHT: "all is assumed, fitted on upright objects",
+}
+"""What is known of the frame, in words."""
+
+FRAMES_OF_POSES: tuple[tuple[Turns, Known], ...] = (
+    ("none", "full"),
+    ("vertical", "vertical"),
+    ("any", "centre"),
+    ("any", "none"),
+)
+"""Objects turned as far as the frame does not know: what is turned, and what is known."""
+
+STRATEGIES = ("fixation", "random", "random_visible")
+"""Touches by fixation, at random places in reach, and at random places in sight."""
+
+HEADLINE_TOUCHES = 5
+"""Touches per sequence of the table that stands beside the headline."""
+
 
 class TurnedCell(BaseModel):
     """Accuracies per object, None where an object was not tested: means over the draws of the turns."""
@@ -36,6 +71,8 @@ class TurnedCell(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     turns: Turns
+    known: Known
+    touches: int
     pipeline: str
     strategy: str
     classifier: str
@@ -45,31 +82,55 @@ class TurnedCell(BaseModel):
 
 
 class TurnedSet(BaseModel):
-    """The accuracies of one set of objects, ``class/name``, with commit and day (UTC) of the measurement."""
+    """The accuracies of one set of objects, ``class/name``, with commit and day (UTC) of the measurement.
+
+    `choosing` are the objects on which descriptors and settings were chosen.
+    """
 
     model_config = ConfigDict(frozen=True)
 
     commit: str
     date: str
     objects: tuple[str, ...]
+    choosing: tuple[str, ...]
     cells: tuple[TurnedCell, ...]
+
+    @property
+    def reports(self) -> BoolArray:
+        """Whether an object chose neither descriptors nor settings, shape (o,)."""
+        return ~np.isin(self.objects, self.choosing)
+
+
+class CellName(NamedTuple):
+    """What names a cell of pipeline `order_free`."""
+
+    turns: Turns
+    known: Known
+    touches: int
+    strategy: str
 
 
 @dataclass(frozen=True)
 class TurnedRow:
-    """How accurate a pipeline is on objects in one pose, by fixation and by random touches in reach.
+    """How accurate a pipeline is on objects in one pose, described by what is known of their frame.
 
-    `lead` is fixation minus random over the objects of both. All are means over `draws` draws of the turns.
+    `fixation`, `random` and `visible` are accuracies of touches by fixation, at random places in reach and at random
+    places in sight. `lead` is fixation minus random, and `salience` fixation minus visible. All are means over the
+    `objects` that have sequences by all three. Each object's value is its mean over `draws` draws of the turns.
     """
 
     turns: Turns
+    known: Known
+    touches: int
     pipeline: str
     classifier: str
     draws: int
     objects: int
     fixation: Figure
     random: Figure
+    visible: Figure
     lead: Figure
+    salience: Figure
 
     @property
     def pose(self) -> str:
@@ -91,18 +152,88 @@ def read_turned(path: Path | None = None) -> dict[str, TurnedSet]:
 
 
 def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
-    """Compute means and intervals over objects, pose by pose, the paper's pipeline first."""
-    cells = {(one.turns, one.pipeline, one.strategy): one for one in kept.cells}
+    """Compute means and intervals over objects in the full frame, pose by pose, the paper's pipeline first."""
     pipelines = sorted({one.pipeline for one in kept.cells}, key="paper".__ne__)
-    rows = []
-    for turns in POSES:
-        for pipeline in pipelines:
-            fixation, random = (
-                cells.get((turns, pipeline, strategy)) for strategy in ("fixation", "random")
-            )
-            if fixation is not None and random is not None:
-                rows.append(_row(fixation, random, intervals))
-    return rows
+    cells = [
+        one
+        for turns in POSES
+        for pipeline in pipelines
+        for one in kept.cells
+        if (one.turns, one.pipeline) == (turns, pipeline)
+        and (one.known, one.touches) == ("full", HEADLINE_TOUCHES)
+    ]
+    return list(_rows(cells, intervals, np.ones(len(kept.objects), dtype=np.bool_)))
+
+
+def frame_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
+    """Compute means and intervals of pipeline `order_free` in every frame, over the objects that report."""
+    chosen = ("order_free", HEADLINE_TOUCHES)
+    cells = [one for one in kept.cells if (one.pipeline, one.touches) == chosen]
+    return list(_rows(cells, intervals, kept.reports))
+
+
+def curve_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
+    """Compute means and intervals of pipeline `order_free` by the number of touches, in the frames of several numbers.
+
+    Means are over the objects that report and have sequences of each number of touches by each strategy.
+    """
+    cells = [one for one in kept.cells if one.pipeline == "order_free"]
+    longer = {(one.turns, one.known) for one in cells if one.touches > HEADLINE_TOUCHES}
+    chosen = [one for one in cells if (one.turns, one.known) in longer]
+    return list(_rows(chosen, intervals, _tested(chosen, kept.reports)))
+
+
+def _rows(
+    cells: Sequence[TurnedCell], intervals: IntervalParameters, counted: BoolArray
+) -> Iterator[TurnedRow]:
+    """Yield a row per pose, frame, number of touches and pipeline, over the objects that count."""
+    rows: dict[tuple[Turns, Known, int, str], dict[str, TurnedCell]] = {}
+    for one in cells:
+        key = one.turns, one.known, one.touches, one.pipeline
+        rows.setdefault(key, {})[one.strategy] = one
+    for (turns, known, touches, pipeline), found in rows.items():
+        if len(found) < len(STRATEGIES):
+            continue
+        fixation, random, visible = (found[name] for name in STRATEGIES)
+        tested = _tested(list(found.values()), counted)
+        yield TurnedRow(
+            turns=turns,
+            known=known,
+            touches=touches,
+            pipeline=pipeline,
+            classifier=fixation.classifier,
+            draws=fixation.draws,
+            objects=int(tested.sum()),
+            fixation=_figure([fixation], [], intervals, tested),
+            random=_figure([random], [], intervals, tested),
+            visible=_figure([visible], [], intervals, tested),
+            lead=_figure([fixation], [random], intervals, tested),
+            salience=_figure([fixation], [visible], intervals, tested),
+        )
+
+
+def contrast(
+    kept: TurnedSet,
+    plus: Sequence[CellName],
+    minus: Sequence[CellName],
+    intervals: IntervalParameters,
+) -> Figure:
+    """Compute a sum of accuracies less another sum, in pairs over the objects that report.
+
+    Raises `ReportError` if a cell is not kept.
+    """
+    cells = {
+        CellName(one.turns, one.known, one.touches, one.strategy): one
+        for one in kept.cells
+        if one.pipeline == "order_free"
+    }
+    missing = [name for name in (*plus, *minus) if name not in cells]
+    if missing:
+        raise ReportError(
+            f"No accuracy of turned objects is kept for {' '.join(map(str, missing[0]))}."
+        )
+    added, taken = ([cells[name] for name in names] for names in (plus, minus))
+    return _figure(added, taken, intervals, kept.reports)
 
 
 def turned_sentence(kept: TurnedSet, intervals: IntervalParameters, pipeline: str = "paper") -> str:
@@ -119,19 +250,19 @@ def turned_sentence(kept: TurnedSet, intervals: IntervalParameters, pipeline: st
     )
 
 
-def _row(fixation: TurnedCell, random: TurnedCell, intervals: IntervalParameters) -> TurnedRow:
-    first, second = _numbers(fixation), _numbers(random)
-    both = np.isfinite(first[0]) & np.isfinite(second[0])
-    lead = object_interval(first[0, both] - second[0, both], first[1, both], intervals, DIFFERENCE)
-    return TurnedRow(
-        turns=fixation.turns,
-        pipeline=fixation.pipeline,
-        classifier=fixation.classifier,
-        draws=fixation.draws,
-        objects=int(both.sum()),
-        fixation=_figure(first, intervals),
-        random=_figure(second, intervals),
-        lead=estimate(lead),
+def unknown_pose_sentence(kept: TurnedSet, intervals: IntervalParameters) -> str:
+    """Say by how much not knowing the pose changes the lead of fixation, on objects turned in any way."""
+    touches = HEADLINE_TOUCHES
+    unknown = {name: CellName("any", "none", touches, name) for name in STRATEGIES}
+    known = {name: CellName("none", "full", touches, name) for name in STRATEGIES}
+    changes = []
+    for other, place in (("random", "in reach"), ("random_visible", "in sight")):
+        plus, minus = [unknown["fixation"], known[other]], [unknown[other], known["fixation"]]
+        change = contrast(kept, plus, minus, intervals)
+        changes.append(f"by {with_interval(change, points, ' points')} over random places {place}")
+    return (
+        f"An unknown pose changes the lead {listed(changes)} "
+        f"({counted(int(kept.reports.sum()), 'object')}, pipeline order_free)."
     )
 
 
@@ -140,6 +271,22 @@ def _numbers(cell: TurnedCell) -> FloatArray:
     return np.array([cell.accuracy, cell.weights], dtype=np.float64)
 
 
-def _figure(numbers: FloatArray, intervals: IntervalParameters) -> Figure:
-    accuracy, weights = numbers[:, np.isfinite(numbers[0])]
-    return estimate(object_interval(accuracy, weights, intervals))
+def _tested(cells: Sequence[TurnedCell], counted: BoolArray) -> BoolArray:
+    """Return whether an object counts and was tested in all cells, shape (o,)."""
+    accuracies = np.array([_numbers(cell)[0] for cell in cells])
+    return np.isfinite(accuracies).all(axis=0) & counted
+
+
+def _figure(
+    plus: Sequence[TurnedCell],
+    minus: Sequence[TurnedCell],
+    intervals: IntervalParameters,
+    counted: BoolArray,
+) -> Figure:
+    """Compute a sum of accuracies less another sum over the objects that count and that all cells tested."""
+    added, taken = (np.array([_numbers(cell)[0] for cell in cells]) for cells in (plus, minus))
+    values = added.sum(axis=0) - (taken.sum(axis=0) if len(minus) else 0.0)
+    used = _tested([*plus, *minus], counted)
+    weights = _numbers(plus[0])[1]
+    bounds = (-float(len(minus)), float(len(plus)))
+    return estimate(object_interval(values[used], weights[used], intervals, bounds))

@@ -5,7 +5,7 @@ import pytest
 from studies.surfaces import RUN
 
 from turned.keeping import keep, means_over_draws
-from turned.study import DRAWS, STUDY
+from turned.study import DRAWS, STUDY, name_of
 from visuohaptic.base.errors import ReportError
 from visuohaptic.report.turned import POSES, read_turned
 from visuohaptic.studies.conditions import plan_study, with_changes
@@ -20,42 +20,61 @@ def cell(*accuracy, objects=BOXES, **named):
 
 
 CELLS = {
-    ("any 0", *SVM): cell(1.0, 0.5),
-    ("any 1", *SVM): cell(0.0, objects=BOXES[1:]),
-    ("none 0", *SVM): cell(1.0, 1.0),
+    ("any 0 full 5", *SVM): cell(1.0, 0.5),
+    ("any 1 full 5", *SVM): cell(0.0, objects=BOXES[1:]),
+    ("any 0 full 20", *SVM): cell(0.25, 0.25),
+    ("any 0 none 5", *SVM): cell(0.75, 0.75),
+    ("none 0 full 5", *SVM): cell(1.0, 1.0),
 }
 
 
-def test_each_turned_pose_is_drawn_five_times_and_touched_once_for_all():
+def test_each_turned_pose_is_drawn_five_times_and_touched_once_for_all_frames_and_lengths():
     plan = plan_study(STUDY, with_changes(RUN, {"probing.strategies": ["fixation", "random"]}))
     keys = {one.condition.name: one.key for one in plan.conditions}
-    assert len(keys) == 1 + 2 * DRAWS == 11
-    assert keys.pop("none 0") is None
-    assert len(set(keys.values())) == 10
+    assert len({keys[name_of("any", 3, known, 20)] for known in ("none", "centre", "full")}) == 1
+    assert keys[name_of("any", 3, "none", 1)] == keys[name_of("any", 3, "full", 20)]
+    assert len(set(keys.values())) == 1 + 2 * DRAWS == 11
     asked = {
         (one.parameters.meshes.turns, one.parameters.meshes.turn_draw)
         for one in plan.recomputations.values()
     }
-    assert asked == {(turns, draw) for turns in POSES if turns != "none" for draw in range(DRAWS)}
+    turned = {(turns, draw) for turns in POSES if turns != "none" for draw in range(DRAWS)}
+    assert asked == turned | {("none", 0)}
+    assert {one.parameters.attention.fixations for one in plan.recomputations.values()} == {20}
+
+
+def test_no_condition_takes_a_vertical_as_known_that_the_pose_does_not_have():
+    conditions = list(STUDY.conditions(RUN))
+    frames = {(one.changes["meshes.turns"], one.changes["recognition.frame"]) for one in conditions}
+    assert ("any", "vertical") not in frames
+    assert len(frames) == 3 * 4 - 1
+    # The paper's pipeline has one frame.
+    by_paper = {one.name for one in conditions if "paper" in one.changes["recognition.pipelines"]}
+    assert all(name.endswith(f"full {RUN.attention.fixations}") for name in by_paper)
+    assert len(by_paper) == 11
 
 
 def test_an_object_has_the_mean_over_the_draws_that_tested_it():
     found = means_over_draws(CELLS)
     assert found["objects"] == ["box/a", "box/b"]
-    turned, upright = found["cells"]
+    turned, longer, unknown, upright = found["cells"]
     assert (turned["turns"], turned["draws"], turned["accuracy"]) == ("any", 2, (1.0, 0.25))
+    assert [one["known"] for one in found["cells"]] == ["full", "full", "none", "full"]
+    assert [one["touches"] for one in found["cells"]] == [5, 20, 5, 5]
+    assert (longer["draws"], unknown["draws"]) == (1, 1)
     assert turned["weights"] == (1.0, 1.5)
     assert (upright["turns"], upright["draws"], upright["accuracy"]) == ("none", 1, (1.0, 1.0))
-    failing = {("any 2", *SVM): cell(objects=(), error="too small."), **CELLS}
-    with pytest.raises(ReportError, match="could not be measured, any 2: too small"):
+    failing = {("any 2 full 5", *SVM): cell(objects=(), error="too small."), **CELLS}
+    with pytest.raises(ReportError, match="could not be measured, any 2 full 5: too small"):
         means_over_draws(failing)
 
 
 def test_accuracies_are_kept_by_set_beside_those_of_others(tmp_path):
     measured, place = tmp_path / "measured.json", tmp_path / "turned.json"
     for name in ("paper", "benchmark"):
-        write_json({"set": name, **means_over_draws(CELLS)}, measured)
+        write_json({"set": name, "choosing": ["box/a"], **means_over_draws(CELLS)}, measured)
         keep(name, measured, place)
     assert set(read_turned(place)) == {"paper", "benchmark"}
+    assert read_turned(place)["paper"].reports.tolist() == [False, True]
     with pytest.raises(ReportError, match="has set benchmark; set paper is needed"):
         keep("paper", measured, place)
