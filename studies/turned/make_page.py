@@ -97,7 +97,7 @@ def draw(kept: Mapping[str, TurnedSet]) -> Figure:
     """Draw the accuracy against the number of touches, by what is known of the frame."""
     sets = sorted(kept, key="paper".__ne__)
     figure, panels = plt.subplots(
-        1, len(sets), figsize=(10, 4.2), sharey=True, layout="constrained"
+        1, len(sets), figsize=(10, 4.8), sharey=True, layout="constrained"
     )
     for panel, name in zip(panels, sets, strict=True):
         rows = curve_rows(kept[name], IntervalParameters())
@@ -113,8 +113,11 @@ def draw(kept: Mapping[str, TurnedSet]) -> Figure:
         panel.grid(alpha=0.3)
     panels[0].set_ylabel("sequences correctly classified (%)")
     panels[0].set_ylim(0, 102)
-    panels[-1].legend(
-        loc="lower right", fontsize=8, title="lines: fixation; dots: random, in sight"
+    figure.legend(
+        *panels[-1].get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=len(FRAMES_OF_POSES),
+        title="lines: fixation, with interval; dots: random, in sight",
     )
     return figure
 

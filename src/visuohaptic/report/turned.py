@@ -153,15 +153,8 @@ def read_turned(path: Path | None = None) -> dict[str, TurnedSet]:
 
 def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
     """Compute means and intervals over objects in the full frame, pose by pose, the paper's pipeline first."""
-    pipelines = sorted({one.pipeline for one in kept.cells}, key="paper".__ne__)
-    cells = [
-        one
-        for turns in POSES
-        for pipeline in pipelines
-        for one in kept.cells
-        if (one.turns, one.pipeline) == (turns, pipeline)
-        and (one.known, one.touches) == ("full", HEADLINE_TOUCHES)
-    ]
+    chosen = ("full", HEADLINE_TOUCHES)
+    cells = [one for one in kept.cells if (one.known, one.touches) == chosen]
     return list(_rows(cells, intervals, np.ones(len(kept.objects), dtype=np.bool_)))
 
 
@@ -191,7 +184,8 @@ def _rows(
     for one in cells:
         key = one.turns, one.known, one.touches, one.pipeline
         rows.setdefault(key, {})[one.strategy] = one
-    for (turns, known, touches, pipeline), found in rows.items():
+    for turns, known, touches, pipeline in sorted(rows, key=_place):
+        found = rows[turns, known, touches, pipeline]
         if len(found) < len(STRATEGIES):
             continue
         fixation, random, visible = (found[name] for name in STRATEGIES)
@@ -210,6 +204,12 @@ def _rows(
             lead=_figure([fixation], [random], intervals, tested),
             salience=_figure([fixation], [visible], intervals, tested),
         )
+
+
+def _place(row: tuple[Turns, Known, int, str]) -> tuple[object, ...]:
+    """Return what rows are sorted by: pose, the paper's pipeline first, frame from all to nothing, and touches."""
+    turns, known, touches, pipeline = row
+    return list(POSES).index(turns), pipeline != "paper", list(KNOWN).index(known), touches
 
 
 def contrast(
