@@ -51,7 +51,7 @@ def digest_run(folder: Path) -> Digests:
         found[name] = {"rows": str(table.num_rows)}
         found[name] |= {column: digest(table.column(column)) for column in kept}
     for path in sorted((folder / "results" / "meshes").rglob("*.ply")):
-        name = f"{path.relative_to(folder / 'results' / 'meshes').parts[0]}/{path.stem}"
+        name = f"{path.parent.name}/{path.stem}"
         found[f"mesh {name}"] = {"bytes": hashlib.sha256(path.read_bytes()).hexdigest()}
     for name in METRICS:
         path = folder / "reports" / name
