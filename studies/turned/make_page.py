@@ -61,9 +61,9 @@ def compared() -> dict[str, tuple[CellName, CellName]]:
     }  # fmt: skip
 
 
-def blocks(kept: Mapping[str, TurnedSet]) -> dict[str, str]:
+def blocks() -> dict[str, str]:
     """Return the tables of the page, by the names of their blocks."""
-    intervals = IntervalParameters()
+    kept, intervals = read_turned(), IntervalParameters()
     sets = sorted(kept, key="paper".__ne__)
     curves = {name: curve_rows(kept[name], intervals) for name in sets}
     heads = ["objects", "pipeline", "pose", "draws", "fixation", "random, in reach"]
@@ -177,6 +177,5 @@ def _plain(text: str) -> str:
 
 
 if __name__ == "__main__":
-    found = read_turned()
-    fill_page(PAGE, blocks(found))
-    draw(found).savefig(PICTURE, dpi=100)
+    fill_page(PAGE, blocks())
+    draw(read_turned()).savefig(PICTURE, dpi=100)

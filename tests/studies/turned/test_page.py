@@ -24,7 +24,7 @@ def mean_of(held, cell, tested):
     return (rows["accuracy"] * rows["weight"]).sum() / rows["weight"].sum(), len(rows)
 
 
-def tested_by_all(held, cell):
+def objects_of_all_strategies(held, cell):
     """Return the objects that all strategies tested in the pose, frame and number of touches of a cell."""
     names = ("turns", "known", "touches", "pipeline")
     alike = [one for one in held["cells"] if all(one[name] == cell[name] for name in names)]
@@ -38,7 +38,7 @@ def test_every_mean_by_frame_is_that_of_the_objects_that_report():
         for cell in held["cells"]:
             if (cell["pipeline"], cell["touches"]) != ("order_free", 5):
                 continue
-            mean, objects = mean_of(held, cell, tested_by_all(held, cell))
+            mean, objects = mean_of(held, cell, objects_of_all_strategies(held, cell))
             start = f"| {objects} | {POSES[cell['turns']]} | {KNOWN[cell['known']]} |"
             (line,) = [line for line in PAGE.splitlines() if line.startswith(start) and "(" in line]
             found = line.removeprefix(start).split("|")[STRATEGIES.index(cell["strategy"])]
@@ -48,6 +48,6 @@ def test_every_mean_by_frame_is_that_of_the_objects_that_report():
 
 
 def test_the_half_that_chose_reports_nothing():
-    chosen = json.loads((ROOT / "studies/frame_descriptors/chosen.json").read_text())["objects"]
+    chosen = json.loads((ROOT / "studies/classifier_settings/chosen.json").read_text())["half"]
     assert KEPT_SETS["benchmark"]["choosing"] == sorted(chosen)
     assert KEPT_SETS["paper"]["choosing"] == []
