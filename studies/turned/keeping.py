@@ -40,17 +40,16 @@ def make_turned(step: StepInputs) -> None:
 
 
 def means_over_draws(cells: Mapping[CellKey, Cell]) -> dict[str, Any]:
-    """Arrange the cells of study `turned` as `TurnedSet` has them.
+    """Arrange the cells of study `turned` as `TurnedSet` has them, and name the conditions that `failed`, with the reason.
 
-    An object's accuracy is the mean over the draws that tested the object. Raises `ReportError` if a condition could
-    not be measured.
+    An object's accuracy is the mean over the draws that tested the object.
     """
     failed = [f"{condition}: {one.error}" for (condition, *_), one in cells.items() if one.error]
-    if failed:
-        raise ReportError(f"Turned objects could not be measured, {failed[0]}")
     objects = sorted({key for cell in cells.values() for key in cell.objects})
     drawn: dict[tuple[object, ...], list[dict[Any, tuple[float, float]]]] = {}
     for (condition, pipeline, strategy, classifier), cell in cells.items():
+        if cell.error:
+            continue
         values = zip(cell.accuracy.tolist(), cell.weights.tolist(), strict=True)
         turns, _, known, touches = condition.split()
         key = (turns, known, int(touches), pipeline, strategy, classifier)
@@ -60,7 +59,7 @@ def means_over_draws(cells: Mapping[CellKey, Cell]) -> dict[str, Any]:
         accuracy, weights = zip(*(_mean(draws, one) for one in objects), strict=True)
         named = dict(zip(NAMES, names, strict=True))
         found.append({**named, "draws": len(draws), "accuracy": accuracy, "weights": weights})
-    return {"objects": ["/".join(key) for key in objects], "cells": found}
+    return {"failed": failed, "objects": ["/".join(key) for key in objects], "cells": found}
 
 
 def _mean(
@@ -78,6 +77,8 @@ def keep(name: str, measured: Path = MEASURED, place: Path = PLACE) -> None:
     found = read_json(measured, dict, "holds no turned objects", "run `make turned` again")
     if found["set"] != name:
         raise ReportError(f"{measured} has set {found['set']}; set {name} is needed.")
+    if found["failed"]:
+        raise ReportError(f"Turned objects could not be measured, {found['failed'][0]}")
     kept = read_turned(place) if place.exists() else {}
     kept[name] = TurnedSet(
         commit=find_commit(),

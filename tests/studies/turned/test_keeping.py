@@ -64,9 +64,18 @@ def test_an_object_has_the_mean_over_the_draws_that_tested_it():
     assert (longer["draws"], unknown["draws"]) == (1, 1)
     assert turned["weights"] == (1.0, 1.5)
     assert (upright["turns"], upright["draws"], upright["accuracy"]) == ("none", 1, (1.0, 1.0))
-    failing = {("any 2 full 5", *SVM): cell(objects=(), error="too small."), **CELLS}
-    with pytest.raises(ReportError, match="could not be measured, any 2 full 5: too small"):
-        means_over_draws(failing)
+
+
+def test_what_could_not_be_measured_is_left_out_with_its_reason_and_never_kept(tmp_path):
+    found = means_over_draws(
+        {("any 0 none 20", *SVM): cell(objects=(), error="too small."), **CELLS}
+    )
+    assert found["failed"] == ["any 0 none 20: too small."]
+    assert found["cells"] == means_over_draws(CELLS)["cells"]
+    measured = tmp_path / "measured.json"
+    write_json({"set": "paper", "choosing": [], **found}, measured)
+    with pytest.raises(ReportError, match="could not be measured, any 0 none 20: too small"):
+        keep("paper", measured, tmp_path / "turned.json")
 
 
 def test_accuracies_are_kept_by_set_beside_those_of_others(tmp_path):
