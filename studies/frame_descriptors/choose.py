@@ -63,7 +63,7 @@ def read_turned(results: Path, draw: int, half: set[str]) -> TouchSequences:
     (key,) = (
         one.key
         for one in plan_study(STUDY, run).conditions
-        if one.condition.name == name_of("any", draw)
+        if one.condition.name == name_of("any", draw, BASELINE.frame, TOUCHES)
     )
     table = read_table(FEATURES, results / "study_features" / STUDY.name / f"{key}.parquet")
     table = table.filter(pc.is_in(keys_of(table), value_set=pa.array(sorted(half))))

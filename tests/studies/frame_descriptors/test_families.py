@@ -89,7 +89,8 @@ def test_equal_touches_have_the_spectrum_of_one():
 
 def test_only_objects_of_the_half_are_read_and_scored(tmp_path):
     run = as_parameters({"meshes.set": "benchmark"})
-    (key,) = (one.key for one in plan_study(STUDY, run).conditions if one.condition.name == "any 3")
+    planned = plan_study(STUDY, run).conditions
+    (key,) = (one.key for one in planned if one.condition.name == "any 3 none 5")
     path = tmp_path / "study_features/turned" / f"{key}.parquet"
     write_table(FEATURES, features_table(objects=(6, 6), viewpoints=2, separation=3.0), path)
     half = {f"class{place}/object{number}" for place in (0, 1) for number in range(5)}
