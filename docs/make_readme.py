@@ -11,11 +11,7 @@ from filling import DOCS, SETS, fill_page, read_json, share, table
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.questions import (
-    fixation_answer,
-    recognition_answer,
-    variant_sentences,
-)
+from visuohaptic.report.questions import fixation_answer, recognition_answer
 from visuohaptic.report.sections import kept_leads
 from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.variants import read_variants
@@ -99,9 +95,7 @@ def answers(metrics: dict[str, Any]) -> str:
     variants = read_variants()
     found = (
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
-        fixation_answer(
-            tables, variants, [*variant_sentences(variants), *kept_leads(IntervalParameters())]
-        ),
+        fixation_answer(tables, variants, kept_leads(variants, IntervalParameters())),
     )
     sentences = [
         " ".join((f"**{one.question}** {one.finding}: {one.number} {one.sentence}", *one.beside))

@@ -100,9 +100,9 @@ def verdict(ranked: Sequence[Row]) -> str:
     settled = [strategy_name(row["strategy"]) for row in others if row["adjusted_p"] < SIGNIFICANCE]
     least = probability(min(row["adjusted_p"] for row in others))
     chance = (
-        f"beyond chance is the difference to {listed(settled)} (Holm-adjusted p below {SIGNIFICANCE:g})"
+        f"beyond chance is the difference to {listed(settled)} (p after Holm's correction below {SIGNIFICANCE:g})"
         if settled
-        else f"no difference is beyond chance (smallest Holm-adjusted p {least})"
+        else f"no difference is beyond chance (the least p after Holm's correction is {least})"
     )
     return (
         f"{first}: {wins}. Percentage points by which {strategy_name(REFERENCE)} are ahead of others: "

@@ -42,7 +42,7 @@ def test_the_gain_is_said_with_what_is_significant():
     assert "Fixations are ahead of random probing with 1 of 2 classifiers" in sentence
     assert "significant for support vector machine (+13.0)" in sentence
     unsettled = gain_sentence(table((0.03, 0.6)))
-    assert "no difference is significant (smallest Holm-adjusted p 0.06)" in unsettled
+    assert "no difference is significant (the least p after Holm's correction is 0.06)" in unsettled
 
 
 def test_the_spread_over_draws_is_said_where_there_are_several():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from visuohaptic.base.errors import ReportError
-from visuohaptic.report.draws import kept_sentence, lead_ranges_sentence, read_draws, read_kept
+from visuohaptic.report.draws import kept_sentence, read_draws, read_kept
 
 KEPT = {
     "paper": {
@@ -43,19 +43,10 @@ def test_leads_over_kept_draws_are_weighted_means_over_the_objects_of_both(path)
 
 def test_the_sentence_names_the_set_the_commit_both_ends_and_the_spread(path):
     assert kept_sentence(read_draws("paper", "order_free", path)) == (
-        "In 3 kept draws of random places (3 objects of set paper, pipeline order_free, linear "
+        "In 3 draws of random places that are kept with the package (3 objects of set paper, pipeline order_free, linear "
         "discriminant, default parameters, commit 0123456789ab) the lead of fixation lies between "
         "+0.0 and +6.2 points, standard deviation 3.3."
     )
-
-
-def test_the_leads_of_the_largest_kept_set_are_said_from_the_lowest_to_the_highest(path):
-    assert lead_ranges_sentence(path) == (
-        "In 3 kept draws of random places in reach, on 3 objects, the lead lies between +0.0 and +6.2 "
-        "points in pipeline order_free."
-    )
-    path.write_text("{}")
-    assert lead_ranges_sentence(path) == ""
 
 
 def test_what_is_not_kept_is_none_and_a_damaged_file_is_named(path):

@@ -40,4 +40,4 @@ def test_where_nothing_was_measured_the_kept_evaluation_is_shown(tmp_path):
     )
     said = plain(odd_sentence(evaluation_figures(kept, IntervalParameters())))
     assert f"classifies {100 * row['accuracy'].mean:.0f} % correctly from 16 views" in said
-    assert said.endswith(f"hold that of {100 * row['coverage'].mean:.0f} %.")
+    assert said.endswith(f"contain the true class of {100 * row['coverage'].mean:.0f} %.")

@@ -48,7 +48,7 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding
         (
             0.68,
             "Not settled by 12 objects",
-            "; leads above 7.0 points and lags beyond 3.0 are excluded",
+            " Leads above 7.0 points and lags beyond 3.0 are excluded.",
         ),
         (0.8, "No, on these objects random touches lead", ""),
     ],
@@ -57,7 +57,7 @@ def test_a_lead_has_a_sign_only_where_its_interval_excludes_zero(random, finding
     found = fixation_answer(run_of(random=random), variants("no"), ["Beside."])
     assert found.finding == finding
     assert " points (" in plain(found.number)
-    assert plain(found.sentence).endswith(f"in the paper's pipeline{excluded}.")
+    assert plain(found.sentence).endswith(f"in the paper's pipeline.{excluded}")
     assert found.beside == ("Beside.",)
     assert "(studies/variants): no, no gain in the default" in found.rule
 
@@ -102,8 +102,8 @@ def test_the_third_answer_asks_whether_whole_intervals_are_near(accuracies, reac
     assert found.finding == finding
     within, outside = counts
     assert (
-        f"Of 4 published accuracies {outside} lie more than 5 points from our whole intervals, {within} within "
-        f"5 points, and {4 - within - outside} are not settled."
+        f"Of 4 published accuracies {outside} lie more than 5 points outside our intervals. For {within} our whole "
+        f"interval lies within 5 points. {4 - within - outside} are not settled."
     ) in found.sentence
     assert plain(found.sentence).startswith("here, 93.45 % published (support vector machine). ")
 
@@ -129,8 +129,8 @@ LEADS = [
 def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
     first, second = map(plain, variant_sentences(VariantsSummary(verdict="no", leads=LEADS)))
     assert first.startswith(
-        "In this run, on the 130 objects by which the paper's open steps were settled, which may raise it: the lead "
-        "is +13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
+        "130 objects chose how the paper's open steps are read here, which may raise the lead on them (in this run): "
+        "+13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
     )
     assert "\N{MINUS SIGN}3.0 points (\N{MINUS SIGN}8.0 to +2.0) over random places" in second
     assert variant_sentences(VariantsSummary(verdict="no", leads=LEADS[:2])) == []

@@ -11,6 +11,9 @@ PAPER = (
     "from human tactile perception, 2018"
 )
 
+PAPER_PIPELINE = "paper"
+"""The pipeline whose accuracies stand beside `TABLE_1`."""
+
 TABLE_1 = {
     "k_nearest_neighbours": {"fixation": 0.8558, "random": 0.8494},
     "support_vector_machine": {"fixation": 0.9345, "random": 0.8614},

@@ -8,7 +8,7 @@ from typing import Any
 
 from visuohaptic.evaluation.draws import LeadOverDraws
 from visuohaptic.evaluation.intervals import holm
-from visuohaptic.evaluation.published import TABLE_1
+from visuohaptic.evaluation.published import PAPER_PIPELINE, TABLE_1
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.wording import (
     classifier_name,
@@ -22,7 +22,6 @@ from visuohaptic.report.wording import (
 )
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
-PAPER_PIPELINE = "paper"
 REFERENCE = "fixation"
 SIGNIFICANCE = 0.05
 PIPELINES: Mapping[str, str] = {
@@ -173,15 +172,15 @@ def gain_sentence(table: PipelineTable) -> str:
     ]
     least = probability(min(found.adjusted_p for _, found in compared))
     verdict = (
-        f"and the difference is significant for {listed(settled)} (Holm-adjusted p below "
+        f"and the difference is significant for {listed(settled)} (p after Holm's correction below "
         f"{SIGNIFICANCE:g})"
         if settled
         else f"but with {counted(compared[0][1].objects, 'object')} no difference is significant "
-        f"(smallest Holm-adjusted p {least})"
+        f"(the least p after Holm's correction is {least})"
     )
     return (
         f"Fixations are ahead of random probing with {sum(gain > 0 for gain in gains)} of "
-        f"{counted(len(gains), 'classifier')} ({points(min(gains))} to {points(max(gains))} "
+        f"{counted(len(gains), 'classifier')} (leads from {points(min(gains))} to {points(max(gains))} "
         f"points), {verdict}."
     )
 

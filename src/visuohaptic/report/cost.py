@@ -11,9 +11,16 @@ from markupsafe import Markup
 
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.report.estimates import Figure, figure_of, with_interval
-from visuohaptic.report.questions import Answer, pipeline_name
+from visuohaptic.report.questions import Answer
 from visuohaptic.report.tables import NONE
-from visuohaptic.report.wording import duration, listed, percent, strategy_name, titled
+from visuohaptic.report.wording import (
+    duration,
+    listed,
+    percent,
+    pipeline_name,
+    strategy_name,
+    titled,
+)
 from visuohaptic.studies.cost.front import Row, mark_front, read_costs
 
 POINT = 0.01

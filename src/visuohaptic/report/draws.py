@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.evaluation.draws import Draw, LeadOverDraws, lead_over_draws
 from visuohaptic.report.estimates import read_json
-from visuohaptic.report.wording import classifier_name, counted, listed, percent_points, points
+from visuohaptic.report.wording import classifier_name, counted, percent_points, points
 
 KEPT = "draws.json"
 
@@ -116,28 +116,10 @@ def kept_sentence(kept: KeptDraws) -> str:
     leads = kept.lead.leads
     commit, *edited = kept.commit.partition(",")
     return (
-        f"In {counted(kept.lead.count, 'kept draw')} of random places ({counted(kept.objects, 'object')} of set "
-        f"{kept.set}, pipeline {kept.pipeline}, {classifier_name(kept.classifier)}, default parameters, commit "
+        f"In {counted(kept.lead.count, 'draw')} of random places that are kept with the package "
+        f"({counted(kept.objects, 'object')} of set {kept.set}, pipeline {kept.pipeline}, {classifier_name(kept.classifier)}, default parameters, commit "
         f"{commit[:12]}{''.join(edited)}) the lead of fixation lies between {points(min(leads))} and {points(max(leads))} "
         f"points, standard deviation {percent_points(kept.lead.standard_deviation)}."
-    )
-
-
-def lead_ranges_sentence(path: Path | None = None) -> str:
-    """Say between which ends the lead lies in the kept draws of the largest set, per pipeline; empty if none are kept."""
-    kept = read_kept(path)
-    if not kept:
-        return ""
-    largest = max(kept, key=lambda name: len(kept[name].objects))
-    pipelines = sorted(kept[largest].pipelines, key="paper".__ne__)
-    found = [one for name in pipelines if (one := read_draws(largest, name, path))]
-    ranges = [
-        f"between {points(min(one.lead.leads))} and {points(max(one.lead.leads))} points in pipeline {one.pipeline}"
-        for one in found
-    ]
-    return (
-        f"In {counted(found[0].lead.count, 'kept draw')} of random places in reach, on "
-        f"{counted(found[0].objects, 'object')}, the lead lies {listed(ranges)}."
     )
 
 

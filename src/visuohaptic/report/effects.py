@@ -56,9 +56,9 @@ def effects_answer(scenes: Sequence[Row]) -> str:
         whole = scene["milliseconds_always"]
         saved = whole - scene["milliseconds"] if scene["unneeded"] else 0
         saves = f" (saves {saved:.0f} of {whole:.0f} µs per touch)" if saved > 0 else ""
-        needed.append(f"{len(scene['needed'])} in {scene['name']}{saves}")
+        needed.append(f"{len(scene['needed'])} in scene {scene['name']}{saves}")
     changed = listed([scene["name"] for scene in scenes if scene["equal"] is False])
-    said = f"Of {counted(count, 'effect')} of touch a scene gets those that it needs: {', '.join(needed)}."
+    said = f"Of {counted(count, 'effect')} of touch only those are simulated that a scene needs: {', '.join(needed)}."
     if changed:
         return f"{said} In {changed} images change without the others."
     same = " Images are the same, bit for bit, as with all effects."

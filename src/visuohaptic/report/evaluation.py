@@ -43,8 +43,8 @@ def odd_sentence(figures: Row) -> str:
     return (
         f"Measured on {source.date}: of {figures['objects']} untypical objects of the same classes (set odd) pipeline "
         f"order_free classifies {percent(row['accuracy'].mean, 0)} correctly from {counted(row['views'], 'view')}. Its "
-        f"prediction sets should hold the true class of {percent(row['stated'], 0)}, and hold that of "
-        f"{percent(row['coverage'].mean, 0)}."
+        f"prediction sets are made to contain the true class of {percent(row['stated'], 0)} of objects, and contain the "
+        f"true class of {percent(row['coverage'].mean, 0)}."
     )
 
 

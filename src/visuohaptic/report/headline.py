@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.parameters import CostParameters
-from visuohaptic.report.comparison import PAPER_PIPELINE
 from visuohaptic.report.cost import on_robot, reference_row
 from visuohaptic.report.questions import MAIN_OPPONENT
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS

@@ -7,16 +7,18 @@ from dataclasses import dataclass
 from typing import Literal
 
 from visuohaptic.geometry.turning import Turns
-from visuohaptic.report.comparison import (
-    PAPER_PIPELINE,
-    REFERENCE,
-    Comparison,
-    PipelineTable,
-)
+from visuohaptic.report.comparison import REFERENCE, Comparison, PipelineTable
 from visuohaptic.report.estimates import Figure, with_interval
 from visuohaptic.report.turned import POSES
 from visuohaptic.report.variants import VariantsSummary, Verdict
-from visuohaptic.report.wording import counted, percent, percent_points, points, titled
+from visuohaptic.report.wording import (
+    counted,
+    percent,
+    percent_points,
+    pipeline_name,
+    points,
+    titled,
+)
 
 GAIN = 0.02
 """A gain, as a share, that is worth having."""
@@ -144,8 +146,8 @@ def fixation_answer(
         "Does it help to touch where the eye would fixate?",
         _lead_finding(main.difference, main.objects),
         with_interval(main.difference, points, " points"),
-        f"is the lead in accuracy over touches at random places that the sensor can reach{_over_draws(main)}, in "
-        f"{pipeline_name(first.name)}{_excluded(main.difference)}.{''.join(further)}",
+        f"is the lead of fixation over random places in reach of the sensor, in {pipeline_name(first.name)}"
+        f"{_over_draws(main)}.{_excluded(main.difference)}{''.join(further)}",
         "comparison",
         beside=tuple(beside),
         rule=f"By the rule for all variants of the paper (studies/variants): {variants.verdict}, "
@@ -166,8 +168,8 @@ def _excluded(lead: Figure) -> str:
     if lead.low is None or lead.high is None or not lead.low <= 0 <= lead.high:
         return ""
     return (
-        f"; leads above {points(lead.high).lstrip('+')} points and lags beyond "
-        f"{points(-lead.low).lstrip('+')} are excluded"
+        f" Leads above {points(lead.high).lstrip('+')} points and lags beyond "
+        f"{points(-lead.low).lstrip('+')} are excluded."
     )
 
 
@@ -212,9 +214,9 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         "Is the paper reproduced?",
         finding,
         number,
-        f"{against}Of {len(gaps)} published accuracies {outside} lie more than {margin} from our whole intervals, "
-        f"{within} within {margin}, and {len(gaps) - within - outside} are not settled. Our objects are not those of "
-        "the paper.",
+        f"{against}Of {len(gaps)} published accuracies {outside} lie more than {margin} outside our intervals. For "
+        f"{within} our whole interval lies within {margin}. {len(gaps) - within - outside} are not settled. Our "
+        "objects are not those of the paper.",
         "comparison",
         rule=f"Rule: a published accuracy is found again if the whole interval here lies within {margin} of it. "
         "A wide interval that contains it shows nothing.",
@@ -258,16 +260,16 @@ def variant_sentences(variants: VariantsSummary) -> list[str]:
     )
     if reach is None or seen is None or literal is None:
         return []
-    when = f"Measured on {variants.source.date}" if variants.source else "In this run"
+    when = f"measured on {variants.source.date}" if variants.source else "in this run"
     return [
         (
-            f"{when}, on the {objects} objects by which the paper's open steps were settled, which may raise it: the "
-            f"lead is {with_interval(reach, points, ' points')} over random places in reach, and "
-            f"{with_interval(seen, points, ' points')} over random places on the side that the eye sees."
+            f"{objects} objects chose how the paper's open steps are read here, which may raise the lead on them ({when}): "
+            f"{with_interval(reach, points, ' points')} over random places in reach, and "
+            f"{with_interval(seen, points, ' points')} over random places in sight, on the side that the eye sees."
         ),
         (
-            f"If the paper is read most literally, the lead there is {with_interval(literal, points, ' points')} over "
-            "random places in reach."
+            f"Under the most literal reading of the paper the lead on them is "
+            f"{with_interval(literal, points, ' points')} over random places in reach."
         ),
     ]
 
@@ -275,8 +277,3 @@ def variant_sentences(variants: VariantsSummary) -> list[str]:
 def has_opponent(table: PipelineTable) -> bool:
     """Return whether the answers' classifier was tried by fixation and by random touches in reach."""
     return table.leading == REFERENCE and MAIN_OPPONENT in table.headline.comparisons
-
-
-def pipeline_name(name: str) -> str:
-    """Name a pipeline in a sentence."""
-    return "the paper's pipeline" if name == PAPER_PIPELINE else f"pipeline {name}"

@@ -17,7 +17,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters, Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
-from visuohaptic.report.draws import kept_sentence, lead_ranges_sentence, read_draws
+from visuohaptic.report.draws import kept_sentence, read_draws
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
@@ -58,11 +58,13 @@ from visuohaptic.report.turned import (
     KNOWN,
     POSES,
     frame_rows,
+    more_objects_sentences,
     read_turned,
     turned_rows,
     turned_sentence,
     unknown_pose_sentence,
 )
+from visuohaptic.report.variants import VariantsSummary
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
@@ -164,14 +166,23 @@ def answer_values(context: ReportContext) -> Values:
     }
 
 
-def kept_leads(intervals: IntervalParameters) -> list[str]:
-    """Say how far fixation leads in the largest kept sets: over draws of random places, and on turned objects."""
+def kept_leads(variants: VariantsSummary, intervals: IntervalParameters) -> list[str]:
+    """Say how far fixation leads on more objects than a run has, from kept measurements.
+
+    The sentences are of the largest set of `turned.json` upright, of the kept variants of the paper, and of the
+    largest set turned.
+    """
     kept = read_turned()
-    largest = max(kept.values(), key=lambda one: len(one.objects), default=None)
-    found = [lead_ranges_sentence()]
-    if largest:
-        found += [turned_sentence(largest, intervals), unknown_pose_sentence(largest, intervals)]
-    return [sentence for sentence in found if sentence]
+    if not kept:
+        return variant_sentences(variants)
+    largest = max(kept, key=lambda name: len(kept[name].objects))
+    drawn = [found for name in PIPELINES if (found := read_draws(largest, name))]
+    return [
+        *more_objects_sentences(kept[largest], intervals, drawn),
+        *variant_sentences(variants),
+        turned_sentence(kept[largest], intervals),
+        unknown_pose_sentence(kept[largest], intervals),
+    ]
 
 
 def kept_turned(run: Run) -> Values | None:
@@ -217,7 +228,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
             ),
             accuracy,
         )
-        beside = [*variant_sentences(context.variants), *kept_leads(recognition.intervals)]
+        beside = kept_leads(context.variants, recognition.intervals)
         lead = recount_lead(run, compared)
         yield fixation_answer(run.pipelines, context.variants, beside), lead
         yield reproduction_answer(first), accuracy

@@ -107,8 +107,8 @@ def stability_answer(figures: StabilityFigures) -> str:
     """Say how many cases were tried on the run's objects, and what was exceeded."""
     if figures.broken:
         return describe_checks(figures.checks)
-    cases = counted(sum(check.cases for check in figures.checks), "numerically hard case")
-    return f"{cases} computed; every error is within its tolerance."
+    cases = counted(sum(check.cases for check in figures.checks), "case")
+    return f"{cases} that are hard for arithmetic, such as flat or tiny shapes; every error is within its tolerance."
 
 
 def read_hard_cases(path: Path) -> HardCases:

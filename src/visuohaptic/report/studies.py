@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.report.comparison import PAPER_PIPELINE, SIGNIFICANCE
+from visuohaptic.evaluation.published import PAPER_PIPELINE
+from visuohaptic.report.comparison import SIGNIFICANCE
 from visuohaptic.report.estimates import Row, figure_of, share_above_interval
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import (
@@ -119,9 +120,9 @@ def _sentence(cells: Sequence[Row]) -> str:
     ] or ["nothing changes the accuracy"]
     settled = [row["words"] for row in others if row["adjusted_p"] < SIGNIFICANCE]
     chance = (
-        f"beyond chance (Holm-adjusted p below {SIGNIFICANCE:g}): {listed_in_short(settled, MOST_NAMED)}"
+        f"beyond chance (p after Holm's correction below {SIGNIFICANCE:g}): {listed_in_short(settled, MOST_NAMED)}"
         if settled
-        else "no change is beyond chance (smallest Holm-adjusted p "
+        else "no change is beyond chance (the least p after Holm's correction is "
         f"{probability(min(row['adjusted_p'] for row in others))})"
     )
     return f"{'; '.join(said)}; with {counted(others[0]['objects'], 'object')} {chance}."

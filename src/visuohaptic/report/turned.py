@@ -17,10 +17,12 @@ from pydantic import BaseModel, ConfigDict
 from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import object_interval
+from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.report.draws import KeptDraws
 from visuohaptic.report.estimates import Figure, estimate, read_json, with_interval
-from visuohaptic.report.wording import counted, listed, points
+from visuohaptic.report.wording import counted, listed, pipeline_name, points
 
 KEPT = "turned.json"
 
@@ -236,17 +238,43 @@ def contrast(
     return _figure(added, taken, intervals, kept.reports)
 
 
-def turned_sentence(kept: TurnedSet, intervals: IntervalParameters, pipeline: str = "paper") -> str:
-    """Say how far fixation leads random touches in reach by the pose of the objects, in one pipeline; empty if not kept."""
-    rows = [row for row in turned_rows(kept, intervals) if row.pipeline == pipeline]
-    if not rows:
-        return ""
-    leads = [
-        f"{with_interval(row.lead, points, ' points')} where they are {row.pose}" for row in rows
+def more_objects_sentences(
+    kept: TurnedSet, intervals: IntervalParameters, drawn: Sequence[KeptDraws] = ()
+) -> list[str]:
+    """Say per pipeline whether fixation leads on upright objects of a kept set; `drawn` are kept draws of the set.
+
+    Only an interval that excludes 0 gives the lead a sign.
+    """
+    draws = {one.pipeline: one.lead for one in drawn}
+    rows = [row for row in turned_rows(kept, intervals) if row.turns == "none"]
+    said = []
+    for row in rows:
+        begins = f"With {counted(row.objects, 'object')} {_lead_in_words(row.lead)} in {pipeline_name(row.pipeline)}"
+        lead = with_interval(row.lead, points, " points")
+        found = draws.get(row.pipeline)
+        over = ""
+        if found:
+            ends = f"{points(min(found.leads))} to {points(max(found.leads))}"
+            over = f"; {counted(found.count, 'draw')} of the places give {ends}"
+        said.append(
+            f"{begins}: {lead} over random places in reach{over} (measured on {kept.date})."
+        )
+    return said
+
+
+def turned_sentence(
+    kept: TurnedSet, intervals: IntervalParameters, pipeline: str = PAPER_PIPELINE
+) -> str:
+    """Say how far fixation leads random touches in reach on turned objects, in one pipeline."""
+    rows = [
+        row
+        for row in turned_rows(kept, intervals)
+        if row.pipeline == pipeline and row.turns != "none"
     ]
+    leads = [f"{with_interval(row.lead, points, ' points')} ({row.pose})" for row in rows]
     return (
-        f"Measured on {kept.date}, on {counted(rows[0].objects, 'object')}: the lead over random places in reach is "
-        f"{listed(leads)}."
+        f"With {counted(rows[0].objects, 'turned object')} the lead in {pipeline_name(pipeline)} is {listed(leads)}, "
+        "over random places in reach."
     )
 
 
@@ -261,9 +289,17 @@ def unknown_pose_sentence(kept: TurnedSet, intervals: IntervalParameters) -> str
         change = contrast(kept, plus, minus, intervals)
         changes.append(f"by {with_interval(change, points, ' points')} over random places {place}")
     return (
-        f"An unknown pose changes the lead {listed(changes)} "
-        f"({counted(int(kept.reports.sum()), 'object')}, pipeline order_free)."
+        f"Where the pose is unknown instead of known, the lead in pipeline order_free changes {listed(changes)} "
+        f"({counted(int(kept.reports.sum()), 'object')})."
     )
+
+
+def _lead_in_words(lead: Figure) -> str:
+    if lead.low is not None and lead.low > 0:
+        return "fixation leads"
+    if lead.high is not None and lead.high < 0:
+        return "random touches lead"
+    return "no lead is shown"
 
 
 def _numbers(cell: TurnedCell) -> FloatArray:

@@ -6,6 +6,7 @@ import hashlib
 import re
 from collections.abc import Sequence
 
+from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 
@@ -32,6 +33,11 @@ def strategy_name(key: str) -> str:
     if key == "adaptive":
         return ADAPTIVE
     return STRATEGIES[key].label if key in STRATEGIES.names else spaced(key)
+
+
+def pipeline_name(key: str) -> str:
+    """Name a pipeline in a sentence."""
+    return "the paper's pipeline" if key == PAPER_PIPELINE else f"pipeline {key}"
 
 
 def strategy_place(key: str) -> int:

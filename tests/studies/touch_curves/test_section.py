@@ -59,7 +59,7 @@ def answer(rows):
 def test_where_attention_wins_the_words_say_whether_beyond_chance():
     text = answer(AHEAD)
     assert "attention wins" in text
-    assert "no difference is beyond chance (smallest Holm-adjusted p 0.2)" in text
+    assert "no difference is beyond chance (the least p after Holm's correction is 0.2)" in text
     assert "ttention" not in answer([row("random", 0.6, None)])  # without fixations
 
 
