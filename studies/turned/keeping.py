@@ -12,11 +12,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import classifier_settings
 import visuohaptic.report
-from classifier_settings.choose import choosing_half
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ReportError
-from visuohaptic.meshes.catalogue import models_of_set
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.provenance import find_commit
 from visuohaptic.report.turned import KEPT, TurnedCell, TurnedSet, read_turned
@@ -24,19 +23,17 @@ from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
 from visuohaptic.studies.study import StepInputs
 
 MEASURED = Path("reports/turned.json")
-CATALOGUE = Path("meshes/catalogue.csv")
 NAMES = ("turns", "known", "touches", "pipeline", "strategy", "classifier")
 """Columns that name a kept cell."""
+CHOSEN = Path(classifier_settings.__file__).with_name("chosen.json")
+"""Holds the half of the objects on which descriptors and settings were chosen."""
 PLACE = Path(visuohaptic.report.__file__).with_name(KEPT)
 
 
 def make_turned(step: StepInputs) -> None:
     """Write the mean accuracy per object over the draws of the turns as JSON."""
     cells = read_cells(step.inputs["blocks"])
-    chosen = choosing_half(models_of_set(CATALOGUE, "outside"))
-    measured = means_over_draws(cells)
-    choosing = sorted(chosen.intersection(measured["objects"]))
-    write_json({"set": step.run.meshes.set, "choosing": choosing, **measured}, step.outputs[0])
+    write_json({"set": step.run.meshes.set, **means_over_draws(cells)}, step.outputs[0])
 
 
 def means_over_draws(cells: Mapping[CellKey, Cell]) -> dict[str, Any]:
@@ -79,12 +76,13 @@ def keep(name: str, measured: Path = MEASURED, place: Path = PLACE) -> None:
         raise ReportError(f"{measured} has set {found['set']}; set {name} is needed.")
     if found["failed"]:
         raise ReportError(f"Turned objects could not be measured, {found['failed'][0]}")
+    chosen = read_json(CHOSEN, dict, "holds no objects that chose", "restore the file")["half"]
     kept = read_turned(place) if place.exists() else {}
     kept[name] = TurnedSet(
         commit=find_commit(),
         date=datetime.now(UTC).strftime("%Y-%m-%d"),
         objects=found["objects"],
-        choosing=found["choosing"],
+        choosing=tuple(sorted(set(chosen).intersection(found["objects"]))),
         cells=tuple(TurnedCell.model_validate(one) for one in found["cells"]),
     )
     sets = ",\n".join(f'"{one}": {kept[one].model_dump_json()}' for one in sorted(kept))

@@ -47,8 +47,8 @@ def compared() -> dict[str, tuple[CellName, CellName]]:
         "nothing known: with waves over pairs, less without": (
             ours, CellName("any", STATISTICS, five, "fixation"),
         ),
-        "nothing known, less all assumed and learnt from turned objects": (ours, turned_full),
-        "nothing known, less all assumed and learnt from upright objects": (
+        "nothing known, less all assumed, fitted on turned objects": (ours, turned_full),
+        "nothing known, less all assumed, fitted on upright objects": (
             ours, CellName("any", TRAINED_UPRIGHT, five, "fixation"),
         ),
         f"nothing known, less all known ({five} touches)": (

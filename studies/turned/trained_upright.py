@@ -1,4 +1,4 @@
-"""Turned objects, recognised by a pipeline that learnt from upright objects which all face one way."""
+"""Turned objects, recognised by a pipeline that is fitted on upright objects which all face one way."""
 
 from __future__ import annotations
 

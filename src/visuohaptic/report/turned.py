@@ -40,7 +40,7 @@ STATISTICS: Literal["statistics"] = "statistics"
 """Nothing is known, and touches and pairs of touches are described by statistics, without their waves."""
 
 TRAINED_UPRIGHT: Literal["trained_upright"] = "trained_upright"
-"""All is taken as known, and the pipeline learnt from objects that stand upright and face one way."""
+"""All is taken as known, and the pipeline was fitted on objects that stand upright and face one way."""
 
 KNOWN: Mapping[Known, str] = {
     "full": "all",

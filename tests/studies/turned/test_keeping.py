@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from studies.surfaces import RUN
 
+from turned import keeping
 from turned.keeping import keep, means_over_draws
 from turned.study import DRAWS, STUDY, name_of
 from visuohaptic.base.errors import ReportError
@@ -73,15 +74,18 @@ def test_what_could_not_be_measured_is_left_out_with_its_reason_and_never_kept(t
     assert found["failed"] == ["any 0 none 20: too small."]
     assert found["cells"] == means_over_draws(CELLS)["cells"]
     measured = tmp_path / "measured.json"
-    write_json({"set": "paper", "choosing": [], **found}, measured)
+    write_json({"set": "paper", **found}, measured)
     with pytest.raises(ReportError, match="could not be measured, any 0 none 20: too small"):
         keep("paper", measured, tmp_path / "turned.json")
 
 
-def test_accuracies_are_kept_by_set_beside_those_of_others(tmp_path):
+def test_accuracies_are_kept_by_set_beside_those_of_others(tmp_path, monkeypatch):
+    chosen = tmp_path / "chosen.json"
+    write_json({"half": ["box/a", "cup/c"]}, chosen)
+    monkeypatch.setattr(keeping, "CHOSEN", chosen)
     measured, place = tmp_path / "measured.json", tmp_path / "turned.json"
     for name in ("paper", "benchmark"):
-        write_json({"set": name, "choosing": ["box/a"], **means_over_draws(CELLS)}, measured)
+        write_json({"set": name, **means_over_draws(CELLS)}, measured)
         keep(name, measured, place)
     assert set(read_turned(place)) == {"paper", "benchmark"}
     assert read_turned(place)["paper"].reports.tolist() == [False, True]
