@@ -196,11 +196,14 @@ def kept_turned(run: Run) -> Values | None:
         for turns, pose in POSES.items()
     }
     shown = [{"pose": titled(pose), "by": found} for pose, found in poses.items() if found]
-    frames = [
-        {"known": titled(KNOWN[row.known]), "row": row}
-        for turns, known in FRAMES_OF_POSES
+    by_frame = {
+        (row.turns, row.known): row
         for row in frame_rows(kept, run.parameters.recognition.intervals)
-        if (row.turns, row.known) == (turns, known)
+    }
+    frames = [
+        {"known": titled(KNOWN[name[1]]), "row": by_frame[name]}
+        for name in FRAMES_OF_POSES
+        if name in by_frame
     ]
     return values_or_none(
         rows=shown,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
 from typing import Literal, NamedTuple
@@ -116,28 +117,76 @@ class CellName(NamedTuple):
 class TurnedRow:
     """How accurate a pipeline is on objects in one pose, described by what is known of their frame.
 
-    `fixation`, `random` and `visible` are accuracies of touches by fixation, at random places in reach and at random
-    places in sight. `lead` is fixation minus random, and `salience` fixation minus visible. All are means over the
-    `objects` that have sequences by all three. Each object's value is its mean over `draws` draws of the turns.
+    Each figure is a mean over the objects that are `tested`, and is computed when a page asks for it.
+
+    Attributes
+    ----------
+    turns, known, touches, pipeline
+        What all `cells` have in common.
+    cells : mapping of str to TurnedCell
+        The accuracies by strategy.
+    tested : ndarray of shape (o,), bool
+        Whether an object counts and has sequences by all strategies.
+    intervals : IntervalParameters
+        The confidence of the intervals.
     """
 
     turns: Turns
     known: Known
     touches: int
     pipeline: str
-    classifier: str
-    draws: int
-    objects: int
-    fixation: Figure
-    random: Figure
-    visible: Figure
-    lead: Figure
-    salience: Figure
+    cells: Mapping[str, TurnedCell]
+    tested: BoolArray
+    intervals: IntervalParameters
 
     @property
     def pose(self) -> str:
         """The pose of the objects in words."""
         return POSES[self.turns]
+
+    @property
+    def classifier(self) -> str:
+        """The classifier."""
+        return self.cells["fixation"].classifier
+
+    @property
+    def draws(self) -> int:
+        """The number of draws of the turns of which an object's accuracy is the mean."""
+        return self.cells["fixation"].draws
+
+    @property
+    def objects(self) -> int:
+        """The number of tested objects."""
+        return int(self.tested.sum())
+
+    @cached_property
+    def fixation(self) -> Figure:
+        """The accuracy of touches by fixation."""
+        return self._figure("fixation")
+
+    @cached_property
+    def random(self) -> Figure:
+        """The accuracy of touches at random places in reach."""
+        return self._figure("random")
+
+    @cached_property
+    def visible(self) -> Figure:
+        """The accuracy of touches at random places in sight."""
+        return self._figure("random_visible")
+
+    @cached_property
+    def lead(self) -> Figure:
+        """Fixation minus random places in reach."""
+        return self._figure("fixation", "random")
+
+    @cached_property
+    def salience(self) -> Figure:
+        """Fixation minus random places in sight."""
+        return self._figure("fixation", "random_visible")
+
+    def _figure(self, plus: str, *minus: str) -> Figure:
+        taken = [self.cells[name] for name in minus]
+        return _figure([self.cells[plus]], taken, self.intervals, self.tested)
 
 
 def read_turned(path: Path | None = None) -> dict[str, TurnedSet]:
@@ -154,21 +203,21 @@ def read_turned(path: Path | None = None) -> dict[str, TurnedSet]:
 
 
 def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
-    """Compute means and intervals over objects in the full frame, pose by pose, the paper's pipeline first."""
+    """Return the accuracies in the full frame, pose by pose, the paper's pipeline first."""
     chosen = ("full", HEADLINE_TOUCHES)
     cells = [one for one in kept.cells if (one.known, one.touches) == chosen]
     return list(_rows(cells, intervals, np.ones(len(kept.objects), dtype=np.bool_)))
 
 
 def frame_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
-    """Compute means and intervals of pipeline `order_free` in every frame, over the objects that report."""
+    """Return the accuracies of pipeline `order_free` in every frame, over the objects that report."""
     chosen = ("order_free", HEADLINE_TOUCHES)
     cells = [one for one in kept.cells if (one.pipeline, one.touches) == chosen]
     return list(_rows(cells, intervals, kept.reports))
 
 
 def curve_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
-    """Compute means and intervals of pipeline `order_free` by the number of touches, in the frames of several numbers.
+    """Return the accuracies of pipeline `order_free` by the number of touches, in the frames of several numbers.
 
     Means are over the objects that report and have sequences of each number of touches by each strategy.
     """
@@ -190,22 +239,8 @@ def _rows(
         found = rows[turns, known, touches, pipeline]
         if len(found) < len(STRATEGIES):
             continue
-        fixation, random, visible = (found[name] for name in STRATEGIES)
         tested = _tested(list(found.values()), counted)
-        yield TurnedRow(
-            turns=turns,
-            known=known,
-            touches=touches,
-            pipeline=pipeline,
-            classifier=fixation.classifier,
-            draws=fixation.draws,
-            objects=int(tested.sum()),
-            fixation=_figure([fixation], [], intervals, tested),
-            random=_figure([random], [], intervals, tested),
-            visible=_figure([visible], [], intervals, tested),
-            lead=_figure([fixation], [random], intervals, tested),
-            salience=_figure([fixation], [visible], intervals, tested),
-        )
+        yield TurnedRow(turns, known, touches, pipeline, found, tested, intervals)
 
 
 def _place(row: tuple[Turns, Known, int, str]) -> tuple[object, ...]:
