@@ -12,11 +12,12 @@ from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.cost import seconds
 from visuohaptic.studies.cost.seconds import (
     FittedSetting,
+    feel,
     fit_setting,
     fit_settings,
     measure_seconds,
     prepare,
-    recognise,
+    share_looks,
     time_object,
 )
 from visuohaptic.studies.cost.settings import FRONTIER, frontier_settings
@@ -43,7 +44,9 @@ def family(name):
 @pytest.fixture(scope="module")
 def fitted(features):
     return [
-        FittedSetting(setting, one.parameters, fit_setting(setting, one, features, RUN.seed))
+        FittedSetting(
+            setting, one.parameters, fit_setting(setting, one, features, RUN.seed), one.parameters
+        )
         for setting, one in family("viewpoints")
     ]
 
@@ -65,20 +68,21 @@ def test_what_settings_have_in_common_is_timed_once_and_counts_for_each(surfaces
     def parts(viewpoint=0, **changed):
         subject = Subject("ring/ring0", lambda: prepared.caster, [viewpoint])
         parameters = RUN.model_copy(update=changed)
-        found = recognise(subject, prepared, replace(fitted[0], parameters=parameters))
+        asked = replace(fitted[0], parameters=parameters, looking=parameters)
+        found = feel(subject, prepared, asked)[1]
         return {name.removeprefix("seconds_"): value for name, value in found.items()}
 
     own = parts()
-    assert all(value > 0 for value in own.values())
+    assert all(value > 0 for name, value in own.items() if name != "classify")
     assert own["render"] + own["attend"] <= own["look"]
     assert own["cast"] <= own["touch"]
     cues = RUN.recognition.model_copy(update={"cues": ("kinesthetic",)})
-    assert own | {"classify": 0} == parts(recognition=cues) | {"classify": 0}
+    assert own == parts(recognition=cues)
     sensor = RUN.sensor.model_copy(update={"resolution": 8})
     small, aside = parts(sensor=sensor), parts(1, sensor=sensor)
     for name in ("look", "render", "attend"):
         assert own[name] == small[name] != aside[name]
-    assert all(own[name] != small[name] for name in ("touch", "describe", "classify"))
+    assert all(own[name] != small[name] for name in ("touch", "describe"))
     # No setting has what another one found out about the surface.
     assert "slopes" not in vars(prepared.caster)
     assert ["slopes" in vars(stage.caster) for _, stage in prepared.further] == [True, True]
@@ -117,24 +121,54 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
     calls = []
     parts = {name: 0.25 if place < 4 else 0.125 for place, (name, _) in enumerate(COST_PARTS)}
 
-    def timed(subject, prepared, one):
+    def felt(subject, prepared, one):
         calls.append((subject.key, one.setting.name, tuple(subject.viewpoints)))
-        return {name: weight * len(subject.viewpoints) for name, weight in parts.items()}
+        found = {name: weight * len(subject.viewpoints) for name, weight in parts.items()}
+        return len(subject.viewpoints), found
 
-    monkeypatch.setattr(seconds, "recognise", timed)
+    def answered(one, viewpoints):
+        calls.append(one.setting.name)
+        return parts["seconds_classify"] * viewpoints
+
+    monkeypatch.setattr(seconds, "feel", felt)
+    monkeypatch.setattr(seconds, "answer_seconds", answered)
     few = dict(list(surfaces.items())[:2])
     rows = measure_seconds(few, fitted, rounds=2).to_pylist()
-    # The first round of each surface does not count, nor do a round's first answers.
-    assert [key for key, *_ in calls[:4]] == [key for key in few for _ in range(2)]
-    rounds = np.array(calls[4:], dtype=object).reshape(2 * 2, 2, len(fitted), 3)
-    assert (rounds[:, 0] == rounds[:, 1]).all()
-    counted = rounds[:, 1].reshape(-1, 3)
+    names = [one.setting.name for one in fitted]
+    # Of a round the first answer does not count.
+    assert calls[-len(names) - 1 :] == [names[0], *names]
+    counted = np.array([call for call in calls if isinstance(call, tuple)], dtype=object)
+    # The first round of each surface does not count.
+    assert counted[:2, 0].tolist() == list(few)
+    counted = counted[2:]
     assert [[row["object"], row["setting"]] for row in rows] == counted[:, :2].tolist()
     # Another side of the object in each turn.
     assert [row["turn"] for row in rows[::3]] == [0, 0, 1, 1]
     assert counted[::3, 2].tolist() == [(0,), (0,), (3,), (3,)]
     assert [row["seconds"] for row in rows[:3]] == [1, 2, 4]
     assert [row["seconds_attend"] for row in rows[:3]] == [0.125, 0.25, 0.5]
+
+
+def test_settings_that_look_alike_share_the_look_that_finds_the_most_fixations():
+    wide = RUN.model_copy(update={"rendering": RUN.rendering.model_copy(update={"ambient": 0.5})})
+    asked = [
+        with_changes(one, {"attention.fixations": n}) for one, n in ((RUN, 1), (RUN, 3), (wide, 2))
+    ]
+    found = share_looks([FittedSetting(None, one, None, one) for one in asked])
+    assert [one.looking.attention.fixations for one in found] == [3, 3, 2]
+    assert [one.parameters for one in found] == asked
+
+
+@pytest.mark.slow
+def test_a_touch_from_a_shared_look_is_the_first_of_more(surfaces, fitted):
+    prepared = prepare(surfaces["box/box1"])
+    subject = Subject("box/box1", lambda: prepared.caster, [0])
+    touches = RUN.attention.fixations
+    fewer = with_changes(RUN, {"attention.fixations": 1, "recognition.touches": 1})
+    alone = feel(subject, prepared, replace(fitted[0], parameters=fewer, looking=fewer))[0]
+    shared = feel(subject, prepared, replace(fitted[0], parameters=fewer, looking=RUN))[0]
+    assert touches > 1
+    assert shared.equals(alone)
 
 
 def test_what_was_refused_is_not_fitted():

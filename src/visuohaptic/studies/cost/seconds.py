@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from copy import copy
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -34,6 +35,9 @@ from visuohaptic.tables.studies import COST_PARTS, COST_SECONDS
 FRONTIER_ROUNDS = 2
 """Instead of `cost.rounds`, as the frontier is a part of every run."""
 
+LOOK = OF_OBJECT[0]
+"""The phase that looks."""
+
 Row = dict[str, Any]
 Seconds = dict[str, float]
 """Of the processor, by the names of `COST_PARTS`, and of a phase that has none there."""
@@ -41,11 +45,15 @@ Seconds = dict[str, float]
 
 @dataclass(frozen=True)
 class FittedSetting:
-    """A setting with its parameters and a model that was trained for it."""
+    """A setting with its parameters and a model that was trained for it.
+
+    `looking` has the parameters of the look, which finds the most fixations of all settings that look alike.
+    """
 
     setting: Setting
     parameters: ExperimentParameters
     model: RecognitionModel
+    looking: ExperimentParameters
 
 
 def make_frontier_seconds(step: StepInputs) -> None:
@@ -77,8 +85,26 @@ def fit_settings(
         if models.get(asked) is None:
             models[asked] = fit_setting(setting, one, features(one.key), run.seed)
         if model := models[asked]:
-            found.append(FittedSetting(setting, one.parameters, model))
-    return found
+            found.append(FittedSetting(setting, one.parameters, model, one.parameters))
+    return share_looks(found)
+
+
+def share_looks(settings: Sequence[FittedSetting]) -> list[FittedSetting]:
+    """Give settings that look alike one look: fewer fixations are the first of more."""
+    alike: dict[str, list[ExperimentParameters]] = {}
+    for fitted in settings:
+        alike.setdefault(_look_key(fitted.parameters), []).append(fitted.parameters)
+    most = {
+        key: max(found, key=lambda one: one.attention.fixations) for key, found in alike.items()
+    }
+    return [replace(fitted, looking=most[_look_key(fitted.parameters)]) for fitted in settings]
+
+
+def _look_key(parameters: ExperimentParameters) -> str:
+    """Return the parameters of a look but for the number of fixations, as text."""
+    attention = parameters.attention.model_copy(update={"fixations": 0})
+    values = LOOK.written_values(parameters.model_copy(update={"attention": attention}))
+    return json.dumps(values, sort_keys=True)
 
 
 def _model_key(planned: Planned) -> tuple[str, str]:
@@ -127,38 +153,55 @@ def time_object(
 ) -> list[Row]:
     """Time one recognition by each setting; what several have in common is done and timed once."""
     prepared = prepare(surface)
-    rows: dict[tuple[str, str], Row] = {}
-    # Only a second answer counts, when all phases have been gone through. An answer right after a phase takes a
-    # quarter longer, with none of its code in the processor's cache, and not every setting has a phase to itself.
-    for fitted in (*settings, *settings):
-        named = fitted.setting.family, fitted.setting.name
+    felt: list[tuple[FittedSetting, pa.Table, Seconds]] = []
+    for fitted in settings:
         choices = evenly_spaced_subsets(
             fitted.parameters.viewpoints.total, fitted.setting.viewpoints
         )
         # Another side of the object in each turn.
         subject = Subject(key, lambda: prepared.caster, choices[3 * turn % len(choices)].tolist())
-        try:
-            seconds = recognise(subject, prepared, fitted)
-        except REFUSALS:
-            continue
-        verbs = (*(phase.verb for phase in OF_OBJECT), "classify")
-        whole = sum(seconds[f"seconds_{verb}"] for verb in verbs)
-        rows[named] = dict(zip(COST_SECONDS.keys, (*named, key, turn), strict=True))
-        rows[named] |= {"seconds": whole, **seconds}
-    return list(rows.values())
+        with suppress(*REFUSALS):
+            felt.append((fitted, *feel(subject, prepared, fitted)))
+    # An answer right after a phase takes a quarter longer, with none of its code in the processor's cache, and not
+    # every setting has a phase to itself. So each answer that counts follows another answer.
+    for fitted, features, _ in felt[:1]:
+        answer_seconds(fitted, features)
+    return [
+        _row(fitted, seconds | {"seconds_classify": answered}, key, turn)
+        for fitted, features, seconds in felt
+        if (answered := answer_seconds(fitted, features)) is not None
+    ]
 
 
-def recognise(subject: Subject, prepared: Stage, fitted: FittedSetting) -> Seconds:
-    """Recognise an object once. Its key is for the random generators, not for the prediction."""
+def _row(fitted: FittedSetting, seconds: Seconds, key: str, turn: int) -> Row:
+    verbs = (*(phase.verb for phase in OF_OBJECT), "classify")
+    names = (fitted.setting.family, fitted.setting.name, key, turn)
+    whole = sum(seconds[f"seconds_{verb}"] for verb in verbs)
+    return {**dict(zip(COST_SECONDS.keys, names, strict=True)), "seconds": whole, **seconds}
+
+
+def answer_seconds(fitted: FittedSetting, features: pa.Table) -> float | None:
+    """Return the processor seconds of an answer; None where the model refuses the touches."""
+    start = time.process_time()
+    try:
+        fitted.model.recognise(features)
+    except REFUSALS:
+        return None
+    return time.process_time() - start
+
+
+def feel(subject: Subject, prepared: Stage, fitted: FittedSetting) -> tuple[pa.Table, Seconds]:
+    """Look at an object and touch it: `tables.FEATURES`, and the seconds of each part.
+
+    The object's key is for the random generators, not for the prediction.
+    """
     stage, features = prepared, list[pa.Table]()
     for block in subject.blocks(VIEWPOINTS_AT_ONCE):
         for phase in OF_OBJECT:
-            stage = stage.after(phase, block, fitted.parameters)
+            asked = fitted.looking if phase is LOOK else fitted.parameters
+            stage = stage.after(phase, block, asked)
         features.append(stage.tables["features"])
-    seconds = dict(stage.seconds)
-    with _timed(seconds, "classify"):
-        fitted.model.recognise(pa.concat_tables(features))
-    return seconds
+    return pa.concat_tables(features), dict(stage.seconds)
 
 
 class TimedCaster(RayCaster):
