@@ -15,4 +15,4 @@ def make_seconds(step: StepInputs) -> None:
 
 def make_costs(step: StepInputs) -> None:
     """Join error rates and seconds of all settings, and mark the front and the steps: `tables.COST`."""
-    write_costs(step, settings_of(step.run))
+    write_costs(step, STUDY, settings_of(step.run))

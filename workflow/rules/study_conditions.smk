@@ -1,11 +1,13 @@
 """What the rules of studies share: conditions, their blocks, and what each job takes."""
 
+from dataclasses import replace
 from importlib.util import find_spec
 from operator import attrgetter
 
 from visuohaptic.studies.conditions import (
     describe_conditions,
     describe_study,
+    is_measured_by_run,
     make_blocks,
     plan_study,
 )
@@ -34,15 +36,35 @@ if IS_MAIN:
 PLANS = {
     name: or_stop(plan_study, study, PARAMETERS) for name, study in STUDIES.items()
 }
-BLOCKS = {
-    name: make_blocks(plan, PARAMETERS.workflow.conditions_per_job)
-    for name, plan in PLANS.items()
-}
 STUDIES_OF_RUN = [study for study in STUDIES.values() if study.is_part_of_run]
 # Each step with its study; those of one name would be one rule.
 STEPS = [(study, step) for study in STUDIES.values() for step in study.steps]
 # With thousands of objects the sampled studies would take longer than all the rest.
 SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
+
+
+def takes_predictions(study):
+    """Say whether the run's predictions stand for a study's conditions: not where it measures a part of the objects."""
+    return any("predictions" in step.takes for step in study.steps) and (
+        SAMPLE == OBJECTS or not study.is_sampled
+    )
+
+
+def conditions_to_measure(study):
+    """Plan the conditions of a study that the run itself did not measure."""
+    plan = PLANS[study.name]
+    if not takes_predictions(study):
+        return plan
+    left = [one for one in plan.conditions if not is_measured_by_run(one, PARAMETERS)]
+    return replace(plan, conditions=tuple(left))
+
+
+BLOCKS = {
+    study.name: make_blocks(
+        conditions_to_measure(study), PARAMETERS.workflow.conditions_per_job
+    )
+    for study in STUDIES.values()
+}
 
 # Measured once, and left as they are.
 KEPT_STUDIES = [
@@ -199,6 +221,11 @@ def inputs_of_step(study, step):
         "features": features_of(study.name),
         "blocks": study_blocks(study.name),
         "made": made_features(study.name, PLANS[study.name].recomputations),
+        "predictions": (
+            files_of("predictions", "{pipeline}/{strategy}")
+            if takes_predictions(study)
+            else []
+        ),
     }
     where = step.takes_where.items()
     found["tables"] = of_pipelines(

@@ -140,6 +140,38 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
     return Plan(tuple(planned), {key: _merge(found) for key, found in needs.items()})
 
 
+def is_measured_by_run(planned: Planned, run: ExperimentParameters) -> bool:
+    """Return whether the run's own predictions, one viewpoint a recognition, are those of a condition.
+
+    So they are where the condition asks for the run's touches and recognition, and for no other strategy, pipeline or
+    classifier than the run has.
+    """
+    if planned.key is not None or planned.condition.votes != 1:
+        return False
+    own, asked = run.recognition, planned.parameters.recognition
+    chosen = [
+        (asked.pipelines, own.pipelines),
+        (planned.parameters.probing.strategies, run.probing.strategies),
+    ]
+    if "paper" in asked.pipelines:
+        chosen.append((asked.classifiers, own.classifiers))
+    if "order_free" in asked.pipelines:
+        chosen.append((asked.order_free.classifiers, own.order_free.classifiers))
+    if not all({*few} <= {*all_of_run} for few, all_of_run in chosen):
+        return False
+    alike = own.model_copy(
+        update={
+            "touches": touches_of_run(run),
+            "pipelines": asked.pipelines,
+            "classifiers": asked.classifiers,
+            "order_free": own.order_free.model_copy(
+                update={"classifiers": asked.order_free.classifiers}
+            ),
+        }
+    )
+    return asked == alike
+
+
 def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
     """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
 

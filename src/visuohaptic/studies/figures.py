@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from visuohaptic.base.atomic_files import atomic_write_text
@@ -32,6 +33,9 @@ from visuohaptic.tables.studies import STUDY, STUDY_FIGURES
 Row = dict[str, Any]
 CellKey = tuple[str, str, str, str]
 """Condition, pipeline, strategy and classifier."""
+
+PredictionKey = tuple[str, str, str]
+"""Pipeline, strategy and classifier."""
 
 _OMITTED = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
 CELL = ("condition", "pipeline", "strategy", "classifier")
@@ -63,6 +67,22 @@ def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
 def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
     """Average each object's accuracy over the splits that tested it: rows of `tables.STUDY`."""
     return {key: _cell(part) for key, part in rows_by(rows, CELL).items()}
+
+
+def predicted_cells(predictions: pa.Table) -> dict[PredictionKey, Cell]:
+    """Average each object's accuracy over the splits that tested it: rows of `tables.PREDICTIONS`.
+
+    Each viewpoint is one recognition of the object, as in rows of `tables.STUDY` with one vote.
+    """
+    is_right = pc.equal(predictions.column("predicted"), predictions.column("class"))
+    rows = predictions.append_column("right", pc.cast(is_right, pa.float64()))
+    tested = (*CELL[1:], "class", "object", "split", "seed")
+    means = rows.group_by(list(tested), use_threads=False).aggregate([("right", "mean")])
+    means = means.rename_columns({"seed": "repeat", "right_mean": "accuracy"})
+    means = means.append_column("sequences", pa.array(np.ones(means.num_rows)))
+    return {
+        key: average_objects(part, "sequences")[0] for key, part in rows_by(means, CELL[1:]).items()
+    }
 
 
 def rows_by(rows: pa.Table, names: Sequence[str]) -> dict[tuple[Any, ...], pa.Table]:

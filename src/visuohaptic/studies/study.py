@@ -94,8 +94,9 @@ class Step:
     files : tuple of str
         What it makes; with ``{condition}`` or ``{pipeline}`` in them there is a job for each.
     takes : tuple of str
-        Tables of the run (``meshes``, ``fixations``, ``features``), ``blocks`` of the conditions, ``made``
-        (features of all conditions that the run does not have), and files of other steps.
+        Tables of the run (``meshes``, ``fixations``, ``features``, ``predictions``), ``blocks`` of the conditions,
+        ``made`` (features of all conditions that the run does not have), and files of other steps. Where a step takes
+        predictions, blocks leave out the conditions that the run itself measured.
     takes_where : mapping of str to str
         Files of other steps that it takes only where a parameter is true, by the parameter's dotted name.
     needs : mapping

@@ -1,27 +1,36 @@
 """The front holds what nothing beats; steps are what paired comparisons tell apart."""
 
+from dataclasses import replace
+
 import numpy as np
+import pyarrow as pa
 import pytest
-from studies.surfaces import RUN
+from studies.surfaces import RUN, run_tables, small_surfaces
 
 from visuohaptic.evaluation.intervals import DIFFERENCE, object_interval
+from visuohaptic.recognition.experiment import run_pipeline
+from visuohaptic.studies.conditions import is_measured_by_run, plan_study, with_changes
 from visuohaptic.studies.cost.front import (
+    NOT_PREDICTED,
     error_rate,
     make_frontier,
     mark_front,
     more_accurate,
     read_costs,
+    setting_cells,
     setting_rows,
     setting_times,
     slower_settings,
     time_quantiles,
 )
 from visuohaptic.studies.cost.seconds import make_frontier_seconds
-from visuohaptic.studies.cost.settings import Setting
+from visuohaptic.studies.cost.settings import FRONTIER, Setting, frontier_settings
 from visuohaptic.studies.figures import Cell
+from visuohaptic.studies.measuring import measure_conditions
 from visuohaptic.studies.study import StepInputs
-from visuohaptic.tables.schema import build_rows, names_of
-from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
+from visuohaptic.tables.phases import PREDICTIONS
+from visuohaptic.tables.schema import build_rows, names_of, write_table
+from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS, STUDY
 
 SAME = {
     **dict.fromkeys(names_of(COST.columns)),
@@ -185,5 +194,72 @@ def test_a_frontier_without_settings_reads_no_mesh(tmp_path):
     files = {"meshes": ["none.ply"], "features": []}
     made = [tmp_path / "seconds", tmp_path / "cost"]
     make_frontier_seconds(StepInputs("frontier", files, made[:1], run))
-    make_frontier(StepInputs("frontier", {"blocks": [], "tables": made[:1]}, made[1:], run))
+    make_frontier(
+        StepInputs("frontier", {"blocks": [], "predictions": [], "tables": made[:1]}, made[1:], run)
+    )
     assert read_costs(made[1]) == []
+
+
+def test_the_run_measured_its_own_touches_by_its_own_classifiers():
+    run = with_changes(RUN, {"probing.strategies": ["fixation", "random"]})
+    settings, planned = frontier_settings(run), plan_study(FRONTIER, run).conditions
+    own = {
+        (one.family, one.name)
+        for one, condition in zip(settings, planned, strict=True)
+        if is_measured_by_run(condition, run)
+    }
+    assert own == {
+        ("fixation", "2 touches, 1 viewpoint"),
+        ("random", "2 touches, 1 viewpoint"),
+        ("paper", "with its map"),
+    }
+    few = with_changes(run, {"recognition.classifiers": ["k_nearest_neighbours"]})
+    missing = [one for one in plan_study(FRONTIER, few).conditions if is_measured_by_run(one, few)]
+    assert [one.condition.name for one in missing] == [
+        "fixation, 2 touches, 1 viewpoint", "random, 2 touches, 1 viewpoint",
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_what_the_run_predicted_is_what_the_study_measures(tmp_path):
+    features = run_tables(small_surfaces())[2]
+    planned = plan_study(FRONTIER, RUN).conditions
+    settings = frontier_settings(RUN)
+    own = [one for one in planned if is_measured_by_run(one, RUN)]
+    measured = [
+        part for one in own for part in measure_conditions("frontier", [one], features, RUN.seed)
+    ]
+    files = []
+    for pipeline in RUN.recognition.pipelines:
+        _, predictions = run_pipeline(features, RUN.recognition, RUN.seed, pipeline)
+        files.append(tmp_path / f"{pipeline}.parquet")
+        write_table(PREDICTIONS, predictions, files[-1])
+    write_table(STUDY, pa.concat_tables(measured), tmp_path / "block.parquet")
+    blocks = {"blocks": [tmp_path / "block.parquet"]}
+    chosen = [one for one, condition in zip(settings, planned, strict=True) if condition in own]
+    only = replace(FRONTIER, conditions=lambda _: [one.condition for one in own])
+    step = StepInputs("frontier", {**blocks, "predictions": []}, (), RUN)
+    expected = setting_cells(step, only, chosen)
+    step = StepInputs("frontier", {"blocks": [], "predictions": files}, (), RUN)
+    found = setting_cells(step, only, chosen)
+    assert len(found) == len(expected) == 2
+    for one, other in zip(found, expected, strict=True):
+        assert one.objects == other.objects
+        assert one.accuracy.tolist() == other.accuracy.tolist()
+        assert one.weights.tolist() == other.weights.tolist()
+
+
+def test_a_classifier_that_could_not_be_fitted_has_the_reason(tmp_path):
+    predictions = tmp_path / "predictions.parquet"
+    write_table(PREDICTIONS, PREDICTIONS.arrow.empty_table(), predictions)
+    planned = plan_study(FRONTIER, RUN).conditions
+    own = [
+        one
+        for one in zip(frontier_settings(RUN), planned, strict=True)
+        if is_measured_by_run(one[1], RUN)
+    ]
+    only = replace(FRONTIER, conditions=lambda _: [one.condition for _, one in own])
+    step = StepInputs("frontier", {"blocks": [], "predictions": [predictions]}, (), RUN)
+    assert {one.error for one in setting_cells(step, only, [one for one, _ in own])} == {
+        NOT_PREDICTED.error
+    }

@@ -15,32 +15,61 @@ from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies.cost.settings import ORDER, Setting, frontier_settings
-from visuohaptic.studies.figures import Cell, compare, condition_interval, ends, paired, read_cells
-from visuohaptic.studies.study import StepInputs
+from visuohaptic.studies.conditions import is_measured_by_run, plan_study
+from visuohaptic.studies.cost.settings import FRONTIER, ORDER, Setting, frontier_settings
+from visuohaptic.studies.figures import (
+    Cell,
+    compare,
+    condition_interval,
+    ends,
+    paired,
+    predicted_cells,
+    read_cells,
+)
+from visuohaptic.studies.study import StepInputs, Study
+from visuohaptic.tables.phases import PREDICTIONS
 from visuohaptic.tables.schema import build_rows, matrix, names_of, read_table, write_table
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
 
 Row = dict[str, Any]
 """Of `tables.COST`."""
 
+NOT_PREDICTED = Cell(
+    (),
+    np.empty(0),
+    np.empty(0),
+    error="The classifier could not be fitted; the run's log says why.",
+)
+
 _TIMES = ("seconds", *(name for name, _ in COST_PARTS))
 
 
 def make_frontier(step: StepInputs) -> None:
     """Join error rates and seconds of the frontier's settings: `tables.COST`."""
-    write_costs(step, frontier_settings(step.run))
+    write_costs(step, FRONTIER, frontier_settings(step.run))
 
 
-def write_costs(step: StepInputs, settings: Sequence[Setting]) -> None:
+def write_costs(step: StepInputs, study: Study, settings: Sequence[Setting]) -> None:
     """Join error rates and seconds of all settings, and mark the front and the steps: `tables.COST`."""
-    found = read_cells(step.inputs["blocks"])
-    cells = [
-        found[one.condition.name, one.pipeline, one.strategy, one.classifier] for one in settings
-    ]
+    cells = setting_cells(step, study, settings)
     times = setting_times(settings, read_table(COST_SECONDS, step.inputs["tables"]))
     rows = setting_rows(settings, cells, times, step.run)
     write_table(COST, build_rows(COST, rows), step.outputs[0])
+
+
+def setting_cells(step: StepInputs, study: Study, settings: Sequence[Setting]) -> list[Cell]:
+    """Read the accuracies of each setting: from the run's predictions, if they are given and hold the setting's."""
+    measured = read_cells(step.inputs["blocks"])
+    files = step.inputs["predictions"]
+    predicted = predicted_cells(read_table(PREDICTIONS, files)) if files else {}
+    cells = []
+    for setting, planned in zip(settings, plan_study(study, step.run).conditions, strict=True):
+        key = (setting.pipeline, setting.strategy, setting.classifier)
+        if files and is_measured_by_run(planned, step.run):
+            cells.append(predicted.get(key, NOT_PREDICTED))
+        else:
+            cells.append(measured[setting.condition.name, *key])
+    return cells
 
 
 def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> FloatArray:

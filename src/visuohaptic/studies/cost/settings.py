@@ -163,7 +163,7 @@ def cost_study(
         name,
         works[1],
         (f"results/{name}.parquet",),
-        takes=("blocks", *seconds.files),
+        takes=("blocks", "predictions", *seconds.files),
         needs={"exclude": {**WITHOUT_EFFECT, "cost": set()}},
     )
     return Study(
