@@ -212,7 +212,7 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
             f"sensor.resolution is {resolution}, and features takes {DIRECTIONS} directional bands of "
             f"an imprint: a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed"
         )
-    # Who touches and doesn't recognise leaves recognition's default as it is.
+    # A caller who only touches leaves recognition's default.
     is_chosen = "touches" in parameters.recognition.model_fields_set
     touches = parameters.recognition.touches if is_chosen else None
     if touches is not None and touches > fixations:
@@ -273,7 +273,7 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
 def as_parameters(
     values: ExperimentParameters | Mapping[str, Any] | None,
 ) -> ExperimentParameters:
-    """Give parameters as a caller in Python names them, checked.
+    """Check parameters as a caller in Python names them.
 
     A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or both.
     Raises `ParameterError` if a name is unknown or given twice, or a value not allowed.
@@ -310,7 +310,7 @@ def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Give each value that is no section, with its dotted name."""
+    """Yield each value that is no section, with its dotted name."""
     for name, value in values.items():
         if not isinstance(name, str):
             raise ParameterError(f"parameters: {name!r} is no name of a parameter.")

@@ -124,7 +124,7 @@ PHASES = (
             "rendering": "rendering",
             "attention": "attention",
             "strategies": "probing.strategies",
-            # Those of the view alone, so that an effect of the sensor renders no view again.
+            # Only effects of the view, so that an effect of the sensor renders no view again.
             "modes": {name: f"scene.effects.{name}" for name in VISUAL_EFFECTS},
             "seed": "seed",
         },

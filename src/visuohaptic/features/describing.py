@@ -30,7 +30,7 @@ def describe_imprints(
     """Describe imprints (n, r, r), float32, in [0, 1]: k numbers each, (n, k).
 
     By default these are the deviations of 16 directional sub-bands, the most that k may be; each
-    row depends on its own imprint alone. Raises `ParameterError` if imprints of this resolution
+    row depends only on its own imprint. Raises `ParameterError` if imprints of this resolution
     can't be divided into 16 bands, or a descriptor gives other than a row for each.
     """
     entry = DESCRIPTORS[parameters.descriptor]
@@ -50,7 +50,7 @@ def describe_imprints(
 
 
 def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Table:
-    """Turn rows of `tables.TOUCHES` into rows of `tables.FEATURES`, each by its own touch alone.
+    """Turn rows of `tables.TOUCHES` into rows of `tables.FEATURES`, each only from its own touch.
 
     Where the descriptor has fewer than 16 numbers, the rest of the columns ``contourlet_…`` are 0.
     """

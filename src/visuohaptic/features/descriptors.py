@@ -33,7 +33,7 @@ class Descriptor:
         What the report calls it.
     describe : callable
         Takes imprints, shape (n, r, r), float32, in [0, 1], and the section `features`; gives
-        numbers, shape (n, k), float64, k at most 16. Each row depends on its own imprint alone.
+        numbers, shape (n, k), float64, k at most 16. Each row depends only on its own imprint.
     """
 
     name: str
@@ -60,7 +60,7 @@ def _contourlet_deviations(imprints: NDArray[np.float32], parameters: Any) -> ND
 
 
 def _nonsubsampled_deviations(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
-    """Give the deviations (N - 1) of a nonsubsampled contourlet's 16 bands."""
+    """Compute the standard deviations (N - 1) of a nonsubsampled contourlet's 16 bands."""
     bands = NonsubsampledContourlet(levels=(4,)).forward(imprints.astype(np.float64)).levels[0]
     return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
 

@@ -12,11 +12,11 @@ CONTACT_LEVEL = 0.98
 def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64]:
     """Describe imprints (n, r, r), in [0, 1], by moments, contact, and the best quadric; r > 2.
 
-    Gives (n, 13), columns as in `tables.IMPRINT_FEATURES`: mean, deviation and skewness; the shares
+    Returns (n, 13), columns as in `tables.IMPRINT_FEATURES`: mean, deviation and skewness; the shares
     of empty and of touching points; of the best quadric over the square [-1, 1]² the sum of its
     second derivatives, the size of their difference over all directions, and the difference between
     columns and rows; its slopes' sizes along columns and rows; the deviation that it leaves; mean
-    steps between neighbours along columns and rows. Each row depends on its own imprint alone.
+    steps between neighbours along columns and rows. Each row depends only on its own imprint.
     """
     values = imprints.astype(np.float64)
     count, side, _ = values.shape
@@ -50,12 +50,12 @@ def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64
 
 
 def _cube(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Give values to the power of 3; the last digit of NumPy's power depends on the processor."""
+    """Compute the third power by products; the last digit of NumPy's power depends on the processor."""
     return values * values * values
 
 
 def _quadric_terms(side: int) -> NDArray[np.float64]:
-    """Give 1, u, v, u² - m, uv, v² - m at every sensing point, u along columns, shape (6, side²)."""
+    """Compute 1, u, v, u² - m, uv, v² - m at every sensing point, u along columns, shape (6, side²)."""
     # m, the mean of u², makes the terms orthogonal: each coefficient of the best quadric is a quotient.
     v, u = np.meshgrid(np.linspace(-1, 1, side), np.linspace(-1, 1, side), indexing="ij")
     centre = np.square(u).mean()

@@ -176,7 +176,8 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
     """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
 
     A block has `conditions_per_job` conditions, or some more, so that conditions that differ in the
-    vote alone are trained once; without it an eighth of them, at most 25, but as many as are worth a job.
+    number of votes share one training. Without `conditions_per_job` a block has an eighth of the conditions, at most
+    25, and at least as many as are worth a job.
     """
     step = conditions_per_job or _conditions_a_block(plan)
     blocks: list[list[Planned]] = []
@@ -192,7 +193,7 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
 
 
 def training_key(planned: Planned) -> tuple[str, str]:
-    """Give what conditions have in common of which one training serves all: features and parameters."""
+    """Return the features and parameters of a condition: conditions with the same key share one training."""
     return planned.key or "", planned.parameters.model_dump_json()
 
 
@@ -233,12 +234,12 @@ def describe_conditions(planned: Sequence[Planned]) -> list[dict[str, Any]]:
 
 
 def touches_needed(parameters: ExperimentParameters) -> int:
-    """Give how many touches a sequence must have: recognition may ask for more than are made."""
+    """Return the number of touches that a sequence must have: recognition may ask for more than are made."""
     return max(parameters.attention.fixations, parameters.recognition.touches or 0)
 
 
 def touches_of_run(run: ExperimentParameters) -> int:
-    """Give how many touches of a sequence the run classifies."""
+    """Return the number of touches per sequence that the run classifies."""
     return run.recognition.touches or run.attention.fixations
 
 
@@ -277,7 +278,7 @@ def _turned_further(
 
 
 def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
-    """Give the parameters that each phase's tables depend on, but for how many touches are made."""
+    """Return the parameters that each phase's tables depend on, without the number of touches."""
     attention = parameters.attention.model_copy(update={"fixations": 0})
     probing = parameters.probing.model_copy(update={"strategies": ()})
     alike = parameters.model_copy(update={"attention": attention, "probing": probing})
@@ -288,7 +289,7 @@ def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
 
 
 def _merge(found: Sequence[Recomputation]) -> Recomputation:
-    """Give one recomputation that serves all: the first phase, the most touches, and every strategy."""
+    """Return one recomputation for all: from the first phase, with the most touches and every strategy."""
     first, wanted = found[0].parameters, [one.parameters for one in found]
     fixations = max(map(touches_needed, wanted))
     strategies = dict.fromkeys(name for one in wanted for name in one.probing.strategies)

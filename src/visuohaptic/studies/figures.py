@@ -59,7 +59,7 @@ class Cell:
 
 
 def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
-    """Read cells from files of `tables.STUDY`, each of which holds all rows of its conditions."""
+    """Read cells from files of `tables.STUDY`; each file holds all rows of its conditions."""
     tables = (read_table(STUDY, part) for part in parts)
     return {key: cell for table in tables for key, cell in cells_of(table).items()}
 
@@ -86,7 +86,7 @@ def predicted_cells(predictions: pa.Table) -> dict[PredictionKey, Cell]:
 
 
 def rows_by(rows: pa.Table, names: Sequence[str]) -> dict[tuple[Any, ...], pa.Table]:
-    """Give the rows of each combination of values of some columns."""
+    """Return the rows of each combination of values of some columns."""
     columns = [rows.column(name).to_pylist() for name in names]
     places: dict[tuple[Any, ...], list[int]] = {}
     for place, key in enumerate(zip(*columns, strict=True)):
@@ -187,7 +187,7 @@ def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters) -> R
 
 
 def paired(name: str, p_value: str, found: PairedComparison | None) -> Row:
-    """Give a difference in pairs and its p value; None where cells can't be compared."""
+    """Return a difference in pairs and its p value as columns; None where cells can't be compared."""
     difference, value = (found.difference, found.p_value) if found else (None, None)
     return {**ends(name, f"{name}_", difference), p_value: value}
 
@@ -206,7 +206,7 @@ def compare(
 
 
 def ends(name: str, prefix: str, interval: Interval | None) -> Row:
-    """Give an interval's mean under a name, and its ends under a prefix; what is NaN or missing is None."""
+    """Return an interval's mean under a name, and its ends under a prefix; NaN and missing ends are None."""
     values = plain_interval(interval).values() if interval else (None, None, None)
     return dict(zip((name, f"{prefix}low", f"{prefix}high"), values, strict=True))
 

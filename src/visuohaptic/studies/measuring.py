@@ -189,7 +189,7 @@ def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> I
 
 
 def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
-    """Give `tables.STUDY` of what can't be run: a row a classifier with the reason."""
+    """Return `tables.STUDY` of a condition that can't be run: one row per classifier with the reason."""
     empty = ("class", "object", "split", "repeat", "sequences", "accuracy", "seconds")
     return build_table(
         STUDY,

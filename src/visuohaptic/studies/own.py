@@ -124,7 +124,7 @@ def _read(path: Path) -> StudyFile:
 
 
 def _combinations(grid: Mapping[str, list[Any]]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Give every combination of a grid's values with a name such as ``touches 1, neighbours 3``."""
+    """Yield every combination of a grid's values with a name such as ``touches 1, neighbours 3``."""
     short = [path.rpartition(".")[2] for path in grid]
     names = short if len(set(short)) == len(short) else list(grid)
     for place, values in enumerate(itertools.product(*grid.values())):

@@ -48,7 +48,7 @@ class Sources:
     objects: Collection[str] | None = None
 
     def taken_from(self, phase: str) -> list[dict[str, Paths]]:
-        """Give the files that are taken together from a phase on, by table; imprints, which are large, part by part."""
+        """Return the files to read together from a phase on, by table; imprints are large and come part by part."""
         needed = inputs_needed_from(phase)
         tables = {name: self.tables[name] for name in needed if name != "meshes"}
         if "meshes" in needed or len(tables) > 1:

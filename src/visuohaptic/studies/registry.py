@@ -37,7 +37,7 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
 
 
 def find_studies(run: ExperimentParameters, folders: Iterable[str | Path]) -> dict[str, Study]:
-    """Give every study by its name, those of the package before those of the user.
+    """Return every study by its name, first the package's, then the user's.
 
     A user's study is a file ``<name>.yaml`` or ``<name>.py`` of a folder, or ``<name>/study.py``
     with more beside it; of two folders the first one's counts, but the name of a later folder's

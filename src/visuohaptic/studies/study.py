@@ -65,7 +65,7 @@ class StepInputs:
     `run` has the parameters that the step needs; all others have their defaults. `wildcards` are
     those of a step with a job for each pipeline or condition, and `condition` is its condition, as
     `conditions.describe_conditions` gives it. `made` has files of features that conditions share,
-    by key. `objects`, ``class/name``, are those that count; None for all. The number of `processes`
+    by key. `objects`, ``class/name``, count; None for all. The number of `processes`
     that it may start changes no result.
     """
 
@@ -102,7 +102,7 @@ class Step:
     needs : mapping
         Parameters that it depends on, as `pydantic.BaseModel.model_dump` takes them.
     objects : str
-        Whose meshes and fixations it takes: ``all``, those of the ``study``, ``two``, or those that are ``timed``.
+        Whose meshes and fixations it takes: ``all``, the ``study``'s, ``two``, or the ``timed`` objects.
     is_block : bool
         Whether its files hold rows of `tables.STUDY`, which count as blocks do.
     is_alone : bool
@@ -126,7 +126,7 @@ class Step:
 
     @property
     def wildcards(self) -> tuple[str, ...]:
-        """The names in its files for each of which there is a job."""
+        """The wildcards in the names of its files; each combination of their values has a job."""
         return tuple(name for name in ("condition", "pipeline") if f"{{{name}}}" in self.files[0])
 
     @property
@@ -145,7 +145,7 @@ class Study:
     name, title : str
         What rules and files call it, and its heading in the report.
     conditions : callable
-        Gives a run's conditions; the first is what the others are compared with.
+        Returns a run's conditions; the others are compared with the first.
     steps : tuple of Step
         Jobs of its own, in the order of their work.
     has_figures : bool
@@ -155,7 +155,7 @@ class Study:
     is_part_of_run : bool
         Whether every run makes it.
     is_on_request : bool
-        Whether later runs leave it as it is, until its own target is asked for.
+        Whether later runs leave the study's files until its own target is asked for.
     is_coded : bool
         Whether it comes with the package or as Python, and so has a rule ``<name>_all``, too.
     """
@@ -172,13 +172,13 @@ class Study:
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """The files that the report shows, of which the first has the study's date."""
+        """The files that the report shows; the first has the study's date."""
         steps = (file for step in self.steps if step.is_shown for file in step.files)
         return (*self._figures, *steps)
 
     @property
     def targets(self) -> tuple[str, ...]:
-        """The files that are made where the study is asked for, but for its blocks."""
+        """The files that are made where the study is asked for, without its blocks."""
         steps = (step for step in self.steps if not step.wildcards)
         return (*self._figures, *(file for step in steps for file in (*step.files, step.record)))
 
@@ -188,7 +188,7 @@ class Study:
 
     @property
     def patterns(self) -> tuple[str, ...]:
-        """Patterns of the files that are made for the study alone."""
+        """Patterns of the files that are made only for the study."""
         own = (pattern.format(self.name) for pattern in _OWN)
         steps = (name for step in self.steps for name in (*step.files, step.record))
         return tuple(re.sub(r"{\w+}", "*", pattern) for pattern in (*own, *steps))
@@ -201,7 +201,7 @@ class Study:
         )
 
     def owns(self, file: str) -> bool:
-        """Whether a file is made for the study alone."""
+        """Return whether a file is made only for the study."""
         return any(fnmatchcase(file, pattern) for pattern in self.patterns)
 
 

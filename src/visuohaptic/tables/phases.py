@@ -18,17 +18,17 @@ OBJECT_KEYS = (
 
 
 def key_of(row: Mapping[str, str]) -> str:
-    """Give an object's `class/name` from a row of a table."""
+    """Return an object's `class/name` from a row of a table."""
     return f"{row['class']}/{row['object']}"
 
 
 def keys_of(table: pa.Table) -> pa.ChunkedArray:
-    """Give the `class/name` of each row's object."""
+    """Return the `class/name` of each row's object."""
     return pc.binary_join_element_wise(table.column("class"), table.column("object"), "/")
 
 
 def by_object(table: pa.Table) -> Iterator[tuple[str, pa.Table]]:
-    """Give the rows of each object, `class/name`, of a table that is sorted by its keys."""
+    """Yield each object, `class/name`, and its rows, of a table that is sorted by its keys."""
     names = np.array(keys_of(table).to_pylist(), dtype=object)
     starts = [0, *(np.flatnonzero(names[1:] != names[:-1]) + 1), len(names)]
     for start, end in itertools.pairwise(starts if len(names) else []):
@@ -44,13 +44,13 @@ def of_objects(table: pa.Table, objects: Collection[str] | None) -> pa.Table:
 
 
 def owner_columns(key: str) -> dict[str, object]:
-    """Give the columns that hold an object's `class/name`."""
+    """Return the columns that hold an object's `class/name`."""
     category, name = key.split("/")
     return {"class": category, "object": name}
 
 
 def owners_of(table: pa.Table) -> list[tuple[str, str]]:
-    """Give the object of each row as (class, name)."""
+    """Return the object of each row as (class, name)."""
     return list(zip(table["class"].to_pylist(), table["object"].to_pylist(), strict=True))
 
 
@@ -84,7 +84,7 @@ CONTACT_STATES = ("full", "shrunk", "at_minimum", "blocked", "partial")
 """States of the sensor's contact."""
 
 OUT_OF_REACH = ("at_minimum", "blocked")
-"""Those that occur, where the size adapts, at places that the sensor can't reach alone."""
+"""Contact states that occur, where the size adapts, only at places out of the sensor's reach."""
 
 CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked or partial")
 

@@ -52,7 +52,7 @@ class Schema:
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
-        """All columns, those that identify a row first."""
+        """All columns; the columns that identify a row come first."""
         return (*self.key_columns, *self.others)
 
     @property
@@ -103,7 +103,7 @@ def difference(name: str, description: str) -> tuple[Column, ...]:
 
 
 def names_of(columns: Iterable[Column]) -> tuple[str, ...]:
-    """Give the names of columns."""
+    """Return the names of columns."""
     return tuple(column.name for column in columns)
 
 
@@ -229,12 +229,12 @@ def join_parts(schema: Schema, parts: Iterable[pa.Table]) -> pa.Table:
 
 
 def matrix(table: pa.Table, names: Sequence[str]) -> np.ndarray:
-    """Give k numeric columns of n rows side by side: shape (n, k), float64."""
+    """Return k numeric columns of n rows side by side: shape (n, k), float64."""
     return np.column_stack([table.column(name).to_numpy().astype(np.float64) for name in names])
 
 
 def images(table: pa.Table, name: str = "image") -> np.ndarray:
-    """Give a column of square images, lists of n² numbers, as (m, n, n) in its own float type; n is 0 where m is."""
+    """Return a column of m square images, lists of n² numbers, as (m, n, n) in its own float type; n is 0 if m is 0."""
     column = table.column(name).combine_chunks()
     lengths = np.unique(pc.list_value_length(column).to_numpy(zero_copy_only=False))
     if not len(lengths):
@@ -355,7 +355,7 @@ def _parquet_files(paths: Sequence[str | Path]) -> list[Path]:
 
 
 def open_parquet(file: str | Path) -> pq.ParquetFile:
-    """Open a Parquet file, of which only the metadata is read.
+    """Open a Parquet file and read only its metadata.
 
     Raises `TableError` if there is no such file, or it is no Parquet, or it has more than
     `MOST_VALUES` values.

@@ -1,4 +1,4 @@
-"""Errors of this package; each message is one sentence that names what is allowed."""
+"""Errors of this package; each message is one sentence that names the allowed values."""
 
 
 class ContourletError(ValueError):

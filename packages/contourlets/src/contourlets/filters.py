@@ -29,7 +29,7 @@ DIRECTIONAL_FILTERS = ("pkva6", "pkva8", "pkva12", "pkva", "haar")
 
 @dataclass(frozen=True, eq=False)
 class PyramidFilters:
-    """A biorthogonal pair of symmetric lowpass filters, each of which sums to √2.
+    """A biorthogonal pair of symmetric lowpass filters; the taps of each sum to √2.
 
     Taps are without padding. Odd lengths are centred on a sample, even ones half a sample after it.
     """
@@ -62,7 +62,7 @@ class LadderStep:
 
 
 def pywavelets() -> Any:
-    """Import PyWavelets, which is needed where a filter is asked for by its name alone."""
+    """Import PyWavelets, which is needed only for filters by name."""
     try:
         import pywt
     except ModuleNotFoundError:
@@ -154,7 +154,7 @@ def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
 
 @cache
 def ladder_taps(name: str) -> Array:
-    """Give the taps, symmetric and of even length, of the half-band prototype β of a `pkva` ladder.
+    """Return the taps, symmetric and of even length, of the half-band prototype β of a `pkva` ladder.
 
     S.-M. Phoong, C. W. Kim, P. P. Vaidyanathan, R. Ansari, "A new class of two-channel biorthogonal
     filter banks and wavelet bases", IEEE Trans. Signal Processing 43(3), 1995.
@@ -195,7 +195,7 @@ def ladder_steps(name: str) -> tuple[LadderStep, LadderStep]:
 
 @cache
 def diamond_filters(name: str) -> tuple[Array, Array]:
-    """Give the non-separable diamond filters that are equivalent to a `pkva` ladder.
+    """Compute the non-separable diamond filters that are equivalent to a `pkva` ladder.
 
     h0 = √2 (δ + B)/2, the lowpass, and h1 = √2 (δ − B(δ + B)/2), where B = β(z1 z2) β(z1/z2). For β
     of n taps they have sides of 2 n − 1 (23 for `pkva`) and 4 n − 3.

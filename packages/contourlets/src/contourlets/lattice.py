@@ -81,7 +81,7 @@ def check_extension(extension: str) -> None:
 
 
 def side_multiple(directions_log2: int) -> int:
-    """Give the number that an image's sides must be multiples of for a bank of 2^l bands."""
+    """Return the number of which an image's sides must be multiples for a bank of 2^l bands."""
     return max(2, 2 ** (directions_log2 - 1)) if directions_log2 else 1
 
 
@@ -175,7 +175,7 @@ def _parallelogram_components(x: Indices, kind: int) -> tuple[Indices, Indices]:
 
 
 def _haar_pairs(x: Indices, level: int, kind: int) -> tuple[Indices, Indices]:
-    """Give the kept coset and the neighbours that the two-tap filter combines it with."""
+    """Return the kept coset and the neighbours that the two-tap filter combines it with."""
     # The toolbox's two taps lie along the rows at the first two levels (the second is transposed
     # here), and along the rows of the node resampled by R1 or R2 further down.
     if level > 2:
@@ -315,7 +315,7 @@ def _coset(anchor: Indices, level: int, size: Indices) -> Indices:
 def _rectangle(
     target: Indices, displaced: Indices, matrix: Indices, step: LadderStep
 ) -> tuple[Indices, Indices]:
-    """Give the lattice positions that a step's filter covers, and which outputs belong to the target."""
+    """Return the lattice positions that a step's filter covers, and which outputs belong to the target."""
     cells: Indices = np.rint((target - target[0]) @ np.linalg.inv(matrix).T).astype(np.intp)
     low, high = cells.min(axis=0), cells.max(axis=0) + 1
     axes = [np.arange(a - step.before, b + step.after) for a, b in zip(low, high, strict=True)]
@@ -357,11 +357,11 @@ def _placed_bands(
 def ladder_geometry(
     parent: Indices, level: int, kind: int, *, haar: bool
 ) -> tuple[Indices, Indices]:
-    """Give the lattice of the two channels of a split at a level of the tree, 1 for the first; in pixels.
+    """Compute the lattice of the two channels of a split at a level of the tree, 1 for the first; in pixels.
 
     `parent` (2, 2) is the sampling matrix of the node that is split, with exchanged axes in the
     second half of the tree; `kind` is 0 for P1, 1 for P2, and not used at the first two levels.
-    Gives the sampling matrix (2, 2) of both channels, and the step (2,) from a sample of the first
+    Returns the sampling matrix (2, 2) of both channels, and the step (2,) from a sample of the first
     channel to its partner in the second.
     """
     if level == 1:

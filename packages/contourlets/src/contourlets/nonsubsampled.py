@@ -57,11 +57,11 @@ class NonsubsampledContourlet(PyramidalTransform):
     """
 
     def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Give rows and columns, unchanged."""
+        """Return rows and columns, unchanged."""
         return shape
 
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:
-        """Give the image's shape for the coarse image and for each band of every level."""
+        """Return the image's shape for the coarse image and for each band of every level."""
         return ((shape,), *((shape,) * 2**level for level in self.levels))
 
     def _analyse(self, block: FloatArray) -> list[FloatArray]:
@@ -152,7 +152,7 @@ class _Ladder:
     extension: Extension
 
     def split(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give the first and the second channel."""
+        """Return the first and the second channel."""
         half = x.dtype.type(0.5)
         if self.filter_name == "haar":
             difference = half * (self._filter(x, 1) - x)
@@ -181,7 +181,7 @@ class _Ladder:
         along_columns = self.matrix[:, 1:] * reach
         whole = [(0, x.shape[0]), (0, x.shape[1])]
         inner = _reached(whole, along_rows)
-        # A first pass along rows alone leaves their extension to the second.
+        # A first pass only along rows leaves their extension to the second.
         first = inner if self.matrix[0, 1] else [whole[0], inner[1]]
         outer = _reached(first, along_columns)
         x = self._extend(self._extend(x, 1, outer[1]), 0, outer[0])

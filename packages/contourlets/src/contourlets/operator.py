@@ -75,7 +75,7 @@ class ContourletOperator:
 
 
 def blockwise_product(rows: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Multiply row vectors with a matrix; a row's result depends on that row alone, bit for bit."""
+    """Multiply row vectors with a matrix; a row's result depends only on that row, bit for bit."""
     outer = matrix.shape[1]
     width = -(-outer // _ALIGNMENT) * _ALIGNMENT
     if width != outer:

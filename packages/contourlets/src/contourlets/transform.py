@@ -57,7 +57,7 @@ class Coefficients:
         return (self.coarse, *(band for level in self.levels for band in level))
 
     def ravel(self) -> FloatArray:
-        """Give all coefficients of an image in one row: `(..., coefficients)`."""
+        """Return all coefficients of an image in one row: `(..., coefficients)`."""
         flat = [band.reshape(*band.shape[:-2], math.prod(band.shape[-2:])) for band in self.bands]
         return np.concatenate(flat, axis=-1)
 
@@ -90,11 +90,11 @@ class PyramidalTransform(ABC):
 
     @abstractmethod
     def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Give rows and columns after padding; `LevelsError` when the levels do not allow the size."""
+        """Return rows and columns after padding; `LevelsError` when the levels do not allow the size."""
 
     @abstractmethod
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:
-        """Shapes of the coarse image (first, alone) and of the bands of every level, coarsest first."""
+        """Shapes of the coarse image, then of the bands of every level, coarsest first."""
 
     @abstractmethod
     def _analyse(self, block: FloatArray) -> list[FloatArray]:
@@ -157,7 +157,7 @@ def _nest(parts: list[FloatArray], sizes: Shapes) -> Parts:
 
 
 def gather(bands: list[FloatArray], sizes: Shapes, shape: tuple[int, int]) -> Coefficients:
-    """Give a flat list of bands, the coarse image first, as the coefficients of images of a shape."""
+    """Arrange a flat list of bands, the coarse image first, as the coefficients of images of a shape."""
     (coarse,), *levels = _nest(bands, sizes)
     return Coefficients(coarse, tuple(map(tuple, levels)), shape)
 
@@ -230,7 +230,7 @@ class Contourlet(PyramidalTransform):
         return padded[0], padded[1]
 
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:
-        """Shapes of the coarse image (first, alone) and of the bands of every level, coarsest first."""
+        """Shapes of the coarse image, then of the bands of every level, coarsest first."""
         rows, columns = self.padded_shape(shape)
         depth = len(self.levels)
         coarse = ((rows >> depth, columns >> depth),)

@@ -73,7 +73,7 @@ def setting_cells(step: StepInputs, study: Study, settings: Sequence[Setting]) -
 
 
 def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> FloatArray:
-    """Give `tables.COST_SECONDS` by setting, object and turn: (s, o, t, p), NaN where there is none.
+    """Return `tables.COST_SECONDS` as an array (s, o, t, p) by setting, object, turn and part, NaN where none is.
 
     The first of p is the whole recognition, the others are `COST_PARTS`.
     """
@@ -89,7 +89,7 @@ def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> FloatArray:
 def setting_rows(
     settings: Sequence[Setting], cells: Sequence[Cell], times: FloatArray, run: ExperimentParameters
 ) -> list[Row]:
-    """Give each setting with its error rate and seconds, and mark the front and the steps.
+    """Return each setting with its error rate and seconds, and mark the front and the steps.
 
     Errors are compared with those of the first setting that is the run's own, from one viewpoint.
     """
@@ -116,7 +116,7 @@ def setting_rows(
 
 
 def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
-    """Give the share of recognitions that are wrong, its interval over objects, and their number."""
+    """Return the share of wrong recognitions, its interval over objects, and the number of objects."""
     if cell.error is not None:
         return {"failed": cell.error}
     wrong = replace(cell, accuracy=1 - cell.accuracy)
@@ -130,7 +130,7 @@ def _compare(cell: Cell | None, other: Cell, run: ExperimentParameters) -> Paire
 
 
 def time_quantiles(times: FloatArray) -> Row:
-    """Give the median and quartiles of a setting's seconds, and its parts' medians: of (o, t, p)."""
+    """Return the median and quartiles of a setting's seconds (o, t, p), and the medians of the parts."""
     known = times[np.isfinite(times[..., 0])]
     if not len(known):
         return {}
@@ -156,7 +156,7 @@ def mark_steps(
 ) -> list[Row]:
     """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
 
-    The first step is the most accurate of those that are as quick as the quickest. So is each further
+    The first step is the most accurate setting among settings as quick as the quickest. So is each further
     one, of the settings that are significantly slower and more accurate than the step before.
     """
     seconds, errors = _points(rows)
@@ -209,7 +209,7 @@ def mark_front(rows: Sequence[Row]) -> list[Row]:
 
 
 def _points(rows: Sequence[Row]) -> FloatArray:
-    """Give the seconds and error rates of rows, NaN where there is none."""
+    """Return the seconds and error rates of rows, shape (2, r), NaN where none is."""
     return np.array(
         [[row[name] for row in rows] for name in ("seconds", "error")], dtype=np.float64
     )

@@ -90,7 +90,7 @@ def fit_settings(
 
 
 def share_looks(settings: Sequence[FittedSetting]) -> list[FittedSetting]:
-    """Give settings that look alike one look: fewer fixations are the first of more."""
+    """Assign one look to settings that look alike: fewer fixations are the first of more."""
     alike: dict[str, list[ExperimentParameters]] = {}
     for fitted in settings:
         alike.setdefault(_look_key(fitted.parameters), []).append(fitted.parameters)
@@ -101,7 +101,7 @@ def share_looks(settings: Sequence[FittedSetting]) -> list[FittedSetting]:
 
 
 def _look_key(parameters: ExperimentParameters) -> str:
-    """Return the parameters of a look but for the number of fixations, as text."""
+    """Return the parameters of a look, without the number of fixations, as text."""
     attention = parameters.attention.model_copy(update={"fixations": 0})
     values = LOOK.written_values(parameters.model_copy(update={"attention": attention}))
     return json.dumps(values, sort_keys=True)

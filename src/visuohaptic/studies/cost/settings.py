@@ -35,8 +35,8 @@ ORDER = (*STRATEGIES.names, "small_imprint", "cues", "paper")
 class Setting:
     """One way to recognise: a family, what it varies to, and its place along the family's line.
 
-    Touches are those from each viewpoint, viewpoints those that vote, and changes other parameters
-    that differ from the run's, by their dotted names.
+    `touches` is the number per viewpoint, and `viewpoints` the number that vote. `changes` are other parameters that
+    differ from the run's, by their dotted names.
     """
 
     family: str

@@ -33,7 +33,7 @@ def without_effect(preset: str, effect: str) -> str:
 
 
 def effect_conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Give the paper's pipeline in every preset, and without each of its effects."""
+    """Yield the paper's pipeline in every preset, and without each of the preset's effects."""
     for preset in PRESETS:
         changes = {
             "recognition.pipelines": ("paper",),

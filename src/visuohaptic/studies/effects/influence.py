@@ -44,7 +44,7 @@ Row = dict[str, Any]
 
 
 def measured_scenes(scene: Scene) -> dict[str, Scene]:
-    """Give the scenes to measure by name: every preset, and the run's own in place of its preset."""
+    """Return the scenes to measure by name: every preset, and the run's own scene in place of its preset."""
     presets = {name: Scene.model_validate({"preset": name}) for name in PRESETS}
     return {**presets, scene.preset: scene}
 
@@ -190,7 +190,7 @@ def _scene_influence(
 def _seconds(
     first: Sequence[Sequence[EffectRecord]], *runs: Callable[[int], Sequence[EffectRecord]]
 ) -> Iterator[dict[str, float]]:
-    """Give the median seconds of each effect for each way to run, the ways taken in turn; they have run once."""
+    """Return the median seconds of each effect for each way to run; the ways take turns, and each ran once before."""
     rounds = [list(first), *([run(turn) for run in runs] for turn in range(1, ROUNDS))]
     for ways in zip(*rounds, strict=True):
         yield {

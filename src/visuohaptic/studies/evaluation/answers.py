@@ -23,7 +23,7 @@ VIEWS = (1, 4, 16)
 def sum_up_answers(
     table: pa.Table, coverage: float, intervals: IntervalParameters
 ) -> Iterator[tuple[dict[str, Any], pa.Table]]:
-    """Give by strategy and number of views shares with intervals over objects, the sets' mean size, and the rows.
+    """Return per strategy and number of views: shares with intervals over objects, the sets' mean size, and the rows.
 
     Any table will do that says of each answer whether the object's class is `known`, and whether the
     answer is `correct`, `covered` and `unknown`. What there are no objects for is left out.
@@ -48,7 +48,7 @@ def sum_up_answers(
 
 
 def _by_object(rows: pa.Table, column: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Give each object's mean of a column, and how often it was tested."""
+    """Return each object's mean of a column, and how often the object was tested."""
     parts = rows_by(rows, ("class", "object")).values()
     means = np.array([np.mean(part[column].to_numpy()) for part in parts])
     return means, np.array([len(part) for part in parts], dtype=np.float64)
