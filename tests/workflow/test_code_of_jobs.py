@@ -9,7 +9,7 @@ import grimp
 import pytest
 
 from visuohaptic.io.plugins import PlugIn
-from visuohaptic.pipeline import PHASES
+from visuohaptic.phases import PHASES
 from visuohaptic.studies.registry import STUDIES
 from visuohaptic_workflow.code_of_jobs import ALWAYS, CODE, STEP, Runs, code_of, module_of
 

@@ -26,12 +26,11 @@ from visuohaptic.parameters import (
     check_run,
     read_parameters,
 )
-from visuohaptic.pipeline import OF_OBJECT, inputs_needed_from, phase as phase_of
+from visuohaptic.phases import OF_OBJECT, inputs_needed_from, phase as phase_of
 from visuohaptic.io.plugins import hand_on, load_files, load_installed, loaded
 from visuohaptic.io.yaml_files import check_config, check_spelling
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic_workflow.blocks import divide
-from visuohaptic_workflow.closing import lines_at_end, put_aside
 from visuohaptic_workflow.code_of_jobs import CODE, STEP, Runs, code_of
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.dvc_lock import (
@@ -345,6 +344,9 @@ def close_run():
     """Put aside what is no longer named, and say what was left out, what is of an earlier state, and what the report holds, once it is today's."""
     if not DECIDES:
         return
+    # With Arrow, which a run that has nothing to do never needs.
+    from visuohaptic_workflow.closing import lines_at_end, put_aside
+
     end_at_once()
     found = {record: read_record(record).get("key") for record in keys().jobs}
     stale = {record: key for record, key in found.items() if key != keys().key(record)}

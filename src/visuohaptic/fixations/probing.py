@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
 from typing import Annotated, Any, Literal
 
 from pydantic import ValidatorFunctionWrapHandler, WrapValidator
@@ -12,16 +14,6 @@ from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 from visuohaptic.base.draws import DRAW_MARK
 from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.registry import Registry
-from visuohaptic.fixations.strategies import (
-    anywhere,
-    contour,
-    curvature,
-    farthest_point,
-    fixation,
-    human,
-    random_walk,
-    visible,
-)
 
 Unreachable = Literal["replace", "keep"]
 """What is done with a place that the sensor can't reach."""
@@ -63,25 +55,35 @@ class Strategy:
     chance: str | None = None
 
 
+def _of(module: str) -> Callable[..., Any]:
+    """Return a function that imports a module of `strategies` on its first call: names are checked without it."""
+    return partial(_choose, module)
+
+
+def _choose(module: str, *arguments: Any) -> Any:
+    choose = import_module(f"visuohaptic.fixations.strategies.{module}").choose
+    return choose(*arguments)
+
+
 STRATEGIES = Registry(
     "probing strategy",
     Strategy(
         "fixation",
         "eye fixations",
-        fixation.choose,
+        _of("fixation"),
         random=False,
     ),
     Strategy(
         "random",
         "random probing",
-        anywhere.choose,
+        _of("anywhere"),
         looks=False,
         unreachable="replace",
     ),
     Strategy(
         "random_anywhere",
         "random probing, out of reach too",
-        anywhere.choose,
+        _of("anywhere"),
         looks=False,
         unreachable="keep",
         chance="random",
@@ -89,37 +91,37 @@ STRATEGIES = Registry(
     Strategy(
         "random_visible",
         "random probing of what is seen",
-        visible.choose,
+        _of("visible"),
         looks=False,
     ),
     Strategy(
         "random_walk",
         "a random walk over the surface",
-        random_walk.choose,
+        _of("random_walk"),
         looks=False,
     ),
     Strategy(
         "farthest_point",
         "farthest points",
-        farthest_point.choose,
+        _of("farthest_point"),
         looks=False,
     ),
     Strategy(
         "curvature",
         "the most curved places",
-        curvature.choose,
+        _of("curvature"),
         random=False,
     ),
     Strategy(
         "contour",
         "places along the outline",
-        contour.choose,
+        _of("contour"),
         random=False,
     ),
     Strategy(
         "human",
         "where people are predicted to look",
-        human.choose,
+        _of("human"),
         random=False,
     ),
 )

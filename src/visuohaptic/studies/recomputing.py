@@ -21,7 +21,8 @@ from visuohaptic.geometry.surface import object_of
 from visuohaptic.geometry.turning import draw_rotation
 from visuohaptic.io.phase_files import SCHEMAS, objects_of
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import inputs_needed_from, run
+from visuohaptic.phases import inputs_needed_from
+from visuohaptic.pipeline import run
 from visuohaptic.studies.conditions import Recomputation
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import join_parts, read_table, write_table

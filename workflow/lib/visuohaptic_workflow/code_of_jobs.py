@@ -32,6 +32,7 @@ _PHASES = (
     "recognition",
     "io",
     "parameters",
+    "phases",
     "pipeline",
 )
 _STUDIES = (
