@@ -226,7 +226,7 @@ def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_pat
 
 def test_a_file_that_may_change_again_without_another_time_is_read_again(tmp_path, monkeypatch):
     now = time.time_ns()
-    monkeypatch.setattr("visuohaptic_workflow.digests.stamp", lambda path: (1, 1, now, now))
+    monkeypatch.setattr("visuohaptic_workflow.digests.stamp_of", lambda found: (1, 1, now, now))
     digests, file = Digests(), tmp_path / "a.obj"
     file.write_text("a")
     before = digests.of(file)

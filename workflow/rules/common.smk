@@ -1,5 +1,6 @@
 """Shared by all rules: parameters, objects, blocks of viewpoints, and what each job takes."""
 
+import atexit
 import json
 import os
 import platform
@@ -107,6 +108,8 @@ def or_stop(function, *arguments):
 
 or_stop(check_folder, ROOT, Path.cwd())
 if DECIDES:
+    # Also where nothing runs: files of a new clone would be read again each time.
+    atexit.register(DIGESTS.save)
     os.environ[PREFIX] = sys.prefix
     if set(values_of_option(sys.argv, "--rerun-triggers")) - {"mtime"}:
         stop(
@@ -283,7 +286,9 @@ def key_of_job(wildcards, output):
         return None
     if not IS_PLANNER:
         return json.loads(GIVEN_FILE.read_text(encoding="utf-8")).get(output.record)
-    return GIVEN.setdefault(output.record, keys().given(output.record))
+    if output.record not in GIVEN:
+        GIVEN[output.record] = keys().given(output.record)
+    return GIVEN[output.record]
 
 
 @cache
@@ -337,7 +342,6 @@ def claim():
         or_stop(claim_folder)
         pass_termination_on()
         atomic_write_text(GIVEN_FILE, json.dumps(GIVEN))
-        DIGESTS.save()
 
 
 def close_run():
