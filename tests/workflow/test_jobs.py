@@ -74,3 +74,39 @@ with logged_job(Path({str(tmp_path / "a.log")!r})):
 assert table.to_pandas()["a"].sum() == 3
 """
     run(program)
+
+
+@pytest.mark.parametrize("script", ["block_of_study", "model", "recognition"])
+def test_a_job_that_trains_does_not_import_pandas_and_allows_it_to_plug_ins(tmp_path, script):
+    lines = (ROOT / f"workflow/scripts/{script}.py").read_text().splitlines()
+    program = f"""
+{chr(10).join(line for line in lines if line.startswith(("import ", "from ")))}
+import sys
+from pathlib import Path
+sys.path.insert(0, {str(ROOT / "tests")!r})
+from {logged_job.__module__} import logged_job
+assert "sklearn" in sys.modules
+assert "pandas" not in sys.modules
+with logged_job(Path({str(tmp_path / "a.log")!r})):
+    import pandas
+"""
+    run(program)
+
+
+LIGHT = {
+    "credits": {"numpy", "pooch", "joblib", "requests"},
+    "features_of_study": {"lxml", "sklearn"},
+    "block_of_study": {"cv2", "lxml"},
+    "study_step": {"cv2", "sklearn"},
+    "report": {"scipy", "sklearn", "cv2"},
+    "features": {"cv2", "psutil"},
+}
+
+
+@pytest.mark.parametrize("script", LIGHT)
+def test_a_script_imports_no_package_that_its_work_does_not_call(script):
+    lines = (ROOT / f"workflow/scripts/{script}.py").read_text().splitlines()
+    imports = "\n".join(line for line in lines if line.startswith(("import ", "from ")))
+    run(
+        f"{imports}\nimport sys\nfound = {LIGHT[script]} & {{*sys.modules}}\nassert not found, found"
+    )

@@ -1,5 +1,6 @@
 """Measure a block of a study's conditions."""
 
+import visuohaptic_workflow.without_pandas  # noqa: F401 - before what would import it
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.measuring import make_study_block
 from visuohaptic_workflow.jobs import job

@@ -1,5 +1,6 @@
 """Fit and keep the model that classifies objects of which the run knows nothing."""
 
+import visuohaptic_workflow.without_pandas  # noqa: F401 - before what would import it
 from visuohaptic.recognition.model_files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job

@@ -1,5 +1,6 @@
 """Train and test one pipeline on the touches of each strategy."""
 
+import visuohaptic_workflow.without_pandas  # noqa: F401 - before what would import it
 from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job

@@ -33,11 +33,21 @@ def keep_pandas_out() -> None:
         return
     import pyarrow as pa
 
-    sys.meta_path.insert(0, _NoPandas)
+    deny_pandas()
     try:
         pa.array([0])
     finally:
-        sys.meta_path.remove(_NoPandas)
+        allow_pandas()
+
+
+def deny_pandas() -> None:
+    """Let imports of pandas fail, as if it were not installed, until `allow_pandas`."""
+    sys.meta_path.insert(0, _NoPandas)
+
+
+def allow_pandas() -> None:
+    """Let imports of pandas succeed again."""
+    sys.meta_path[:] = [finder for finder in sys.meta_path if finder is not _NoPandas]
 
 
 class _NoPandas:

@@ -14,7 +14,7 @@ from visuohaptic.report.estimates import Figure, figure_of, with_interval
 from visuohaptic.report.questions import Answer, pipeline_name
 from visuohaptic.report.tables import NONE
 from visuohaptic.report.wording import duration, listed, percent, strategy_name, titled
-from visuohaptic.studies.cost.front import Row, mark_front, read_costs
+from visuohaptic.studies.cost.cost_rows import Row, mark_front, read_costs
 
 POINT = 0.01
 """A loss of accuracy that does not matter to most users."""

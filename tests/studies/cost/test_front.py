@@ -5,12 +5,11 @@ import pytest
 from studies.surfaces import RUN
 
 from visuohaptic.evaluation.intervals import DIFFERENCE, object_interval
+from visuohaptic.studies.cost.cost_rows import mark_front, read_costs
 from visuohaptic.studies.cost.front import (
     error_rate,
     make_frontier,
-    mark_front,
     more_accurate,
-    read_costs,
     setting_rows,
     setting_times,
     slower_settings,

@@ -39,6 +39,7 @@ _STUDIES = (
     "studies.conditions",
     "studies.measuring",
     "studies.recomputing",
+    "studies.refusals",
     "studies.study",
     "tables.studies",
 )

@@ -11,10 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import psutil
-
 from visuohaptic.base.errors import VisuohapticError
-from visuohaptic.base.optional_packages import keep_pandas_out
+from visuohaptic.base.optional_packages import allow_pandas, keep_pandas_out
 from visuohaptic.io.interrupts import STOPPED
 from visuohaptic.io.job_logs import SECONDS
 from visuohaptic_workflow.one_run import hold_job_lock
@@ -53,6 +51,7 @@ def job(snakemake: Any) -> Iterator[None]:
         path.parent.mkdir(parents=True, exist_ok=True)
         if "pyarrow" in sys.modules:
             keep_pandas_out()
+        allow_pandas()
         started = time.time()
         imports = _seconds_since_start()
         given = snakemake.params.get("key")
@@ -80,10 +79,17 @@ def _end_with(log: Path, sentence: str, details: str) -> None:
     raise SystemExit(1)
 
 
-def _seconds_since_start() -> float:
-    """Give the age of this process; the kernel knows it to a hundredth of a second."""
-    if sys.platform == "linux":
+if sys.platform == "linux":
+
+    def _seconds_since_start() -> float:
+        """Return the age of this process; the kernel knows it to a hundredth of a second."""
         # Field 22 of 52; the name in field 2 may hold spaces and brackets.
         fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
         return time.clock_gettime(time.CLOCK_BOOTTIME) - int(fields[19]) / os.sysconf("SC_CLK_TCK")
-    return time.time() - psutil.Process().create_time()
+
+else:
+    import psutil
+
+    def _seconds_since_start() -> float:
+        """Return the age of this process."""
+        return time.time() - psutil.Process().create_time()

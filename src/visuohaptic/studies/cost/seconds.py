@@ -27,7 +27,7 @@ from visuohaptic.recognition.voting import evenly_spaced_subsets
 from visuohaptic.studies.conditions import Planned, plan_study, training_key
 from visuohaptic.studies.cost.settings import FRONTIER, Setting, frontier_settings
 from visuohaptic.studies.measuring import condition_features, features_by_key
-from visuohaptic.studies.recomputing import REFUSALS
+from visuohaptic.studies.refusals import REFUSALS
 from visuohaptic.studies.study import StepInputs, Study
 from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_PARTS, COST_SECONDS
