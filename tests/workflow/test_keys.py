@@ -234,6 +234,26 @@ def test_a_file_that_may_change_again_without_another_time_is_read_again(tmp_pat
     assert digests.of(file) != before
 
 
+def test_what_was_read_from_a_file_is_remembered_until_the_file_changes(tmp_path):
+    file, memory, asked = tmp_path / "a.py", tmp_path / "memory.json", []
+
+    def find(path):
+        asked.append(path.read_text())
+        return [path.read_text()]
+
+    file.write_text("one")
+    long_ago = time.time_ns() - 10**10
+    os.utime(file, ns=(long_ago, long_ago))
+    time.sleep(2.1)  # until the time of change is old enough
+    digests = Digests(memory)
+    assert digests.remembered(find, file) == ["one"]
+    digests.save()
+    assert Digests(memory).remembered(find, file) == ["one"]
+    file.write_text("two")
+    assert Digests(memory).remembered(find, file) == ["two"]
+    assert asked == ["one", "two"]
+
+
 def recompute(run):
     """Run what does not fit, in order."""
     for rule in ("mesh", "touch"):

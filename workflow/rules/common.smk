@@ -5,7 +5,7 @@ import json
 import os
 import platform
 import sys
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 # This file's own place: the folder of the Snakefile that was called may be another workflow's.
@@ -32,7 +32,7 @@ from visuohaptic.io.plugins import hand_on, load_files, load_installed, loaded
 from visuohaptic.io.yaml_files import check_config, check_spelling
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic_workflow.blocks import divide
-from visuohaptic_workflow.code_of_jobs import CODE, STEP, Runs, code_of
+from visuohaptic_workflow.code_of_jobs import CODE, STEP, Runs, code_of, imports_of
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.dvc_lock import (
     IN_STAGE,
@@ -88,6 +88,7 @@ IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is Non
 # Whether this process decides by keys what runs.
 DECIDES = IS_KEYED and IS_PLANNER
 DIGESTS = Digests(".cache/digests.json")
+READ_IMPORTS = partial(DIGESTS.remembered, imports_of)
 
 
 def stop(sentence):
@@ -312,7 +313,7 @@ def keys():
 @cache
 def find_code(runs):
     """Find the code of a job, plug-ins among it."""
-    return code_of(runs, SOURCES, STUDY_FOLDERS, loaded())
+    return code_of(runs, SOURCES, STUDY_FOLDERS, loaded(), READ_IMPORTS)
 
 
 def all_cores(wildcards):

@@ -8,7 +8,7 @@ import json
 import os
 import stat
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -58,7 +58,7 @@ class Digests:
                 if file.name != TIMESTAMP
             }
             return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
-        key, now = os.path.join(os.getcwd(), path), list(stamp_of(status))  # noqa: PTH109, PTH118 - as in `stamp`
+        key, now = _key_of(path), list(stamp_of(status))
         known = self._known.get(key)
         if known is not None and known[0] == now:
             return str(known[1])
@@ -73,11 +73,27 @@ class Digests:
         self._changed = True
         return found
 
+    def remembered(self, find: Callable[[Path], Sequence[str]], path: Path) -> Sequence[str]:
+        """Return the strings that `find` reads from a file, remembered as long as the file has this content.
+
+        Only one `find` is remembered per file.
+        """
+        self.of(path)
+        known = self._known[_key_of(path)]
+        if len(known) == 2:  # without what `find` read
+            known.append(find(path))
+            self._changed = True
+        return list(known[2])
+
     def save(self) -> None:
         """Keep what is known, where a file for it was named and can be written."""
         if self._memory is not None and self._changed:
             with suppress(OSError):
                 atomic_write_text(self._memory, json.dumps(self._known))
+
+
+def _key_of(path: str | Path) -> str:
+    return os.path.join(os.getcwd(), path)  # noqa: PTH109, PTH118 - as in `stamp`
 
 
 def stamp_if_there(path: str | Path) -> Stamp | None:
