@@ -3,7 +3,7 @@
 import ast
 import sys
 import tomllib
-from importlib.metadata import version
+from importlib.metadata import distributions, version
 from pathlib import Path
 
 import grimp
@@ -20,6 +20,7 @@ from visuohaptic_workflow.code_of_jobs import (
     code_of,
     imports_of,
     module_of,
+    version_of,
 )
 
 ROOT = Path(__file__).parents[2]
@@ -152,6 +153,13 @@ def test_what_only_type_checkers_import_and_relative_imports_are_no_packages(tmp
         "from . import four\ndef work():\n    from five import six\n"
     )
     assert imports_of(tmp_path / "a.py") == ["five", "five.six", "two.three", "typing"]
+
+
+def test_versions_are_those_of_the_packages_metadata():
+    installed = {one.name for one in distributions()} - {"visuohaptic", "contourlets"}
+    assert {name: version_of(name) for name in installed} == {
+        name: version(name) for name in installed
+    }
 
 
 TOY = {

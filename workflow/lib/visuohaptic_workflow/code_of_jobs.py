@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -246,7 +247,14 @@ def version_of(module: str) -> str:
     """Return the version of the package that contains a module, or "none"."""
     for name in _DISTRIBUTIONS.get(module, (module,)):
         try:
-            return version(name)
+            return _version_in_header(name)
         except PackageNotFoundError:
             continue
     return "none"
+
+
+def _version_in_header(name: str) -> str:
+    """Return what `importlib.metadata.version` returns; that function also parses the package's long description."""
+    header, _, _ = (distribution(name).read_text("METADATA") or "").partition("\n\n")
+    found = re.search(r"^Version: *(\S+)", header, re.MULTILINE)
+    return found[1] if found else version(name)
