@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contourlets import (
-    Contourlet,
-    LevelsError,
-    NonsubsampledContourlet,
-    band_deviations,
-    wavelet_deviations,
-)
-from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.registry import Registry
-from visuohaptic.features.imprint_shape import describe_imprint_shape
 
 
 @dataclass(frozen=True)
@@ -41,42 +33,24 @@ class Descriptor:
     describe: Callable[..., NDArray[np.float64]]
 
 
-def _contourlet_deviations(imprints: NDArray[np.float32], parameters: Any) -> NDArray[np.float64]:
-    try:
-        transform = Contourlet(
-            parameters.levels,
-            parameters.pyramid_filter,
-            parameters.directional_filter,
-            parameters.extension,
-        )
-        return band_deviations(imprints, transform)
-    except LevelsError:
-        if parameters.levels != (4,):
-            raise
-        raise ParameterError(
-            f"sensor.resolution is {imprints.shape[1]}; multiples of 8, and odd numbers from 3 on, "
-            "are allowed, as a contourlet divides the imprint into 16 bands."
-        ) from None
+def _of(function: str) -> Callable[..., NDArray[np.float64]]:
+    """Return a function of `imprint_numbers` that imports the transforms on its first call: names are checked without."""
+    return partial(_describe, function)
 
 
-def _nonsubsampled_deviations(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
-    """Give the deviations (N - 1) of a nonsubsampled contourlet's 16 bands."""
-    bands = NonsubsampledContourlet(levels=(4,)).forward(imprints.astype(np.float64)).levels[0]
-    return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
+def _describe(function: str, *arguments: Any) -> NDArray[np.float64]:
+    from visuohaptic.features import imprint_numbers
 
-
-def _wavelet_deviations(imprints: NDArray[np.float32], parameters: Any) -> NDArray[np.float64]:
-    return wavelet_deviations(imprints, "db2", parameters.wavelet_levels)
-
-
-def _image_statistics(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
-    return describe_imprint_shape(imprints)
+    found: NDArray[np.float64] = getattr(imprint_numbers, function)(*arguments)
+    return found
 
 
 DESCRIPTORS = Registry(
     "descriptor of imprints",
-    Descriptor("contourlet", "deviations of 16 contourlet bands", _contourlet_deviations),
-    Descriptor("nonsubsampled_contourlet", "nonsubsampled contourlet", _nonsubsampled_deviations),
-    Descriptor("wavelet", "wavelet (db2)", _wavelet_deviations),
-    Descriptor("image_statistics", "statistics of the raw imprint", _image_statistics),
+    Descriptor("contourlet", "deviations of 16 contourlet bands", _of("contourlet_deviations")),
+    Descriptor(
+        "nonsubsampled_contourlet", "nonsubsampled contourlet", _of("nonsubsampled_deviations")
+    ),
+    Descriptor("wavelet", "wavelet (db2)", _of("wavelet_deviations")),
+    Descriptor("image_statistics", "statistics of the raw imprint", _of("image_statistics")),
 )
