@@ -201,7 +201,11 @@ class Study:
 
     def owns(self, file: str) -> bool:
         """Whether a file is made for the study alone."""
-        return any(fnmatchcase(file, pattern) for pattern in self.patterns)
+        # Most patterns differ in their folder, for which no pattern has to be compiled.
+        return any(
+            file.startswith(re.split(r"[*?[]", pattern)[0]) and fnmatchcase(file, pattern)
+            for pattern in self.patterns
+        )
 
 
 def do_step(work: str, folders: Iterable[Path], step: StepInputs) -> None:

@@ -186,7 +186,11 @@ class Keys:
 
     @cache  # noqa: B019
     def _code_files(self, runs: Runs) -> list[str]:
-        return [os.path.relpath(file) for file in self._find_code(runs).files]
+        return [self._relative(file) for file in self._find_code(runs).files]
+
+    @cache  # noqa: B019
+    def _relative(self, file: Path) -> str:
+        return os.path.relpath(file)
 
     @cache  # noqa: B019 - most files of code belong to several rules
     def _named_digest(self, file: str | Path) -> tuple[str, str]:
