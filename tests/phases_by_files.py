@@ -1,7 +1,8 @@
 """The phases of an object, file to file, as the workflow's jobs run them."""
 
 from visuohaptic.io.phase_files import SCHEMAS, run_phase_on_files
-from visuohaptic.pipeline import OF_OBJECT
+from visuohaptic.phases import OF_OBJECT
+from visuohaptic.pipeline import WORK
 from visuohaptic.tables.schema import read_table
 
 
@@ -12,7 +13,7 @@ def run_phases(key, mesh, folder, parameters, viewpoints=None, phases=OF_OBJECT)
     for phase in phases:
         outputs = {table: folder / f"{place}.parquet" for table, place in phase.writes.items()}
         run_phase_on_files(
-            work=phase.work,
+            work=WORK[phase.name],
             arguments=phase.written_values(parameters),
             meshes={key: mesh},
             inputs={table: folder / f"{table}.parquet" for table in phase.input_tables},

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from phases_by_files import run_phases
 
-from visuohaptic import pipeline
+from visuohaptic import phases
 from visuohaptic.attention.scanpath import INWARD, TIE
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.io.phase_files import check_arguments
@@ -15,14 +15,8 @@ from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import (
-    OF_OBJECT,
-    PHASES,
-    inputs_needed_from,
-    phases_after,
-    run,
-    touch_all_locations,
-)
+from visuohaptic.phases import OF_OBJECT, PHASES, inputs_needed_from, phases_after
+from visuohaptic.pipeline import WORK, run, run_phase, touch_all_locations
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, SPARE, TOUCHES
 from visuohaptic.touches.choosing import touched_places
@@ -85,7 +79,7 @@ def test_what_is_needed_from_a_phase_on_was_made_before_it_also_where_one_is_put
         touching, name="smoothing", inputs=("touches",), writes={"smoothed": "smoothed"}
     )
     between = (looking, touching, smoothing, replace(describing, inputs=("smoothed",)))
-    monkeypatch.setattr(pipeline, "OF_OBJECT", between)
+    monkeypatch.setattr(phases, "OF_OBJECT", between)
     assert inputs_needed_from("smoothed") == ("touches",)
     assert inputs_needed_from("features") == ("smoothed",)
 
@@ -101,8 +95,9 @@ def test_every_probing_location_is_touched_where_everywhere_is_asked_for(folder,
 def test_what_a_job_is_given_says_what_a_run_in_memory_takes():
     parameters = ring(scene={"preset": "worn_fsr"})
     for phase in OF_OBJECT:
-        written = check_arguments(phase.work, phase.written_values(parameters))
-        assert written == check_arguments(phase.work, phase.values(parameters))
+        work = WORK[phase.name]
+        written = check_arguments(work, phase.written_values(parameters))
+        assert written == check_arguments(work, phase.values(parameters))
 
 
 def test_every_viewpoint_and_strategy_gives_its_sequence_of_places_with_some_to_spare(tables):
@@ -166,7 +161,7 @@ def test_the_books_count_every_touch_and_view_and_say_what_ran(tables):
 
 def test_the_eye_looks_without_shading_where_the_scene_says_so(folder, tables):
     subject = Subject.of_mesh("ring/torus", folder / "torus.ply", range(3))
-    flat = OF_OBJECT[0].run(subject, {}, ring(scene={"effects": {"shading": "never"}})).views
+    flat = run_phase(OF_OBJECT[0], subject, {}, ring(scene={"effects": {"shading": "never"}})).views
     pairs = zip(tables["views"]["view"], flat["view"], strict=True)
     assert all(shaded != other for shaded, other in pairs)
 

@@ -21,7 +21,8 @@ from visuohaptic.evaluation.summary import select
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import CostParameters, ExperimentParameters
-from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, phase, tables_for_next
+from visuohaptic.phases import phase
+from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, run_phase, tables_for_next
 from visuohaptic.pipeline import run as run_phases
 from visuohaptic.recognition.sequences import (
     TouchSequences,
@@ -86,7 +87,7 @@ def sense_object(
     features: list[pa.Table] = []
     seen: list[dict[str, NDArray[np.float32]]] = []
     for part in whole.blocks(VIEWPOINTS_AT_ONCE):
-        look = looking.run(part, {}, parameters)
+        look = run_phase(looking, part, {}, parameters)
         generators = {
             sight: [spawn_generator(run.seed, "sight", sight, key, one) for one in part.viewpoints]
             for sight in SIGHTS

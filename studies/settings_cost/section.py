@@ -5,7 +5,7 @@ from __future__ import annotations
 from settings_cost.study import STUDY, families_of
 from visuohaptic.report.cost import cost_figures
 from visuohaptic.report.section import ReportContext, Section, SourceTable, Values
-from visuohaptic.studies.cost.front import read_costs
+from visuohaptic.studies.cost.cost_rows import read_costs
 from visuohaptic.tables.studies import COST
 
 COSTS = "results/settings_cost.parquet"

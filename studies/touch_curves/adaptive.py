@@ -29,7 +29,7 @@ from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, ga
 from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, Planned, plan_study
 from visuohaptic.studies.measuring import Predictions, cell_rows, error_rows
-from visuohaptic.studies.recomputing import REFUSALS
+from visuohaptic.studies.refusals import REFUSALS
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table

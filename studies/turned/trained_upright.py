@@ -19,7 +19,7 @@ from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.report.turned import POSES, STRATEGIES, TRAINED_UPRIGHT
 from visuohaptic.studies.conditions import Planned, plan_study, touches_of_run
 from visuohaptic.studies.measuring import Predictions, cell_rows, condition_features, error_rows
-from visuohaptic.studies.recomputing import REFUSALS
+from visuohaptic.studies.refusals import REFUSALS
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table

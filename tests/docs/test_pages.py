@@ -26,7 +26,7 @@ from report.synthetic import lay_out
 
 from visuohaptic.cli.commands import app
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT
+from visuohaptic.phases import OF_OBJECT
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.studies.evaluation.models import read_evaluation, summarise_evaluation
 from visuohaptic.studies.registry import find_studies

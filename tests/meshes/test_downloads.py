@@ -16,7 +16,7 @@ from meshes.generated import packed
 from visuohaptic.base.errors import DownloadError
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes import downloads
-from visuohaptic.meshes.catalogue import Credit, Model, read_credits
+from visuohaptic.meshes.catalogue import Credit, Model, read_credits, write_credits
 from visuohaptic.meshes.downloads import (
     LIBRARY_FOLDER,
     download,
@@ -24,7 +24,6 @@ from visuohaptic.meshes.downloads import (
     fetch_models,
     pack_model,
     read_member,
-    write_credits,
 )
 
 OBJ = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"

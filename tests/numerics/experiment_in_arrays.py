@@ -11,7 +11,8 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import as_stored
 from visuohaptic.parameters import as_parameters
-from visuohaptic.pipeline import OF_OBJECT, run
+from visuohaptic.phases import OF_OBJECT
+from visuohaptic.pipeline import run, run_phase
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.tables.phases import IMPRINT_FEATURES
@@ -33,7 +34,7 @@ def object_arrays(path):
     yield "surface", {"vertices": surface.vertices, "faces": surface.faces}
     yield "rays", ray_arrays(caster)
     subject = Subject(found.key, lambda: caster, range(VIEWPOINTS))
-    sight = OF_OBJECT[0].run(subject, {}, chosen)
+    sight = run_phase(OF_OBJECT[0], subject, {}, chosen)
     yield "views", {name: getattr(sight.seen, name) for name in SEEN}
     yield "saliency", {"saliency": np.stack([one.attended.saliency for one in sight.looks])}
     for name, table in run(subject, chosen, {"fixations": sight.fixations}).items():

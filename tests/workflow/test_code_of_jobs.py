@@ -1,17 +1,27 @@
 """A job's key holds the folders that a table names for its rule; whatever its script imports lies there."""
 
 import ast
+import sys
 import tomllib
-from importlib.metadata import version
+from importlib.metadata import distributions, version
 from pathlib import Path
 
 import grimp
 import pytest
 
 from visuohaptic.io.plugins import PlugIn
-from visuohaptic.pipeline import PHASES
+from visuohaptic.phases import PHASES
 from visuohaptic.studies.registry import STUDIES
-from visuohaptic_workflow.code_of_jobs import ALWAYS, CODE, STEP, Runs, code_of, module_of
+from visuohaptic_workflow.code_of_jobs import (
+    ALWAYS,
+    CODE,
+    STEP,
+    Runs,
+    code_of,
+    imports_of,
+    module_of,
+    version_of,
+)
 
 ROOT = Path(__file__).parents[2]
 SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
@@ -26,6 +36,17 @@ MACHINERY = "visuohaptic_workflow.jobs"
 def graph():
     packages = ("visuohaptic", "contourlets", "visuohaptic_workflow")
     return grimp.build_graph(*packages, exclude_type_checking_imports=True, cache_dir=None)
+
+
+@pytest.fixture(scope="module")
+def whole_graph():
+    packages = ("visuohaptic", "contourlets", "visuohaptic_workflow")
+    return grimp.build_graph(
+        *packages,
+        include_external_packages=True,
+        exclude_type_checking_imports=True,
+        cache_dir=None,
+    )
 
 
 def names_of(code):
@@ -105,6 +126,40 @@ def test_versions_are_those_of_the_packages_that_the_folders_import():
     assert versions["pywt"] == version("PyWavelets")
     assert "cv2" not in versions
     assert not {"os", "visuohaptic", "contourlets"} & {*versions}
+
+
+@pytest.mark.parametrize(
+    "place", sorted({place for row in CODE.values() for place in row} - {"__init__"})
+)
+def test_the_packages_of_a_place_are_those_that_an_import_graph_has(whole_graph, place):
+    module = module_of(place)
+    modules = {module, *whole_graph.find_descendants(module)} & whole_graph.modules
+    if SOURCES[0].joinpath(*module.split(".")).with_suffix(".py").exists():
+        modules = {module}
+    imported = {
+        name.partition(".")[0]
+        for one in modules
+        for name in whole_graph.find_modules_directly_imported_by(one)
+    }
+    ours = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
+    always = code_of(Runs(SCRIPT, ()), SOURCES).versions
+    found = code_of(Runs(SCRIPT, (place,)), SOURCES).versions
+    assert {*found} - {*always} == imported - ours - {*sys.stdlib_module_names} - {*always}
+
+
+def test_what_only_type_checkers_import_and_relative_imports_are_no_packages(tmp_path):
+    (tmp_path / "a.py").write_text(
+        "import typing\nif typing.TYPE_CHECKING:\n    import one\nelse:\n    import two.three\n"
+        "from . import four\ndef work():\n    from five import six\n"
+    )
+    assert imports_of(tmp_path / "a.py") == ["five", "five.six", "two.three", "typing"]
+
+
+def test_versions_are_those_of_the_packages_metadata():
+    installed = {one.name for one in distributions()} - {"visuohaptic", "contourlets"}
+    assert {name: version_of(name) for name in installed} == {
+        name: version(name) for name in installed
+    }
 
 
 TOY = {

@@ -74,3 +74,22 @@ with logged_job(Path({str(tmp_path / "a.log")!r})):
 assert table.to_pandas()["a"].sum() == 3
 """
     run(program)
+
+
+LIGHT = {
+    "credits": {"numpy", "pooch", "joblib", "requests"},
+    "features_of_study": {"lxml", "sklearn"},
+    "block_of_study": {"lxml"},
+    "study_step": {"sklearn"},
+    "report": {"sklearn"},
+    "features": {"cv2"},
+}
+
+
+@pytest.mark.parametrize("script", LIGHT)
+def test_a_script_imports_no_package_that_its_work_does_not_call(script):
+    lines = (ROOT / f"workflow/scripts/{script}.py").read_text().splitlines()
+    imports = "\n".join(line for line in lines if line.startswith(("import ", "from ")))
+    run(
+        f"{imports}\nimport sys\nfound = {LIGHT[script]} & {{*sys.modules}}\nassert not found, found"
+    )

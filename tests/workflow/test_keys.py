@@ -226,12 +226,32 @@ def test_bytecode_of_an_edit_in_the_same_second_is_not_taken_for_current(tmp_pat
 
 def test_a_file_that_may_change_again_without_another_time_is_read_again(tmp_path, monkeypatch):
     now = time.time_ns()
-    monkeypatch.setattr("visuohaptic_workflow.digests.stamp", lambda path: (1, 1, now, now))
+    monkeypatch.setattr("visuohaptic_workflow.digests.stamp_of", lambda found: (1, 1, now, now))
     digests, file = Digests(), tmp_path / "a.obj"
     file.write_text("a")
     before = digests.of(file)
     file.write_text("b")
     assert digests.of(file) != before
+
+
+def test_what_was_read_from_a_file_is_remembered_until_the_file_changes(tmp_path):
+    file, memory, asked = tmp_path / "a.py", tmp_path / "memory.json", []
+
+    def find(path):
+        asked.append(path.read_text())
+        return [path.read_text()]
+
+    file.write_text("one")
+    long_ago = time.time_ns() - 10**10
+    os.utime(file, ns=(long_ago, long_ago))
+    time.sleep(2.1)  # until the time of change is old enough
+    digests = Digests(memory)
+    assert digests.remembered(find, file) == ["one"]
+    digests.save()
+    assert Digests(memory).remembered(find, file) == ["one"]
+    file.write_text("two")
+    assert Digests(memory).remembered(find, file) == ["two"]
+    assert asked == ["one", "two"]
 
 
 def recompute(run):

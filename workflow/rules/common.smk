@@ -1,10 +1,11 @@
 """Shared by all rules: parameters, objects, blocks of viewpoints, and what each job takes."""
 
+import atexit
 import json
 import os
 import platform
 import sys
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 # This file's own place: the folder of the Snakefile that was called may be another workflow's.
@@ -26,13 +27,12 @@ from visuohaptic.parameters import (
     check_run,
     read_parameters,
 )
-from visuohaptic.pipeline import OF_OBJECT, inputs_needed_from, phase as phase_of
+from visuohaptic.phases import OF_OBJECT, inputs_needed_from, phase as phase_of
 from visuohaptic.io.plugins import hand_on, load_files, load_installed, loaded
 from visuohaptic.io.yaml_files import check_config, check_spelling
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic_workflow.blocks import divide
-from visuohaptic_workflow.closing import lines_at_end, put_aside
-from visuohaptic_workflow.code_of_jobs import CODE, STEP, Runs, code_of
+from visuohaptic_workflow.code_of_jobs import CODE, STEP, Runs, code_of, imports_of
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.dvc_lock import (
     IN_STAGE,
@@ -88,6 +88,7 @@ IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is Non
 # Whether this process decides by keys what runs.
 DECIDES = IS_KEYED and IS_PLANNER
 DIGESTS = Digests(".cache/digests.json")
+READ_IMPORTS = partial(DIGESTS.remembered, imports_of)
 
 
 def stop(sentence):
@@ -108,6 +109,8 @@ def or_stop(function, *arguments):
 
 or_stop(check_folder, ROOT, Path.cwd())
 if DECIDES:
+    # Also where nothing runs: files of a new clone would be read again each time.
+    atexit.register(DIGESTS.save)
     os.environ[PREFIX] = sys.prefix
     if set(values_of_option(sys.argv, "--rerun-triggers")) - {"mtime"}:
         stop(
@@ -284,7 +287,9 @@ def key_of_job(wildcards, output):
         return None
     if not IS_PLANNER:
         return json.loads(GIVEN_FILE.read_text(encoding="utf-8")).get(output.record)
-    return GIVEN.setdefault(output.record, keys().given(output.record))
+    if output.record not in GIVEN:
+        GIVEN[output.record] = keys().given(output.record)
+    return GIVEN[output.record]
 
 
 @cache
@@ -308,7 +313,7 @@ def keys():
 @cache
 def find_code(runs):
     """Find the code of a job, plug-ins among it."""
-    return code_of(runs, SOURCES, STUDY_FOLDERS, loaded())
+    return code_of(runs, SOURCES, STUDY_FOLDERS, loaded(), READ_IMPORTS)
 
 
 def all_cores(wildcards):
@@ -338,13 +343,15 @@ def claim():
         or_stop(claim_folder)
         pass_termination_on()
         atomic_write_text(GIVEN_FILE, json.dumps(GIVEN))
-        DIGESTS.save()
 
 
 def close_run():
     """Put aside what is no longer named, and say what was left out, what is of an earlier state, and what the report holds, once it is today's."""
     if not DECIDES:
         return
+    # With Arrow, which a run that has nothing to do never needs.
+    from visuohaptic_workflow.closing import lines_at_end, put_aside
+
     end_at_once()
     found = {record: read_record(record).get("key") for record in keys().jobs}
     stale = {record: key for record, key in found.items() if key != keys().key(record)}

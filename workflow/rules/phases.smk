@@ -1,4 +1,4 @@
-"""Phases that take one object at a time: look, touch, describe; `visuohaptic.pipeline` lists them.
+"""Phases that take one object at a time: look, touch, describe; `visuohaptic.phases` lists them.
 
 Each takes a block of objects and a block of viewpoints through one phase, from results/<table>/ to results/<table>/.
 The effect logs, results/effects/<views or touches>/, say why each effect was needed, and its run time.

@@ -1,7 +1,6 @@
 """Write who made the downloaded models, and under which licences."""
 
-from visuohaptic.meshes.catalogue import Credit, Model
-from visuohaptic.meshes.downloads import write_credits
+from visuohaptic.meshes.catalogue import Credit, Model, write_credits
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

@@ -2,7 +2,7 @@
 
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import inputs_needed_from
+from visuohaptic.phases import inputs_needed_from
 from visuohaptic.studies.conditions import Recomputation
 from visuohaptic.studies.recomputing import Sources, make_study_features
 from visuohaptic_workflow.jobs import job

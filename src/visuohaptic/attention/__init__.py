@@ -4,27 +4,7 @@ It takes arrays of pixels, points and normals and gives arrays; it handles no me
 touch, and uses nothing of the rest of the project.
 """
 
-from .channels import WorkingView, prepare_view
-from .errors import AttentionError
-from .model import Attention, attend, reasons_to_skip
-from .parameters import AttentionParameters, ChannelWeights
-from .registry import CHANNELS, TERMS
-from .saliency import conspicuity_maps, saliency_map
-from .scanpath import Scanpath, scan
+import lazy_loader
 
-__all__ = [
-    "CHANNELS",
-    "TERMS",
-    "Attention",
-    "AttentionError",
-    "AttentionParameters",
-    "ChannelWeights",
-    "Scanpath",
-    "WorkingView",
-    "attend",
-    "conspicuity_maps",
-    "prepare_view",
-    "reasons_to_skip",
-    "saliency_map",
-    "scan",
-]
+# Parameters are read without OpenCV, which computes the channels; the names are in the stub beside this file.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -13,10 +13,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from .levels import CENTRE_LEVELS
 from .plain_filters import plain_kernel
 from .planes import Plane
 from .pyramid import (
-    CENTRE_LEVELS,
     GOES_ON,
     blur,
     enlarge,

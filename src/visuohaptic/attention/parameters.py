@@ -55,10 +55,12 @@ class ChannelWeights(BaseModel):
         return self
 
     @classmethod
-    def add(cls, entry: Channel) -> None:
-        """Add the weight of a channel."""
-        weight: Any = Field(entry.weight, ge=0.0, description=entry.description)
-        cls.__pydantic_fields__[entry.name] = FieldInfo.from_annotated_attribute(_Number, weight)
+    def add(cls, *entries: Channel) -> None:
+        """Add the weights of channels."""
+        for entry in entries:
+            weight: Any = Field(entry.weight, ge=0.0, description=entry.description)
+            field = FieldInfo.from_annotated_attribute(_Number, weight)
+            cls.__pydantic_fields__[entry.name] = field
         cls.model_rebuild(force=True)
 
     @classmethod
@@ -68,8 +70,7 @@ class ChannelWeights(BaseModel):
         return cls.model_validate({name: float(name in chosen) for name in CHANNELS})
 
 
-for _channel in CHANNELS.values():
-    ChannelWeights.add(_channel)
+ChannelWeights.add(*CHANNELS.values())
 
 _SOURCES: dict[str, str] = {}
 

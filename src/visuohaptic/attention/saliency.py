@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 
 from .channels import WorkingView
 from .errors import AttentionError
+from .levels import CENTRE_LEVELS, SURROUND_OFFSETS, WORKING_SIZE
 from .parameters import AttentionParameters
 from .plain_filters import plain_kernel
 from .planes import Plane
 from .pyramid import (
-    CENTRE_LEVELS,
-    SURROUND_OFFSETS,
-    WORKING_SIZE,
     enlarge,
     reciprocal,
     reduce,

@@ -10,7 +10,13 @@ import typer
 
 from visuohaptic.base.errors import MeshError
 from visuohaptic.cli.printing import JsonOption, say, say_json, show_progress
-from visuohaptic.meshes.catalogue import Model, ObjectSet, find_own_models, models_of_set
+from visuohaptic.meshes.catalogue import (
+    Model,
+    ObjectSet,
+    find_own_models,
+    models_of_set,
+    write_credits,
+)
 
 app = typer.Typer(help="The models that objects come from.", no_args_is_help=True)
 
@@ -34,7 +40,7 @@ def fetch(
 
     Example: visuohaptic meshes fetch --set benchmark
     """
-    from visuohaptic.meshes.downloads import fetch_models, write_credits
+    from visuohaptic.meshes.downloads import fetch_models
 
     models = models_of_set(meshes / "catalogue.csv", object_set)
     missing = [model for model in models if not (meshes / "paper" / _packed(model)).exists()]

@@ -25,7 +25,7 @@ def tables(
 
     Example: visuohaptic tables touches
     """
-    from visuohaptic.pipeline import PHASES
+    from visuohaptic.phases import PHASES
     from visuohaptic.tables.schemas import SCHEMAS
 
     if not name:

@@ -136,7 +136,7 @@ def _check_frame(touched: ExperimentParameters, recogniser: Recogniser) -> None:
 
 def touching_sections() -> set[str]:
     """Name the sections of the parameters in which a model's touches and an object's must be alike."""
-    from visuohaptic.pipeline import OF_OBJECT
+    from visuohaptic.phases import OF_OBJECT
 
     found = {name.partition(".")[0] for phase in OF_OBJECT for name in phase.sections()}
     return found - {"seed", "probing"}

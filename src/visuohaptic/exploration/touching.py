@@ -20,13 +20,8 @@ from visuohaptic.geometry.surface import Surface, as_stored
 from visuohaptic.io.phase_files import SCHEMAS as OF_PHASES
 from visuohaptic.io.phase_files import Tables
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import (
-    OF_OBJECT,
-    VIEWPOINTS_AT_ONCE,
-    Phase,
-    phases_after,
-    touch_all_locations,
-)
+from visuohaptic.phases import OF_OBJECT, Phase, phases_after
+from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, run_phase, touch_all_locations
 from visuohaptic.tables.schema import join_parts
 
 GIVEN = "given"
@@ -100,7 +95,8 @@ def _explore(
     def step(phase: Phase, block: Subject) -> None:
         started = time.perf_counter()
         # The last part of each table is this block's.
-        found = phase.run(block, {name: part[-1] for name, part in parts.items()}, parameters)
+        last = {name: part[-1] for name, part in parts.items()}
+        found = run_phase(phase, block, last, parameters)
         for name in phase.writes:
             parts[name].append(getattr(found, name))
         verb = str(phase.verb)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 CONSTANTS = {
-    "attention.centre_levels": "attention.pyramid.CENTRE_LEVELS",
+    "attention.centre_levels": "attention.levels.CENTRE_LEVELS",
     "attention.entropy_bins": "attention.channels.ENTROPY_BINS",
     "attention.iterations": "attention.saliency.ITERATIONS",
     "attention.orientations": "attention.channels.ORIENTATIONS",
-    "attention.surround_offsets": "attention.pyramid.SURROUND_OFFSETS",
+    "attention.surround_offsets": "attention.levels.SURROUND_OFFSETS",
     "attention.symmetry_radii": "attention.channels.SYMMETRY_RADII",
     "meshes.merge_tolerance": "meshes.preparing.MERGE_TOLERANCE",
     **{

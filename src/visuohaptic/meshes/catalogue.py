@@ -6,7 +6,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -95,6 +95,16 @@ def read_credits(paths: Iterable[str | Path]) -> dict[str, Credit]:
                 for row in csv.DictReader(stream):
                     found[f"{row['class']}/{row['object']}"] = _credit(row)
     return found
+
+
+def write_credits(models: Iterable[Model], path: str | Path) -> None:
+    """Write as CSV who made each model that has a credit, and under which licence."""
+    with Path(path).open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(("class", "object", "author", "licence", "source_url"))
+        for model in models:
+            if model.credit is not None:
+                writer.writerow((model.category, model.name, *astuple(model.credit)))
 
 
 def _credit(row: Mapping[str, str]) -> Credit:

@@ -7,7 +7,6 @@ names of the catalogue, bounded in size, and checked against its hashes.
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import logging
 import re
@@ -16,8 +15,8 @@ import subprocess
 import tarfile
 import zipfile
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import astuple, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pooch
@@ -180,16 +179,6 @@ def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
             f"{archive}: {member} unpacks to more than {largest_bytes / 1e6:.0f} MB."
         )
     return data
-
-
-def write_credits(models: Iterable[Model], path: str | Path) -> None:
-    """Write as CSV who made each model that has a credit, and under which licence."""
-    with Path(path).open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(("class", "object", "author", "licence", "source_url"))
-        for model in models:
-            if model.credit is not None:
-                writer.writerow((model.category, model.name, *astuple(model.credit)))
 
 
 def _debian_address() -> str | None:

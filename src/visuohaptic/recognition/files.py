@@ -6,6 +6,7 @@ import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.tables.phases import FEATURES, PREDICTIONS, SCORES
@@ -26,9 +27,6 @@ def make_scores(
 
     Raises `RecognitionError` if the features have no touch of a strategy, or do not allow the experiment.
     """
-    # With scikit-learn, which whoever reads the list of phases does not need.
-    from visuohaptic.recognition.experiment import run_pipeline
-
     touched = read_table(FEATURES, features)
     for strategy, output in scores.items():
         table, left_out = take_strategy(touched, strategy, parameters.touches)

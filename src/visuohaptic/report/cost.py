@@ -21,7 +21,7 @@ from visuohaptic.report.wording import (
     strategy_name,
     titled,
 )
-from visuohaptic.studies.cost.front import Row, mark_front, read_costs
+from visuohaptic.studies.cost.cost_rows import Row, mark_front, read_costs
 
 POINT = 0.01
 """A loss of accuracy that does not matter to most users."""

@@ -12,7 +12,7 @@ from visuohaptic.parameters import CostParameters
 from visuohaptic.report.cost import on_robot, reference_row
 from visuohaptic.report.questions import MAIN_OPPONENT
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
-from visuohaptic.studies.cost.front import Row, read_costs
+from visuohaptic.studies.cost.cost_rows import Row, read_costs
 
 
 def write_headline(

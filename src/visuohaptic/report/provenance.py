@@ -11,10 +11,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import visuohaptic
-from visuohaptic import pipeline
+from visuohaptic import phases
 from visuohaptic.io.job_logs import JobSeconds, read_seconds
 
-PHASES = ("downloads", *(phase.name for phase in pipeline.PHASES), "metrics")
+PHASES = ("downloads", *(phase.name for phase in phases.PHASES), "metrics")
 _PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
     *("contourlets", "numpy", "scipy", "opencv-contrib-python-headless", "open3d-cpu", "open3d"),

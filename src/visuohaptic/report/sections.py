@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.attention.pyramid import CENTRE_LEVELS, SURROUND_OFFSETS
+from visuohaptic.attention.levels import CENTRE_LEVELS, SURROUND_OFFSETS
 from visuohaptic.evaluation.intervals import EXTRA
 from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES

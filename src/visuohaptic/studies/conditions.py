@@ -18,7 +18,7 @@ from pydantic import BaseModel
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.io.moved import unknown_parameter
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT
+from visuohaptic.phases import OF_OBJECT
 from visuohaptic.studies.study import Changes, Condition, Study
 
 AS_RUN = "as run"

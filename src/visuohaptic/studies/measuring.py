@@ -29,7 +29,7 @@ from visuohaptic.studies.conditions import (
     training_key,
     with_changes,
 )
-from visuohaptic.studies.recomputing import ERROR, REFUSALS
+from visuohaptic.studies.refusals import ERROR, REFUSALS
 from visuohaptic.studies.study import Condition
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import build_table, read_table, write_table

@@ -12,27 +12,20 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from contourlets.errors import ContourletError
-from visuohaptic.attention.errors import AttentionError
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of
 from visuohaptic.geometry.turning import draw_rotation
 from visuohaptic.io.phase_files import SCHEMAS, objects_of
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import inputs_needed_from, run
+from visuohaptic.phases import inputs_needed_from
+from visuohaptic.pipeline import run
 from visuohaptic.studies.conditions import Recomputation
+from visuohaptic.studies.refusals import ERROR, REFUSALS
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import join_parts, read_table, write_table
 
-REFUSALS = (VisuohapticError, AttentionError, ContourletError)
-"""What a condition may fail with; anything else is a fault of the program."""
-
 Paths = Sequence[str | Path]
-
-ERROR = b"error"
-"""Metadata of a table of features: the sentence by which they were refused."""
 
 
 @dataclass(frozen=True)

@@ -202,7 +202,11 @@ class Study:
 
     def owns(self, file: str) -> bool:
         """Return whether a file is made only for the study."""
-        return any(fnmatchcase(file, pattern) for pattern in self.patterns)
+        # Most patterns differ in their folder, for which no pattern has to be compiled.
+        return any(
+            file.startswith(re.split(r"[*?[]", pattern)[0]) and fnmatchcase(file, pattern)
+            for pattern in self.patterns
+        )
 
 
 def do_step(work: str, folders: Iterable[Path], step: StepInputs) -> None:

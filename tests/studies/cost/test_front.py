@@ -10,13 +10,12 @@ from studies.surfaces import RUN, run_tables, small_surfaces
 from visuohaptic.evaluation.intervals import DIFFERENCE, object_interval
 from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.studies.conditions import is_measured_by_run, plan_study, with_changes
+from visuohaptic.studies.cost.cost_rows import mark_front, read_costs
 from visuohaptic.studies.cost.front import (
     NOT_PREDICTED,
     error_rate,
     make_frontier,
-    mark_front,
     more_accurate,
-    read_costs,
     setting_cells,
     setting_rows,
     setting_times,

@@ -9,7 +9,7 @@ from settings_cost import study
 from settings_cost.costs import make_costs, make_seconds
 from visuohaptic.studies.conditions import describe_conditions, plan_study
 from visuohaptic.studies.cost import seconds
-from visuohaptic.studies.cost.front import read_costs
+from visuohaptic.studies.cost.cost_rows import read_costs
 from visuohaptic.studies.measuring import make_study_block
 from visuohaptic.studies.recomputing import make_study_features
 from visuohaptic.studies.study import StepInputs

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from visuohaptic.io.plugins import PlugIn
@@ -32,12 +33,14 @@ _PHASES = (
     "recognition",
     "io",
     "parameters",
+    "phases",
     "pipeline",
 )
 _STUDIES = (
     "studies.conditions",
     "studies.measuring",
     "studies.recomputing",
+    "studies.refusals",
     "studies.study",
     "tables.studies",
 )
@@ -109,11 +112,22 @@ class Code:
     versions: dict[str, str]
 
 
+def imports_of(file: Path) -> list[str]:
+    """Return the dotted names that a file of Python imports, except for relative ones and for those of type checkers."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    return sorted(set(_names_imported(tree)))
+
+
+Read = Callable[[Path], Iterable[str]]
+"""A function as `imports_of`, which may remember what it found."""
+
+
 def code_of(
     runs: Runs,
     sources: Sequence[Path],
     studies: Sequence[Path] = (),
     plug_ins: Iterable[PlugIn] = (),
+    read: Read = imports_of,
 ) -> Code:
     """Find the code of a job in the folders `sources`, which hold this project's packages.
 
@@ -123,7 +137,7 @@ def code_of(
     places = {*ALWAYS, *runs.places}
     plug_ins = [one for one in plug_ins if any(_is_within(home, places) for home in one.homes)]
     own = [*runs.own, *(one.file for one in plug_ins if one.file is not None)]
-    files, imported = _outside(own, studies)
+    files, imported = _outside(own, studies, read)
     own_names = {file.stem for file in files}
     # What the table does not name: with its own row, or with all of the library.
     for module in imported:
@@ -132,7 +146,7 @@ def code_of(
     files |= {Path(os.path.relpath(runs.script))}
     others = {module.partition(".")[0] for module in imported}
     for place in places:
-        found, packages = _at(place, tuple(sources))
+        found, packages = _at(place, tuple(sources), read)
         files |= found
         others |= packages
     others -= {"", *sys.stdlib_module_names, *own_names, *_packages(sources), *_packages(studies)}
@@ -154,7 +168,9 @@ def _is_within(module: str, places: Iterable[str]) -> bool:
 
 
 @cache
-def _at(place: str, sources: tuple[Path, ...]) -> tuple[frozenset[Path], frozenset[str]]:
+def _at(
+    place: str, sources: tuple[Path, ...], read: Read
+) -> tuple[frozenset[Path], frozenset[str]]:
     """Return the files of a folder or module, with data beside them, and the packages that the modules import."""
     module = module_of(place)
     path = next(
@@ -163,33 +179,22 @@ def _at(place: str, sources: tuple[Path, ...]) -> tuple[frozenset[Path], frozens
         for path in [source.joinpath(*module.split("."))]
         if path.is_dir() or path.with_suffix(".py").is_file()
     )
-    graph = _graph(tuple(sources))
     if path.is_dir():
         files = {one for one in path.rglob("*.*") if one.suffix in {".py", ".json", ".parquet"}}
-        modules = {module, *graph.find_descendants(module)}
+        modules = {one for one in files if one.suffix == ".py"}
     else:
-        files, modules = {path.with_suffix(".py")}, {module} & graph.modules
+        files = {path.with_suffix(".py")}
+        modules = {*files}
         # Which Python runs before it.
         packages = [one / "__init__.py" for one in path.parents if (one / "__init__.py").is_file()]
         files |= {*packages[:-1]}
-    found = {one for module in modules for one in graph.find_modules_directly_imported_by(module)}
+    found = {name for one in modules for name in read(one)}
     return frozenset(files), frozenset(name.partition(".")[0] for name in found)
 
 
-@cache
-def _graph(sources: tuple[Path, ...]) -> Any:
-    import grimp
-
-    # Without its cache, which takes a file for unchanged by its time.
-    return grimp.build_graph(
-        *sorted(_packages(sources)),
-        include_external_packages=True,
-        exclude_type_checking_imports=True,
-        cache_dir=None,
-    )
-
-
-def _outside(files: Iterable[Path], folders: Sequence[Path]) -> tuple[set[Path], set[str]]:
+def _outside(
+    files: Iterable[Path], folders: Sequence[Path], read: Read
+) -> tuple[set[Path], set[str]]:
     """Follow imports from files to modules that lie in some folders; give all files, and the names that they import."""
     found: set[Path] = set()
     imported: set[str] = set()
@@ -199,7 +204,7 @@ def _outside(files: Iterable[Path], folders: Sequence[Path]) -> tuple[set[Path],
         if file in found:
             continue
         found.add(file)
-        names = set(_imports_of(file))
+        names = set(read(file))
         imported |= names
         if "importlib.resources" in names:
             beside = (file.parent.glob(kind) for kind in ("*.json", "*.parquet", "templates/*.*"))
@@ -220,13 +225,17 @@ def _modules_at(name: str, folders: Sequence[Path]) -> Iterator[Path]:
             return
 
 
-def _imports_of(file: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and not node.level:
-            yield node.module or ""
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+def _names_imported(node: ast.AST) -> Iterator[str]:
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names)
+    elif isinstance(node, ast.ImportFrom) and not node.level:
+        yield node.module or ""
+        yield from (f"{node.module}.{alias.name}" for alias in node.names)
+    children: Iterable[ast.AST] = ast.iter_child_nodes(node)
+    if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING"):
+        children = node.orelse
+    for child in children:
+        yield from _names_imported(child)
 
 
 def _packages(sources: Iterable[Path]) -> set[str]:
@@ -238,7 +247,14 @@ def version_of(module: str) -> str:
     """Return the version of the package that contains a module, or "none"."""
     for name in _DISTRIBUTIONS.get(module, (module,)):
         try:
-            return version(name)
+            return _version_in_header(name)
         except PackageNotFoundError:
             continue
     return "none"
+
+
+def _version_in_header(name: str) -> str:
+    """Return what `importlib.metadata.version` returns; that function also parses the package's long description."""
+    header, _, _ = (distribution(name).read_text("METADATA") or "").partition("\n\n")
+    found = re.search(r"^Version: *(\S+)", header, re.MULTILINE)
+    return found[1] if found else version(name)

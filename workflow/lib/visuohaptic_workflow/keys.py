@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic_workflow.code_of_jobs import Code, Runs
-from visuohaptic_workflow.digests import Digests, stamps_of
+from visuohaptic_workflow.digests import Digests, Stamp, stamp_if_there, stamps_of
 
 Parts = dict[str, Any]
 
@@ -108,9 +108,9 @@ class Keys:
 
     def given(self, record: str) -> Parts:
         """Give what a job checks itself by: its key's parts, its files of code and sources, and what marks these today."""
-        code = [os.path.relpath(file) for file in self._find_code(self.jobs[record].runs).files]
+        code = self._code_files(self.jobs[record].runs)
         files = {"code": code, "sources": self._sources(record)}
-        stamps = stamps_of([*code, *files["sources"]])
+        stamps = stamps_of([*code, *files["sources"]], self._stamp)
         return {"parts": self.parts(record), "files": files, "stamps": stamps}
 
     @cache  # noqa: B019
@@ -182,21 +182,35 @@ class Keys:
 
     @cache  # noqa: B019
     def _code_of(self, runs: Runs) -> dict[str, str]:
-        return self._digests_of(self._find_code(runs).files)
+        return dict(map(self._named_digest, self._find_code(runs).files))
+
+    @cache  # noqa: B019
+    def _code_files(self, runs: Runs) -> list[str]:
+        return [self._relative(file) for file in self._find_code(runs).files]
+
+    @cache  # noqa: B019
+    def _relative(self, file: Path) -> str:
+        return os.path.relpath(file)
+
+    @cache  # noqa: B019 - most files of code belong to several rules
+    def _named_digest(self, file: str | Path) -> tuple[str, str]:
+        return self._name(file), self._digest(file)
+
+    @cache  # noqa: B019
+    def _stamp(self, file: str) -> Stamp | None:
+        return stamp_if_there(file)
 
     def _sources(self, record: str) -> list[str]:
         return [file for file in self.jobs[record].inputs if file not in self._makers]
 
     def _digests_of(self, files: Iterable[str | Path]) -> dict[str, str]:
-        """Give digests by file, of the clone by its place there."""
+        return {self._name(file): self._digest(file) for file in files}
+
+    def _name(self, file: str | Path) -> str:
+        """Return the path of a file of the clone relative to the clone; of another file as it was named."""
         # Made absolute without following links.
-        paths = {file: Path(os.path.abspath(file)) for file in files}  # noqa: PTH100
-        return {
-            str(
-                path.relative_to(self._root) if path.is_relative_to(self._root) else file
-            ): self._digest(file)
-            for file, path in paths.items()
-        }
+        path, root = os.path.abspath(file), f"{self._root}{os.sep}"  # noqa: PTH100
+        return path.removeprefix(root) if path.startswith(root) else str(file)
 
     def _digest(self, file: str | Path) -> str:
         try:

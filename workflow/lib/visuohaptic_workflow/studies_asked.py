@@ -58,7 +58,9 @@ def find_moved(arguments: Sequence[str], studies: Mapping[str, Study]) -> str | 
     What a study of today has is no old name.
     """
     for option, argument in pairwise(("", *arguments)):
-        if _PATHS_FOLLOW.fullmatch(option) or _is_of_any(argument, studies):
+        if argument.startswith("-") or _PATHS_FOLLOW.fullmatch(option):
+            continue
+        if _is_of_any(argument, studies):
             continue
         if argument in moved.TARGETS:
             return f"{argument} is no target: {moved.TARGETS[argument]}."

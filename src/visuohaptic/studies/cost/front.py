@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -16,7 +14,8 @@ from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import is_measured_by_run, plan_study
-from visuohaptic.studies.cost.settings import FRONTIER, ORDER, Setting, frontier_settings
+from visuohaptic.studies.cost.cost_rows import Row, mark_front, seconds_and_errors
+from visuohaptic.studies.cost.settings import FRONTIER, Setting, frontier_settings
 from visuohaptic.studies.figures import (
     Cell,
     compare,
@@ -30,9 +29,6 @@ from visuohaptic.studies.study import StepInputs, Study
 from visuohaptic.tables.phases import PREDICTIONS
 from visuohaptic.tables.schema import build_rows, matrix, names_of, read_table, write_table
 from visuohaptic.tables.studies import COST, COST_PARTS, COST_SECONDS
-
-Row = dict[str, Any]
-"""Of `tables.COST`."""
 
 NOT_PREDICTED = Cell(
     (),
@@ -159,7 +155,7 @@ def mark_steps(
     The first step is the most accurate setting among settings as quick as the quickest. So is each further
     one, of the settings that are significantly slower and more accurate than the step before.
     """
-    seconds, errors = _points(rows)
+    seconds, errors = seconds_and_errors(rows)
     known = np.flatnonzero(np.isfinite(seconds + errors)).tolist()
 
     def as_quick(places: Sequence[int]) -> list[int]:
@@ -192,32 +188,3 @@ def more_accurate(
         for (place, one), p_value in zip(found, adjusted, strict=True)
         if one.difference.mean > 0 and p_value <= 1 - run.recognition.intervals.confidence
     ]
-
-
-def mark_front(rows: Sequence[Row]) -> list[Row]:
-    """Mark which rows are on the front, which are dominated, and which, without figures, are neither.
-
-    On the front no other is at most as slow, at most as wrong, and one of both less.
-    """
-    seconds, errors = _points(rows)
-    as_good = (seconds <= seconds[:, None]) & (errors <= errors[:, None])
-    better = (seconds < seconds[:, None]) | (errors < errors[:, None])
-    beaten = (as_good & better).any(axis=1)
-    front = np.isfinite(seconds + errors) & ~beaten
-    marks = zip(rows, front.tolist(), beaten.tolist(), strict=True)
-    return [{**row, "on_front": best, "dominated": worse} for row, best, worse in marks]
-
-
-def _points(rows: Sequence[Row]) -> FloatArray:
-    """Return the seconds and error rates of rows, shape (2, r), NaN where none is."""
-    return np.array(
-        [[row[name] for row in rows] for name in ("seconds", "error")], dtype=np.float64
-    )
-
-
-def read_costs(path: str | Path, order: Sequence[str] = ORDER) -> list[Row]:
-    """Read `tables.COST` as rows, family by family, those of `order` first, each along its line."""
-    rows: list[Row] = read_table(COST, path).to_pylist()
-    families = dict.fromkeys((*order, *(row["family"] for row in rows)))
-    places = {family: place for place, family in enumerate(families)}
-    return sorted(rows, key=lambda row: (places[row["family"]], row["place"]))

@@ -21,13 +21,14 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, object_of, read_surface, usable_meshes
 from visuohaptic.io.phase_files import Tables
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.pipeline import OF_OBJECT, VIEWPOINTS_AT_ONCE, Phase, tables_for_next
+from visuohaptic.phases import OF_OBJECT, Phase
+from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, run_phase, tables_for_next
 from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.voting import evenly_spaced_subsets
 from visuohaptic.studies.conditions import Planned, plan_study, training_key
 from visuohaptic.studies.cost.settings import FRONTIER, Setting, frontier_settings
 from visuohaptic.studies.measuring import condition_features, features_by_key
-from visuohaptic.studies.recomputing import REFUSALS
+from visuohaptic.studies.refusals import REFUSALS
 from visuohaptic.studies.study import StepInputs, Study
 from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_PARTS, COST_SECONDS
@@ -239,7 +240,8 @@ class Stage:
         # copy, so that no other setting has it for nothing.
         caster, seconds = copy(self.caster), dict(self.seconds)
         with _timed(seconds, phase.verb):
-            done = phase.run(replace(block, find_caster=lambda: caster), self.tables, parameters)
+            timed = replace(block, find_caster=lambda: caster)
+            done = run_phase(phase, timed, self.tables, parameters)
             if phase.verb == "look" and done.needs_looks:
                 for part, name in (("render", "seen"), ("attend", "looks")):
                     with _timed(seconds, part):

@@ -1,0 +1,14 @@
+from .channels import WorkingView as WorkingView
+from .channels import prepare_view as prepare_view
+from .errors import AttentionError as AttentionError
+from .model import Attention as Attention
+from .model import attend as attend
+from .model import reasons_to_skip as reasons_to_skip
+from .parameters import AttentionParameters as AttentionParameters
+from .parameters import ChannelWeights as ChannelWeights
+from .registry import CHANNELS as CHANNELS
+from .registry import TERMS as TERMS
+from .saliency import conspicuity_maps as conspicuity_maps
+from .saliency import saliency_map as saliency_map
+from .scanpath import Scanpath as Scanpath
+from .scanpath import scan as scan

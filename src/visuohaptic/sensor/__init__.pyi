@@ -1,0 +1,11 @@
+from .effect_pipeline import TouchBatch as TouchBatch
+from .effects import EFFECTS as EFFECTS
+from .effects import simulate as simulate
+from .example_shapes import hard_probes as hard_probes
+from .example_shapes import touch_gallery as touch_gallery
+from .frames import column_axes as column_axes
+from .frames import row_axes as row_axes
+from .parameters import SensorParameters as SensorParameters
+from .random_fields import RandomFields as RandomFields
+from .touching import Touches as Touches
+from .touching import touch as touch
