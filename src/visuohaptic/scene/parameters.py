@@ -1,4 +1,4 @@
-"""The scene of a touch: what is simulated, and how strongly.
+"""The scene of a touch: the simulated effects and their strengths.
 
 A scene is data only. Each effect has a mode. `auto` simulates the effect only where it is needed,
 `always` everywhere, `never` nowhere. `visuohaptic.sensor.effects` decides where a tactile effect is
@@ -78,7 +78,7 @@ class Scene(Section):
     press_depths_m: tuple[float, ...] = Field(
         (0.0005,),
         min_length=1,
-        description="How far the cover is pressed in, one after another (metres); the image is taken at the last",
+        description="Depths to which the cover is pressed in, one after another (metres); the image is taken at the last depth",
     )
     hold_time_s: float = Field(
         1.0, gt=0, description="Time from reaching the last depth to the reading (seconds)"
@@ -117,14 +117,14 @@ class Scene(Section):
         0.0, ge=-0.5, le=0.5, description="Change of output over ten times the time (1)"
     )
     drift_reference_s: float = Field(
-        1.0, gt=0, description="Time after loading at which drift counts as none (seconds)"
+        1.0, gt=0, description="Time after loading at which drift is 0 (seconds)"
     )
     dead_fraction: float = Field(
         0.0, ge=0, le=1, description="Probability of a cell being dead (1)"
     )
     readout: Readout = Field(
         "ideal",
-        description="`ideal`: each cell alone; `grounded`: other lines held at zero through `line_resistance_ohm`; `floating`: other lines left open",
+        description="`ideal`: each cell separately; `grounded`: other lines held at zero through `line_resistance_ohm`; `floating`: other lines left open",
     )
     line_resistance_ohm: float = Field(
         0.0, ge=0, description="Resistance of each driven or read line (ohm)"
