@@ -46,10 +46,10 @@ def test_what_positions_imprints_and_the_map_give_is_stated_where_it_was_measure
     for row in rows:
         row["family"] = "cues" if "alone" in row["setting"] else "paper"
     pose, mapped = map(plain, cue_sentences(rows))
-    assert "alone reach 99.0 %" in pose
-    assert "imprints alone 75.0 % (40.0 % to 87.5 %)" in pose
-    assert "With it its pipeline has 80.0 %" in mapped
-    assert "without it 90.0 %" in mapped
+    assert "normals without imprints reach 99.0 %" in pose
+    assert "imprints without positions and normals 75.0 % (40.0 % to 87.5 %)" in pose
+    assert "With the map, the paper's pipeline reaches 80.0 %" in mapped
+    assert "without the map 90.0 %" in mapped
     assert cue_sentences(rows[:1]) == []
 
 

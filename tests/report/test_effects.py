@@ -65,7 +65,7 @@ def test_touches_at_no_fixation_and_views_without_their_first_are_counted():
     random = ranked([[7, 8]], "random")
     touches = pa.concat_tables([ranked([[0, 1], [1, 2], [2, 3], [0, 1]]), random])
     said = replaced_sentence(touches, 2)
-    assert plain(said).startswith("In this run 38 % of the touches by fixation are at none of")
-    assert said.endswith("in 2 of 4 views the most salient place is never touched.")
+    assert plain(said).startswith("In this run 38 % of the touches by fixation are not at one of")
+    assert said.endswith("In 2 of 4 views the most salient place is never touched.")
     assert replaced_sentence(pa.concat_tables([ranked([[0, 1]]), random]), 2) == ""
     assert replaced_sentence(random, 2) == ""

@@ -28,9 +28,9 @@ def written(folder, rows, metadata=None):
 
 def test_means_are_those_of_the_objects_held_out(tmp_path):
     found = gaze_sentence(written(tmp_path, ROWS, {"origin": json.dumps({"date": "2026-01-02"})}))
-    assert "on 2026-01-02, not in this run: on 2 objects" in found
+    assert "on 2 objects with recorded gaze (measured on 2026-01-02, not in this run)" in found
     assert "is 0.20 (" in found
-    assert "and 0.60 (" in found
+    assert "fitted to other objects it is 0.60 (" in found
 
 
 def test_without_a_table_there_is_no_sentence_and_another_table_is_refused(tmp_path):

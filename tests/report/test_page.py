@@ -200,7 +200,7 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     )
     for section in ("What accuracy costs in time", "Accuracy by scene", "ms always"):
         assert section not in page.text
-    assert "a model that learnt 142 objects classifies 22 others, of set odd" in page.text
+    assert "a model that learnt 142 objects classifies 22 other objects of set odd" in page.text
     assert "Effects of the view" not in page.values("aria-label")
 
 
@@ -215,7 +215,10 @@ def test_a_run_of_which_nothing_was_tested_shows_what_was_touched(tmp_path):
     write_table(PREDICTIONS, empty, files.predictions[0])
     page = read_page(render(files, keys))
     assert "Recognition tested no object yet" in page.text
-    assert "recognition needs two objects of a class: ball/marble and cup/<b>" in page.text
+    assert (
+        "the only object of its class and recognition needs two: ball/marble and cup/<b>"
+        in page.text
+    )
     assert set(page.objects) == set(keys)
     assert "cup: <b>" in page.text
 
@@ -226,9 +229,9 @@ def test_what_was_left_out_stands_at_the_end_of_a_page_of_one_class(tmp_path):
     files = write_run(tmp_path, keys, distinct=3)
     (tmp_path / "logs" / "touches.log").write_text("error: no such thing\n")
     page = read_page(render(files, (*keys, "cup/lost")))
-    assert "one class alone can't be confused" in page.text
+    assert "a single class can't be confused" in page.text
     notes = page.text[page.text.index("Notes on this run") :]
-    assert "1 object of the set left out, for no table holds it: cup/lost." in notes
+    assert "1 object of the set left out, because no table holds it: cup/lost." in notes
     assert "8 views with fewer than 5 distinct fixations" in notes
     assert "1 job did not finish" in notes
     assert page.text.index("3 notes on this run") < page.text.index("Can an object be recognised")

@@ -129,9 +129,10 @@ LEADS = [
 def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
     first, second = map(plain, variant_sentences(VariantsSummary(verdict="no", leads=LEADS)))
     assert first.startswith(
-        "130 objects chose how the paper's open steps are read here, which may raise the lead on them (in this run): "
-        "+13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
+        "The default for the paper's open steps was chosen on 130 objects, which may raise the lead there. On these "
+        "objects the lead is +13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
     )
+    assert first.endswith("(in this run).")
     assert "\N{MINUS SIGN}3.0 points (\N{MINUS SIGN}8.0 to +2.0) over random places" in second
     assert variant_sentences(VariantsSummary(verdict="no", leads=LEADS[:2])) == []
     assert variant_sentences(VariantsSummary(verdict="no")) == []

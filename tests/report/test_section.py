@@ -152,11 +152,11 @@ SAID = (
     "Share of the objects of known classes whose class is in the set",
     "Eye fixations 4 100.0 % 44.6 % to 100.0 % 75.0 % 21.2 % to 99.3 % 1.00 0.0 %",
     "75.0 % of the objects of known classes (90 % stated); 50.0 % of the objects of unknown",
-    "a model that learnt 7 objects classifies 4 others: box (2), cup (2)",
+    "a model that learnt 7 objects classifies 4 other objects: box (2), cup (2)",
     "Of 4 objects that the model has not learnt, 50.0 % are correctly classified",
     "of 2 views, and the prediction set holds the class of 75.0 % (90 % stated)",
     "cone, tip",
-    "1 in ideal (saves 800 of 1000 µs per touch), 1 in worn_fsr. Images are the same, bit for bit",
+    "1 in scene ideal (saves 800 of 1000 µs per touch), 1 in scene worn_fsr. Images are the same, bit for bit",
     "ideal adaptive size noise 200 1000 bit for bit worn_fsr noise – 600 600 bit for bit",
     "adaptive size 200.0 400.0 25.0 % – – noise 0.0 600.0 – – 1.2 %",
     "shading 10.00 10.00 6.0 % cast shadows 0.00 50.00 0.3 %",
@@ -170,10 +170,10 @@ SAID = (
     "Eye fixations 70.0 % 60.0 % to 80.0 % never up to 2",
     "Cutaneous cues only 50.0 % 40.0 % to 60.0 % −30.0 −32.0 to −27.0 1 touches 2.0",
     "Channel edge left out failed: too small.",
-    "fixation is ahead, in pairs over objects, pipeline paper",
+    "Lead of fixation in percentage points, paired over objects, pipeline paper",
     "As run +12.0 +1.0 to +20.0 0.02 Skin −3.0 −20.0 to +10.0 0.7",
     "Objects of this run: 4 hard cases of 1 kind were tried",
-    "55,000 hard cases of 66 kinds with known answers",
+    "55,000 hard cases of 66 kinds with known results",
 )
 
 

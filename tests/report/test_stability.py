@@ -68,9 +68,9 @@ def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tm
     for said in (
         "8 hard cases of 1 kind: 1 tolerance exceeded (cup/mug: touches by themselves)",
         "Numerical checks on this object: 4 hard cases of 1 kind: 1 tolerance exceeded",
-        "on this object: 4 hard cases of 1 kind were tried, and every error is within",
+        "on this object: 4 hard cases of 1 kind were tried. Every error is within",
         "the worst error is not finite",
-        "55,000 hard cases of 66 kinds with known answers",
+        "55,000 hard cases of 66 kinds with known results",
     ):
         assert said in page.text
 
@@ -90,12 +90,12 @@ def test_objects_share_a_requirement_and_the_one_that_exceeds_it_is_named(tmp_pa
 def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to_its_tolerance():
     figures = stability_figures(result_table([GRAZING, EXACT], KEY))
     assert stability_answer(figures) == (
-        "1,240 cases that are hard for arithmetic, such as flat or tiny shapes; every error is within its tolerance."
+        "1,240 cases that are hard for arithmetic, such as flat or tiny shapes: every error is within its tolerance."
     )
     said = plain(describe_checks(figures.checks))
     assert "1,240 hard cases of 2 kinds were tried" in said
     assert "1 kind has no error at all" in said
-    assert said.endswith("as a share of what is allowed, is 11.26 % (cup/mug: grazing rays).")
+    assert said.endswith("The largest error is 11.26 % of its tolerance (cup/mug: grazing rays).")
     exceeded = stability_figures(result_table([broken(EXACT), GRAZING], KEY))
     sentence = stability_answer(exceeded)
     assert sentence.endswith("1 tolerance exceeded (cup/mug: stretched imprints).")
@@ -105,7 +105,7 @@ def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to
 def test_totals_of_the_hard_cases_are_one_sentence_and_another_file_is_refused(tmp_path):
     path = write_totals(tmp_path / "hard_cases.json")
     said = describe_hard_cases(read_hard_cases(path))
-    assert "55,000 hard cases of 66 kinds with known answers (1976-07-01, version 9.8.7)" in said
+    assert "55,000 hard cases of 66 kinds with known results (1976-07-01, version 9.8.7)" in said
     assert said.endswith("1 tolerance exceeded (invariance, turned object).")
     held = describe_hard_cases(read_hard_cases(write_totals(path, exceeded=[])))
     assert held.endswith(": every error is within its tolerance.")

@@ -42,12 +42,16 @@ def section_of(studies):
 
 def test_the_largest_loss_and_gain_are_stated_and_no_more(tmp_path):
     text = sentence(tmp_path, adjusted_p=SETTLED)
-    assert text.startswith("Most is lost with “cutaneous only” (−30.0 percentage points); most")
-    assert "gained with “kinesthetic only” (+5.0 percentage points); with 12 objects" in text
-    assert text.endswith("beyond chance (p after Holm's correction below 0.05): cutaneous only.")
+    assert text.startswith(
+        "The largest loss is with “cutaneous only” (−30.0 percentage points); the largest"
+    )
+    assert "gain is with “kinesthetic only” (+5.0 percentage points); with 12 objects" in text
+    assert text.endswith(
+        "these changes are significant (p after Holm's correction below 0.05): cutaneous only."
+    )
     text = sentence(tmp_path, ROWS[:2])
-    assert "lost" not in text
-    assert "no change is beyond chance (the least p after Holm's correction is 1)" in text
+    assert "loss" not in text
+    assert "no change is significant (the smallest p after Holm's correction is 1)" in text
     assert sentence(tmp_path, ROWS[:1]) == ""
 
 

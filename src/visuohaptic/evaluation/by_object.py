@@ -14,10 +14,18 @@ from visuohaptic.tables.schema import matrix
 
 @dataclass(frozen=True)
 class ObjectMeans:
-    """Accuracies (o,) of o objects, pairs of class and name, sorted, and their weights (o,).
+    """Mean accuracy of each object.
 
-    The mean of the accuracies by the weights is the mean over splits. `share` is each row's share of the test
-    sequences of its split.
+    Attributes
+    ----------
+    objects : tuple of (str, str)
+        Class and name of o objects, sorted.
+    accuracy : array (o,), float64
+        The objects' accuracies.
+    weights : array (o,), float64
+        The objects' weights. The weighted mean of the accuracies equals the mean over splits.
+    share : array (n,), float64
+        For each of the n rows, its share of the test sequences of its split.
     """
 
     objects: tuple[tuple[str, str], ...]
@@ -27,30 +35,30 @@ class ObjectMeans:
 
 
 def average_by_object(rows: pa.Table, counted: str = "sequences") -> ObjectMeans:
-    """Average each object's `accuracy` over the splits and repeats that tested it.
+    """Average each object's accuracy over the splits and repeats that tested the object.
 
     Parameters
     ----------
     rows : pyarrow.Table
-        Columns ``class``, ``object``, ``split``, ``repeat``, ``accuracy`` and `counted`, one row per object,
-        split and repeat, such as rows of `tables.STUDY` of one condition, pipeline, strategy and classifier.
+        Columns ``class``, ``object``, ``split``, ``repeat``, ``accuracy`` and `counted`, with one row per object,
+        split and repeat: rows of `tables.STUDY` of one condition, pipeline, strategy and classifier.
     counted : str
         The column with the number of test sequences.
 
     Returns
     -------
     ObjectMeans
-        The accuracies, by object.
+        The mean accuracies and the weights.
     """
     owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
-    places = {owner: place for place, owner in enumerate(objects)}
-    owner = np.array([places[one] for one in owners])
+    index_of = {key: index for index, key in enumerate(objects)}
+    owner = np.array([index_of[key] for key in owners])
     split, repeat, count, accuracy = matrix(rows, ["split", "repeat", counted, "accuracy"]).T
     _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
     share = count / np.bincount(run, weights=count)[run]
     weights: FloatArray = np.bincount(owner, weights=share).astype(np.float64)
-    # Shares times counts are whole numbers but for rounding, except where viewpoints vote.
-    right = np.where(count > 1, np.rint(accuracy * count), accuracy)
-    means = np.bincount(owner, weights=share * right / count) / weights
+    # Accuracy times count is a whole number up to rounding; only where viewpoints vote (count 1) it is a share.
+    correct = np.where(count > 1, np.rint(accuracy * count), accuracy)
+    means = np.bincount(owner, weights=share * correct / count) / weights
     return ObjectMeans(objects, means, weights, share)

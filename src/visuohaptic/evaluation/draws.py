@@ -1,4 +1,4 @@
-"""Several draws of a random strategy's places: accuracies and leads as means over draws, and how far one draw moves them."""
+"""Several draws of a random strategy's places: accuracies and leads as means over draws, and their spread."""
 
 from __future__ import annotations
 
@@ -35,76 +35,74 @@ class Draw:
 
 @dataclass(frozen=True)
 class FurtherDraws:
-    """All draws of one pipeline, strategy and classifier but the first, in order; `notes` name those that failed."""
+    """The draws of one pipeline, strategy and classifier after the first, in order.
+
+    `notes` has one sentence per draw that failed.
+    """
 
     draws: tuple[Draw, ...] = ()
     notes: tuple[str, ...] = ()
 
 
 def further_draws(rows: pa.Table | None) -> dict[CellKey, FurtherDraws]:
-    """Read the further draws of each pipeline, strategy and classifier from rows of `tables.STUDY`.
+    """Return the further draws of each pipeline, strategy and classifier in rows of `tables.STUDY`.
 
-    Column ``strategy`` names the draws, such as ``random#2``. No table has no draws.
+    Column ``strategy`` names the draw, such as ``random#2``. Without a table the result is empty.
     """
     if rows is None or not rows.num_rows:
         return {}
     cells = rows.select(_CELL).group_by(_CELL).aggregate([]).to_pylist()
-    found: dict[CellKey, FurtherDraws] = {}
-    for cell in sorted(cells, key=lambda one: draw_of(one["strategy"])):
-        part = rows
+    by_cell: dict[CellKey, FurtherDraws] = {}
+    for cell in sorted(cells, key=lambda cell: draw_of(cell["strategy"])):
+        measured = rows
         for name, value in cell.items():
-            part = part.filter(pc.equal(part.column(name), value))
+            measured = measured.filter(pc.equal(measured.column(name), value))
         strategy, number = draw_of(cell["strategy"])
         key = (cell["pipeline"], strategy, cell["classifier"])
-        error, known = part.column("error")[0].as_py(), found.get(key, FurtherDraws())
+        error = measured.column("error")[0].as_py()
+        earlier = by_cell.get(key, FurtherDraws())
         if error is not None:
             note = f"draw {number} of the places could not be measured: {error.rstrip('.')}"
-            found[key] = FurtherDraws(known.draws, (*known.notes, note))
+            by_cell[key] = FurtherDraws(earlier.draws, (*earlier.notes, note))
             continue
-        means = average_by_object(part)
+        means = average_by_object(measured)
         draw = Draw(means.objects, means.accuracy, means.weights)
-        found[key] = FurtherDraws((*known.draws, draw), known.notes)
-    return found
+        by_cell[key] = FurtherDraws((*earlier.draws, draw), earlier.notes)
+    return by_cell
 
 
 def mean_over_draws(draws: Sequence[Draw]) -> Draw:
-    """Average each object's accuracy, and its weight, over the draws that tested it.
+    """Average each object's accuracy and weight over the draws that tested the object.
 
     Parameters
     ----------
     draws : sequence of Draw
-        At least one; the result has the objects of the first.
+        At least one draw. The result has the objects of the first draw.
 
     Returns
     -------
     Draw
-        The mean; of one draw the draw itself.
+        The mean over draws; a single draw is returned unchanged.
     """
     first, *others = draws
     if not others:
         return first
-    tested = [dict(zip(one.objects, range(len(one.objects)), strict=True)) for one in draws]
-    accuracy, weights = (
-        np.array(
-            [
-                np.mean(
-                    [
-                        getattr(one, name)[places[key]]
-                        for one, places in zip(draws, tested, strict=True)
-                        if key in places
-                    ]
-                )
-                for key in first.objects
-            ]
-        )
-        for name in ("accuracy", "weights")
-    )
-    return Draw(first.objects, accuracy, weights)
+    indices = [{key: index for index, key in enumerate(draw.objects)} for draw in draws]
+    accuracy, weights = [], []
+    for key in first.objects:
+        tested = [
+            (draw, index_of[key])
+            for draw, index_of in zip(draws, indices, strict=True)
+            if key in index_of
+        ]
+        accuracy.append(np.mean([draw.accuracy[index] for draw, index in tested]))
+        weights.append(np.mean([draw.weights[index] for draw, index in tested]))
+    return Draw(first.objects, np.array(accuracy), np.array(weights))
 
 
 @dataclass(frozen=True)
 class LeadOverDraws:
-    """Fixation minus each draw of a random strategy, as shares, in the order of the draws."""
+    """The lead of fixation over each draw of a random strategy: differences of shares, in the order of the draws."""
 
     leads: tuple[float, ...]
 
@@ -120,13 +118,16 @@ class LeadOverDraws:
 
     @property
     def standard_deviation(self) -> float:
-        """How far one draw moves the lead: the standard deviation over draws, by n - 1; 0 of a single draw."""
+        """The standard deviation of the leads over draws (n - 1); 0 for a single draw."""
         return float(np.std(self.leads, ddof=1)) if self.count > 1 else 0.0
 
 
 def lead_over_draws(reference: Draw, draws: Sequence[Draw]) -> LeadOverDraws:
-    """Compute how far `reference` is ahead of each draw, over the objects of both, weighted as the reference."""
-    return LeadOverDraws(tuple(_lead(reference, one) for one in draws))
+    """Compute the lead of `reference` over each draw.
+
+    A lead is the weighted mean of the differences over the objects of both, with the weights of `reference`.
+    """
+    return LeadOverDraws(tuple(_lead(reference, draw) for draw in draws))
 
 
 def _lead(reference: Draw, other: Draw) -> float:
@@ -135,14 +136,14 @@ def _lead(reference: Draw, other: Draw) -> float:
 
 
 def in_common(first: Draw, second: Draw) -> tuple[Draw, Draw]:
-    """Return both with only the objects that both tested."""
+    """Return both draws with only the objects that both tested."""
     shared = {*first.objects} & {*second.objects}
     return _take(first, shared), _take(second, shared)
 
 
 def _take(draw: Draw, objects: set[tuple[str, str]]) -> Draw:
-    rows = [place for place, key in enumerate(draw.objects) if key in objects]
-    kept = tuple(draw.objects[place] for place in rows)
+    rows = [row for row, key in enumerate(draw.objects) if key in objects]
+    kept = tuple(draw.objects[row] for row in rows)
     return Draw(kept, draw.accuracy[rows], draw.weights[rows])
 
 

@@ -1,18 +1,19 @@
-"""Intervals over objects by one rule, and tests in pairs: sequences of one object are not independent.
+"""Intervals over objects by one rule, and paired tests over objects.
 
-The values are one per object (its accuracy over every split that tested it), with the predictions as they
-are. So an interval shows how far a mean may lie from that of all objects of the same kind, with the trained
-classifiers as they are: without the variation of training objects.
+Sequences of one object are not independent, so the unit is the object. Each object has one value: its accuracy
+over every split that tested it. An interval shows how far a mean may lie from the mean over all objects of the
+same kind. The trained classifiers are fixed, so the variation of training objects is not included.
 
-The rule for the low end; the high end is its mirror image. Objects get random weights, and so does an extra
-object: their own weights times draws of gamma distributions, of shape 1 (Bayesian bootstrap, D. Rubin, Annals
-of Statistics 9(1), 1981) and of shape `EXTRA`. The low end is the smaller of two quantiles of the weighted mean:
+The rule for the low end (the high end is its mirror image): objects and an extra object get random weights. These
+are their own weights times draws of a gamma distribution. Its shape is 1 for objects (Bayesian bootstrap, D. Rubin,
+Annals of Statistics 9(1), 1981) and `EXTRA` for the extra object. The low end is the smaller of two quantiles of the
+weighted mean:
 
-- what the objects show: the extra object is as bad as the worst of them;
-- what they may have missed: the extra object is as bad as possible, all others as good as the best of them.
+- the observed objects: the extra object has the value of the worst object;
+- unobserved objects: the extra object has the lowest possible value, all others have the value of the best object.
 
-Each mean rises with each value, so no end moves up where an object gets worse. Of all-or-nothing objects, both
-quantiles are those of beta distributions.
+Each weighted mean rises with each value, so no end moves up when an object gets worse. If all values are 0 or 1,
+both quantiles are quantiles of beta distributions.
 """
 
 from __future__ import annotations
@@ -29,19 +30,19 @@ from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.parameters import IntervalParameters
 
 Bounds = tuple[float, float]
-"""The least and the largest value that an object can have."""
+"""The lowest and the highest value that an object can have."""
 
 SHARE: Bounds = (0.0, 1.0)
 DIFFERENCE: Bounds = (-1.0, 1.0)
-"""Of two shares."""
+"""Bounds of the difference of two shares."""
 CORRELATION: Bounds = (-1.0, 1.0)
 UNBOUNDED: Bounds = (-math.inf, math.inf)
 
 EXTRA = 0.75
-"""Weight of the extra object, in objects: of the multiples of 0.05, the least that keeps 93 % (docs/recognition.md)."""
+"""Weight of the extra object, in objects: the smallest multiple of 0.05 with a coverage of 93 % (docs/recognition.md)."""
 
-# Trapezoids over x with the nodes sinh x: functions that fall as a power are summed as exactly as those that fall as
-# a normal density. Powers of a literal have the same bits on every processor.
+# Trapezoidal rule over x with nodes at sinh x: integrands with a power-law tail are then summed as exactly as
+# integrands with a normal tail. Powers of a literal have the same bits on every processor.
 _STEP = 1 / 16
 _GROWTH = np.concatenate([[1.0], np.cumprod(np.full(383, 1.0644944589178593))])  # e^x
 _NODES = (_GROWTH - 1 / _GROWTH) / 2
@@ -51,12 +52,12 @@ _FIRST_HALVINGS = 3
 _TURNS = 100
 _NARROW = 1e-12
 _ROUNDING = 1e-9
-"""By how much values may miss their bounds."""
+"""How far values may lie outside their bounds, to allow for rounding."""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A figure and its interval."""
+    """A mean and its interval; ends are NaN where there are none."""
 
     mean: float
     low: float
@@ -65,9 +66,9 @@ class Interval:
 
 @dataclass(frozen=True)
 class PairedComparison:
-    """A mean difference, first less second, between two treatments of the same objects.
+    """The mean difference, first minus second, between two treatments of the same objects.
 
-    The p value is two-sided; `exact` says whether all sign changes were taken.
+    `p_value` is two-sided. `exact` is True if the test took all sign changes, False if it took a random sample.
     """
 
     difference: Interval
@@ -77,7 +78,7 @@ class PairedComparison:
 
 
 def plain_interval(interval: Interval) -> dict[str, float | None]:
-    """Give mean, low and high by name, for JSON; what is NaN is None."""
+    """Return ``mean``, ``low`` and ``high`` by name, for JSON; NaN becomes None."""
     return {name: None if np.isnan(value) else value for name, value in vars(interval).items()}
 
 
@@ -87,7 +88,7 @@ def object_interval(
     parameters: IntervalParameters,
     bounds: Bounds = SHARE,
 ) -> Interval:
-    """Compute the weighted mean of objects' values and its interval, by the rule of this module.
+    """Compute the weighted mean of the objects' values and its interval, by the rule of this module.
 
     Parameters
     ----------
@@ -97,74 +98,79 @@ def object_interval(
         Positive weights.
     parameters : IntervalParameters
         The confidence.
-    bounds
-        The least and the largest possible value. Where one is infinite, the end on its side only counts what
-        the objects show.
+    bounds : tuple of two floats
+        The lowest and the highest possible value. With an infinite bound, the end on that side uses the
+        observed objects only.
 
     Returns
     -------
     Interval
-        Within the bounds, and with the mean inside. With a single object both ends are NaN.
+        The interval lies within the bounds and contains the mean. With a single object both ends are NaN.
 
     Raises
     ------
     ValueError
         If a value lies outside the bounds.
     """
-    least, most = float(values.min()), float(values.max())
-    if least < bounds[0] - _ROUNDING or most > bounds[1] + _ROUNDING:
-        raise ValueError(f"values are from {least} to {most}; they must be within {bounds}.")
+    lowest, highest = float(values.min()), float(values.max())
+    if lowest < bounds[0] - _ROUNDING or highest > bounds[1] + _ROUNDING:
+        raise ValueError(f"values are from {lowest} to {highest}; they must be within {bounds}.")
     values = np.clip(values, *bounds)
-    mean = float(np.clip(np.einsum("o,o", weights, values) / np.sum(weights), least, most))
+    mean = float(np.clip(np.einsum("o,o", weights, values) / np.sum(weights), lowest, highest))
     if len(values) < 2:
         return Interval(mean, math.nan, math.nan)
     tail = (1 - parameters.confidence) / 2
-    missed = _missed(tuple(weights.tolist()), tail)
-    low = _low_end(values, weights, bounds[0], missed, tail)
-    high = -_low_end(-values, weights, -bounds[1], missed, tail)
+    unobserved = _unobserved_weight(tuple(weights.tolist()), tail)
+    low = _low_end(values, weights, bounds[0], unobserved, tail)
+    high = -_low_end(-values, weights, -bounds[1], unobserved, tail)
     return Interval(mean, min(low, mean), max(high, mean))
 
 
 def balanced_interval(
     values: FloatArray, classes: IntArray, parameters: IntervalParameters
 ) -> Interval:
-    """Compute the mean over classes of the mean share (o,) of their objects, and its interval."""
-    _, place, counts = np.unique(classes, return_inverse=True, return_counts=True)
-    return object_interval(values, 1.0 / counts[place], parameters)
+    """Compute the mean over classes of the mean over a class's objects, and its interval.
+
+    `values` (o,) are shares in [0, 1], one per object; `classes` (o,) are the objects' classes.
+    """
+    _, class_index, counts = np.unique(classes, return_inverse=True, return_counts=True)
+    return object_interval(values, 1.0 / counts[class_index], parameters)
 
 
 @lru_cache(maxsize=64)
-def _missed(weights: tuple[float, ...], tail: float) -> float:
-    """Compute the weight that an extra object may have beside objects of some weights."""
+def _unobserved_weight(weights: tuple[float, ...], tail: float) -> float:
+    """Compute the share of the total weight that the extra object exceeds with probability `tail`."""
     return 1 - _quantile(np.ones(len(weights)), np.array(weights), 0.0, tail)
 
 
 def _low_end(
-    values: FloatArray, weights: FloatArray, worst: float, missed: float, tail: float
+    values: FloatArray, weights: FloatArray, worst: float, unobserved: float, tail: float
 ) -> float:
-    """Compute the low end; `missed` is the weight of what the objects may have missed."""
-    least, most = float(values.min()), float(values.max())
-    shown = _quantile(values, weights, least, tail)
+    """Compute the low end; `worst` is the lowest possible value, `unobserved` the weight of unobserved objects."""
+    lowest, highest = float(values.min()), float(values.max())
+    observed = _quantile(values, weights, lowest, tail)
     if math.isinf(worst):
-        return shown
-    return min(shown, (1 - missed) * most + missed * worst)
+        return observed
+    return min(observed, (1 - unobserved) * highest + unobserved * worst)
 
 
 def _quantile(values: FloatArray, weights: FloatArray, extra: float, tail: float) -> float:
-    """Compute a quantile of the randomly weighted mean of objects and an extra one of value `extra`."""
-    least, most = min(float(values.min()), extra), float(values.max())
-    if least == most:
-        return least
-    places = (np.append(values, extra) - least) / (most - least)
-    # The extra object's own weight is that of a typical one: the mean of the objects' weights, by weight.
-    own = np.append(weights, np.einsum("o,o", weights, weights) / np.sum(weights))
-    level = _root(lambda level: _share_below(own * (places - level)) - tail, -tail, 1 - tail)
-    return least + level * (most - least)
+    """Compute quantile `tail` of the randomly weighted mean of the objects and an extra object of value `extra`."""
+    lowest, highest = min(float(values.min()), extra), float(values.max())
+    if lowest == highest:
+        return lowest
+    scaled = (np.append(values, extra) - lowest) / (highest - lowest)
+    # The extra object is a typical object: its weight is the mean of the objects' weights, weighted by themselves.
+    all_weights = np.append(weights, np.einsum("o,o", weights, weights) / np.sum(weights))
+    level = _root(
+        lambda level: _share_below(all_weights * (scaled - level)) - tail, -tail, 1 - tail
+    )
+    return lowest + level * (highest - lowest)
 
 
 def _root(function: Callable[[float], float], below: float, above: float) -> float:
-    """Compute where a function rises through 0 between 0 and 1, where it is `below` and `above`."""
-    # Halvings, then regula falsi that halves the value at an end that stays (Illinois).
+    """Compute the root of a rising function on [0, 1]; `below` and `above` are its values at 0 and 1."""
+    # A few bisections, then the Illinois variant of regula falsi.
     low, high, last = 0.0, 1.0, 0.0
     middle = 0.5
     for turn in range(_TURNS):
@@ -184,9 +190,9 @@ def _root(function: Callable[[float], float], below: float, above: float) -> flo
 
 def _share_below(slopes: FloatArray) -> float:
     """Compute the probability that the sum of slopes (o + 1,) times gamma draws is below 0."""
-    # The inverse Laplace transform of the moment generating function, along a line near its saddle point
-    # (R. Lugannani and S. Rice, Advances in Applied Probability 12(2), 1980). Sums, products, quotients and roots
-    # in one order have the same bits on every processor.
+    # Inverse Laplace transform of the moment generating function along a line near its saddle point
+    # (R. Lugannani and S. Rice, Advances in Applied Probability 12(2), 1980). Only sums, products, quotients and
+    # roots, in a fixed order: these have the same bits on every processor.
     if slopes.min() >= 0 or slopes.max() <= 0:
         return float(slopes.max() <= 0)
     slopes = slopes / np.abs(slopes).max()
@@ -195,7 +201,7 @@ def _share_below(slopes: FloatArray) -> float:
     across = np.multiply.outer(slopes, -saddle * _NODES)
     squares = (along * along)[:, None] + across * across
     real, imaginary = along[:, None] / squares, across / squares
-    # A power of 3/4: a root times the root of that root.
+    # The extra object's factor has the power EXTRA = 3/4: the root times the root of the root.
     root = _square_root(real[-1], imaginary[-1])
     real[-1], imaginary[-1] = _product(*root, *_square_root(*root))
     while len(real) > 1:
@@ -204,18 +210,18 @@ def _share_below(slopes: FloatArray) -> float:
         pairs = _product(real[first], imaginary[first], real[second], imaginary[second])
         real = np.concatenate([pairs[0], real[2 * half :]])
         imaginary = np.concatenate([pairs[1], imaginary[2 * half :]])
-    # Divided by the place on the line, in units of the saddle point.
-    parts = (real[0] - imaginary[0] * _NODES) / (1 + _NODES * _NODES)
-    return math.fsum((parts * _WIDTHS).tolist()) * _STEP / math.pi
+    # The integrand is divided by the point on the line, in units of the saddle point.
+    integrand = (real[0] - imaginary[0] * _NODES) / (1 + _NODES * _NODES)
+    return math.fsum((integrand * _WIDTHS).tolist()) * _STEP / math.pi
 
 
 def _saddle(slopes: FloatArray) -> float:
-    """Compute where the moment generating function over minus its argument is least, left of 0."""
+    """Compute the saddle point: the minimum over s < 0 of the moment generating function at s, divided by -s."""
     low, high = 1 / float(slopes.min()), 0.0
-    parts = slopes * np.append(np.ones(len(slopes) - 1), EXTRA)
+    numerators = slopes * np.append(np.ones(len(slopes) - 1), EXTRA)
     middle = low / 2
     for _ in range(_HALVINGS):
-        if np.add.reduce(parts / (1 - middle * slopes)) > 1 / middle:
+        if np.add.reduce(numerators / (1 - middle * slopes)) > 1 / middle:
             high = middle
         else:
             low = middle
@@ -226,7 +232,7 @@ def _saddle(slopes: FloatArray) -> float:
 def _product(
     real: FloatArray, imaginary: FloatArray, other_real: FloatArray, other_imaginary: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Multiply complex numbers; NumPy's product may round once less on some processors."""
+    """Multiply complex numbers with the same bits everywhere; NumPy's product may fuse operations."""
     return (
         real * other_real - imaginary * other_imaginary,
         real * other_imaginary + imaginary * other_real,
@@ -245,29 +251,46 @@ def compare_paired(
     weights: FloatArray,
     parameters: IntervalParameters,
 ) -> PairedComparison:
-    """Compare shares (o,) of the same objects, of positive weights (o,), under two treatments.
+    """Compare two treatments of the same objects by a sign-change permutation test.
 
-    The p value is the share of sign changes of the objects' differences whose mean is at least as
-    far from 0: all of them where they fit, else a sample that counts the observed one. The sample depends
-    on the number of objects only, so that a comparison has the same p value wherever it is made.
+    Parameters
+    ----------
+    first, second : array (o,)
+        Shares in [0, 1], one per object.
+    weights : array (o,)
+        Positive weights of the objects.
+    parameters : IntervalParameters
+        The confidence, and the number of permutations.
+
+    Returns
+    -------
+    PairedComparison
+        The mean of first minus second, its interval, and the p value. The p value is the share of sign changes with
+        a mean at least as far from 0 as the observed mean. All sign changes are taken if there are at most
+        `parameters.permutations`, else a random sample that includes the observed signs. The sample depends only on
+        the number of objects, so that a comparison has the same p value wherever it is computed.
     """
     interval = object_interval(first - second, weights, parameters, DIFFERENCE)
-    parts = (first - second) * weights / weights.sum()
-    exact = len(parts) < 63 and 2 ** len(parts) <= parameters.permutations
+    differences = (first - second) * weights / weights.sum()
+    count = len(differences)
+    exact = count < 63 and 2**count <= parameters.permutations
     if exact:
-        places = np.arange(2 ** len(parts))[:, None] >> np.arange(len(parts))
-        signs = 1.0 - 2.0 * (places & 1)
+        bits = np.arange(2**count)[:, None] >> np.arange(count)
+        signs = 1.0 - 2.0 * (bits & 1)
     else:
-        generator = spawn_generator(0, "sign changes", len(parts))
-        signs = generator.choice([-1.0, 1.0], size=(parameters.permutations, len(parts)))
-    # Sums that differ by rounding alone are equal.
-    reached = np.abs(signs @ parts) >= np.abs(parts.sum()) - 1e-12
+        generator = spawn_generator(0, "sign changes", count)
+        signs = generator.choice([-1.0, 1.0], size=(parameters.permutations, count))
+    # Sums that differ only by rounding count as equal.
+    reached = np.abs(signs @ differences) >= np.abs(differences.sum()) - 1e-12
     p_value = reached.mean() if exact else (reached.sum() + 1) / (len(signs) + 1)
-    return PairedComparison(interval, float(p_value), len(parts), exact)
+    return PairedComparison(interval, float(p_value), count, exact)
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Adjust p values for their number, to 1 at most (S. Holm, Scand. J. Statist. 6:65-70, 1979)."""
+    """Return p values with Holm's correction, at most 1, in the given order.
+
+    S. Holm, Scandinavian Journal of Statistics 6:65-70, 1979.
+    """
     order = np.argsort(p_values, kind="stable")
     steps = np.arange(len(p_values), 0, -1) * np.asarray(p_values)[order]
     adjusted = np.empty(len(p_values))

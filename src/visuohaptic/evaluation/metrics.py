@@ -1,4 +1,4 @@
-"""The numbers behind the report: `reports/metrics.json`, and tables that DVC can plot."""
+"""The figures of the report: `reports/metrics.json`, and tables that DVC can plot."""
 
 from __future__ import annotations
 
@@ -29,15 +29,30 @@ def make_metrics(
     parameters: Mapping[str, Any],
     drawn: Sequence[str | Path] = (),
 ) -> None:
-    """Write the metrics file and two plot tables; they hold no seconds, so a rerun gives the same bytes.
+    """Write the metrics file and two tables for plots.
 
-    The metrics file names the `parameters` of the run, so that it can be compared with others. `drawn` are
-    files of `tables.STUDY` with further draws of random strategies.
+    None of the files holds seconds, so a rerun writes the same bytes.
+
+    Parameters
+    ----------
+    scores, predictions : sequence of paths
+        Files of `tables.SCORES` and `tables.PREDICTIONS`.
+    metrics : path
+        JSON to write: the figures of `summarise`, and the `parameters` of the run.
+    accuracy : path
+        CSV to write: accuracy per pipeline, strategy and classifier.
+    confusion : path
+        CSV to write: true and predicted class of each prediction.
+    intervals : IntervalParameters
+        The confidence of the intervals.
+    parameters : mapping
+        The parameters of the run, so that metrics of several runs can be compared.
+    drawn : sequence of paths
+        Files of `tables.STUDY` with further draws of random strategies.
     """
     predicted = read_table(PREDICTIONS, predictions)
     further = read_table(STUDY, drawn) if drawn else None
-    figures = summarise(read_table(SCORES, scores), predicted, intervals, further)
-    summary = round_numbers(figures)
+    summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, further))
     Path(metrics).parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({**summary, "parameters": parameters}, indent=2, sort_keys=True) + "\n"
     Path(metrics).write_text(text, encoding="utf-8")
@@ -46,9 +61,9 @@ def make_metrics(
 
 
 def round_numbers(value: Any) -> Any:
-    """Round every number to `SIGNIFICANT_DIGITS`, however deep it lies in what JSON can hold.
+    """Round every float in nested dicts, lists and tuples to `SIGNIFICANT_DIGITS`; tuples become lists.
 
-    Digits that differ between processors say nothing.
+    Later digits may differ between processors.
     """
     if isinstance(value, dict):
         return {key: round_numbers(item) for key, item in value.items()}

@@ -1,4 +1,4 @@
-"""What the paper reports, to be shown beside what came out here.
+"""The accuracies that the paper reports, shown beside the accuracies of a run.
 
 G. Rouhafzay and A.-M. Cretu, "A visuo-haptic framework for object recognition
 inspired from human tactile perception", Proceedings 4(1):47, 2018, Table 1.
@@ -12,7 +12,7 @@ PAPER = (
 )
 
 PAPER_PIPELINE = "paper"
-"""The pipeline whose accuracies stand beside `TABLE_1`."""
+"""The pipeline that is compared with `TABLE_1`."""
 
 TABLE_1 = {
     "k_nearest_neighbours": {"fixation": 0.8558, "random": 0.8494},
@@ -21,4 +21,4 @@ TABLE_1 = {
     "quadratic_discriminant": {"fixation": 0.9189, "random": 0.8428},
     "naive_bayes": {"fixation": 0.5668, "random": 0.5716},
 }
-"""Share of sequences correctly classified, by classifier and strategy, in the table's order."""
+"""Published share of sequences correctly classified, by classifier and strategy, in the table's order."""

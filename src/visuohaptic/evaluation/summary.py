@@ -60,7 +60,7 @@ METHOD = {
 
 @dataclass(frozen=True)
 class Confusion:
-    """How often sequences of each of c classes (row) were predicted as each (column)."""
+    """Counts (c, c) of sequences by true class (row) and predicted class (column)."""
 
     classes: tuple[str, ...]
     counts: IntArray
@@ -68,7 +68,7 @@ class Confusion:
 
 @dataclass(frozen=True)
 class _ObjectFigures:
-    """Values an object over every split and repeat that tested it."""
+    """Accuracy and vote of each object, as means over the splits and repeats that tested the object."""
 
     objects: tuple[tuple[str, str], ...]
     classes: IntArray
@@ -79,11 +79,11 @@ class _ObjectFigures:
 
     @property
     def draw(self) -> Draw:
-        """The accuracies as those of a draw."""
+        """The accuracies and weights as the first draw."""
         return Draw(self.objects, self.accuracy, self.weights)
 
     def over(self, further: FurtherDraws | None) -> _ObjectFigures:
-        """Return the figures with accuracies as means over this draw and further ones."""
+        """Return the figures with accuracies and weights as means over this draw and further draws."""
         if further is None:
             return self
         mean = mean_over_draws([self.draw, *further.draws])
@@ -96,14 +96,31 @@ def summarise(
     parameters: IntervalParameters | None = None,
     drawn: pa.Table | None = None,
 ) -> dict[str, Any]:
-    """Give every headline figure of recognition, in types that JSON has.
+    """Compute every headline figure of recognition, in types that JSON has.
 
-    ``method`` says what each figure in ``results[pipeline][strategy][classifier]`` means; an interval
-    has ``mean``, ``low`` and ``high``, an end that does not exist is None.
-    ``comparisons[pipeline][classifier][other strategy]`` has fixation minus the other. `drawn`, rows of
-    `tables.STUDY`, has further draws of random strategies: their figures are means over draws, and
-    ``draws`` there has the draws one by one. Raises `RecognitionError` if scores and predictions are not of the same
-    experiment.
+    Parameters
+    ----------
+    scores : pyarrow.Table
+        Rows of `tables.SCORES`.
+    predictions : pyarrow.Table
+        Rows of `tables.PREDICTIONS` of the same run.
+    parameters : IntervalParameters, optional
+        The confidence of the intervals and the number of permutations.
+    drawn : pyarrow.Table, optional
+        Rows of `tables.STUDY` with further draws of random strategies. Figures of these strategies are then means
+        over draws, and ``draws`` has the accuracy or the lead of each draw.
+
+    Returns
+    -------
+    dict
+        ``results[pipeline][strategy][classifier]`` has the figures, and ``method`` describes each of them. An interval
+        has ``mean``, ``low`` and ``high``; a missing end is None. ``comparisons[pipeline][classifier][strategy]``
+        compares fixation with the strategy: fixation minus the strategy.
+
+    Raises
+    ------
+    RecognitionError
+        If scores and predictions are not of the same run.
     """
     parameters = parameters or IntervalParameters()
     cells = _cells(predictions)
@@ -114,7 +131,7 @@ def summarise(
             f"from one run."
         )
     figures = {key: _object_figures(rows) for key, rows in cells.items()}
-    further = {key: found for key, found in further_draws(drawn).items() if key in figures}
+    further = {key: draws for key, draws in further_draws(drawn).items() if key in figures}
     results: dict[str, Any] = {}
     for key in sorted(cells):
         pipeline, strategy, classifier = key
@@ -132,16 +149,19 @@ def summarise(
 
 
 def confusion(predictions: pa.Table) -> Confusion:
-    """Count how sequences were classified, in rows of `tables.PREDICTIONS` that `select` chose."""
+    """Count sequences by true and predicted class.
+
+    `predictions` are rows of `tables.PREDICTIONS`, usually of one pipeline, strategy and classifier.
+    """
     true, predicted = _texts(predictions, "class"), _texts(predictions, "predicted")
-    classes, places = np.unique(np.concatenate([true, predicted]), return_inverse=True)
+    classes, codes = np.unique(np.concatenate([true, predicted]), return_inverse=True)
     counts = np.zeros((len(classes), len(classes)), dtype=np.int64)
-    np.add.at(counts, (places[: len(true)], places[len(true) :]), 1)
+    np.add.at(counts, (codes[: len(true)], codes[len(true) :]), 1)
     return Confusion(tuple(str(name) for name in classes), counts)
 
 
 def select(table: pa.Table, **values: object) -> pa.Table:
-    """Take the rows whose columns have the given values, such as ``strategy="random"``."""
+    """Return the rows that have the given values in the named columns, such as ``strategy="random"``."""
     for name, value in values.items():
         table = table.filter(pc.equal(table.column(name), pa.scalar(value)))
     return table
@@ -161,13 +181,13 @@ def _texts(table: pa.Table, name: str) -> NDArray[np.str_]:
 
 
 def _object_figures(rows: pa.Table) -> _ObjectFigures:
-    """Average each object's accuracy and vote over the splits that tested it."""
-    # The weights make the weighted mean over objects the mean over splits of a split's share of
-    # sequences (of objects, for the vote).
+    """Average each object's accuracy and vote over the splits and repeats that tested the object."""
+    # With these weights the weighted mean over objects equals the mean over splits: of a split's share of
+    # correct sequences, or of correct objects for the vote.
     owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
-    places = {owner: place for place, owner in enumerate(objects)}
-    owner = np.array([places[name] for name in owners], dtype=np.int64)
+    index_of = {owner: index for index, owner in enumerate(objects)}
+    owner = np.array([index_of[name] for name in owners], dtype=np.int64)
     names, codes = np.unique(
         np.concatenate([_texts(rows, "predicted"), [name for name, _ in objects]]),
         return_inverse=True,
@@ -179,7 +199,7 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
     tests = run * len(objects) + owner
     test, test_of_row = np.unique(tests, return_inverse=True)
     sequences = np.bincount(test_of_row)
-    right = np.bincount(test_of_row, weights=predicted == true_class[owner])
+    correct = np.bincount(test_of_row, weights=predicted == true_class[owner])
     credit = _vote_credit(rows, test_of_row, predicted, true_class[test % len(objects)], names)
     run, tested = np.divmod(test, len(objects))
     share = sequences / np.bincount(run, weights=sequences)[run]
@@ -191,7 +211,7 @@ def _object_figures(rows: pa.Table) -> _ObjectFigures:
         true_class,
         weights,
         vote_weights,
-        np.bincount(tested, weights=share * right / sequences) / weights,
+        np.bincount(tested, weights=share * correct / sequences) / weights,
         np.bincount(tested, weights=object_share * credit) / vote_weights,
     )
 
@@ -203,7 +223,7 @@ def _vote_credit(
     true_class: IntArray,
     names: NDArray[np.str_],
 ) -> FloatArray:
-    """Give each test's credit: by the soft vote where there is one, else by majority."""
+    """Return the credit of each test in [0, 1], by column ``voted`` if it is complete, else by majority."""
     if rows.column("voted").null_count:
         return vote_credit(test, predicted, true_class)[1]
     voted = np.zeros(len(true_class), dtype=names.dtype)
@@ -247,7 +267,7 @@ def _summarise_cell(
 
 
 def _describe_draws(first: Draw, further: FurtherDraws, notes: list[str]) -> dict[str, Any]:
-    accuracies = [one.mean for one in (first, *further.draws)]
+    accuracies = [draw.mean for draw in (first, *further.draws)]
     return {
         "draws": {"count": len(accuracies), "accuracies": accuracies},
         "notes": [*notes, *further.notes],
@@ -275,8 +295,8 @@ def _compare_strategies(
         comparison = compare_paired(
             reference.accuracy, other.accuracy, reference.weights, parameters
         )
-        found = {**asdict(comparison), "difference": plain_interval(comparison.difference)}
+        entry = {**asdict(comparison), "difference": plain_interval(comparison.difference)}
         if key in further:
-            found["draws"] = plain_lead(lead_over_draws(fixation.draw, draws))
-        comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = found
+            entry["draws"] = plain_lead(lead_over_draws(fixation.draw, draws))
+        comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = entry
     return comparisons

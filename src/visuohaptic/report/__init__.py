@@ -1,1 +1,1 @@
-"""One page that reports what was run and what came out; nothing here computes a result that a phase could use."""
+"""The report of a run on one page. It only shows results; no phase uses anything from this package."""

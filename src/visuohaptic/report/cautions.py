@@ -1,4 +1,4 @@
-"""What a reader must know before trusting the page, each in one sentence."""
+"""Warnings about a run, one sentence each."""
 
 from __future__ import annotations
 
@@ -15,18 +15,21 @@ from visuohaptic.tables.phases import key_of
 
 _SECTION_OF_STUDY = {"effects": "influence"}
 
-_TOO_FEW = "left out of recognition where that needs more touches"
+_TOO_FEW = "left out of recognition if it needs more touches"
 _MOST_REASONS = 20
-"""Objects that were left out, each with its reason in a line of its own."""
+"""Left-out objects that are listed with their reason; further objects are only counted."""
 
 
 def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
-    """List in sentences what was left out, fell short or failed."""
+    """Return one sentence per thing that was left out, fell short or failed.
+
+    `seconds` are the run times of the phases, with the logs of unfinished jobs.
+    """
     stability = run.stability
     broken = [describe_checks(stability.checks)] if stability and stability.broken else []
     unfinished = [log for phase in seconds for log in phase.unfinished]
     meshless = [key for key in run.objects if key not in run.meshes]
-    no_mesh = f"No mesh was found of {listed_in_short(meshless)}: no model to turn is shown there."
+    no_mesh = f"No mesh was found of {listed_in_short(meshless)}, so no 3D model is shown."
     return [
         *_objects_left_out(run),
         *_notes_on_files(run),
@@ -41,18 +44,18 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
 
 
 def earlier_by_section(run: Run) -> dict[str, list[str]]:
-    """Give the sentences about studies of an earlier state by the section that shows them."""
-    found: dict[str, list[str]] = {}
-    brought = section_files(run.files.studies)
+    """Return the sentences about outdated studies, by the section that shows the study."""
+    sentences: dict[str, list[str]] = {}
+    with_section = section_files(run.files.studies)
     for name in sorted(run.files.earlier_studies):
-        own = study_anchor(name) if name in brought else "studies"
-        section = _SECTION_OF_STUDY.get(name, own)
-        found.setdefault(section, []).append(earlier_study(run, name))
-    return found
+        default = study_anchor(name) if name in with_section else "studies"
+        section = _SECTION_OF_STUDY.get(name, default)
+        sentences.setdefault(section, []).append(earlier_study(run, name))
+    return sentences
 
 
 def earlier_study(run: Run, name: str) -> str:
-    """Say that a study does not belong to the state that the rest of the page shows."""
+    """Return the sentence that a study was measured with an earlier state than the rest of the page."""
     return (
         f"Study {name} was measured with an earlier state of tables, parameters or code "
         f"({run.files.earlier_studies[name]}): snakemake -j2 study_{name} measures it again."
@@ -60,7 +63,7 @@ def earlier_study(run: Run, name: str) -> str:
 
 
 def _warned(names: Sequence[str], noun: str, what: str, end: str = ".") -> list[str]:
-    """Count names, say what is wrong with them, and list some; nothing without names."""
+    """Return a sentence that counts names, states `what` about the names, and lists some; empty without names."""
     return [f"{counted(len(names), noun)} {what} {listed_in_short(names)}{end}"] if names else []
 
 
@@ -71,14 +74,13 @@ def _objects_left_out(run: Run) -> Iterator[str]:
     yield from _warned(aside[_MOST_REASONS:], "more object", "left out:")
     untouched = sorted(set(run.named_objects) - set(run.objects) - set(run.set_aside))
     them = "it" if len(untouched) == 1 else "them"
-    yield from _warned(untouched, "object", f"of the set left out, for no table holds {them}:")
+    yield from _warned(untouched, "object", f"of the set left out, because no table holds {them}:")
     untested = sorted(set(run.objects) - set(run.tested_objects))
     classes = Counter(key.split("/")[0] for key in run.objects)
     yield from _warned(
         [key for key in untested if classes[key.split("/")[0]] == 1],
         "object",
-        "touched, but not tested, for each is alone in its class and recognition needs two objects of "
-        "a class:",
+        "touched, but not tested, because each is the only object of its class and recognition needs two:",
     )
     samples = run.parameters.recognition.protocol.protocol == "leave_one_object_a_class_out"
     yield from _warned(
@@ -109,13 +111,13 @@ def _poor_views(run: Run) -> list[str]:
     owners: dict[str, list[str]] = {}
     for key, viewpoint in poor:
         owners.setdefault(key, []).append(str(viewpoint))
-    places = [f"{key} (view {listed(views)})" for key, views in sorted(owners.items())]
-    found = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
-    return [f"{found}, {_TOO_FEW}: {listed_in_short(places)}."] if poor else []
+    named = [f"{key} (view {listed(views)})" for key, views in sorted(owners.items())]
+    count = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
+    return [f"{count}, {_TOO_FEW}: {listed_in_short(named)}."] if poor else []
 
 
 def _short_sequences(run: Run) -> list[str]:
-    """Name objects of which the sensor reaches too little from some views."""
+    """Return a sentence on sequences with too few places in reach of the sensor; empty without such sequences."""
     asked = run.parameters.attention.fixations
     sequence = ["class", "object", "viewpoint", "strategy"]
     counts = run.touches.group_by(sequence).aggregate([([], "count_all")]).to_pylist()
@@ -139,5 +141,5 @@ def _unfitted_classifiers(run: Run) -> Iterator[str]:
         yield from _warned(
             [name.replace("_", " ") for name in asked.get(pipeline, ()) if name not in fitted],
             "classifier",
-            f"of pipeline {pipeline} left out, for the training sequences at hand don't allow a fit:",
+            f"of pipeline {pipeline} left out, because the training sequences don't allow a fit:",
         )

@@ -1,7 +1,8 @@
-"""The page's sections in the order in which they appear, each with the tables that it reads.
+"""The page's sections in order, each with the tables that it reads.
 
-A new section is a function that gives its words and figures, such as one of `sections`, a template of
-its name, and its entry here. Studies outside the package bring their own (`section.study_sections`).
+A new section needs three things: a function in `sections` that returns the values of its template, a template of
+its name, and an entry in `CHAPTERS`. Studies outside the package bring their own sections
+(`section.study_sections`).
 """
 
 from __future__ import annotations
@@ -112,10 +113,10 @@ CHAPTERS = {
         Section("glossary", "Glossary", lambda _: {"words": WORDS}),
     ),
 }  # fmt: skip
-"""The sections by their entry in the table of contents."""
+"""The sections by chapter; the table of contents lists the chapters."""
 
 
 def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
-    """Give the sections of a run's page by chapter, those that studies bring first in chapter ``Studies``."""
-    brought = study_sections(run.files.studies)
-    return {**CHAPTERS, "Studies": (*brought, *CHAPTERS["Studies"])}
+    """Return the sections of a run's page by chapter; chapter ``Studies`` begins with sections of studies."""
+    of_studies = study_sections(run.files.studies)
+    return {**CHAPTERS, "Studies": (*of_studies, *CHAPTERS["Studies"])}

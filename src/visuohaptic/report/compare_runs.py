@@ -1,4 +1,4 @@
-"""What differs between runs: parameters, and accuracies in pairs over objects, as `reports/metrics.json` has them."""
+"""Differences between runs in parameters and in accuracy, from their files `reports/metrics.json`."""
 
 from __future__ import annotations
 
@@ -29,21 +29,32 @@ COLUMNS = ["parameter", *CELL, "run", *VALUE, *DIFFERENCE, "p_value", "objects"]
 
 
 class Measured(BaseModel):
-    """The accuracy of one classifier; `by_object` has each object's accuracy and its weight."""
+    """The accuracy of one classifier; `by_object` maps objects to accuracy and weight."""
 
     accuracy: Figure
     by_object: dict[str, tuple[Annotated[float, Field(ge=0, le=1)], PositiveFloat]]
 
 
 class Metrics(BaseModel):
-    """What is read of a run's metrics; results are by pipeline, strategy and classifier."""
+    """The parameters of a run, and its results by pipeline, strategy and classifier."""
 
     parameters: dict[str, Any]
     results: dict[str, dict[str, dict[str, Measured]]]
 
 
 def read_metrics(source: str) -> Metrics:
-    """Read the metrics of a file, a run's folder, or else a DVC experiment or Git revision of this repository."""
+    """Read the metrics of a run.
+
+    Parameters
+    ----------
+    source : str
+        A metrics file, the folder of a run, or else a DVC experiment or Git revision of this repository.
+
+    Raises
+    ------
+    ReportError
+        If the source does not exist or holds no metrics of this version.
+    """
     path = Path(source)
     try:
         if path.exists() or path.suffix == ".json":
@@ -58,7 +69,7 @@ def read_metrics(source: str) -> Metrics:
 
 
 def list_experiments() -> list[str]:
-    """Name the experiments that DVC keeps of this repository; `ReportError` if there are none."""
+    """Return the names of this repository's DVC experiments; raises `ReportError` if there are none."""
     names = [row["Experiment"] for row in _ask_dvc("exp_show") if row.get("Experiment")]
     if not names:
         raise ReportError("DVC keeps no experiment here; `dvc exp run` makes one.")
@@ -74,16 +85,29 @@ def _ask_dvc(function: str, *arguments: str, **named: str) -> Any:
         return getattr(dvc.api, function)(*arguments, **named)
     # DVC and the Git libraries below it raise many types; the cause is a wrong name.
     except (DvcException, OSError, ValueError, KeyError) as error:
-        what = f"{named['rev']} is no file, and DVC" if named else "DVC"
-        raise ReportError(f"{what} can't read it here ({error}); see `dvc exp show`.") from error
+        subject = f"{named['rev']} is no file, and DVC" if named else "DVC"
+        raise ReportError(f"{subject} can't read it here ({error}); see `dvc exp show`.") from error
 
 
 def compare_runs(runs: Sequence[Metrics]) -> pd.DataFrame:
-    """Compare runs A, B, … with A: a row per run for each parameter that differs, and for each accuracy.
+    """Compare runs A, B, … with run A.
 
-    `value` is a parameter as JSON, or an accuracy with its interval. `difference` is the run's accuracy
-    minus A's over the `objects` that both tested, with its interval and the p value of the sign-change
-    test. Raises `ReportError` if runs are fewer than 2 or more than 26, or share no classifier with A.
+    Parameters
+    ----------
+    runs : sequence of Metrics
+        2 to 26 runs; the first is A.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns `COLUMNS`, with one row per run for each parameter that differs and for each accuracy. ``value`` is a
+        parameter as JSON, or an accuracy with its interval. ``difference`` is the run's accuracy minus that of A over
+        the ``objects`` that both tested. It has an interval, and the p value of the sign-change test.
+
+    Raises
+    ------
+    ReportError
+        If there are fewer than 2 or more than 26 runs, or a run shares no classifier with A.
     """
     if not 2 <= len(runs) <= len(ascii_uppercase):
         raise ReportError(f"Runs named: {len(runs)}; 2 to {len(ascii_uppercase)} are allowed.")
@@ -110,38 +134,42 @@ def _accuracy_rows(runs: Sequence[Metrics]) -> Iterator[dict[str, object]]:
         }
         for run in runs
     ]
-    for run, own in zip(ascii_uppercase, by_cell, strict=False):
-        if not own.keys() & by_cell[0].keys():
+    first = by_cell[0]
+    for run, cells in zip(ascii_uppercase, by_cell, strict=False):
+        if not cells.keys() & first.keys():
             raise ReportError(f"Run {run} has no pipeline, strategy and classifier that A has.")
-    for cell in dict.fromkeys(cell for own in by_cell for cell in own):
-        for run, own in zip(ascii_uppercase, by_cell, strict=False):
-            if cell not in own:
+    for cell in dict.fromkeys(cell for cells in by_cell for cell in cells):
+        for run, cells in zip(ascii_uppercase, by_cell, strict=False):
+            if cell not in cells:
                 continue
-            accuracy = vars(own[cell].accuracy).values()
+            accuracy = vars(cells[cell].accuracy).values()
             row = dict(zip([*CELL, "run", *VALUE], [*cell, run, *accuracy], strict=True))
-            if own is not by_cell[0] and cell in by_cell[0]:
-                row |= _difference(own[cell].by_object, by_cell[0][cell].by_object)
+            if cells is not first and cell in first:
+                row |= _difference(cells[cell].by_object, first[cell].by_object)
             yield row
 
 
 def _difference(
-    own: dict[str, tuple[float, float]], first: dict[str, tuple[float, float]]
+    later: dict[str, tuple[float, float]], first: dict[str, tuple[float, float]]
 ) -> dict[str, object]:
-    """Compare over the objects of both; runs that are equal on all of them have no interval."""
-    objects = sorted(own.keys() & first.keys())
+    """Return later minus first over the objects of both; runs that are equal on all of these have no interval."""
+    objects = sorted(later.keys() & first.keys())
     if not objects:
         return {"objects": 0}
     before, weights = np.array([first[name] for name in objects]).T
-    after = np.array([own[name][0] for name in objects])
-    found = compare_paired(after, before, weights, IntervalParameters())
+    after = np.array([later[name][0] for name in objects])
+    compared = compare_paired(after, before, weights, IntervalParameters())
     is_equal = np.array_equal(before, after)
-    figures = (0.0, None, None) if is_equal else vars(found.difference).values()
-    p_value, count = found.p_value, len(objects)
+    figures = (0.0, None, None) if is_equal else vars(compared.difference).values()
+    p_value, count = compared.p_value, len(objects)
     return {**dict(zip(DIFFERENCE, figures, strict=True)), "p_value": p_value, "objects": count}
 
 
 def write_lines(table: pd.DataFrame) -> Iterator[str]:
-    """Write a line per run, per run's value of a parameter that differs, and per run's accuracy."""
+    """Yield the lines of a comparison: runs, parameters that differ, and accuracies.
+
+    `table` is a result of `compare_runs` with a further column ``source``, the name of the run.
+    """
     runs = table.drop_duplicates("run")
     yield from (f"{run}  {source}" for run, source in zip(runs.run, runs.source, strict=True))
     changed = table[table.parameter.notna()]
@@ -163,7 +191,7 @@ def write_lines(table: pd.DataFrame) -> Iterator[str]:
 
 
 def _written(figures: pd.DataFrame, form: str) -> list[str]:
-    """Write each figure with its interval, in percent; none where it is missing."""
+    """Return each figure with its interval, in per cent; an empty text where the figure is missing."""
     texts = []
     for mean, low, high in (100 * figures.astype(float)).itertuples(index=False):
         ends = "" if math.isnan(low) else f" ({low:{form}} to {high:{form}})"

@@ -1,4 +1,4 @@
-"""The comparison that the experiment is about: fixations against random probing, here and published."""
+"""The experiment's comparison: fixations against random probing, in this run and as published."""
 
 from __future__ import annotations
 
@@ -34,21 +34,33 @@ PIPELINES: Mapping[str, str] = {
         "Pipeline order_free is our own. It has no map, since five numbers keep only a part of a touch. It "
         "describes a sequence by numbers that do not depend on the order of touches: means, spreads, "
         "distances and angles, and an embedding of the poses. The settings of its classifiers are fixed; "
-        "they were chosen on 67 objects that are no part of the paper's set. Several views of an object "
+        "they were chosen on 67 objects outside the paper's set. Several views of an object "
         "are classified together by the mean of their log probabilities."
     ),
 }
-"""What each pipeline is, and why."""
+"""Descriptions of the pipelines."""
 
 _ORDER = ("fixation", "random")
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Fixations against another strategy, over the same objects; p is adjusted over the table's classifiers.
+    """Fixations against another strategy, over the same objects.
 
-    Where the other strategy's places were drawn several times, `difference` and the p values are of the mean over
-    draws, and `draws` has the lead over each draw; None with a single draw.
+    Attributes
+    ----------
+    difference : Figure
+        Accuracy of fixations minus accuracy of the other strategy; over the mean of its draws, if there are several.
+    p_value : float
+        The p value of the paired comparison.
+    adjusted_p : float
+        The p value with Holm's correction over the table's classifiers and strategies.
+    objects : int
+        The number of objects.
+    signs : str
+        Which sign changes the test took: ``all`` or ``drawn at random``.
+    draws : LeadOverDraws, optional
+        The lead over each draw of the other strategy's places; None with a single draw.
     """
 
     difference: Figure
@@ -61,7 +73,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class ClassifierRow:
-    """All figures of one classifier; the mappings go by strategy."""
+    """All figures of one classifier; the keys of the mappings are strategies."""
 
     key: str
     name: str
@@ -74,14 +86,26 @@ class ClassifierRow:
 
     @property
     def published_gain(self) -> float | None:
-        """By how much fixations are ahead of random probing in the paper."""
-        found = self.published
-        return found["fixation"] - found["random"] if found else None
+        """The published accuracy of fixations minus that of random probing; None if the paper has none."""
+        published = self.published
+        return published["fixation"] - published["random"] if published else None
 
 
 @dataclass(frozen=True)
 class PipelineTable:
-    """One pipeline's classifiers, as in the paper's table, its strategies, fixations first, and what was tested."""
+    """The figures of one pipeline.
+
+    Attributes
+    ----------
+    name : str
+        The pipeline.
+    strategies : tuple of str
+        The strategies, fixations first.
+    rows : tuple of ClassifierRow
+        The classifiers, in the order of the paper's table.
+    splits, repeats, objects, sequences : int
+        Numbers of splits and repeats, and of tested objects and sequences.
+    """
 
     name: str
     strategies: tuple[str, ...]
@@ -93,7 +117,7 @@ class PipelineTable:
 
     @property
     def leading(self) -> str:
-        """The strategy that the page speaks of: fixations where they were run."""
+        """The strategy of the headline figures: fixations if the run has them."""
         return self.strategies[0]
 
     @property
@@ -109,7 +133,7 @@ class PipelineTable:
 
 
 def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
-    """Arrange what `summarise` gives for the page, the paper's pipeline first."""
+    """Return the result of `evaluation.summary.summarise` as one table per pipeline, the paper's pipeline first."""
     names = sorted(metrics["results"], key=pipeline_order)
     compared = metrics["comparisons"]
     return [
@@ -118,12 +142,12 @@ def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
 
 
 def pipeline_order(name: str) -> tuple[bool, str]:
-    """Order pipelines by name, the paper's first."""
+    """Return a sorting key: the paper's pipeline first, then by name."""
     return name != PAPER_PIPELINE, name
 
 
 def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
-    """Merge notes that differ in their last number alone, such as ``k 5`` and ``k 15``."""
+    """Merge notes that differ only in their last number: ``k 5`` and ``k 15`` become ``k 5 or 15``."""
     merged: dict[str, list[float]] = {}
     for note in notes:
         words, _, last = note.rpartition(" ")
@@ -140,7 +164,7 @@ def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
 
 
 def draws_sentence(table: PipelineTable, strategy: str = "random") -> str:
-    """Say over how many draws of random places the headline figures are means, and how far one draw moves the lead.
+    """Return a sentence on the draws of random places behind the headline figures, and on their spread.
 
     Empty with a single draw.
     """
@@ -148,35 +172,38 @@ def draws_sentence(table: PipelineTable, strategy: str = "random") -> str:
     compared = row.comparisons.get(strategy)
     if compared is None or compared.draws is None or compared.draws.count < 2:
         return ""
-    found = compared.draws
+    draws = compared.draws
     return (
-        f"Figures of the {row.name} by {strategy_name(strategy)} are means over {found.count} draws of its places; "
-        f"its votes of whole objects, and all other classifiers, are of the first draw. Fixations lead by "
-        f"{points(min(found.leads))} to {points(max(found.leads))} points over single draws: one draw moves the "
-        f"lead by ±{percent_points(found.standard_deviation)} points (standard deviation)."
+        f"Figures of the {row.name} by {strategy_name(strategy)} are means over {draws.count} draws of its places. "
+        f"Its votes of whole objects, and all other classifiers, use the first draw. Over single draws fixations lead by "
+        f"{points(min(draws.leads))} to {points(max(draws.leads))} points (standard deviation "
+        f"{percent_points(draws.standard_deviation)} points)."
     )
 
 
 def gain_sentence(table: PipelineTable) -> str:
-    """Say with how many classifiers fixations are ahead of random probing; empty without both."""
+    """Return a sentence on the classifiers with which fixations are ahead of random probing.
+
+    Empty if the run lacks one of the two strategies.
+    """
     compared = [
         (row.name, row.comparisons["random"]) for row in table.rows if "random" in row.comparisons
     ]
     if not compared:
         return ""
-    gains = [found.difference.mean for _, found in compared]
-    settled = [
-        f"{name} ({points(found.difference.mean)})"
-        for name, found in compared
-        if found.adjusted_p < SIGNIFICANCE
+    gains = [comparison.difference.mean for _, comparison in compared]
+    significant = [
+        f"{name} ({points(comparison.difference.mean)})"
+        for name, comparison in compared
+        if comparison.adjusted_p < SIGNIFICANCE
     ]
-    least = probability(min(found.adjusted_p for _, found in compared))
+    smallest = probability(min(comparison.adjusted_p for _, comparison in compared))
     verdict = (
-        f"and the difference is significant for {listed(settled)} (p after Holm's correction below "
+        f"and the difference is significant for {listed(significant)} (p after Holm's correction below "
         f"{SIGNIFICANCE:g})"
-        if settled
+        if significant
         else f"but with {counted(compared[0][1].objects, 'object')} no difference is significant "
-        f"(the least p after Holm's correction is {least})"
+        f"(the smallest p after Holm's correction is {smallest})"
     )
     return (
         f"Fixations are ahead of random probing with {sum(gain > 0 for gain in gains)} of "
@@ -191,8 +218,8 @@ def _pipeline_table(
     strategies = _sorted(results, _ORDER)
     keys = _sorted({key for cells in results.values() for key in cells}, tuple(TABLE_1))
     pairs = [(key, strategy) for key in sorted(compared) for strategy in sorted(compared[key])]
-    found = holm([compared[key][strategy]["p_value"] for key, strategy in pairs])
-    adjusted = dict(zip(pairs, found, strict=True))
+    adjusted_values = holm([compared[key][strategy]["p_value"] for key, strategy in pairs])
+    adjusted = dict(zip(pairs, adjusted_values, strict=True))
     cell = next(iter(results[strategies[0]].values()))
     return PipelineTable(
         name,
@@ -203,8 +230,10 @@ def _pipeline_table(
 
 
 def _sorted(names: Collection[str], first: Sequence[str]) -> list[str]:
-    """Order names: those of `first` as there, then the others by name."""
-    return sorted(names, key=lambda one: (first.index(one) if one in first else len(first), one))
+    """Return names in the order of `first`; names that are not in `first` follow, sorted."""
+    return sorted(
+        names, key=lambda name: (first.index(name) if name in first else len(first), name)
+    )
 
 
 def _row(
@@ -214,7 +243,7 @@ def _row(
     compared: Mapping[str, Any],
     adjusted: Mapping[tuple[str, str], float],
 ) -> ClassifierRow:
-    cells = {strategy: found[key] for strategy, found in results.items() if key in found}
+    cells = {strategy: by_key[key] for strategy, by_key in results.items() if key in by_key}
     accuracy, by_vote = (
         {strategy: Figure(**cell[name]) for strategy, cell in cells.items()}
         for name in ("accuracy", "object_accuracy")
@@ -231,14 +260,16 @@ def _row(
         published=TABLE_1.get(key, {}) if pipeline == PAPER_PIPELINE else {},
         comparisons={
             strategy: Comparison(
-                Figure(**found["difference"]),
-                found["p_value"],
+                Figure(**comparison["difference"]),
+                comparison["p_value"],
                 adjusted[key, strategy],
-                found["objects"],
-                "all" if found["exact"] else "drawn at random",
-                LeadOverDraws(tuple(found["draws"]["leads"])) if "draws" in found else None,
+                comparison["objects"],
+                "all" if comparison["exact"] else "drawn at random",
+                LeadOverDraws(tuple(comparison["draws"]["leads"]))
+                if "draws" in comparison
+                else None,
             )
-            for strategy, found in compared.items()
+            for strategy, comparison in compared.items()
         },
         notes=merge_notes({note for cell in cells.values() for note in cell["notes"]}),
     )

@@ -1,4 +1,4 @@
-"""What accuracy costs in time: steps worth their time, and what smaller settings save."""
+"""Accuracy against time: settings that are worth their time, and savings of smaller settings."""
 
 from __future__ import annotations
 
@@ -24,31 +24,32 @@ from visuohaptic.report.wording import (
 from visuohaptic.studies.cost.cost_rows import Row, mark_front, read_costs
 
 POINT = 0.01
-"""A loss of accuracy that does not matter to most users."""
+"""A loss of accuracy, as a share, that does not matter to most users."""
 
 _CUES = {
     ("cues", "pose alone", "skin alone"): (
-        "In pipeline order_free, positions and normals alone reach {} correctly classified, imprints alone {}. "
-        "All objects stand upright."
+        "In pipeline order_free, positions and normals without imprints reach {} correctly classified, imprints "
+        "without positions and normals {}. All objects stand upright."
     ),
     ("paper", "with its map", "without the map"): (
-        "The paper reduces each touch to five numbers by a self-organising map. With it its pipeline has {} "
-        "correctly classified, without it {}."
+        "The paper reduces each touch to five numbers by a self-organising map. With the map, the paper's pipeline "
+        "reaches {} correctly classified, without the map {}."
     ),
 }
 
 
 def read_cost(path: Path | None, run: ExperimentParameters) -> Row | None:
-    """Read what accuracy costs from `tables.COST`; None where nothing was measured."""
+    """Read `tables.COST` and return the figures of `cost_figures`; None where nothing was measured."""
     rows = read_costs(path) if path else []
     return cost_figures(rows, run) if rows else None
 
 
 def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> Row:
-    """Give what the page shows of ``rows`` of `tables.COST`.
+    """Return the figures that the page shows of rows of `tables.COST`.
 
-    ``steps`` are settings worth their time: the most accurate of the quickest, then each slower and more
-    accurate one. ``reference`` is the run's own setting from one viewpoint.
+    ``steps`` are the settings that are worth their time: the most accurate of the quickest settings, then each slower
+    and more accurate setting. ``settings`` has one row per setting, and ``savings`` the rows of `find_savings`.
+    ``robot`` has the rows with a robot's time. ``reference`` is the run's own setting from one viewpoint.
     """
     return {
         "rows": rows,
@@ -64,18 +65,18 @@ def cost_figures(rows: Sequence[Row], run: ExperimentParameters) -> Row:
 
 
 def timed(rows: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Give the rows of `tables.COST` that have both seconds and an error rate."""
+    """Return the rows of `tables.COST` that have both seconds and an error rate."""
     return [row for row in rows if row["failed"] is None and row["seconds"] is not None]
 
 
 def find_steps(rows: Sequence[Row]) -> list[Row]:
-    """Give the settings that are worth their time, the quickest first."""
+    """Return the settings that are worth their time, the quickest first."""
     steps = [row for row in rows if row["step"]]
     return sorted(steps, key=lambda row: (not row["as_quick"], -row["error"]))
 
 
 def reference_row(rows: Sequence[Row]) -> Row | None:
-    """Give the row of the run's own setting from one viewpoint, if it is among the rows."""
+    """Return the row of the run's own setting from one viewpoint; None if it is not among the rows."""
     return next((row for row in rows if row["lost_low"] == 0 == row["lost_high"]), None)
 
 
@@ -85,30 +86,32 @@ def by_strategy(rows: Sequence[Row]) -> list[Row]:
 
 
 def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
-    """Copy rows of `tables.COST` with the time of a robot, a price for each touch and look added, and its front."""
-    moved = []
+    """Return rows of `tables.COST` with the seconds of a robot's touches and looks added, and the front marked anew."""
+    with_robot = []
     for row in rows:
         price = robot_price(row, cost)
         times = ("seconds", "seconds_low", "seconds_high")
-        moved.append(row | {name: row[name] + price for name in times if row[name] is not None})
-    return mark_front(moved)
+        with_robot.append(
+            row | {name: row[name] + price for name in times if row[name] is not None}
+        )
+    return mark_front(with_robot)
 
 
 def robot_price(row: Mapping[str, Any], cost: CostParameters) -> float:
-    """Compute the seconds that a robot takes for the touches and looks of a row of `tables.COST`."""
+    """Return the seconds that a robot takes for the touches and looks of a row of `tables.COST`."""
     return cost.touch_seconds * _all_touches(row) + cost.look_seconds * int(row["looks"])
 
 
 def robot_front(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
-    """Return the settings of `by_strategy` that no other beats by a robot's clock, the quickest first."""
+    """Return the settings of `by_strategy` on the front by a robot's time, the quickest first."""
     front = [row for row in on_robot(by_strategy(rows), cost) if row["on_front"]]
     return sorted(front, key=lambda row: float(row["seconds"]))
 
 
 def cost_answer(rows: Sequence[Row], cost: CostParameters) -> Answer | None:
-    """Answer what accuracy costs by a robot's clock, and how much of the time is computing.
+    """Return the answer on accuracy against a robot's time; None without settings on the front.
 
-    Of the settings that no other one beats by that clock, the answer names the quickest and the most accurate.
+    The answer names the quickest and the most accurate setting on the front, and the computing time.
     """
     front = robot_front(rows, cost)
     if not front:
@@ -143,7 +146,10 @@ def _described(row: Row) -> str:
 
 
 def time_parts(row: Row | None) -> list[Row]:
-    """Say where the time of a recognition goes, by a row of `tables.COST`; empty if it was not timed."""
+    """Return the median seconds of each part of a recognition in a row of `tables.COST`; empty if it was not timed.
+
+    Each part has ``name``, ``seconds``, and ``each``: the time per view, touch or recognition in words.
+    """
     if row is None or row["seconds"] is None:
         return []
     whole, views = (1, "recognition"), (row["looks"], "view")
@@ -158,17 +164,24 @@ def time_parts(row: Row | None) -> list[Row]:
         ("describing", row["seconds_describe"], touches),
         ("classification", row["seconds_classify"], whole),
     )
-    # Medians of parts need not add up.
-    found = [(name, max(seconds, 0.0), *units) for name, seconds, units in parts if units[0]]
+    # Differences of medians may be negative.
     return [
-        {"name": name, "seconds": seconds, "each": f"{duration(seconds / units)} per {unit}"}
-        for name, seconds, units, unit in found
+        {
+            "name": name,
+            "seconds": max(seconds, 0.0),
+            "each": f"{duration(max(seconds, 0.0) / units)} per {unit}",
+        }
+        for name, seconds, (units, unit) in parts
+        if units
     ]
 
 
 def cue_sentences(rows: Sequence[Row]) -> list[str]:
-    """Say what positions alone and imprints alone are worth, and the map of the paper's pipeline."""
-    found = {
+    """Return sentences on accuracy without imprints, without poses, and without the paper's self-organising map.
+
+    `rows` are rows of `tables.COST`; a sentence is left out if one of its settings was not measured.
+    """
+    accuracy = {
         (row["family"], row["setting"]): with_interval(
             Figure(*(1 - row[f"error{end}"] for end in ("", "_high", "_low"))), percent
         )
@@ -176,9 +189,9 @@ def cue_sentences(rows: Sequence[Row]) -> list[str]:
         if row["error"] is not None
     }
     return [
-        sentence.format(found[family, one], found[family, other])
-        for (family, one, other), sentence in _CUES.items()
-        if {(family, one), (family, other)} <= found.keys()
+        sentence.format(accuracy[family, first], accuracy[family, second])
+        for (family, first, second), sentence in _CUES.items()
+        if {(family, first), (family, second)} <= accuracy.keys()
     ]
 
 
@@ -211,30 +224,31 @@ def _verdict(row: Row) -> str:
 
 
 def find_savings(rows: Sequence[Row]) -> list[Row]:
-    """Give what quicker ways to look and touch save of the run's own seconds, and lose; the largest saving first.
+    """Return the savings of quicker settings over the run's own setting, the largest saving first.
 
-    They look, touch or describe otherwise, with as many touches from as many viewpoints, and are
-    significantly quicker.
+    A setting counts if it is significantly quicker, has as many touches and viewpoints, and changes looking, touching
+    or describing only. Empty if the run's own setting is not among the rows.
     """
-    own = reference_row(rows)
-    found = [
-        _saving_row(row, own)
+    reference = reference_row(rows)
+    if not reference:
+        return []
+    savings = [
+        _saving_row(row, reference)
         for row in rows
-        if own
-        and row["quicker"]
+        if row["quicker"]
         and row["lost_high"] is not None
-        and (row["touches"], row["viewpoints"]) == (own["touches"], own["viewpoints"])
+        and (row["touches"], row["viewpoints"]) == (reference["touches"], reference["viewpoints"])
         and row["changes"] != "{}"
         and not any(name.startswith("recognition.") for name in json.loads(row["changes"]))
     ]
-    return sorted(found, key=lambda row: -float(row["saved"]))
+    return sorted(savings, key=lambda row: -float(row["saved"]))
 
 
-def _saving_row(row: Row, own: Row) -> Row:
+def _saving_row(row: Row, reference: Row) -> Row:
     changes = []
     for name, value in json.loads(row["changes"]).items():
         shown = (
-            [one for one, weight in value.items() if weight] if isinstance(value, dict) else value
+            [key for key, weight in value.items() if weight] if isinstance(value, dict) else value
         )
         changes.append(f"{name} {listed(shown) if isinstance(shown, list) else shown}")
     if row["lost_high"] < POINT:
@@ -244,8 +258,8 @@ def _saving_row(row: Row, own: Row) -> Row:
     return {
         "setting": titled(_named(row)),
         "changes": listed(changes),
-        "saved": 1 - row["seconds"] / own["seconds"],
-        "saved_seconds": own["seconds"] - row["seconds"],
+        "saved": 1 - row["seconds"] / reference["seconds"],
+        "saved_seconds": reference["seconds"] - row["seconds"],
         "lost": figure_of(row, "lost"),
         "verdict": verdict,
         "objects": row["objects"],

@@ -1,6 +1,6 @@
-"""Charts in one style, their colours and marks, and their SVG for a page, whose colours and font they take.
+"""The style, colours and marks of charts, and charts as SVG with the colours and the font of the page.
 
-A chart is 360 units wide. A phone shows a unit as about one pixel, so no text is smaller than 9.
+A chart is 360 units wide. A phone shows one unit as about one pixel, so text has at least 9 units.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ COLOURS: Mapping[str, str] = MappingProxyType(
         "ninth": "#7a3b12", "tenth": "#1f7a55",
     }
 )  # fmt: skip
-"""Colours by the names that the page's style gives them; a dark page has others of these names."""
+"""Colours by name. The page's style replaces each by its own colour of this name, light or dark."""
 
 _SERIES = tuple(COLOURS)[5:]
 _MARKS = "osD^vP*XpH"
 
 INCH = 72
-"""Units."""
+"""Units per inch."""
 
 _STYLE = {
     "font.family": "DejaVu Sans",
@@ -61,7 +61,8 @@ _STYLE = {
     "ytick.labelsize": 9.5,
     "ytick.major.size": 0,
 }
-# Whatever a reader's matplotlibrc says, the same tables give the same chart; a backend is not chosen here.
+# The defaults come first so that the same tables give the same chart under any matplotlibrc. Matplotlib chooses the
+# backend.
 _WHOLE_STYLE: dict[Any, Any] = {**rcParamsDefault, **_STYLE}
 _WHOLE_STYLE.pop("backend")
 
@@ -73,13 +74,13 @@ _DROPPED = re.compile(
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
 
 
-def look(place: int) -> tuple[str, str]:
-    """Give the colour and the mark of a series, so that none is known by its colour alone."""
-    return COLOURS[_SERIES[place % len(_SERIES)]], _MARKS[place % len(_MARKS)]
+def look(index: int) -> tuple[str, str]:
+    """Return colour and mark of the series with an index; series differ in both, for readers who see no colour."""
+    return COLOURS[_SERIES[index % len(_SERIES)]], _MARKS[index % len(_MARKS)]
 
 
 class Chart(Figure):
-    """A figure that a notebook shows as the page does, without pyplot."""
+    """A figure that a notebook shows as SVG, without pyplot."""
 
     def _repr_svg_(self) -> str:
         return write_svg(self)
@@ -87,22 +88,25 @@ class Chart(Figure):
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Draw in the page's style, and leave Matplotlib's settings as they were."""
+    """Set Matplotlib to the page's style within a context or decorated function; restore the settings after."""
     with rc_context(_WHOLE_STYLE):
         yield
 
 
 def new_chart(height: float, width: float = 360) -> tuple[Chart, Axes]:
-    """Give an empty chart of some size, in units; called within `style`."""
+    """Return an empty chart of a height and width in units; call it within `style`."""
     chart = Chart(figsize=(width / INCH, height / INCH), layout="constrained")
     axes = chart.subplots()
-    for ground in (chart.patch, axes.patch):
-        ground.set_visible(False)
+    for background in (chart.patch, axes.patch):
+        background.set_visible(False)
     return chart, axes
 
 
 def write_svg(figure: Figure, salt: str = "visuohaptic") -> str:
-    """Write a figure as SVG: the same bytes for the same figure, text as text, ids by the salt."""
+    """Return a figure as SVG: the same bytes for the same figure and salt, with text as text.
+
+    `salt` makes the ids of the elements unique.
+    """
     stored = io.StringIO()
     with style(), rc_context({"svg.hashsalt": salt}):
         figure.savefig(stored, format="svg", metadata={"Date": None})
@@ -110,7 +114,10 @@ def write_svg(figure: Figure, salt: str = "visuohaptic") -> str:
 
 
 def inline_svg(figure: Figure, name: str, text: str) -> Markup:
-    """Give a figure as an element of a page, in the page's colours and as wide as its place, with ids of its own."""
+    """Return a figure as an SVG element for a page, in the page's colours and as wide as its container.
+
+    `name` is unique on the page and makes the ids unique; `text` describes the figure for screen readers.
+    """
     svg = _DROPPED.sub("", write_svg(figure, name)).replace("xlink:href", "href")
     start, view = svg.index("<svg"), re.search(r'viewBox="[^"]*"', svg)
     inner = svg[svg.index(">", start) + 1 :]

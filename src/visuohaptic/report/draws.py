@@ -1,4 +1,4 @@
-"""Draws of random places that were measured once and are kept with the package, by set of objects.
+"""Kept draws of random places: measured once and stored with the package, by set of objects.
 
 `make draws` measures them and writes `draws.json` beside this file (studies/draws/README.md).
 """
@@ -21,9 +21,9 @@ KEPT = "draws.json"
 
 
 class KeptPipeline(BaseModel):
-    """Accuracies of one pipeline's headline classifier per object, None where an object was not tested.
+    """Accuracies of one pipeline's headline classifier per object; None where an object was not tested.
 
-    `weights` are those of objects by fixation; `random` has one list per draw of the places.
+    `weights` are the objects' weights by fixation. `random` has one list of accuracies per draw of the places.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -35,7 +35,7 @@ class KeptPipeline(BaseModel):
 
 
 class KeptSet(BaseModel):
-    """The draws of one set of objects, ``class/name``, with the commit and the day (UTC) of the measurement."""
+    """The draws of one set of objects, ``class/name``, with the commit and the date (UTC) of the measurement."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -47,12 +47,12 @@ class KeptSet(BaseModel):
 
 @dataclass(frozen=True)
 class KeptDraws:
-    """How far fixation leads each kept draw of random places, as shares.
+    """The lead of fixation over each kept draw of random places, as shares.
 
     Attributes
     ----------
     set, pipeline, classifier : str
-        What was measured, with all other parameters at their defaults.
+        The set of objects, the pipeline and the classifier; all other parameters have their defaults.
     objects : int
         The number of objects.
     fixation : float
@@ -62,7 +62,7 @@ class KeptDraws:
     lead : LeadOverDraws
         The lead over each draw.
     commit, date : str
-        State of the code, and day of the measurement.
+        The state of the code, and the date of the measurement.
     """
 
     set: str
@@ -77,24 +77,40 @@ class KeptDraws:
 
 
 def read_draws(name: str, pipeline: str, path: Path | None = None) -> KeptDraws | None:
-    """Read the kept draws of a set of objects and a pipeline; None where none are kept.
+    """Read the kept draws of a set of objects and a pipeline.
 
-    `path` is a file as `make draws` writes; without it, that of the package. Raises `ReportError` if the file is
-    damaged.
+    Parameters
+    ----------
+    name : str
+        The set of objects.
+    pipeline : str
+        The pipeline.
+    path : Path, optional
+        A file that `make draws` wrote; by default the file of the package.
+
+    Returns
+    -------
+    KeptDraws or None
+        The draws; None where none are kept.
+
+    Raises
+    ------
+    ReportError
+        If the file is damaged.
     """
     kept = read_kept(path).get(name)
     if kept is None or pipeline not in kept.pipelines:
         return None
-    found = kept.pipelines[pipeline]
-    fixation = _draw(kept.objects, found.fixation, found.weights)
-    random = [_draw(kept.objects, one, found.weights) for one in found.random]
+    measured = kept.pipelines[pipeline]
+    fixation = _draw(kept.objects, measured.fixation, measured.weights)
+    random = [_draw(kept.objects, accuracies, measured.weights) for accuracies in measured.random]
     return KeptDraws(
         set=name,
         pipeline=pipeline,
-        classifier=found.classifier,
+        classifier=measured.classifier,
         objects=len(fixation.objects),
         fixation=fixation.mean,
-        random=tuple(one.mean for one in random),
+        random=tuple(draw.mean for draw in random),
         lead=lead_over_draws(fixation, random),
         commit=kept.commit,
         date=kept.date,
@@ -102,17 +118,17 @@ def read_draws(name: str, pipeline: str, path: Path | None = None) -> KeptDraws 
 
 
 def read_kept(path: Path | None = None) -> dict[str, KeptSet]:
-    """Read all kept draws, by set of objects."""
+    """Read all kept draws, by set of objects; `path` and errors as in `read_draws`."""
     return read_json(
         Path(str(files("visuohaptic.report").joinpath(KEPT))) if path is None else path,
-        lambda found: {name: KeptSet.model_validate(one) for name, one in found.items()},
+        lambda stored: {name: KeptSet.model_validate(draws) for name, draws in stored.items()},
         "holds no kept draws",
         "run `make draws` again",
     )
 
 
 def kept_sentence(kept: KeptDraws) -> str:
-    """Say between which ends the lead lies in kept draws, and how far one draw moves the lead."""
+    """Return a sentence on the range and the standard deviation of the lead over kept draws."""
     leads = kept.lead.leads
     commit, *edited = kept.commit.partition(",")
     return (
@@ -128,5 +144,5 @@ def _draw(
 ) -> Draw:
     numbers: FloatArray = np.array([values, weights], dtype=np.float64)
     tested = np.flatnonzero(np.isfinite(numbers).all(axis=0))
-    names = [objects[place].partition("/") for place in tested]
-    return Draw(tuple((first, last) for first, _, last in names), *numbers[:, tested])
+    names = [objects[index].partition("/") for index in tested]
+    return Draw(tuple((category, name) for category, _, name in names), *numbers[:, tested])

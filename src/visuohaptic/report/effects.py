@@ -1,4 +1,4 @@
-"""Effects and channels that were simulated or computed, what they cost and change, and what was left out and why."""
+"""Effects and channels: where each was simulated or left out and why, its run time, and its change of images."""
 
 from __future__ import annotations
 
@@ -28,9 +28,11 @@ _SAME = {True: "bit for bit", False: "no", None: "effects are off"}
 
 
 def influence_figures(path: Path, scene: str) -> Row:
-    """Read `tables.EFFECT_INFLUENCE`: rows of ``view``, of ``touch`` in one scene, and of all ``scenes``.
+    """Return the run time of effects and their changes of images, from a file of `tables.EFFECT_INFLUENCE`.
 
-    Milliseconds are of one view, or of a thousand touches; shifts, how far images move, are shares by scene.
+    ``view`` has one row per effect of the view, ``touch`` one row per effect of touch in scene `scene`, and ``scenes``
+    one row per scene. Milliseconds are per view or per thousand touches. ``shifts`` are the mean changes of an image,
+    shares of full scale, by scene. ``views`` and ``touches`` are the numbers measured.
     """
     rows = read_table(EFFECT_INFLUENCE, path).to_pylist()
     view = [_effect(row, rows, 1) for row in _ordered(rows, "any", VISUAL_EFFECTS)]
@@ -39,45 +41,56 @@ def influence_figures(path: Path, scene: str) -> Row:
     return {
         "view": view,
         "touch": touch,
-        "scenes": [_scene(found) for found in scenes if found],
+        "scenes": [_scene(effects) for effects in scenes if effects],
         "views": max((row["units"] for row in view), default=0),
         "touches": max((row["units"] for row in touch), default=0),
     }
 
 
 def effects_answer(scenes: Sequence[Row]) -> str:
-    """Say how many effects each scene needs, and what leaving out the others saves and changes."""
+    """Return a sentence on the number of effects that each scene needs, and on leaving out the others.
+
+    `scenes` are the ``scenes`` of `influence_figures`; the sentence is empty without scenes.
+    """
     if not scenes:
         return ""
     count = max(len(scene["needed"]) + len(scene["unneeded"]) for scene in scenes)
     needed = []
     for scene in scenes:
         # Milliseconds of a thousand touches are microseconds of one touch.
-        whole = scene["milliseconds_always"]
-        saved = whole - scene["milliseconds"] if scene["unneeded"] else 0
-        saves = f" (saves {saved:.0f} of {whole:.0f} µs per touch)" if saved > 0 else ""
+        with_all = scene["milliseconds_always"]
+        saved = with_all - scene["milliseconds"] if scene["unneeded"] else 0
+        saves = f" (saves {saved:.0f} of {with_all:.0f} µs per touch)" if saved > 0 else ""
         needed.append(f"{len(scene['needed'])} in scene {scene['name']}{saves}")
     changed = listed([scene["name"] for scene in scenes if scene["equal"] is False])
-    said = f"Of {counted(count, 'effect')} of touch only those are simulated that a scene needs: {', '.join(needed)}."
+    sentence = f"Of {counted(count, 'effect')} of touch, each scene simulates only the needed effects: {', '.join(needed)}."
     if changed:
-        return f"{said} In {changed} images change without the others."
+        return f"{sentence} In {changed} images change without the other effects."
     same = " Images are the same, bit for bit, as with all effects."
-    return said + same if all(one["equal"] for one in scenes) else said
+    return sentence + same if all(scene["equal"] for scene in scenes) else sentence
 
 
 def rows_of_scenes(study: Row) -> list[tuple[Row, list[Row]]]:
-    """Give each table of study `effects`, with its rows of scenes as a whole; none without such rows."""
-    found = [
+    """Return the tables of study `effects`, each with its rows of scenes with all effects.
+
+    Tables without an accuracy in these rows are left out.
+    """
+    pairs = [
         (table, [row for row in table["cells"] if row["condition"] in PRESETS])
         for table in study["tables"]
     ]
-    return [one for one in found if any(row["accuracy"] is not None for row in one[1])]
+    return [
+        (table, rows) for table, rows in pairs if any(row["accuracy"] is not None for row in rows)
+    ]
 
 
 def scene_strips(
     mesh: str | Path, locations: pa.Table, parameters: ExperimentParameters
 ) -> dict[str, str]:
-    """Touch an object's places, rows of `tables.FIXATIONS`, in every scene: a picture's address by scene."""
+    """Touch an object in every scene and return the imprints as one ``data:`` URI per scene.
+
+    `mesh` is the object's mesh file, and `locations` the touched places, rows of `tables.FIXATIONS`.
+    """
     caster = RayCaster(read_surface(mesh))
     return {
         name: webp_address(
@@ -90,34 +103,39 @@ def scene_strips(
 
 
 def hard_places(parameters: ExperimentParameters) -> list[Row]:
-    """Touch the hard places with the run's sensor: ``name``, ``size``, ``state``, ``imprint``'s address."""
+    """Touch the example shapes that are hard for the run's sensor.
+
+    Returns one row per shape: ``name``, ``size`` (edge of the square in object radii), contact ``state``, and
+    ``imprint``, a ``data:`` URI.
+    """
     return [
         {
-            "name": probe.name,
+            "name": shape.name,
             "size": float(felt.size[0]),
             "state": str(felt.contact_state[0]),
             "imprint": webp_address(imprint_strip(felt.images[:1])),
         }
-        for probe, felt in touch_gallery(parameters.sensor, parameters.scene, parameters.seed)
+        for shape, felt in touch_gallery(parameters.sensor, parameters.scene, parameters.seed)
     ]
 
 
 def _ordered(
     rows: Sequence[Row], scene: str, effects: Mapping[str, object] | Sequence[str]
 ) -> list[Row]:
-    found = {row["effect"]: row for row in rows if row["scene"] == scene}
-    return [found[name] for name in effects if name in found]
+    by_effect = {row["effect"]: row for row in rows if row["scene"] == scene}
+    return [by_effect[name] for name in effects if name in by_effect]
 
 
-def _effect(own: Row, rows: Sequence[Row], unit: int) -> Row:
-    scale = 1000.0 * unit / own["touches"]
-    moved = [row for row in rows if row["effect"] == own["effect"] and row["image_shift"] > 0]
+def _effect(effect: Row, rows: Sequence[Row], unit: int) -> Row:
+    """Return the figures of one effect; milliseconds are per `unit` touches or views."""
+    scale = 1000.0 * unit / effect["touches"]
+    shifted = [row for row in rows if row["effect"] == effect["effect"] and row["image_shift"] > 0]
     return {
-        "name": own["effect"],
-        "milliseconds": scale * own["seconds"],
-        "milliseconds_always": scale * own["seconds_always"],
-        "shifts": {row["scene"]: row["image_shift"] for row in moved},
-        "units": own["touches"],
+        "name": effect["effect"],
+        "milliseconds": scale * effect["seconds"],
+        "milliseconds_always": scale * effect["seconds_always"],
+        "shifts": {row["scene"]: row["image_shift"] for row in shifted},
+        "units": effect["touches"],
     }
 
 
@@ -135,8 +153,11 @@ def _scene(rows: Sequence[Row]) -> Row:
 
 
 def sum_effects(table: pa.Table) -> list[Row]:
-    """Sum up `tables.EFFECTS` over all jobs, an effect a row, in the scene's order, with all modes and reasons."""
-    order = {name: place for place, name in enumerate(EffectModes.model_fields)}
+    """Sum rows of `tables.EFFECTS` over all jobs, one row per effect in the scene's order.
+
+    Sums are ``touches_sum``, ``runs_sum`` and ``seconds_sum``; ``modes`` and ``reasons`` list all that occur.
+    """
+    order = {name: index for index, name in enumerate(EffectModes.model_fields)}
     sums = [(name, "sum") for name in ("touches", "runs", "seconds")]
     texts = [(name, "distinct") for name in ("mode", "reason")]
     rows = table.group_by("effect", use_threads=False).aggregate([*sums, *texts]).to_pylist()
@@ -149,12 +170,18 @@ def sum_effects(table: pa.Table) -> list[Row]:
 
 
 def sum_channels(views: pa.Table) -> list[Row]:
-    """Give each channel of attention, in how many `tables.VIEWS` it ``ran`` and was ``skipped``, and ``why``."""
+    """Return one row per channel of attention: views in which it ``ran`` or was ``skipped``, and ``why``.
+
+    `views` are rows of `tables.VIEWS`.
+    """
     ran = Counter(name for maps in views.column("conspicuity").to_pylist() for name, _ in maps)
     skipped = [pair for pairs in views.column("skipped").to_pylist() for pair in pairs]
     left_out = Counter(name for name, _ in skipped)
     names = [*CHANNELS, *sorted({*ran, *left_out} - set(CHANNELS))]
-    why = {name: dict.fromkeys(reason for one, reason in skipped if one == name) for name in names}
+    why = {
+        name: dict.fromkeys(reason for channel, reason in skipped if channel == name)
+        for name in names
+    }
     return [
         {"channel": name, "ran": ran[name], "skipped": left_out[name], "why": "; ".join(why[name])}
         for name in names
@@ -162,49 +189,52 @@ def sum_channels(views: pa.Table) -> list[Row]:
 
 
 def count_states(touches: pa.Table) -> dict[str, Counter[str]]:
-    """Count the touches in each contact state, by strategy."""
+    """Count rows of `tables.TOUCHES` by strategy and contact state."""
     rows = touches.group_by(["strategy", "contact_state"]).aggregate([([], "count_all")])
-    found: dict[str, Counter[str]] = {}
+    by_strategy: dict[str, Counter[str]] = {}
     for row in rows.to_pylist():
-        found.setdefault(row["strategy"], Counter())[row["contact_state"]] = row["count_all"]
-    return found
+        by_strategy.setdefault(row["strategy"], Counter())[row["contact_state"]] = row["count_all"]
+    return by_strategy
 
 
 def count_passed_over(touches: pa.Table) -> Counter[str]:
-    """Count the places that were passed over for being out of reach, by strategy."""
+    """Count the places that were passed over because the sensor can't reach them, by strategy.
+
+    These are the ranks that are missing below the highest rank of a sequence in rows of `tables.TOUCHES`.
+    """
     sequence = ["class", "object", "viewpoint", "strategy"]
-    found = touches.group_by(sequence).aggregate([("rank", "max"), ("rank", "count_distinct")])
+    ranks = touches.group_by(sequence).aggregate([("rank", "max"), ("rank", "count_distinct")])
     counts: Counter[str] = Counter()
-    for row in found.to_pylist():
+    for row in ranks.to_pylist():
         counts[row["strategy"]] += row["rank_max"] + 1 - row["rank_count_distinct"]
     return counts
 
 
 def replaced_sentence(touches: pa.Table, fixations: int) -> str:
-    """Say how many touches by fixation lie at none of a view's fixations; empty if all lie at one.
+    """Return a sentence on touches by fixation that replace a fixation out of reach; empty without such touches.
 
     Parameters
     ----------
     touches : pyarrow.Table
         Rows of `tables.TOUCHES`.
     fixations : int
-        The fixations of a view. A place of a higher rank replaces a fixation that the sensor can't reach.
+        The number of fixations per view. A place of rank `fixations` or higher replaces a fixation out of reach.
     """
-    ranks = touches.filter(pc.equal(touches.column("strategy"), "fixation"))
-    replaced = pc.sum(pc.greater_equal(ranks.column("rank"), fixations)).as_py() or 0
-    first = ranks.group_by(["class", "object", "viewpoint"]).aggregate([("rank", "min")])
+    by_fixation = touches.filter(pc.equal(touches.column("strategy"), "fixation"))
+    replaced = pc.sum(pc.greater_equal(by_fixation.column("rank"), fixations)).as_py() or 0
+    first = by_fixation.group_by(["class", "object", "viewpoint"]).aggregate([("rank", "min")])
     missed = pc.sum(pc.greater(first.column("rank_min"), 0)).as_py() or 0
     if not replaced and not missed:
         return ""
     return (
-        f"In this run {percent(replaced / ranks.num_rows, 0)} of the touches by fixation are at none of the view's "
-        f"{counted(fixations, 'fixation')}, but at a later place that the sensor can reach, and in {missed} of "
+        f"In this run {percent(replaced / by_fixation.num_rows, 0)} of the touches by fixation are not at one of the "
+        f"view's {counted(fixations, 'fixation')}, but at a later place that the sensor can reach. In {missed} of "
         f"{counted(first.num_rows, 'view')} the most salient place is never touched."
     )
 
 
 def count_missing(run: Run) -> Counter[str]:
-    """Count the touches that were asked for and not made, by strategy."""
+    """Count the touches that are missing from the number that the parameters ask for, by strategy."""
     asked = run.views.num_rows * run.parameters.attention.fixations
     made = Counter(run.touches.column("strategy").to_pylist())
     return Counter({strategy: asked - count for strategy, count in made.items()})

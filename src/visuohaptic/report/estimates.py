@@ -1,4 +1,4 @@
-"""Figures with their intervals: taken from a table's row or a file, and written in one way all over the page."""
+"""Figures with their intervals: read from rows or files, and written in the same way everywhere on the page."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class Figure:
-    """A mean and its interval; None where the interval has no end."""
+    """A mean and its interval; an end is None where there is none."""
 
     mean: float
     low: float | None = None
@@ -36,7 +36,10 @@ class Figure:
 
 
 def figure_of(row: Row, name: str) -> Figure | None:
-    """Give a column's value with its interval, whose columns are ``NAME_low``, or ``low``."""
+    """Return the value of column `name` with its interval; None without a value.
+
+    The ends are in the columns ``NAME_low`` and ``NAME_high``, or else in ``low`` and ``high``.
+    """
     if row[name] is None:
         return None
     low, high = (row.get(f"{name}_{end}", row.get(end)) for end in ("low", "high"))
@@ -44,7 +47,24 @@ def figure_of(row: Row, name: str) -> Figure | None:
 
 
 def read_json(path: Path, make: Callable[[Any], Made], fault: str, way_out: str) -> Made:
-    """Read a file, and make of its values what is needed; `ReportError` with `fault` and `way_out` if that fails."""
+    """Read a JSON file and return `make` of its value.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    make : callable
+        Converts the value that the JSON text holds.
+    fault : str
+        The fault to name if reading fails, such as ``holds no kept draws``.
+    way_out : str
+        What the reader can do then, such as ``run `make draws` again``.
+
+    Raises
+    ------
+    ReportError
+        If the file can't be read or `make` fails on its value: one sentence with path, fault, cause and way out.
+    """
     try:
         return make(json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, LookupError, AttributeError) as error:
@@ -61,31 +81,37 @@ def _first_fault(error: Exception) -> str:
 
 
 def estimate(interval: Interval) -> Figure:
-    """Give a mean over objects; that of one object has no ends."""
+    """Return an interval as `Figure`; without ends where they are NaN, as for a single object."""
     if math.isnan(interval.low):
         return Figure(interval.mean)
     return Figure(interval.mean, interval.low, interval.high)
 
 
 def with_interval(figure: Figure, write: Callable[[float], str], unit: str = "") -> str:
-    """Write a figure within a sentence, such as ``70.0 % (65.0 % to 75.0 %)``."""
+    """Return a figure as part of a sentence, such as ``70.0 % (65.0 % to 75.0 %)``.
+
+    `write` formats each number; `unit` follows the mean only. Without an interval there are no brackets.
+    """
     if figure.low is None or figure.high is None:
         return write(figure.mean) + unit
     return f"{write(figure.mean)}{unit} ({write(figure.low)} to {write(figure.high)})"
 
 
 def share_above_interval(figure: Figure) -> Markup:
-    """Write a share as `above_interval` does."""
+    """Return `above_interval` of a share, in per cent."""
     return above_interval(figure, percent)
 
 
 def points_above_interval(figure: Figure) -> Markup:
-    """Write a difference of shares as `above_interval` does."""
+    """Return `above_interval` of a difference of shares, in percentage points with sign."""
     return above_interval(figure, points)
 
 
 def above_interval(figure: Figure, write: Callable[[float], str]) -> Markup:
-    """Write a figure of a table's cell, with its interval in a line below."""
+    """Return a figure as HTML for a cell of a table, with its interval on a line below.
+
+    `write` formats each number.
+    """
     mean = Markup('<data value="{}">{}</data>').format(figure.mean, write(figure.mean))
     if figure.low is None or figure.high is None:
         return mean

@@ -1,4 +1,4 @@
-"""What a model answers for objects that it has not learnt."""
+"""A model's answers for objects that it has not learnt."""
 
 from __future__ import annotations
 
@@ -14,31 +14,36 @@ from visuohaptic.tables.phases import owners_of
 
 
 def evaluation_figures(measured: MeasuredEvaluation, intervals: IntervalParameters) -> Row:
-    """Sum up a model's answers for objects that it has not learnt: a ``sentence``, and ``rows`` by strategy and number of views."""
+    """Return the figures of a model's answers for objects that it has not learnt.
+
+    ``sentence`` describes the answers from the largest number of views. ``rows`` has one row per strategy and number
+    of views. ``objects``, ``learnt`` and ``classes`` count the objects, and ``source`` says where kept answers are from.
+    """
     rows = rows_of(summarise_evaluation(measured.table, intervals))
-    known = select(measured.table, known=True)
-    named = sorted(set(owners_of(known)))
-    counts = Counter(category for category, _ in named)
+    # Only objects of classes that the model knows can be classified correctly.
+    of_known_classes = select(measured.table, known=True)
+    objects = sorted(set(owners_of(of_known_classes)))
+    counts = Counter(category for category, _ in objects)
     views = max(row["views"] for row in rows)
-    found = "; ".join(_in_words(row) for row in rows if row["views"] == views)
+    shares = "; ".join(_in_words(row) for row in rows if row["views"] == views)
     return {
-        "sentence": f"Of {counted(len(named), 'object')} that the model has not learnt, {found}.",
+        "sentence": f"Of {counted(len(objects), 'object')} that the model has not learnt, {shares}.",
         "rows": rows,
-        "objects": len(named),
-        "learnt": known["learnt"][0].as_py(),
+        "objects": len(objects),
+        "learnt": of_known_classes["learnt"][0].as_py(),
         "classes": ", ".join(f"{category} ({count})" for category, count in counts.items()),
         "source": measured.source,
     }
 
 
 def odd_sentence(figures: Row) -> str:
-    """Say what the kept model answers for the odd objects; empty where this run measured other objects."""
+    """Return the sentence on the kept model's answers for set odd; empty if this run measured its own objects."""
     source = figures["source"]
     if source is None:
         return ""
     row = max(
         (row for row in figures["rows"] if row["strategy"] == "fixation"),
-        key=lambda one: int(one["views"]),
+        key=lambda row: int(row["views"]),
     )
     return (
         f"Measured on {source.date}: of {figures['objects']} untypical objects of the same classes (set odd) pipeline "
@@ -56,9 +61,9 @@ def _in_words(row: Row) -> str:
     )
 
 
-def rows_of(found: Sequence[Row]) -> list[Row]:
-    """Make figures of the lists of mean, low and high that `sum_up_answers` gives."""
+def rows_of(summary: Sequence[Row]) -> list[Row]:
+    """Return rows with each list of mean, low and high as a `Figure`; other values are unchanged."""
     return [
         {name: Figure(*value) if isinstance(value, list) else value for name, value in row.items()}
-        for row in found
+        for row in summary
     ]

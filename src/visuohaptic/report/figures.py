@@ -1,7 +1,7 @@
-"""The charts of the report, each a function of the table that it shows.
+"""The charts of the report, one function per chart.
 
-In a notebook, ``figures.cost(pq.read_table("results/frontier.parquet"))`` shows the page's chart.
-A table is a `pyarrow.Table` or its rows; what may be missing in it is None.
+In a notebook, ``figures.cost(pq.read_table("results/frontier.parquet"))`` shows the page's chart. A table is a
+`pyarrow.Table` or a sequence of its rows; missing values are None.
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ MARKED: Mapping[Marked, str] = {
     "on_front": "filled: no other is quicker and better",
     "step": "filled: worth its time",
 }
-"""Which settings a chart of costs fills, by their column of `tables.COST`."""
+"""Legends of filled marks in charts of costs, by the column of `tables.COST` that is true for these settings."""
 
 LARGEST_SHARE = 1.25
-"""Where errors beyond their tolerance end, as a share of it."""
+"""Errors above this share of their tolerance are drawn at this share."""
 
 _HALF = 0.5
-_ROW, _GAP, _AROUND = 12.0, 11.0, 44.0  # units: of a series, between rows, and of axis and name
+_ROW, _GAP, _AROUND = 12.0, 11.0, 44.0  # units: per series, between rows, and for axis and name
 _LEAST_ROWS = 64.0  # units, so that the name of the axis has room
 _LEGEND_LINE = 15.0
 _MOST_TICKS = 5
@@ -55,7 +55,19 @@ _MOST_TICKS = 5
 
 @dataclass(frozen=True)
 class Series:
-    """Estimates of one kind, one a row; `place` gives colour and mark, `ground` fills it, if not its colour."""
+    """Estimates that share a colour and a mark.
+
+    Attributes
+    ----------
+    label : str
+        The text of the legend; none if empty.
+    place : int
+        The index of colour and mark, as for `drawing.look`.
+    estimates : sequence of Figure or None
+        One estimate per row of the chart; None leaves the row empty.
+    ground : str, optional
+        The colour that fills the marks; by default the colour of the series.
+    """
 
     label: str
     place: int
@@ -65,8 +77,11 @@ class Series:
 
 @style()
 def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
-    """Draw each classifier's accuracy in ``reports/metrics.json`` by strategy, here and as published, with chance."""
-    (table,) = (one for one in read_tables(metrics) if one.name == pipeline)
+    """Draw the accuracy of each classifier by strategy, in this run and as published, with a line at chance.
+
+    `metrics` is the value of ``reports/metrics.json``, and `pipeline` one of its pipelines.
+    """
+    (table,) = (table for table in read_tables(metrics) if table.name == pipeline)
     here = {name: [row.accuracy.get(name) for row in table.rows] for name in table.strategies}
     published = {
         name: [Estimate(row.published[name]) if row.published else None for row in table.rows]
@@ -86,18 +101,19 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
 def conditions(table: Rows, chance: float | None = None) -> Figure:
     """Draw the accuracy under each condition of a study, by strategy.
 
-    The rows are those of `tables.STUDY_FIGURES` of one pipeline and classifier; a further column
-    ``words`` names the conditions.
+    `table` has rows of `tables.STUDY_FIGURES` of one pipeline and classifier. An optional column ``words`` names the
+    conditions in words. `chance` is the share of correct guesses; a dashed line marks it.
     """
     rows = [row for row in _rows(table) if row["accuracy"] is not None]
     words = {row["condition"]: row.get("words", row["condition"]) for row in rows}
-    found = {(row["strategy"], row["condition"]): figure_of(row, "accuracy") for row in rows}
+    accuracy = {(row["strategy"], row["condition"]): figure_of(row, "accuracy") for row in rows}
     strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
-    series = _by_strategy({one: [found.get((one, name)) for name in words] for one in strategies})
+    series = _by_strategy(
+        {name: [accuracy.get((name, condition)) for condition in words] for name in strategies}
+    )
     return _draw_intervals(list(words.values()), "condition", series, chance=chance)
 
 
-@style()
 @style()
 def cost(
     table: Rows,
@@ -105,11 +121,25 @@ def cost(
     marked: Marked = "on_front",
     height: float = 250,
 ) -> Figure:
-    """Draw the error rate of each setting against its seconds, both on logarithmic axes: rows of `tables.COST`.
+    """Draw the error rate of each setting against its seconds, both on logarithmic axes.
 
-    Settings that failed or were not timed are left out; `ReportError` if none is left. Lines join settings of which
-    one thing changes; an error rate of 0 lies below the first tick; `across` says what the seconds are. Settings
-    whose column `marked` is true are filled and named. `height` is that of the axes, in units of the chart.
+    Lines join settings that differ in one thing. An error rate of 0 lies below the first tick.
+
+    Parameters
+    ----------
+    table : pyarrow.Table or rows
+        Rows of `tables.COST`. Settings that failed or were not timed are left out.
+    across : str
+        The name of the axis of seconds.
+    marked : {"on_front", "step"}
+        The column that is true for settings with a filled mark and a name.
+    height : float
+        The height of the axes in units of the chart.
+
+    Raises
+    ------
+    ReportError
+        If no setting has both seconds and an error rate.
     """
     rows = timed(_rows(table))
     if not rows:
@@ -123,8 +153,8 @@ def cost(
         colour, mark = look(number)
         drawn: dict[str, Any] = {"color": colour, "marker": mark, "mfc": COLOURS["paper"]}
         for line in trends([row for row in rows if row["family"] == family]):
-            places = [row["seconds"] for row in line], [row["error"] for row in line]
-            axes.plot(*places, markersize=4.5, linewidth=1, **drawn)
+            points = [row["seconds"] for row in line], [row["error"] for row in line]
+            axes.plot(*points, markersize=4.5, linewidth=1, **drawn)
         axes.plot([], [], label=strategy_name(family), **drawn)
     _draw_front(axes, [row for row in rows if row[marked]], families)
     if not all(row[marked] for row in rows):
@@ -144,14 +174,17 @@ def cost(
 
 @style()
 def parts_of_time(table: Rows) -> Figure:
-    """Draw where the time of a recognition by the run's own setting goes: rows of `tables.COST`."""
+    """Draw the median time of each part of a recognition by the run's own setting.
+
+    `table` has rows of `tables.COST`, among them the timed row of the run's own setting.
+    """
     parts = time_parts(reference_row([dict(row) for row in _rows(table)]))
     chart, axes = new_chart(_AROUND + 20 * len(parts))
     seconds = [part["seconds"] for part in parts]
     axes.barh([part["name"] for part in parts], seconds, height=0.6, color=look(0)[0])
     for row, part in enumerate(parts):
-        place = part["seconds"], row
-        axes.annotate(part["each"], place, (3, 0), textcoords="offset points", va="center")
+        end_of_bar = part["seconds"], row
+        axes.annotate(part["each"], end_of_bar, (3, 0), textcoords="offset points", va="center")
     axes.invert_yaxis()
     axes.set_xlim(0, 2.2 * max(seconds))
     across = "median time in one recognition"
@@ -161,9 +194,9 @@ def parts_of_time(table: Rows) -> Figure:
 
 @style()
 def stability(table: pa.Table) -> Figure:
-    """Draw the errors of each requirement in `tables.STABILITY` as shares of its tolerance, a line per object.
+    """Draw the errors of each requirement as shares of its tolerance, one line per object.
 
-    Those beyond their tolerance stand at the right end.
+    `table` has rows of `tables.STABILITY`. Errors above `LARGEST_SHARE` are drawn at the right end.
     """
     requirements = stability_figures(table).requirements
     chart, axes = new_chart(_AROUND + 26 * len(requirements))
@@ -185,7 +218,7 @@ def stability(table: pa.Table) -> Figure:
 
 @style()
 def bands(deviations: Sequence[float]) -> Figure:
-    """Draw the deviations of the sub-bands of an imprint's contourlet transform."""
+    """Draw the standard deviations of the sub-bands of an imprint's contourlet transform, one bar per sub-band."""
     chart, axes = new_chart(105, width=150)
     axes.bar(range(1, len(deviations) + 1), deviations, color=look(0)[0])
     axes.set_xticks([1, len(deviations)])
@@ -194,7 +227,10 @@ def bands(deviations: Sequence[float]) -> Figure:
 
 
 def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
-    """Cut a family's settings where touches and viewpoints change both, or neither: a line is a trend."""
+    """Split a family's settings into lines along which only touches or only viewpoints change from row to row.
+
+    `rows` are rows of `tables.COST`; the lines follow column ``place``.
+    """
     lines: list[list[Mapping[str, Any]]] = []
     for row in sorted(rows, key=itemgetter("place")):
         before = lines[-1][-1] if lines else row
@@ -206,7 +242,10 @@ def trends(rows: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
 
 
 def log_ticks(values: Sequence[float]) -> list[float]:
-    """Give a few round ticks around the values above 0: as many steps a decade as there is room for."""
+    """Return a few round ticks for a logarithmic axis, as many per decade as there is room for.
+
+    `values` include at least one value above 0; other values are left out.
+    """
     positive = [value for value in values if value > 0]
     first, last = math.log10(min(positive)), math.log10(max(positive))
     for steps in ((1, 1.5, 2, 3, 4, 5, 7), (1, 2, 3, 5), (1, 2, 5), (1, 3), (1,)):
@@ -219,8 +258,10 @@ def log_ticks(values: Sequence[float]) -> list[float]:
     return sorted({below, *inner})
 
 
-def _by_strategy(found: Mapping[str, Sequence[Estimate | None]]) -> list[Series]:
-    return [Series(strategy_name(name), strategy_place(name), row) for name, row in found.items()]
+def _by_strategy(estimates: Mapping[str, Sequence[Estimate | None]]) -> list[Series]:
+    return [
+        Series(strategy_name(name), strategy_place(name), row) for name, row in estimates.items()
+    ]
 
 
 def _draw_intervals(
@@ -230,19 +271,20 @@ def _draw_intervals(
     *,
     chance: float | None = None,
 ) -> Figure:
-    """Draw a row a name, in it the marks of all series below each other with their intervals."""
-    shown = [one for part in series for one in part.estimates if one is not None]
-    if not shown:
+    """Draw one row per name, with mark and interval of each series; `rows_are` names the axis, as ``classifier``."""
+    estimates = [estimate for row in series for estimate in row.estimates if estimate is not None]
+    if not estimates:
         raise ReportError("Nothing was measured, so there is nothing to draw.")
-    places = list(dict.fromkeys(one.place for one in series))
-    rows = max(len(names) * (_GAP + _ROW * len(places)), _LEAST_ROWS)
-    legend = [*(one.label for one in series if one.label), "chance"]
+    # Series of one strategy, such as here and published, share a line.
+    lines = list(dict.fromkeys(row.place for row in series))
+    rows = max(len(names) * (_GAP + _ROW * len(lines)), _LEAST_ROWS)
+    legend = [*(row.label for row in series if row.label), "chance"]
     chart, axes = new_chart(_AROUND + rows + _legend_height(legend))
-    step = _ROW / (_GAP + _ROW * len(places))
-    for one in series:
-        _draw_series(axes, one, step * (places.index(one.place) - (len(places) - 1) / 2))
-    # Small distances count where all lies above half.
-    lowest = min(one.mean if one.low is None else one.low for one in shown)
+    step = _ROW / (_GAP + _ROW * len(lines))
+    for row in series:
+        _draw_series(axes, row, step * (lines.index(row.place) - (len(lines) - 1) / 2))
+    # Above one half, differences are small; the axis then begins at one half, so that they can be seen.
+    lowest = min(estimate.mean if estimate.low is None else estimate.low for estimate in estimates)
     start = _HALF if lowest >= _HALF else 0.0
     if chance is not None and chance >= start:
         axes.axvline(chance, color=COLOURS["ink"], linestyle="--", linewidth=1, label="chance")
@@ -255,29 +297,43 @@ def _draw_intervals(
 
 
 def draw_lines(lines: Mapping[str, Any], height: float, *more: str) -> tuple[Figure, Axes]:
-    """Begin a chart with a line a strategy, of places across and up; its legend also has `more`."""
+    """Return a new chart with one line per strategy.
+
+    Parameters
+    ----------
+    lines : mapping of str to (sequence, sequence)
+        The horizontal and the vertical values of each strategy's line.
+    height : float
+        The height of the axes in units of the chart.
+    more : str
+        Further labels, for which the legend gets room.
+    """
     chart, axes = new_chart(height + _legend_height([*lines, *more]))
-    for strategy, places in lines.items():
+    for strategy, values in lines.items():
         colour, mark = look(strategy_place(strategy))
         name = strategy_name(strategy)
-        axes.plot(*places, color=colour, marker=mark, markersize=4, label=name)
+        axes.plot(*values, color=colour, marker=mark, markersize=4, label=name)
     return chart, axes
 
 
 def _draw_series(axes: Axes, series: Series, offset: float) -> None:
-    rows = [(row + offset, one) for row, one in enumerate(series.estimates) if one is not None]
+    rows = [
+        (row + offset, estimate)
+        for row, estimate in enumerate(series.estimates)
+        if estimate is not None
+    ]
     colour, mark = look(series.place)
-    for y, one in rows:
-        if one.low is not None and one.high is not None:
-            axes.hlines(y, one.low, one.high, colors=colour)
+    for y, estimate in rows:
+        if estimate.low is not None and estimate.high is not None:
+            axes.hlines(y, estimate.low, estimate.high, colors=colour)
     axes.plot(
-        [one.mean for _, one in rows], [y for y, _ in rows], linestyle="", marker=mark, color=colour,
-        mfc=series.ground or colour, label=series.label or None, clip_on=False,
+        [estimate.mean for _, estimate in rows], [y for y, _ in rows], linestyle="", marker=mark,
+        color=colour, mfc=series.ground or colour, label=series.label or None, clip_on=False,
     )  # fmt: skip
 
 
 def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequence[str]) -> None:
-    """Draw the front's settings filled, with their quartiles, intervals and names."""
+    """Draw settings with filled marks, quartiles of the time, intervals of the error rate, and names."""
     for row in rows:
         seconds, error = row["seconds"], row["error"]
         colour, mark = look(families.index(row["family"]))
@@ -286,7 +342,7 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
         axes.vlines(seconds, row["error_low"], row["error_high"], **thin)
         axes.plot(seconds, error, color=colour, marker=mark, markersize=7, zorder=3)
         name = str(row["setting"]).removesuffix(", 1 viewpoint")
-        # The names of two families stand on different sides, as their settings may lie close to each other.
+        # Settings of two families may lie close to each other, so their names are on different sides.
         offset = (5, 4) if families.index(row["family"]) else (6, -8)
         axes.annotate(
             name, (seconds, error), offset, textcoords="offset points", zorder=4,
@@ -297,7 +353,10 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
 def finish(
     chart: Figure, across: str, up: str, across_as: Write | None = None, up_as: Write | None = None
 ) -> Figure:
-    """Name the axes and the series of a chart, which is then complete."""
+    """Name the axes of a chart, add its legend, and return the chart.
+
+    `across` and `up` are the names of the horizontal and the vertical axis; `across_as` and `up_as` format the ticks.
+    """
     (axes,) = chart.axes
     axes.set(xlabel=across, ylabel=up)
     for axis, write in ((axes.xaxis, across_as), (axes.yaxis, up_as)):
@@ -321,7 +380,7 @@ def _legend_height(labels: Sequence[str]) -> float:
 
 
 def whole_percent(share: float, _place: float = 0) -> str:
-    """Write a share on an axis without decimals."""
+    """Return a share in per cent without decimals; a formatter of ticks, which ignores the tick's index."""
     return percent(share, 0)
 
 

@@ -1,4 +1,4 @@
-"""How well saliency agrees with people's gaze, in one sentence."""
+"""One sentence on the agreement of saliency with people's gaze."""
 
 from __future__ import annotations
 
@@ -15,14 +15,19 @@ from visuohaptic.report.wording import decimal
 from visuohaptic.tables.schema import open_parquet
 
 PREDICTORS = ("equal", "chosen")
-"""Equal weights of all channels; weights of the channels and terms that were chosen on other objects."""
+"""Saliency with equal weights of all channels, and with weights and terms fitted to other objects."""
 
 
 def gaze_sentence(path: str | Path | None) -> str:
-    """Return the sentence on a table of agreement, empty without a table.
+    """Return the sentence on a table of agreement; empty if `path` is None.
 
     The table has one row per object and predictor, with the columns ``object``, ``predictor``, ``part`` and
-    ``correlation``; the JSON ``origin`` of its metadata has its date. Raises `ReportError` for another file.
+    ``correlation``. The JSON value ``origin`` in its metadata has its date.
+
+    Raises
+    ------
+    ReportError
+        If the file is no such table.
     """
     if path is None:
         return ""
@@ -30,9 +35,11 @@ def gaze_sentence(path: str | Path | None) -> str:
         table = open_parquet(path).read()
         date = json.loads(table.schema.metadata[b"origin"])["date"]
         rows = [row for row in table.to_pylist() if row["part"] == "training"]
-        found = {(row["predictor"], row["object"]): row["correlation"] for row in rows}
+        correlations = {(row["predictor"], row["object"]): row["correlation"] for row in rows}
         objects = sorted({row["object"] for row in rows})
-        values = np.array([[found[name, one] for name in PREDICTORS] for one in objects], float)
+        values = np.array(
+            [[correlations[name, key] for name in PREDICTORS] for key in objects], float
+        )
         weights = np.ones(len(objects))
         intervals = [
             object_interval(column, weights, IntervalParameters(), CORRELATION)
@@ -44,9 +51,9 @@ def gaze_sentence(path: str | Path | None) -> str:
             f"{path} holds no table of agreement with gaze ({why}); "
             f"`git checkout {path}` restores the kept one."
         ) from error
-    equal, fitted = (with_interval(estimate(one), decimal) for one in intervals)
+    equal, fitted = (with_interval(estimate(interval), decimal) for interval in intervals)
     return (
-        f"Measured on {date}, not in this run: on {len(objects)} objects with recorded gaze, the saliency "
-        f"map's correlation with the time that people looked at each place is {equal} with equal weights of "
-        f"all channels, and {fitted} with weights and terms that were fitted to other objects."
+        f"Saliency agrees with people's gaze on {len(objects)} objects with recorded gaze (measured on {date}, not in "
+        f"this run). The saliency map's correlation with the time that people looked at each place is {equal} with "
+        f"equal weights of all channels. With weights and terms that were fitted to other objects it is {fitted}."
     )

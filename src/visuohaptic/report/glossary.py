@@ -1,4 +1,4 @@
-"""Words of the field that a newcomer may not know, explained where the page first uses them."""
+"""Words that the page explains where it first uses them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from markupsafe import Markup, escape
 
 WORDS: Mapping[str, str] = {
     "channel": "One map of the attention model: colour, intensity, orientation, contrast, curvature, edge, entropy, symmetry.",
-    "contourlet": "An image transform: a Laplacian pyramid whose details a directional filter bank splits into sub-bands.",
-    "correctly classified": "A test sequence (or object) whose predicted class is its true class.",
-    "coverage": "The share of objects whose prediction set holds their class. It is stated for objects like those of the training.",
+    "contourlet": "An image transform: a Laplacian pyramid, and a directional filter bank that splits its details into sub-bands.",
+    "correctly classified": "A test sequence (or object) is correctly classified if the predicted class is its true class.",
+    "coverage": "The share of prediction sets that contain the true class. The stated coverage holds for objects like the training objects.",
     "effect": "A physical effect that may be simulated: shading in a view, noise in an imprint, and so on.",
     "error rate": "The share that is not correctly classified.",
     "fixation": "A place at which the attention model rests; the first is the most salient.",
@@ -25,13 +25,13 @@ WORDS: Mapping[str, str] = {
     "split": "One division of the objects into training and test objects.",
     "variant": "One way to understand the paper: one option for each choice that it leaves open.",
 }
-"""As docs/glossary.md has them, by word."""
+"""Meanings by word, the same as in docs/glossary.md."""
 
 _FIRST = re.compile(rf"\b({'|'.join(sorted(WORDS, key=len, reverse=True))})(?=s?\b)", re.IGNORECASE)
 
 
 def explained(text: str) -> Markup:
-    """Escape a text, and give the first use of each word of the glossary its meaning on hover."""
+    """Return a text as HTML, escaped, with the meaning of each glossary word on hover over its first use."""
     seen: set[str] = set()
 
     def explain(match: re.Match[str]) -> str:
@@ -41,5 +41,5 @@ def explained(text: str) -> Markup:
         seen.add(word)
         return f'<abbr title="{escape(WORDS[word])}">{match[1]}</abbr>'
 
-    # An escaped name such as &#39; has no letters of a word of the glossary.
+    # Escapes such as &#39; contain no word of the glossary, so the words can be replaced after escaping.
     return Markup(_FIRST.sub(explain, str(escape(text))))  # noqa: S704 - escaped before

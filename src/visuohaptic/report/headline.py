@@ -1,4 +1,4 @@
-"""The few figures that a table of many experiments has room for: `reports/headline.json`."""
+"""The headline figures of a run for tables of many experiments: `reports/headline.json`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ from visuohaptic.studies.cost.cost_rows import Row, read_costs
 def write_headline(
     metrics: str | Path, frontier: str | Path, cost: CostParameters, output: str | Path
 ) -> None:
-    """Write the headline figures as JSON, from ``reports/metrics.json`` and the frontier's `tables.COST`."""
+    """Write the headline figures as JSON.
+
+    `metrics` is ``reports/metrics.json``, and `frontier` a file of `tables.COST`.
+    """
     summary = json.loads(Path(metrics).read_text(encoding="utf-8"))
     figures = headline_of(summary, read_costs(frontier), cost)
     Path(output).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
@@ -27,40 +30,40 @@ def write_headline(
 def headline_of(
     summary: Mapping[str, Any], rows: Sequence[Row], cost: CostParameters
 ) -> dict[str, float]:
-    """Return accuracies in per cent, and the seconds of one recognition from one view.
+    """Compute accuracies in per cent, and the seconds of one recognition from one view.
 
     Parameters
     ----------
     summary : mapping
-        As `evaluation.summary.summarise` returns it.
+        The result of `evaluation.summary.summarise`.
     rows : sequence of mappings
-        The frontier, `tables.COST`; without a timed row of the run's own setting there are no seconds.
+        Rows of `tables.COST`. Without a timed row of the run's own setting the result has no seconds.
     cost : CostParameters
-        With the seconds that a robot takes for a touch and for a look.
+        The seconds that a robot takes per touch and per look.
 
     Returns
     -------
     dict
-        Accuracies of the paper's pipeline by strategy (``fixation``), of others with their name
-        (``order_free_fixation``); ``lead`` of fixation over random probing in the paper's pipeline and
-        ``lead_draw_sd``, its standard deviation over draws, in percentage points, where places were drawn several
-        times; ``robot_s``, with the time of touches and looks; ``cpu_s``, computing only.
+        The accuracies: of the paper's pipeline by strategy (``fixation``), of other pipelines with their name in front
+        (``order_free_fixation``). ``lead`` is the lead of fixation over random probing in the paper's pipeline, in
+        percentage points, and ``lead_draw_sd`` its standard deviation over draws. Both are missing if random places
+        were drawn only once. ``robot_s`` are seconds with a robot's touches and looks, ``cpu_s`` of computing only.
     """
-    found: dict[str, float] = {}
+    figures: dict[str, float] = {}
     results = summary["results"]
     for pipeline in sorted(results, key=PAPER_PIPELINE.__ne__):
         prefix = "" if pipeline == PAPER_PIPELINE else f"{pipeline}_"
         for strategy, classifiers in results[pipeline].items():
             headline = HEADLINE_CLASSIFIERS.get(pipeline)
             chosen = headline if headline in classifiers else next(iter(classifiers))
-            found[f"{prefix}{strategy}"] = round(100 * classifiers[chosen]["accuracy"]["mean"], 2)
+            figures[f"{prefix}{strategy}"] = round(100 * classifiers[chosen]["accuracy"]["mean"], 2)
     compared = summary.get("comparisons", {}).get(PAPER_PIPELINE, {})
     lead = compared.get(HEADLINE_CLASSIFIERS[PAPER_PIPELINE], {}).get(MAIN_OPPONENT, {})
     if "draws" in lead:
-        found["lead"] = round(100 * lead["difference"]["mean"], 2)
-        found["lead_draw_sd"] = round(100 * lead["draws"]["standard_deviation"], 2)
-    own = reference_row(rows)
-    if own is not None and own["seconds"] is not None:
-        found["robot_s"] = round(on_robot([own], cost)[0]["seconds"], 2)
-        found["cpu_s"] = round(own["seconds"], 3)
-    return found
+        figures["lead"] = round(100 * lead["difference"]["mean"], 2)
+        figures["lead_draw_sd"] = round(100 * lead["draws"]["standard_deviation"], 2)
+    reference = reference_row(rows)
+    if reference is not None and reference["seconds"] is not None:
+        figures["robot_s"] = round(on_robot([reference], cost)[0]["seconds"], 2)
+        figures["cpu_s"] = round(reference["seconds"], 3)
+    return figures

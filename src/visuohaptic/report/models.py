@@ -1,4 +1,4 @@
-"""Models thin enough to be turned within a page."""
+"""Models with few enough faces to be rotated within a page."""
 
 from __future__ import annotations
 
@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 
 from visuohaptic.geometry.surface import Surface
 
-# Coordinates lie within the unit sphere; a step is 1/16384 of the object's radius.
 COORDINATE_STEPS = 16384
+"""Steps per object radius; coordinates lie within the unit sphere."""
 
 
 def thin(surface: Surface, faces: int) -> Surface:
-    """Simplify a surface by quadric error decimation (Garland & Heckbert 1997); colours are of the nearest face."""
+    """Simplify a surface to about `faces` faces by quadric error decimation (Garland & Heckbert 1997).
+
+    Each new face has the colour of the nearest face of `surface`. A surface with at most `faces` faces is returned
+    unchanged.
+    """
     if len(surface.faces) <= faces:
         return surface
     from visuohaptic.geometry.compiled_open3d import open3d
@@ -34,22 +38,34 @@ def thin(surface: Surface, faces: int) -> Surface:
 def pack_model(
     surface: Surface, touches: NDArray[np.float64], faces: int
 ) -> dict[str, bytes | int]:
-    """Thin a model and pack it with its touches (n, 10): point, normal, column axis and size.
+    """Thin a model to about `faces` faces and pack it with its touches.
 
-    Gives columns of `tables.PICTURES`. The unpacked bytes of ``model`` are, little-endian and in this order:
-    ``vertices`` × 3 int16 coordinates in steps of 1 / `COORDINATE_STEPS`, ``touches`` × 10 int16 in the same
-    steps, ``faces`` × 3 uint32 corners, ``faces`` × 3 uint8 sRGB.
+    Parameters
+    ----------
+    surface : Surface
+        The model.
+    touches : array (n, 10), float64
+        Point, normal, column axis and size of each touch.
+    faces : int
+        The number of faces to keep.
+
+    Returns
+    -------
+    dict
+        Columns of `tables.PICTURES`. The unpacked bytes of ``model`` are, little-endian and in this order:
+        ``vertices`` × 3 int16 coordinates in steps of 1 / `COORDINATE_STEPS`, ``touches`` × 10 int16 in the same
+        steps, ``faces`` × 3 uint32 corners, ``faces`` × 3 uint8 sRGB.
     """
     thinned = thin(surface, faces)
     used, corners = np.unique(thinned.faces, return_inverse=True)
-    parts = (
+    blocks = (
         _steps(thinned.vertices[used]),
         _steps(touches),
         corners.astype("<u4"),
         thinned.face_colours.astype(np.uint8),
     )
     return {
-        "model": gzip.compress(b"".join(part.tobytes() for part in parts), 9, mtime=0),
+        "model": gzip.compress(b"".join(block.tobytes() for block in blocks), 9, mtime=0),
         "vertices": len(used),
         "faces": len(thinned.faces),
         "touches": len(touches),
@@ -59,7 +75,7 @@ def pack_model(
 
 @cache
 def plotly_library() -> tuple[bytes, str]:
-    """Give plotly.js, and the same as gzip in base64; the page unpacks it only when a model is asked for."""
+    """Return plotly.js, and plotly.js as gzip in base64; the page unpacks it when a reader opens a model."""
     source = files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
     return source, base64.b64encode(gzip.compress(source, 6, mtime=0)).decode("ascii")
 

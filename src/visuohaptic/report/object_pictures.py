@@ -1,4 +1,4 @@
-"""From views, touches and meshes of objects to the table of what the page shows of each."""
+"""The table of pictures that the page shows of objects, made from views, touches and meshes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from visuohaptic.tables.schema import build_rows, images, matrix, read_table, wr
 from visuohaptic.tables.stability import STABILITY
 
 MODEL = ("model", "vertices", "faces", "touches", "original_faces")
-"""Columns of `tables.PICTURES` that are None without a mesh."""
+"""Columns of `tables.PICTURES` that are None for an object without a mesh."""
 
 _PACKED = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
 
@@ -41,7 +41,23 @@ def make_pictures(
     shown: Collection[str],
     faces: int,
 ) -> None:
-    """Write the pictures of objects that are `shown`, `class/name`, and of those that exceeded a tolerance."""
+    """Write `tables.PICTURES` of shown objects, and of objects that exceeded a tolerance.
+
+    Parameters
+    ----------
+    meshes : mapping of str to path
+        Mesh files by object, `class/name`.
+    views, touches : sequence of paths
+        Files of `tables.VIEWS` and `tables.TOUCHES`.
+    stability : path
+        A file of `tables.STABILITY`.
+    output : path
+        The file to write.
+    shown : collection of str
+        The objects to show, `class/name`.
+    faces : int
+        The number of faces per model.
+    """
     wanted = {*shown, *_broken(read_table(STABILITY, stability))}
     felt = dict(by_object(read_table(TOUCHES, touches)))
     untouched = TOUCHES.arrow.empty_table()
@@ -58,7 +74,7 @@ def make_pictures(
 
 
 def _broken(checks: pa.Table) -> list[str]:
-    """Name the objects at which a tolerance was exceeded."""
+    """Return the objects, `class/name`, that exceeded a tolerance."""
     error = pc.field("worst_error")
     return keys_of(checks.filter(error.is_null() | (error > pc.field("tolerance")))).to_pylist()
 
@@ -70,14 +86,18 @@ def _pictures_of_views(seen: pa.Table, fixated: pa.Table) -> dict[str, Any]:
     return {
         "views": [*zip(viewpoints, map(shrink_picture, views), strict=True)],
         "saliency": [
-            *zip(viewpoints, [shrink_picture(one, factor=2) for one in maps], strict=True)
+            *zip(viewpoints, [shrink_picture(png, factor=2) for png in maps], strict=True)
         ],
-        "imprints": [(at, imprint_strip(images(own))) for at, own in felt.items() if own.num_rows],
+        "imprints": [
+            (viewpoint, imprint_strip(images(rows)))
+            for viewpoint, rows in felt.items()
+            if rows.num_rows
+        ],
     }
 
 
 def _model(mesh: str | Path | None, felt: pa.Table, faces: int) -> dict[str, Any]:
-    """Give the thinned model, and the imprints that it shows."""
+    """Return the columns of the thinned model, and the sheets of the imprints at its touches."""
     if mesh is None:
         return {"sheets": [], **dict.fromkeys(MODEL)}
     model = pack_model(read_surface(mesh), matrix(felt, _PACKED), faces)
@@ -86,9 +106,9 @@ def _model(mesh: str | Path | None, felt: pa.Table, faces: int) -> dict[str, Any
 
 def _sheets(felt: pa.Table) -> Iterator[tuple[str, bytes]]:
     for strategy in sorted(set(felt.column("strategy").to_pylist())):
-        own = _chosen(felt, strategy=strategy)
-        cells = (own.column(name).to_numpy().astype(np.int64) for name in ("viewpoint", "touch"))
-        yield strategy, imprint_sheet(images(own), *cells)
+        rows = _chosen(felt, strategy=strategy)
+        cells = (rows.column(name).to_numpy().astype(np.int64) for name in ("viewpoint", "touch"))
+        yield strategy, imprint_sheet(images(rows), *cells)
 
 
 def _chosen(table: pa.Table, **value: object) -> pa.Table:

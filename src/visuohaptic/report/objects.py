@@ -1,4 +1,4 @@
-"""What the page shows of each object: fixations, imprints and predicted classes."""
+"""The data that the page shows of each object: fixations, imprints and predicted classes."""
 
 from __future__ import annotations
 
@@ -30,10 +30,28 @@ PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 
 @dataclass(frozen=True)
 class ViewPage:
-    """One view of an object: pictures, fixations (`marks`) in order, and the `touches` there.
+    """One view of an object.
 
-    Places of marks are in pixels, sizes of touches in object radii; `near` is the share of the square nearly touched,
-    and `right` the share of the view's tests that were correctly classified, by strategy.
+    Attributes
+    ----------
+    viewpoint : int
+        The number of the viewpoint.
+    azimuth, elevation : float
+        The direction of the camera in degrees.
+    rows, columns : int
+        The size of the view in pixels.
+    view, saliency, imprints : str
+        Pictures as ``data:`` URIs; empty where there is none.
+    marks : list of mappings
+        The fixations in order: ``number``, ``column`` and ``row`` in pixels, ``place`` in words, and ``square``, the
+        corners of the sensor in pixels.
+    touches : list of mappings
+        The touches: ``number``, ``size`` in object radii, contact ``state``, and ``near``, the share of the square that
+        is nearly touched.
+    distinct : int
+        The number of distinct fixations.
+    right : mapping of str to float
+        The share of the view's tests that were correctly classified, by strategy.
     """
 
     viewpoint: int
@@ -57,11 +75,30 @@ class ViewPage:
 
 @dataclass(frozen=True)
 class ObjectPage:
-    """All that the page shows of one object, `class/name`; one view is `shown` large.
+    """The data that the page shows of one object.
 
-    By strategy, `predicted` has the share of its test sequences by class, `median_size` is in object radii, and
-    `sheets` have a row a viewpoint and a column a touch. `model` has columns of `tables.PICTURES`, and ``text``, its
-    bytes in base64. `touch_keys` are strategy, viewpoint, number from 1 and contact state.
+    Attributes
+    ----------
+    key, category, name : str
+        The object, `class/name`, its class and its name.
+    views : tuple of ViewPage
+        All views.
+    shown : ViewPage
+        The view that is shown large.
+    conspicuity : list of (str, str)
+        Channel and conspicuity map of view `shown`, as a ``data:`` URI.
+    skipped : list of (str, str)
+        Channels that were skipped, and why.
+    predicted : mapping
+        By strategy, the share of the object's test sequences by predicted class.
+    median_size : mapping of str to float
+        By strategy, the median edge of the sensor's square in object radii.
+    model : mapping or None
+        The columns `MODEL` of `tables.PICTURES`, and ``text``, the packed model in base64.
+    touch_keys : list of (str, int, int, str)
+        Strategy, viewpoint, number from 1 and contact state of each touch, in the order of the packed model.
+    sheets : mapping of str to str
+        By strategy, the imprints as a ``data:`` URI, with one row per viewpoint and one column per touch.
     """
 
     key: str
@@ -79,17 +116,17 @@ class ObjectPage:
 
     @property
     def anchor(self) -> str:
-        """Where it stands on the page."""
+        """The object's anchor on the page."""
         return anchor_of(self.key)
 
     @property
     def link(self) -> Markup:
-        """Its name, leading to its place."""
+        """The object's class and name as a link to its anchor."""
         return Markup('<a href="#{}">{}: {}</a>').format(self.anchor, self.category, self.name)
 
     @property
     def shown_rows(self) -> dict[str, str | int]:
-        """The rows of the tables that hold the fixations of the view shown."""
+        """Columns and values that select the fixations of view `shown` in a table."""
         return {
             "class": self.category,
             "object": self.name,
@@ -99,14 +136,17 @@ class ObjectPage:
 
     @property
     def right(self) -> dict[str, float]:
-        """The share of its test sequences that were correctly classified, by strategy."""
-        return {one: shares.get(self.category, 0.0) for one, shares in self.predicted.items()}
+        """The share of the object's test sequences that were correctly classified, by strategy."""
+        return {
+            strategy: shares.get(self.category, 0.0) for strategy, shares in self.predicted.items()
+        }
 
 
 def choose_objects(run: Run) -> list[str]:
-    """Choose up to `OBJECTS_AT_MOST` objects with pictures, `class/name`, sorted.
+    """Return up to `OBJECTS_AT_MOST` objects with pictures, `class/name`, sorted.
 
-    Those at which a tolerance was exceeded come first, others evenly spread, so that classes keep their shares.
+    Objects that exceeded a tolerance are chosen first. The others are evenly spread over the sorted keys, so that
+    classes keep their shares.
     """
     pictured = sorted(keys_of(run.pictures).to_pylist())
     if len(pictured) <= OBJECTS_AT_MOST:
@@ -114,22 +154,23 @@ def choose_objects(run: Run) -> list[str]:
     broken = {check.key for check in run.stability.broken} if run.stability is not None else set()
     chosen = [key for key in pictured if key in broken][:OBJECTS_AT_MOST]
     others = [key for key in pictured if key not in broken]
-    places = np.linspace(0, len(others) - 1, OBJECTS_AT_MOST - len(chosen)).round().astype(np.int64)
-    return sorted([*chosen, *(others[place] for place in places)])
+    indices = np.linspace(0, len(others) - 1, OBJECTS_AT_MOST - len(chosen)).round()
+    return sorted([*chosen, *(others[index] for index in indices.astype(np.int64))])
 
 
 def describe_objects(run: Run) -> list[ObjectPage]:
-    """Describe the objects of `choose_objects`, sorted by class and name."""
+    """Return the pages of the objects of `choose_objects`, sorted by class and name."""
     cameras = place_cameras(run.parameters.viewpoints)
     answers = _answers(run)
     pictures = {key_of(row): row for row in run.pictures.to_pylist()}
-    parts = [
-        (dict(by_object(one)), one.slice(0, 0)) for one in (run.views, run.fixations, run.touches)
+    tables = [
+        (dict(by_object(table)), table.slice(0, 0))
+        for table in (run.views, run.fixations, run.touches)
     ]
     return [
         _describe(
             pictures[key],
-            [own.get(key, empty) for own, empty in parts],
+            [rows_of.get(key, empty) for rows_of, empty in tables],
             cameras,
             answers.get(key, {}),
         )
@@ -138,9 +179,9 @@ def describe_objects(run: Run) -> list[ObjectPage]:
 
 
 def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
-    """Choose the object that explains the method: its view shown has the most different squares.
+    """Return the object that explains the method: the squares of its shown view differ most in size.
 
-    Sizes count that differ by 0.01, then their spread.
+    The number of different sizes, rounded to 0.01, decides; then the spread of their logarithms.
     """
 
     def variety(page: ObjectPage) -> tuple[int, float]:
@@ -159,8 +200,10 @@ def _describe(
     looked, fixated = (select(table, strategy="fixation") for table in (fixations, touches))
     stored = {name: dict(pictures[name]) for name in ("views", "saliency", "imprints")}
     views = tuple(_view_page(row, stored, looked, fixated, cameras, answers) for row in rows)
-    # From 45 degrees most is seen.
-    shown = min(views, key=lambda one: (abs((one.azimuth - 45 + 180) % 360 - 180), one.viewpoint))
+    # An azimuth of 45 degrees shows front and side.
+    shown = min(
+        views, key=lambda view: (abs((view.azimuth - 45 + 180) % 360 - 180), view.viewpoint)
+    )
     maps = select(seen, viewpoint=shown.viewpoint)["conspicuity"][0].as_py()
     model, felt = (
         pictures["model"],
@@ -204,7 +247,7 @@ def _view_page(
     felt, looked = (select(table, viewpoint=viewpoint) for table in (touches, fixations))
     imprints = images(felt) if felt.num_rows else np.zeros((0, 1, 1), dtype=np.float32)
     eye = np.array([row["eye_x"], row["eye_y"], row["eye_z"]], dtype=np.float64)
-    stored = {name: found.get(viewpoint) for name, found in pictures.items()}
+    stored = {name: by_viewpoint.get(viewpoint) for name, by_viewpoint in pictures.items()}
     height, width = picture_size(pictures["views"][viewpoint])
     squares = (
         squares_in_view(cameras[viewpoint], felt, height).tolist()
@@ -218,8 +261,8 @@ def _view_page(
         rows=height,
         columns=width,
         **{
-            name if name != "views" else "view": webp_address(one) if one else ""
-            for name, one in stored.items()
+            name if name != "views" else "view": webp_address(picture) if picture else ""
+            for name, picture in stored.items()
         },
         marks=_marks(
             looked, dict(zip(felt["touch"].to_pylist(), squares, strict=False)), height, width
@@ -242,7 +285,7 @@ def _view_page(
 
 
 def _marks(looked: pa.Table, squares: Mapping[int, Any], height: int, width: int) -> list[Row]:
-    """Give where each fixation lies, at the middle of its pixel; places on hidden sides have none."""
+    """Return the position of each fixation, the middle of its pixel; rows without a pixel are left out."""
     rows = looked.select(["touch", "pixel_row", "pixel_column"]).to_pylist()
     return [
         {
@@ -260,18 +303,18 @@ def _marks(looked: pa.Table, squares: Mapping[int, Any], height: int, width: int
 
 
 def _answers(run: Run) -> dict[str, dict[tuple[str, int], Counter[str]]]:
-    """Count what the best classifier predicted for each object."""
-    found: dict[str, dict[tuple[str, int], Counter[str]]] = {}
+    """Count the classes that the headline classifier predicted, by object, strategy and viewpoint."""
+    answers: dict[str, dict[tuple[str, int], Counter[str]]] = {}
     if not run.pipelines:
-        return found
+        return answers
     table = run.pipelines[0]
     chosen = select(run.predictions, pipeline=table.name, classifier=table.headline.key)
     keys = ["class", "object", "strategy", "viewpoint", "predicted"]
     for row in chosen.group_by(keys).aggregate([([], "count_all")]).to_pylist():
-        of_object = found.setdefault(key_of(row), {})
+        of_object = answers.setdefault(key_of(row), {})
         counts = of_object.setdefault((row["strategy"], row["viewpoint"]), Counter())
         counts[row["predicted"]] = row["count_all"]
-    return found
+    return answers
 
 
 def _predicted(answers: PredictionCounts) -> dict[str, dict[str, float]]:

@@ -1,4 +1,4 @@
-"""The page of a run: its sections and their templates, and the file that holds it."""
+"""The report of a run as one HTML page."""
 
 from __future__ import annotations
 
@@ -44,16 +44,29 @@ def make_report(
     parameters: ExperimentParameters,
     objects: Sequence[str],
 ) -> None:
-    """Write the report of a run, completely or not at all."""
+    """Write the report of a run; the file is written atomically.
+
+    Parameters
+    ----------
+    files : RunFiles
+        The run's files.
+    output : path
+        The HTML file to write.
+    parameters : ExperimentParameters
+        The run's parameters.
+    objects : sequence of str
+        Objects that were to take part, `class/name`.
+    """
     atomic_write_text(output, render_page(read_run(files, parameters, objects)))
 
 
 def render_page(run: Run) -> str:
-    """Give the page of a run: HTML that needs no network."""
+    """Render the page of a run: one HTML text that needs no network."""
     seconds = phase_seconds(run.files.logs) if run.files.logs is not None else []
     context = ReportContext(run, describe_objects(run), seconds)
-    found = chapters_of(run)
-    environment = make_environment([one for sections in found.values() for one in sections])
+    chapters = chapters_of(run)
+    sections = [section for chapter in chapters.values() for section in chapter]
+    environment = make_environment(sections)
     environment.globals |= {
         "parameters": run.parameters,
         "confidence": f"{100 * run.parameters.recognition.intervals.confidence:g} %",
@@ -65,7 +78,7 @@ def render_page(run: Run) -> str:
     library, packed = plotly_library() if has_models else (b"", "")
     return environment.get_template("page.html.jinja").render(
         policy=content_policy(script, *([library] if has_models else [])),
-        chapters=_chapters(environment, context, found),
+        chapters=_render_chapters(environment, context, chapters),
         objects=len(run.objects),
         classes=len({key.split("/")[0] for key in run.objects}),
         paper=PAPER,
@@ -75,7 +88,6 @@ def render_page(run: Run) -> str:
         earlier=earlier_by_section(run),
         sources={
             section.name: list(find_sources(section, run, context.explaining))
-            for sections in found.values()
             for section in sections
         },
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -85,23 +97,23 @@ def render_page(run: Run) -> str:
     )
 
 
-def _chapters(
-    environment: Environment, context: ReportContext, found: Mapping[str, Sequence[Section]]
+def _render_chapters(
+    environment: Environment, context: ReportContext, chapters: Mapping[str, Sequence[Section]]
 ) -> dict[str, list[tuple[str, str, str]]]:
-    """Give name, title and body of each section that the run has something for, by chapter."""
-    chapters: dict[str, list[tuple[str, str, str]]] = {}
-    for chapter, sections in found.items():
+    """Render the sections with values; return name, title and HTML of each, by chapter."""
+    rendered: dict[str, list[tuple[str, str, str]]] = {}
+    for chapter, sections in chapters.items():
         for section in sections:
             values = section.values(context)
             if values is not None:
                 body = environment.get_template(section.template).render(values)
                 title = values.get("title", section.title)
-                chapters.setdefault(chapter, []).append((section.name, title, body))
-    return chapters
+                rendered.setdefault(chapter, []).append((section.name, title, body))
+    return rendered
 
 
 def content_policy(*scripts: str | bytes) -> str:
-    """Give a page's Content-Security-Policy: nothing is loaded, and these scripts alone, by their digests, may run."""
+    """Return a page's Content-Security-Policy: nothing is loaded, and only the given scripts run, by their digests."""
     digests = [
         sha256(script.encode("utf-8") if isinstance(script, str) else script).digest()
         for script in scripts
@@ -114,12 +126,17 @@ def content_policy(*scripts: str | bytes) -> str:
 
 
 def make_environment(sections: Iterable[Section] = ()) -> Environment:
-    """Give the templates, those of studies' sections too, with everything escaped that is not marked as safe."""
-    brought = {
-        one.name: FileSystemLoader(one.folder / "templates") for one in sections if one.folder
+    """Return the Jinja environment of the page, with its filters and macros.
+
+    `sections` may bring templates in their own folders. Text is escaped unless it is marked as safe.
+    """
+    of_studies = {
+        section.name: FileSystemLoader(section.folder / "templates")
+        for section in sections
+        if section.folder
     }
     environment = Environment(
-        loader=ChoiceLoader([PackageLoader("visuohaptic.report"), PrefixLoader(brought)]),
+        loader=ChoiceLoader([PackageLoader("visuohaptic.report"), PrefixLoader(of_studies)]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

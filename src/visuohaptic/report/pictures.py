@@ -1,4 +1,4 @@
-"""Pictures small enough to lie within a page."""
+"""Pictures as small files that are stored within the page."""
 
 from __future__ import annotations
 
@@ -10,35 +10,35 @@ from numpy.typing import NDArray
 from PIL import Image
 
 _QUALITY = 75
-# Of imprints that are looked at one by one, beside the lossless ones.
+# Sheets of imprints for the 3D models; the page also has lossless imprints of the views.
 _SHEET_QUALITY = 50
 
 
 def data_uri(data: bytes, kind: str) -> str:
-    """Give bytes as an address that holds them, for example of the kind ``image/png``."""
+    """Return bytes as a ``data:`` URI; `kind` is their media type, such as ``image/png``."""
     return f"data:{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
 def webp_address(data: bytes) -> str:
-    """Give a WebP picture as an address that holds it."""
+    """Return a WebP picture as a ``data:`` URI."""
     return data_uri(data, "image/webp")
 
 
 def shrink_picture(png: bytes, factor: int = 1) -> bytes:
-    """Store a PNG again as lossy WebP; `factor` pixels along each edge become one, by their mean."""
+    """Convert a PNG to lossy WebP; each square of `factor` × `factor` pixels becomes one pixel, their mean."""
     with Image.open(io.BytesIO(png)) as picture:
         return _webp(picture.reduce(factor), quality=_QUALITY)
 
 
 def picture_size(data: bytes) -> tuple[int, int]:
-    """Give the rows and columns of a stored picture."""
+    """Return the number of rows and columns of a stored picture."""
     with Image.open(io.BytesIO(data)) as picture:
         columns, rows = picture.size
     return rows, columns
 
 
 def imprint_strip(imprints: NDArray[np.float32]) -> bytes:
-    """Store imprints (n, r, r) in [0, 1] side by side as a grey WebP picture; nothing is lost beyond 8 bits."""
+    """Render imprints (n, r, r) in [0, 1] side by side as a grey WebP picture, lossless at 8 bits."""
     grey = np.rint(255.0 * imprints).astype(np.uint8)
     count, rows, columns = grey.shape
     strip = np.ascontiguousarray(grey.transpose(1, 0, 2)).reshape(rows, count * columns)
@@ -50,9 +50,10 @@ def imprint_sheet(
     rows: NDArray[np.int64],
     columns: NDArray[np.int64],
 ) -> bytes:
-    """Store imprints (n, r, r), n at least 1, in [0, 1] as one lossy grey WebP picture.
+    """Render imprints (n, r, r) in [0, 1] as one lossy grey WebP picture; at least one imprint is needed.
 
-    `rows` and `columns` (n,) are the cell of each, of r pixels; cells without an imprint stay black.
+    `rows` and `columns` (n,) are the cells of the imprints in a grid of cells of r × r pixels. Cells without an
+    imprint are black.
     """
     size = imprints.shape[1]
     cells = np.zeros((rows.max() + 1, columns.max() + 1, size, size), dtype=np.uint8)
@@ -64,6 +65,6 @@ def imprint_sheet(
 
 def _webp(picture: Image.Image, **options: int) -> bytes:
     stored = io.BytesIO()
-    # Pillow's effort 4, its default, takes twice the time of 2 for 7 % fewer bytes.
+    # Pillow's default method 4 takes twice the time of method 2 for 7 % fewer bytes.
     picture.save(stored, "webp", method=2, **options)
     return stored.getvalue()

@@ -1,4 +1,4 @@
-"""Where points and touches appear in a view."""
+"""Positions of points and touches in a view."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from visuohaptic.tables.schema import matrix
 
 
 def project(camera: Camera, points: NDArray[np.float64], resolution: int) -> NDArray[np.float64]:
-    """Find where points (n, 3) of the object frame, in front of a camera, appear in its view: (n, 2) column and row.
+    """Compute the positions (n, 2), column and row, of points (n, 3) in a camera's view.
 
-    In pixels from the upper left corner; the first pixel's centre is at 0.5. The inverse of `Camera.rays`.
+    Points are in the object frame, in front of the camera. Positions are in pixels from the upper left corner, so the
+    centre of the first pixel is at 0.5. The view has `resolution` × `resolution` pixels. Inverse of `Camera.rays`.
     """
     right, up, back = camera.axes
     if camera.projection == "orthographic":
@@ -28,10 +29,13 @@ def project(camera: Camera, points: NDArray[np.float64], resolution: int) -> NDA
 
 
 def squares_in_view(camera: Camera, touches: pa.Table, resolution: int) -> NDArray[np.float64]:
-    """Give the corners (n, 4, 2) of the sensor's squares, at their true size, as `project` does."""
+    """Compute the corners (n, 4, 2), column and row in pixels, of the sensor's squares in a camera's view.
+
+    `touches` are rows of `tables.TOUCHES`. Positions are as in `project`.
+    """
     points, columns = matrix(touches, POINT_NAMES), matrix(touches, TANGENT_NAMES)
     half = 0.5 * touches.column("sensor_size").to_numpy()[:, None]
     across, down = half * columns, half * row_axes(matrix(touches, NORMAL_NAMES), columns)
-    turns = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-    corners = np.stack([points + a * across + b * down for a, b in turns], axis=1)
+    signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    corners = np.stack([points + a * across + b * down for a, b in signs], axis=1)
     return project(camera, corners.reshape(-1, 3), resolution).reshape(-1, 4, 2)

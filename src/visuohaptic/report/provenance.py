@@ -1,4 +1,4 @@
-"""What ran: versions, the commit, the machine, and the seconds of each phase."""
+"""Versions, commit, machine, and the seconds of each phase."""
 
 from __future__ import annotations
 
@@ -25,7 +25,19 @@ _DISTRIBUTIONS = (
 
 @dataclass(frozen=True)
 class PhaseSeconds:
-    """Seconds of a phase's finished jobs, summed up, when each last ran, and logs of those that did not finish."""
+    """Run time of a phase.
+
+    Attributes
+    ----------
+    phase : str
+        The name of the phase.
+    jobs : int
+        Finished jobs.
+    imports, work : float
+        Seconds of start and imports, and of work: sums over the last run of each finished job.
+    unfinished : tuple of str
+        Logs of jobs that did not finish.
+    """
 
     phase: str
     jobs: int
@@ -35,18 +47,21 @@ class PhaseSeconds:
 
 
 def find_versions() -> list[tuple[str, str]]:
-    """List this package, Python and the libraries that matter, each with its version."""
-    found = [("visuohaptic", visuohaptic.__version__), ("Python", platform.python_version())]
+    """Return name and version of this package, Python and the installed libraries that affect results."""
+    versions = [("visuohaptic", visuohaptic.__version__), ("Python", platform.python_version())]
     for name in _DISTRIBUTIONS:
         try:
-            found.append((name, version(name)))
+            versions.append((name, version(name)))
         except PackageNotFoundError:
             continue
-    return found
+    return versions
 
 
 def find_commit(package: str | Path = _PACKAGE) -> str:
-    """Name the commit of the checkout that holds a package and whether it was edited since, or why there is none."""
+    """Return the commit of the checkout that holds a package.
+
+    The text also says whether tracked files were edited since, or that there is no checkout.
+    """
     # Installed packages may lie in another project's checkout, which does not track them.
     is_tracked = _git(package, "ls-files", "--error-unmatch", "__init__.py") is not None
     head = _git(package, "rev-parse", "HEAD") if is_tracked else None
@@ -57,7 +72,7 @@ def find_commit(package: str | Path = _PACKAGE) -> str:
 
 
 def describe_machine() -> list[tuple[str, str]]:
-    """Describe the machine in a few words, without naming it."""
+    """Return system, processor, cores and memory of the machine, without its host name."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return [
         ("System", f"{platform.system()} {platform.release()}"),
@@ -68,20 +83,23 @@ def describe_machine() -> list[tuple[str, str]]:
 
 
 def phase_seconds(folder: str | Path) -> list[PhaseSeconds]:
-    """Sum up the seconds that jobs left in their logs, in the order of the work."""
+    """Return the run time of each phase from the logs in a folder, in the order of the phases.
+
+    A phase's logs are ``<phase>.log`` or files in the folder ``<phase>``.
+    """
     logs: dict[str, dict[str, JobSeconds | None]] = {}
     for log in sorted(Path(folder).rglob("*.log")):
         phase = log.relative_to(folder).parts[0].removesuffix(".log")
         logs.setdefault(phase, {})[str(log)] = read_seconds(log)
     logs.pop("report", None)
     summed = []
-    for phase, found in logs.items():
-        done = [one for one in found.values() if one is not None]
-        unfinished = tuple(log for log, one in found.items() if one is None)
-        imports, work = sum(one.imports for one in done), sum(one.work for one in done)
+    for phase, seconds_of_log in logs.items():
+        done = [seconds for seconds in seconds_of_log.values() if seconds is not None]
+        unfinished = tuple(log for log, seconds in seconds_of_log.items() if seconds is None)
+        imports, work = sum(job.imports for job in done), sum(job.work for job in done)
         summed.append(PhaseSeconds(phase, len(done), imports, work, unfinished))
-    place = {phase: number for number, phase in enumerate(PHASES)}
-    return sorted(summed, key=lambda one: (place.get(one.phase, len(PHASES)), one.phase))
+    order = {phase: index for index, phase in enumerate(PHASES)}
+    return sorted(summed, key=lambda row: (order.get(row.phase, len(PHASES)), row.phase))
 
 
 def _git(folder: str | Path, *arguments: str) -> str | None:

@@ -1,4 +1,4 @@
-"""The experiment's questions, each with an estimate, its interval and what the interval excludes."""
+"""The experiment's questions, each with an estimate, its interval, and a verdict by a rule."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from visuohaptic.report.wording import (
 )
 
 GAIN = 0.02
-"""A gain, as a share, that is worth having."""
+"""The smallest relevant gain, as a share."""
 MARGIN = 0.05
-"""A difference from a published accuracy, as a share, that still counts as the same."""
+"""The largest difference from a published accuracy, as a share, that counts as reproduced."""
 
 MAIN_OPPONENT = "random"
 REASONS: Mapping[Verdict, str] = {
@@ -32,12 +32,12 @@ REASONS: Mapping[Verdict, str] = {
     "depends": "it depends on how the paper is read",
     "not shown": "no variant of the paper settles it",
 }
-"""Why fixation leads or not, by the rule in studies/variants/README.md."""
+"""The reason for each verdict on the lead of fixation, by the rule in studies/variants/README.md."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A question of the experiment, and what its tables say.
+    """A question of the experiment, and the answer from its tables.
 
     Attributes
     ----------
@@ -46,15 +46,15 @@ class Answer:
     finding : str
         The answer in a few words.
     number : str
-        The figure that the finding rests on, with its interval.
+        The figure behind the finding, with its interval.
     sentence : str
-        The rest of the sentence: of what, of which objects, and what the interval excludes.
+        The sentence after the number: the quantity, the objects, and differences that the interval excludes.
     link : str
         The anchor of the section that shows more.
     beside : tuple of str
-        Sentences on more objects, from kept measurements, or on what the figure takes for granted.
+        Sentences on more objects, from kept measurements, or on assumptions behind the figure.
     rule : str
-        The verdict by a rule that was written down before the measurement, and the rule.
+        The rule, which was written before the measurement, or the verdict by the rule.
     recount : str
         Lines of Python that print the number.
     """
@@ -77,16 +77,16 @@ def recognition_answer(
     turns: Turns = "none",
     beside: Sequence[str] = (),
 ) -> Answer:
-    """Answer whether objects can be recognised by touch.
+    """Return the answer to the question whether objects can be recognised by touch.
 
     Parameters
     ----------
     tables : sequence of PipelineTable
         The pipelines of the run.
     classes, touches : int
-        The number of classes, and of touches in a sequence.
+        The number of classes, and the number of touches per sequence.
     unseen : str
-        What training did not contain, such as ``unseen objects``.
+        The name of test data that training does not contain, such as ``unseen objects``.
     turns : {"none", "vertical", "any"}
         How the run turned its objects.
     beside : sequence of str
@@ -95,24 +95,24 @@ def recognition_answer(
     Returns
     -------
     Answer
-        Yes, if the interval of every pipeline lies above chance; no, if each excludes `GAIN` above chance.
+        Yes, if the interval of every pipeline lies above chance; no, if every interval lies below chance plus `GAIN`.
     """
-    found = [table.headline.accuracy[table.leading] for table in tables]
+    accuracies = [table.headline.accuracy[table.leading] for table in tables]
     chance = 1 / classes
     finding = "Not shown"
-    if all(figure.low is not None and figure.low > chance for figure in found):
+    if all(figure.low is not None and figure.low > chance for figure in accuracies):
         finding = "Yes"
-    elif all(figure.high is not None and figure.high < chance + GAIN for figure in found):
+    elif all(figure.high is not None and figure.high < chance + GAIN for figure in accuracies):
         finding = "No"
     others = [
         f"{with_interval(figure, percent)} by our own {pipeline_name(table.name)}"
-        for table, figure in zip(tables[1:], found[1:], strict=True)
+        for table, figure in zip(tables[1:], accuracies[1:], strict=True)
     ]
     first = tables[0]
     return Answer(
         "Can an object be recognised by touch?",
         finding,
-        with_interval(found[0], percent),
+        with_interval(accuracies[0], percent),
         f"of {touches}-touch sequences of {unseen} are correctly classified by {pipeline_name(first.name)} "
         f"({first.headline.name}, {counted(first.objects, 'object')}); "
         f"{', '.join([*others, f'guessing gives {percent(chance, 0)}'])}.",
@@ -126,9 +126,10 @@ def recognition_answer(
 def fixation_answer(
     tables: Sequence[PipelineTable], variants: VariantsSummary, beside: Sequence[str] = ()
 ) -> Answer | None:
-    """Answer whether fixations lead random touches in reach; None without such touches.
+    """Return the answer to the question whether fixations lead random touches in reach.
 
-    Only an interval that excludes 0 gives the lead a sign. `beside` are sentences on other objects.
+    None if no pipeline has both strategies. Only an interval that excludes 0 gives the lead a sign. `beside` are
+    sentences on other objects.
     """
     compared = [
         (table, table.headline.comparisons[MAIN_OPPONENT])
@@ -139,8 +140,8 @@ def fixation_answer(
         return None
     (first, main), *others = compared
     further = [
-        f" {titled(pipeline_name(table.name))}: {with_interval(found.difference, points, ' points')}."
-        for table, found in others
+        f" {titled(pipeline_name(table.name))}: {with_interval(comparison.difference, points, ' points')}."
+        for table, comparison in others
     ]
     return Answer(
         "Does it help to touch where the eye would fixate?",
@@ -164,7 +165,7 @@ def _lead_finding(lead: Figure, objects: int) -> str:
 
 
 def _excluded(lead: Figure) -> str:
-    """Say which leads an interval excludes that holds 0."""
+    """Return a sentence on the leads that an interval around 0 excludes; empty for other intervals."""
     if lead.low is None or lead.high is None or not lead.low <= 0 <= lead.high:
         return ""
     return (
@@ -174,20 +175,19 @@ def _excluded(lead: Figure) -> str:
 
 
 def _over_draws(compared: Comparison) -> str:
-    """Say how many draws of random places a lead is the mean of, and how far a draw moves it; empty with a single draw."""
+    """Return the number of draws behind a lead and their spread in brackets; empty with a single draw."""
     if compared.draws is None:
         return ""
     spread = percent_points(compared.draws.standard_deviation)
-    return (
-        f" (mean of {compared.draws.count} draws of the places; a single draw varies by ±{spread})"
-    )
+    return f" (mean of {compared.draws.count} draws of the places; standard deviation over draws {spread} points)"
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:
-    """Answer whether the published accuracies are found again; None where none is comparable.
+    """Return the answer to the question whether the published accuracies are reproduced.
 
-    A published accuracy is found again if the whole interval of the accuracy here lies within `MARGIN`
-    of it, and not found if the whole interval lies farther away; otherwise nothing is shown.
+    None if no published accuracy is comparable. An accuracy is reproduced if the whole interval here lies within
+    `MARGIN` of the published value. It is not reproduced if the whole interval lies outside. Otherwise it is not
+    settled.
     """
     gaps = [
         _gap(row.accuracy[strategy], published)
@@ -216,10 +216,10 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         number,
         f"{against}Of {len(gaps)} published accuracies {outside} lie more than {margin} outside our intervals. For "
         f"{within} our whole interval lies within {margin}. {len(gaps) - within - outside} are not settled. Our "
-        "objects are not those of the paper.",
+        "objects differ from the paper's objects.",
         "comparison",
-        rule=f"Rule: a published accuracy is found again if the whole interval here lies within {margin} of it. "
-        "A wide interval that contains it shows nothing.",
+        rule=f"Rule: a published accuracy is reproduced if the whole interval here lies within {margin} of it. "
+        "A wide interval around it does not settle the question.",
     )
 
 
@@ -233,47 +233,51 @@ def _gap(here: Figure, published: float) -> Literal["within", "outside", "not sh
 
 
 def variants_sentence(variants: VariantsSummary) -> str:
-    """Say in how many variants of the paper fixation is ahead, by set; empty without variants."""
+    """Return a sentence on the number of variants of the paper with fixation ahead, by set; empty without variants."""
     if not variants.spread:
         return ""
-    found = [
-        f"on {one.objects} objects in {one.ahead} of {one.variants} variants, and behind in {one.behind}"
-        for one in variants.spread
+    counts = [
+        f"on {spread.objects} objects in {spread.ahead} of {spread.variants} variants, and behind in {spread.behind}"
+        for spread in variants.spread
     ]
     return (
-        "The paper leaves steps open, so it was read in many ways. Fixations are significantly ahead of "
-        f"random touches {'; '.join(found)}."
+        "The paper leaves steps open, so many variants of it were run. Fixations are significantly ahead of "
+        f"random touches {'; '.join(counts)}."
     )
 
 
 def variant_sentences(variants: VariantsSummary) -> list[str]:
-    """Say how far fixations lead in the default and the most literal variant on the largest measured set."""
+    """Return sentences on the lead of fixations in the default and the most literal variant.
+
+    The leads are those on the largest measured set. Empty if one of them is missing.
+    """
     objects = max((lead.objects for lead in variants.leads), default=0)
-    found = {
+    leads = {
         (lead.variant, lead.opponent): Figure(lead.difference, lead.low, lead.high)
         for lead in variants.leads
         if lead.objects == objects
     }
-    reach, seen, literal = (
-        found.get(key)
+    reach, visible, literal = (
+        leads.get(key)
         for key in (("default", "reachable"), ("default", "visible"), ("literal", "reachable"))
     )
-    if reach is None or seen is None or literal is None:
+    if reach is None or visible is None or literal is None:
         return []
     when = f"measured on {variants.source.date}" if variants.source else "in this run"
     return [
         (
-            f"{objects} objects chose how the paper's open steps are read here, which may raise the lead on them ({when}): "
-            f"{with_interval(reach, points, ' points')} over random places in reach, and "
-            f"{with_interval(seen, points, ' points')} over random places in sight, on the side that the eye sees."
+            f"The default for the paper's open steps was chosen on {objects} objects, which may raise the lead there. "
+            f"On these objects the lead is {with_interval(reach, points, ' points')} over random places in reach, and "
+            f"{with_interval(visible, points, ' points')} over random places in sight, on the side that the eye sees "
+            f"({when})."
         ),
         (
-            f"Under the most literal reading of the paper the lead on them is "
+            f"In the most literal variant of the paper the lead on these objects is "
             f"{with_interval(literal, points, ' points')} over random places in reach."
         ),
     ]
 
 
 def has_opponent(table: PipelineTable) -> bool:
-    """Return whether the answers' classifier was tried by fixation and by random touches in reach."""
+    """Return whether the headline classifier has figures by fixation and by random touches in reach."""
     return table.leading == REFERENCE and MAIN_OPPONENT in table.headline.comparisons

@@ -1,4 +1,4 @@
-"""What a run left behind, in the folder of an experiment; read once and handed to every section of the page."""
+"""The files and tables of a run, read once for all sections of the page."""
 
 from __future__ import annotations
 
@@ -48,12 +48,32 @@ _EXTRAS = {
 
 @dataclass(frozen=True)
 class RunFiles:
-    """Where a run's tables lie, in parts; what may be missing has a default.
+    """Paths of a run's files. Optional files have a default.
 
-    `meshes` are ``<block>/<class>/<object>.ply``; later `credits` add to earlier ones; the page names files from
-    `folder` on; `extras` are tables that not every run has; `earlier_studies` have the date of the state that they
-    belong to; `studies` are folders whose studies may bring sections of their own; `gaze` is a table of
-    `gaze.gaze_sentence`, measured once; `key` is the digest of all that the page was made from.
+    Attributes
+    ----------
+    metrics : path
+        ``reports/metrics.json``.
+    predictions, views, fixations, touches, features, pictures, effects : sequence of paths
+        The parts of each table, in the schemas of `tables`.
+    meshes : sequence of paths
+        Mesh files ``<block>/<class>/<object>.ply``.
+    credits : sequence of paths
+        Files of credits; later files add to earlier files.
+    logs : path, optional
+        The folder of the jobs' logs.
+    folder : path
+        The run's folder; the page shows paths relative to this folder.
+    extras : mapping of str to path
+        Files and folders of tables that not every run has, by name.
+    earlier_studies : mapping of str to str
+        Studies that were measured with an earlier state, and the date of that state.
+    studies : sequence of paths
+        Folders of studies that may bring sections of their own.
+    gaze : path, optional
+        The table that `gaze.gaze_sentence` reads.
+    key : str
+        The digest of everything that the page is made from.
     """
 
     metrics: str | Path
@@ -77,7 +97,7 @@ class RunFiles:
 
 @dataclass(frozen=True)
 class Run:
-    """A run's tables in memory."""
+    """A run's tables in memory; `named_objects` are the objects that were to take part, `class/name`."""
 
     files: RunFiles
     parameters: ExperimentParameters
@@ -93,12 +113,12 @@ class Run:
 
     @cached_property
     def pipelines(self) -> list[PipelineTable]:
-        """The recognition figures, the paper's pipeline first."""
+        """The accuracies of each pipeline, the paper's pipeline first."""
         return read_tables(self.metrics)
 
     @cached_property
     def objects(self) -> list[str]:
-        """Objects that were looked at, `class/name`, sorted."""
+        """Objects with views, `class/name`, sorted."""
         return sorted(keys_of(self.views).unique().to_pylist())
 
     @cached_property
@@ -113,45 +133,52 @@ class Run:
 
     @cached_property
     def meshes(self) -> dict[str, Path]:
-        """Mesh file of each object that has one."""
+        """The mesh file of each object, `class/name`; objects without a file are left out."""
         paths = [Path(path) for path in self.files.meshes]
         return {object_of(path): path for path in paths if path.is_file()}
 
     @cached_property
     def set_aside(self) -> dict[str, str]:
-        """Why each object that can't be used was left out."""
+        """The reason why an object can't be used, by object, `class/name`."""
         reasons = {key: set_aside_reason(path) for key, path in self.meshes.items()}
         return {key: reason for key, reason in reasons.items() if reason is not None}
 
     @cached_property
     def notes(self) -> dict[str, list[str]]:
-        """What a reader should know about the file of an object, for each that has such notes."""
-        found = {key: notes_of(path) for key, path in self.meshes.items()}
-        return {key: notes for key, notes in found.items() if notes}
+        """Notes on the model's file, by object, `class/name`; objects without notes are left out."""
+        notes_by_object = {key: notes_of(path) for key, path in self.meshes.items()}
+        return {key: notes for key, notes in notes_by_object.items() if notes}
 
     @cached_property
     def stability(self) -> StabilityFigures | None:
-        """What this run found on its objects."""
+        """The numerical checks on this run's objects; None without files of checks."""
         parts = self.parts("stability")
         return stability_figures(read_table(STABILITY, parts)) if parts else None
 
     @cached_property
     def credits(self) -> dict[str, Credit]:
-        """Credit of each object that has one."""
+        """The credit of each object, `class/name`; objects without a credit are left out."""
         return read_credits(self.files.credits)
 
     def file_of(self, name: str) -> Path | None:
-        """Give the file or folder of a table that not every run has; None where it is not there."""
+        """Return the file or folder of an extra table by its name; None if it does not exist."""
         path = self.files.extras.get(name)
         return None if path is None or not Path(path).exists() else Path(path)
 
     def made(self, file: str) -> Path | None:
-        """Give a file by its path in the run's folder; None where it is not there."""
+        """Return a file by its path relative to the run's folder; None if it does not exist."""
         path = Path(self.files.folder, file)
         return path if path.is_file() else None
 
     def parts(self, name: str) -> list[Path]:
-        """Give the files of a table that are there; ``studies/NAME`` is that of a study, and a path one file of the run."""
+        """Return the existing files of a table.
+
+        Parameters
+        ----------
+        name : str
+            A table such as ``predictions`` or ``frontier``, a study as ``studies/NAME``, or the path of a Parquet file
+            relative to the run's folder.
+        """
         if name.endswith(".parquet"):
             return [path] if (path := self.made(name)) else []
         extra, _, study = name.partition("/")
@@ -164,13 +191,30 @@ class Run:
 
 
 def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequence[str]) -> Run:
-    """Read a run, in which `objects` were to take part; `ReportError` or `TableError` for a wrong table."""
+    """Read the tables of a run into memory.
 
-    def parts(metrics: Any) -> Mapping[str, Any]:
-        return {part: metrics[part] for part in ("comparisons", "method", "results")}
+    Parameters
+    ----------
+    files : RunFiles
+        The run's files.
+    parameters : ExperimentParameters
+        The run's parameters.
+    objects : sequence of str
+        Objects that were to take part, `class/name`.
+
+    Raises
+    ------
+    ReportError
+        If the file of metrics was not written by this workflow.
+    TableError
+        If a table does not fit its schema.
+    """
+
+    def take_figures(metrics: Any) -> Mapping[str, Any]:
+        return {name: metrics[name] for name in ("comparisons", "method", "results")}
 
     fault, way_out = "holds no metrics of this workflow", "run rule metrics again"
-    metrics = read_json(Path(files.metrics), parts, fault, way_out)
+    metrics = read_json(Path(files.metrics), take_figures, fault, way_out)
     touches = read_table(TOUCHES, files.touches)
     effects = files.effects
     return Run(
@@ -189,15 +233,30 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
 
 
 def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
-    """Name the tables that not every run has, whether they are there or not; `checks` is where `make test-hard` ran."""
-    found = {name: Path(run, path) for name, path in _EXTRAS.items()}
-    return found | {"hard_cases": Path(checks, "docs/figures/hard_cases.json")}
+    """Return the paths of tables that not every run has, by name; the files need not exist.
+
+    `run` is the folder of the run, `checks` the folder in which `make test-hard` ran.
+    """
+    extras = {name: Path(run, path) for name, path in _EXTRAS.items()}
+    return extras | {"hard_cases": Path(checks, "docs/figures/hard_cases.json")}
 
 
 def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[str, ...]]:
-    """Find a run's tables in its folder, its parameters, and the objects that were to take part, `class/name`.
+    """Find the files of a run in its folder.
 
-    Raises `ReportError` if the parameters, the metrics or a table is missing.
+    Returns
+    -------
+    files : RunFiles
+        The run's files.
+    parameters : ExperimentParameters
+        The parameters in its ``params.yaml``.
+    objects : tuple of str
+        Objects that were to take part, `class/name`.
+
+    Raises
+    ------
+    ReportError
+        If the parameters, the metrics or a table is missing.
     """
     folder = Path(folder)
     results = folder / "results"
@@ -232,5 +291,5 @@ def _objects(folder: Path, parameters: ExperimentParameters, files: RunFiles) ->
     if not catalogue.is_file():
         return tuple(object_of(path) for path in files.meshes)
     catalogued = {model.key for model in models_of_set(catalogue, parameters.meshes.set)}
-    own = find_own_models(folder / "meshes/own", catalogued)
-    return tuple(sorted({*catalogued, *(model.key for model in own.models)}))
+    added = find_own_models(folder / "meshes/own", catalogued)
+    return tuple(sorted({*catalogued, *(model.key for model in added.models)}))

@@ -1,4 +1,4 @@
-"""A section of the page: its title, its words and figures, and the tables that it reads."""
+"""A section of the page: its title, the values of its template, and the tables that it reads."""
 
 from __future__ import annotations
 
@@ -29,7 +29,19 @@ Rows = Mapping[str, str | int]
 
 @dataclass(frozen=True)
 class SourceTable:
-    """A table that a section shows: what of it, which `files` as `Run.parts` takes them, and which `rows`, by a name in `_rows`."""
+    """A table that a section shows.
+
+    Attributes
+    ----------
+    what : str
+        The part of the table that the section shows, in words.
+    schema : Schema
+        The schema of the table.
+    files : str
+        The name of the files, as for `Run.parts`.
+    rows : str
+        The selected rows, a name in `_rows`.
+    """
 
     what: str
     schema: Schema
@@ -39,7 +51,7 @@ class SourceTable:
 
 @dataclass(frozen=True)
 class ReportContext:
-    """The data that sections are made from; what several show is read once."""
+    """The data of all sections; figures that several sections show are read once."""
 
     run: Run
     pages: Sequence[ObjectPage]
@@ -47,37 +59,48 @@ class ReportContext:
 
     @cached_property
     def frontier(self) -> Values | None:
-        """What accuracy costs in this run."""
+        """Cost and accuracy of the settings of this run; None where nothing was measured."""
         return read_cost(self.run.file_of("frontier"), self.run.parameters)
 
     @cached_property
     def influence(self) -> Values | None:
-        """What effects cost and change."""
+        """Run time of effects and their changes of images; None where nothing was measured."""
         path = self.run.file_of("effect_influence")
         return influence_figures(path, self.run.parameters.scene.preset) if path else None
 
     @cached_property
     def variants(self) -> VariantsSummary:
-        """What the variants of the paper say together, of this run or as kept with the package."""
+        """The summary of all variants of the paper: of this run, else the kept summary of the package."""
         return read_variants(self.run.made(VARIANTS))
 
     @cached_property
     def evaluation(self) -> Values:
-        """The model's answers for objects that it has not learnt, of this run or as kept with the package."""
+        """The model's answers for objects that it has not learnt: of this run, else the kept answers."""
         measured = read_evaluation(self.run.file_of("evaluation"))
         return evaluation_figures(measured, self.run.parameters.recognition.intervals)
 
     @cached_property
     def explaining(self) -> ObjectPage:
-        """The object that explains the method."""
+        """The object on which section ``method`` explains the method."""
         return most_varied(self.pages)
 
 
 @dataclass(frozen=True)
 class Section:
-    """One section of the page: its anchor, which is the stem of its template, its title, and what it reads.
+    """One section of the page.
 
-    `values` gives the words and figures of the template; None leaves the section out, ``title`` is another title.
+    Attributes
+    ----------
+    name : str
+        The anchor of the section, and the name of its template without ``.html.jinja``.
+    title : str
+        The heading.
+    values : callable
+        Returns the values of the template, or None to leave the section out. A value ``title`` replaces the heading.
+    reads : sequence of SourceTable, or callable
+        The tables that the section reads.
+    folder : Path, optional
+        The folder of the study that brings the section.
     """
 
     name: str
@@ -88,38 +111,45 @@ class Section:
 
     @property
     def template(self) -> str:
-        """The template's name; that of a study lies in its `folder` as ``templates/section.html.jinja``."""
+        """The template's name; a study has its template in `folder`, as ``templates/section.html.jinja``."""
         return f"{self.name}{'/section' if self.folder else ''}.html.jinja"
 
 
 def figures_of(study: str) -> SourceTable:
-    """Give the table of a study's figures, as a section reads it."""
+    """Return the table of a study's figures as a source of a section."""
     return SourceTable(f"Study {study}", STUDY_FIGURES, f"studies/{study}")
 
 
 def study_anchor(study: str) -> str:
-    """Name the section that a study brings to the page."""
+    """Return the anchor of the section that a study brings to the page."""
     return f"study-{study.replace('_', '-')}"
 
 
 def study_sections(folders: Iterable[str | Path]) -> list[Section]:
-    """Import the sections of studies that lie in some folders, by the studies' names.
+    """Import the sections of the studies in some folders, sorted by the studies' names.
 
-    A study's folder brings a section as `Section` named ``SECTION`` in ``section.py``, with its template
-    ``templates/section.html.jinja``. Raises `ReportError` if a file can't be run or has no section.
+    A study brings a section as a `Section` named ``SECTION`` in its file ``section.py``, with the template
+    ``templates/section.html.jinja``.
+
+    Raises
+    ------
+    ReportError
+        If a file ``section.py`` has no section.
+    ParameterError
+        If a file can't be imported.
     """
-    found = []
+    sections = []
     for study, path in section_files(folders).items():
         section = getattr(import_file(path, study), "SECTION", None)
         if not isinstance(section, Section):
             raise ReportError(f"{path} has no SECTION; one Section is needed.")
-        found.append(replace(section, name=study_anchor(study), folder=path.parent))
-    return found
+        sections.append(replace(section, name=study_anchor(study), folder=path.parent))
+    return sections
 
 
 @dataclass(frozen=True)
 class Source:
-    """What was read: `file` is a path, or a pattern of paths, relative to the run's folder."""
+    """Files and rows behind a section; `file` is a path, or a pattern of paths, relative to the run's folder."""
 
     reads: SourceTable
     file: str
@@ -127,30 +157,33 @@ class Source:
 
     @property
     def is_listed(self) -> bool:
-        """Whether `visuohaptic tables` lists the table's columns; tables of studies describe theirs in the file."""
+        """Whether `visuohaptic tables` lists the columns; tables of studies describe their columns in the file."""
         return self.reads.schema.name in SCHEMAS
 
     @property
     def filter(self) -> str:
-        """The selected rows in words, such as ``classifier = naive_bayes``; empty for all."""
+        """The selected rows in words, such as ``classifier = naive_bayes``; empty for all rows."""
         return ", ".join(f"{column} = {value}" for column, value in self.rows.items())
 
 
 def find_sources(section: Section, run: Run, page: ObjectPage) -> Iterator[Source]:
-    """Give what a section reads of a run; `page` is the object that explains the method."""
-    for one in section.reads(run) if callable(section.reads) else section.reads:
-        files = run.parts(one.files)
-        for rows in _rows(run, page)[one.rows] if files else ():
-            own = files_of_rows(files, rows)
-            place = place_of(run, own)
-            if len(own) > 1:
-                deep = len({file.parent for file in own}) > 1
-                place /= "**/*.parquet" if deep else "*.parquet"
-            yield Source(one, place.as_posix(), rows)
+    """Yield the files and rows that a section reads of a run; files that are missing are left out.
+
+    `page` is the object that explains the method.
+    """
+    for table in section.reads(run) if callable(section.reads) else section.reads:
+        files = run.parts(table.files)
+        for rows in _rows(run, page)[table.rows] if files else ():
+            read = files_of_rows(files, rows)
+            path = place_of(run, read)
+            if len(read) > 1:
+                deep = len({file.parent for file in read}) > 1
+                path /= "**/*.parquet" if deep else "*.parquet"
+            yield Source(table, path.as_posix(), rows)
 
 
 def _rows(run: Run, page: ObjectPage) -> dict[str, list[Rows]]:
-    """Give the rows that are shown of a table, columns and values for each place on the page."""
+    """Return the selections of rows by name; a selection maps columns to values."""
     best = [{"pipeline": table.name, "classifier": table.headline.key} for table in run.pipelines]
     return {
         "all": [{}],
@@ -164,14 +197,16 @@ def _rows(run: Run, page: ObjectPage) -> dict[str, list[Rows]]:
 
 
 def files_of_rows(files: Sequence[Path], rows: Rows) -> Sequence[Path]:
-    """Keep the files of the pipeline or the object that is selected, where they have their own."""
-    place = str(rows.get("pipeline", f"{rows.get('class')}/{rows.get('object')}"))
-    own = [file for file in files if file.parent.as_posix().endswith(f"/{place}")]
-    return own or files
+    """Return the files in the folder of the selected pipeline or object; all files if it has no folder.
+
+    `rows` maps columns to values: ``pipeline``, or ``class`` and ``object``.
+    """
+    folder = str(rows.get("pipeline", f"{rows.get('class')}/{rows.get('object')}"))
+    inside = [file for file in files if file.parent.as_posix().endswith(f"/{folder}")]
+    return inside or files
 
 
 def place_of(run: Run, files: Sequence[Path]) -> Path:
-    """Give the file, or the folder that holds all of several, as the page names it, from the run's folder."""
-    alone = len(files) == 1
-    place = files[0] if alone else os.path.commonpath([file.parent for file in files])
-    return Path(os.path.relpath(place, run.files.folder))
+    """Return the path of a single file, or the common folder of several files, relative to the run's folder."""
+    path = files[0] if len(files) == 1 else os.path.commonpath([file.parent for file in files])
+    return Path(os.path.relpath(path, run.files.folder))

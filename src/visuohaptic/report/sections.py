@@ -1,4 +1,7 @@
-"""The values of each section's template, from the tables of the run; None where it has nothing for the section."""
+"""The values of each section's template, from the tables of the run.
+
+Each function ``…_values`` takes the context of the report and returns the values by name. None leaves the section out.
+"""
 
 from __future__ import annotations
 
@@ -77,25 +80,25 @@ UNSEEN: Mapping[Protocol, str] = {
     "grouped_folds": "unseen objects",
     "new_viewpoint": "known objects from unseen viewpoints",
 }
-"""What is new to the classifier in a test, by protocol."""
+"""Test data that the classifier has not seen, in words, by protocol."""
 
 NO_TOUCH = {
-    "passed over": "no touch: a place that the sensor can't reach, before one that was touched instead",
+    "passed over": "no touch: the sensor can't reach the place, and a later place was touched instead",
     "missing": "no touch: the view has no further place in reach",
 }
 
 
-# Lines of Python with which a reader counts a headline number again, from the run's own tables.
+# Python code for readers: it computes a headline number again from the run's own tables.
 _SHARES = """\
 import pandas as pd
-rows = pd.read_parquet({place!r})
+rows = pd.read_parquet({path!r})
 rows = rows[(rows["pipeline"] == {pipeline!r}) & (rows["classifier"] == {classifier!r})]
 right = (rows["predicted"] == rows["class"]).groupby([rows["strategy"], rows["split"], rows["seed"]])
 shares = right.mean().groupby("strategy").mean()
 print({shown})"""
 _LEAD = """\
 import pandas as pd
-rows = pd.read_parquet({place!r}).rename(columns={{"seed": "repeat"}})
+rows = pd.read_parquet({path!r}).rename(columns={{"seed": "repeat"}})
 rows = rows.assign(accuracy=rows["predicted"] == rows["class"], sequences=1)
 {further}rows = rows[(rows["pipeline"] == {pipeline!r}) & (rows["classifier"] == {classifier!r})]
 share = rows["sequences"] / rows.groupby(["strategy", "split", "repeat"])["sequences"].transform("sum")
@@ -105,30 +108,33 @@ shares = right / weight
 lead = (shares[{first!r}] - shares.filter(regex="^{second}(#|$)").mean(axis=1)).dropna()
 weight = weight.loc[lead.index, {first!r}]
 print(f"{{100 * (lead * weight).sum() / weight.sum():+.1f}} points")"""
-_FURTHER = "rows = pd.concat([rows, pd.read_parquet({place!r})])\n"
+_FURTHER = "rows = pd.concat([rows, pd.read_parquet({path!r})])\n"
 _COST = """\
 import pandas as pd
-rows = pd.read_parquet({place!r})
+rows = pd.read_parquet({path!r})
 row = rows[(rows["family"] == {family!r}) & (rows["setting"] == {setting!r})].iloc[0]
 print(f"{{row['seconds'] + {price:g}:.2f}} s, error rate {{100 * row['error']:.1f}} %")"""
 
 
 def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
-    """Give the lines that print `shown`, of the ``shares`` that the answers' classifier gets right by strategy."""
-    place = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
+    """Return Python code that prints accuracies of the headline classifier from the predictions.
+
+    `shown` is the expression to print; its variable ``shares`` has the accuracies by strategy.
+    """
+    path = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
     return _SHARES.format(
-        place=place.as_posix(), pipeline=table.name, classifier=table.headline.key, shown=shown
+        path=path.as_posix(), pipeline=table.name, classifier=table.headline.key, shown=shown
     )
 
 
 def recount_lead(run: Run, table: PipelineTable) -> str:
-    """Return the lines that print the lead of the answers' classifier over random touches, from all draws."""
-    place = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
+    """Return Python code that prints the lead of fixation over random touches, the mean over all draws."""
+    path = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
     compared = table.headline.comparisons.get(MAIN_OPPONENT)
     drawn = run.parts("drawn") if compared and compared.draws else []
     return _LEAD.format(
-        place=place.as_posix(),
-        further=_FURTHER.format(place=place_of(run, drawn).as_posix()) if drawn else "",
+        path=path.as_posix(),
+        further=_FURTHER.format(path=place_of(run, drawn).as_posix()) if drawn else "",
         pipeline=table.name,
         classifier=table.headline.key,
         first=table.leading,
@@ -137,24 +143,24 @@ def recount_lead(run: Run, table: PipelineTable) -> str:
 
 
 def recount_cost(run: Run, row: Row) -> str:
-    """Return the lines that print the seconds by a robot's clock and the error rate of a setting of this run."""
-    place = place_of(run, run.parts("frontier")).as_posix()
+    """Return Python code that prints a robot's seconds and the error rate of a setting of this run."""
+    path = place_of(run, run.parts("frontier")).as_posix()
     price = robot_price(row, run.parameters.cost)
-    return _COST.format(place=place, family=row["family"], setting=row["setting"], price=price)
+    return _COST.format(path=path, family=row["family"], setting=row["setting"], price=price)
 
 
 def values_or_none(**values: object) -> Values | None:
-    """Give a section's values, or None where one of them is missing or empty."""
+    """Return the values as a mapping; None if a value is missing, empty or 0."""
     return values if all(values.values()) else None
 
 
 def answer_values(context: ReportContext) -> Values:
-    """Give the answers to the experiment's questions, each with the lines that count its number again."""
-    found = context.run.stability
+    """Return the answers to the experiment's questions, each with code that computes its number again."""
+    checks = context.run.stability
     return {
         "answers": [
-            replace(answer, recount=lines if answer.number else "")
-            for answer, lines in _answers(context)
+            replace(answer, recount=code if answer.number else "")
+            for answer, code in _answers(context)
             if answer is not None
         ],
         "untested": not context.run.pipelines,
@@ -162,21 +168,21 @@ def answer_values(context: ReportContext) -> Values:
         "frontier": context.frontier,
         "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
         "effects": effects_answer(context.influence["scenes"]) if context.influence else None,
-        "stability": stability_answer(found) if found else None,
+        "stability": stability_answer(checks) if checks else None,
     }
 
 
 def kept_leads(variants: VariantsSummary, intervals: IntervalParameters) -> list[str]:
-    """Say how far fixation leads on more objects than a run has, from kept measurements.
+    """Return sentences on the lead of fixation on more objects than a run has, from kept measurements.
 
-    The sentences are of the largest set of `turned.json` upright, of the kept variants of the paper, and of the
-    largest set turned.
+    They cover the largest set of `turned.json` with upright objects, the kept variants of the paper, and the same set
+    with turned objects.
     """
     kept = read_turned()
     if not kept:
         return variant_sentences(variants)
     largest = max(kept, key=lambda name: len(kept[name].objects))
-    drawn = [found for name in PIPELINES if (found := read_draws(largest, name))]
+    drawn = [draws for name in PIPELINES if (draws := read_draws(largest, name))]
     return [
         *more_objects_sentences(kept[largest], intervals, drawn),
         *variant_sentences(variants),
@@ -186,7 +192,7 @@ def kept_leads(variants: VariantsSummary, intervals: IntervalParameters) -> list
 
 
 def kept_turned(run: Run) -> Values | None:
-    """Return the kept table of turned objects of the run's set; None where none are kept."""
+    """Return the kept accuracies of turned objects of the run's set; None where none are kept."""
     kept = read_turned().get(run.parameters.meshes.set)
     if kept is None:
         return None
@@ -195,7 +201,7 @@ def kept_turned(run: Run) -> Values | None:
         pose: {row.pipeline: row for row in rows if row.turns == turns}
         for turns, pose in POSES.items()
     }
-    shown = [{"pose": titled(pose), "by": found} for pose, found in poses.items() if found]
+    shown = [{"pose": titled(pose), "by": by} for pose, by in poses.items() if by]
     by_frame = {
         (row.turns, row.known): row
         for row in frame_rows(kept, run.parameters.recognition.intervals)
@@ -231,9 +237,8 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
             ),
             accuracy,
         )
-        beside = kept_leads(context.variants, recognition.intervals)
-        lead = recount_lead(run, compared)
-        yield fixation_answer(run.pipelines, context.variants, beside), lead
+        leads = kept_leads(context.variants, recognition.intervals)
+        yield fixation_answer(run.pipelines, context.variants, leads), recount_lead(run, compared)
         yield reproduction_answer(first), accuracy
     rows = context.frontier["rows"] if context.frontier else []
     for quickest in robot_front(rows, run.parameters.cost)[:1]:
@@ -241,7 +246,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
 
 
 def method_values(context: ReportContext) -> Values:
-    """Give one real sequence, from the view to the answer."""
+    """Return one sequence of the run, from the view to the predicted classes."""
     page = context.explaining
     shown = select(context.run.features, **page.shown_rows, touch=0)
     return {
@@ -256,12 +261,12 @@ def method_values(context: ReportContext) -> Values:
 
 
 def _pipeline_texts(run: Run) -> list[str]:
-    """Say what each pipeline of the run is, and why."""
+    """Return the description of each pipeline of the run."""
     return [PIPELINES[table.name] for table in run.pipelines if table.name in PIPELINES]
 
 
 def comparison_values(context: ReportContext) -> Values | None:
-    """Give the table of classifiers, beside the published one where it is comparable."""
+    """Return the tables of classifiers, with published accuracies where they are comparable."""
     run = context.run
     if not run.pipelines:
         return None
@@ -283,7 +288,7 @@ def comparison_values(context: ReportContext) -> Values | None:
 
 
 def _kept_draws(run: Run) -> Iterator[str]:
-    """Say what kept draws of the run's set tell of pipelines that have one draw in the run."""
+    """Yield sentences on kept draws of the run's set, for pipelines with a single draw in the run."""
     for table in run.pipelines:
         compared = table.headline.comparisons.get(MAIN_OPPONENT)
         kept = read_draws(run.parameters.meshes.set, table.name)
@@ -292,40 +297,40 @@ def _kept_draws(run: Run) -> Iterator[str]:
 
 
 def evaluation_values(context: ReportContext) -> Values:
-    """Return what a model answers for objects that it has not learnt, of this run or as kept with the package."""
+    """Return a model's answers for objects that it has not learnt: of this run, else the kept answers."""
     return {"evaluation": context.evaluation}
 
 
 def own_studies_values(context: ReportContext) -> Values | None:
-    """Give the studies that bring no section of their own."""
+    """Return the studies that bring no section of their own."""
     folder = context.run.file_of("studies")
     studies = [read_study(folder, name) for name in names_of_own_studies(context.run)]
     return values_or_none(studies=[study for study in studies if study])
 
 
 def cost_values(context: ReportContext) -> Values | None:
-    """Give what accuracy costs in time in this run."""
+    """Return the time and the accuracy of the settings of this run."""
     if context.run.file_of("frontier") is None:
         return None
     return {"frontier": context.frontier, "objects": len(context.run.objects)}
 
 
 def effects_values(context: ReportContext) -> Values:
-    """Give what was simulated and computed, and what was not needed."""
+    """Return the effects and channels of the run: how often each ran, and why it was needed or not."""
     effects, preset = sum_effects(context.run.effects), context.run.parameters.scene.preset
-    seen = [row for row in effects if row["effect"] in VISUAL_EFFECTS]
-    felt = [row for row in effects if row["effect"] not in VISUAL_EFFECTS]
+    visual = [row for row in effects if row["effect"] in VISUAL_EFFECTS]
+    tactile = [row for row in effects if row["effect"] not in VISUAL_EFFECTS]
     return {
         "groups": [
-            ("Effects of the view", "views", seen),
-            (f"Effects of touch in the scene {preset}", "touches", felt),
+            ("Effects of the view", "views", visual),
+            (f"Effects of touch in the scene {preset}", "touches", tactile),
         ],
         "channels": sum_channels(context.run.views),
     }
 
 
 def influence_values(context: ReportContext) -> Values:
-    """Give hard places, and what effects cost and change where that was measured."""
+    """Return imprints of hard places, and the run time and changes of effects where they were measured."""
     run, page = context.run, context.explaining
     accuracy = read_study(run.file_of("studies"), "effects", spaced)
     locations = select(run.fixations, **page.shown_rows)
@@ -344,15 +349,15 @@ def influence_values(context: ReportContext) -> Values:
 
 
 def stability_values(context: ReportContext) -> Values | None:
-    """Return how exact numbers are: on this run's objects, and in the hard cases of the code."""
-    found, totals = context.run.stability, context.run.file_of("hard_cases")
-    if found is None and totals is None:
+    """Return the numerical checks on this run's objects, and the totals of the hard cases of the code."""
+    figures, totals = context.run.stability, context.run.file_of("hard_cases")
+    if figures is None and totals is None:
         return None
     return {
-        "found": found,
+        "figures": figures,
         "shares": "; ".join(
             f"{name} {percent(max(check.share for check in checks), 1)}"
-            for name, checks in (found.requirements.items() if found else ())
+            for name, checks in (figures.requirements.items() if figures else ())
         ),
         "hard_cases": describe_hard_cases(read_hard_cases(totals)) if totals else "",
         "anchors": {page.key: page.anchor for page in context.pages},
@@ -361,14 +366,14 @@ def stability_values(context: ReportContext) -> Values | None:
 
 
 def confusion_values(context: ReportContext) -> Values | None:
-    """Give the confusion matrices, the best classifier first."""
+    """Return the confusion matrices of the first pipeline, the headline classifier first."""
     if not context.run.pipelines:
         return None
     run, table = context.run, context.run.pipelines[0]
     shares = table.headline.class_accuracy
     predicted = select(run.predictions, pipeline=table.name)
     rows = sorted(table.rows, key=lambda row: row is not table.headline)
-    found = [
+    matrices = [
         (row, strategy, confusion(select(predicted, strategy=strategy, classifier=row.key)))
         for row in rows
         for strategy in table.strategies
@@ -376,35 +381,39 @@ def confusion_values(context: ReportContext) -> Values | None:
     ]
     return {
         "sentence": class_sentence(table),
-        "best": [(row.name, *rest) for row, *rest in found if row is table.headline],
-        "others": [(row.name, *rest) for row, *rest in found if row is not table.headline],
+        "best": [(row.name, *rest) for row, *rest in matrices if row is table.headline],
+        "others": [(row.name, *rest) for row, *rest in matrices if row is not table.headline],
         "class_accuracy": [
-            {"class": one, "by": {strategy: found.get(one) for strategy, found in shares.items()}}
-            for one in run.classes
+            {
+                "class": name,
+                "by": {strategy: by_class.get(name) for strategy, by_class in shares.items()},
+            }
+            for name in run.classes
         ],
         "strategies": [name for name in table.strategies if name in shares],
     }
 
 
 def class_sentence(table: PipelineTable) -> str:
-    """Say which classes the best classifier finds most and least often."""
+    """Return a sentence on the classes that the headline classifier recognises most and least often."""
     shares = table.headline.class_accuracy.get(table.leading, {})
     if len(shares) < 2:
-        return f"{titled(table.headline.name)}: one class alone can't be confused."
+        return f"{titled(table.headline.name)}: a single class can't be confused."
     ordered = sorted(shares, key=lambda name: -shares[name].mean)
     most, least = (f"{name} ({percent(shares[name].mean)})" for name in (ordered[0], ordered[-1]))
     return (
-        f"Of the classes, the {table.headline.name} finds {most} most often, and {least} least often, "
+        f"The {table.headline.name} recognises {most} most often, and {least} least often, "
         f"with {strategy_name(table.leading)}."
     )
 
 
 def objects_values(context: ReportContext) -> Values:
-    """Give every object, how often each kind of contact was met, and what was out of reach."""
+    """Return every object, the number of touches in each contact state, and the number of places out of reach."""
     run = context.run
     states = count_states(run.touches)
     counts = {
-        state: {name: found[state] for name, found in states.items()} for state in CONTACT_STATES
+        state: {strategy: by_state[state] for strategy, by_state in states.items()}
+        for state in CONTACT_STATES
     }
     counts |= {"passed over": count_passed_over(run.touches), "missing": count_missing(run)}
     meanings = {**CONTACT_STATES, **NO_TOUCH}
@@ -415,7 +424,8 @@ def objects_values(context: ReportContext) -> Values:
         "classes": run.classes,
         "strategies": sorted(states),
         "states": [
-            {"state": one, "meaning": meanings[one], "counts": by} for one, by in counts.items()
+            {"state": state, "meaning": meanings[state], "counts": by_strategy}
+            for state, by_strategy in counts.items()
         ],
         "objects": len(run.objects),
         "checks": {} if run.stability is None else run.stability.objects,
@@ -453,7 +463,7 @@ def methods_values(context: ReportContext) -> Values | None:
 
 
 def parameters_values(context: ReportContext) -> Values:
-    """Give every parameter of the results, section by section, with what it means."""
+    """Return every parameter that affects results, by section, with its value and meaning."""
     model: ExperimentParameters = context.run.parameters
     return {
         "groups": [
@@ -462,13 +472,13 @@ def parameters_values(context: ReportContext) -> Values:
             # No result depends on how work is divided; plug-ins have a sentence of their own.
             if name not in {"seed", "workflow", "plugins"}
         ],
-        "plug_ins": [one.package or Path(one.source).name for one in loaded()],
+        "plug_ins": [plug_in.package or Path(plug_in.source).name for plug_in in loaded()],
         "seed": model.seed,
     }
 
 
 def provenance_values(context: ReportContext) -> Values:
-    """Give versions, commit, machine, and seconds a phase."""
+    """Return versions, commit, machine, and the seconds of each phase."""
     return {
         "versions": find_versions(),
         "commit": find_commit(),

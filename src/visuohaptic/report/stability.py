@@ -1,4 +1,4 @@
-"""How exact numbers are: on the run's objects, and in the hard cases of the code."""
+"""Numerical errors beside their tolerances: on the run's objects, and in the hard cases of the code."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Check:
 
     @property
     def share(self) -> float:
-        """The worst error over its tolerance; where 0 is allowed, 0 or infinite."""
+        """The worst error divided by its tolerance; infinite if the error is not finite or the tolerance is 0."""
         if self.worst_error == 0:
             return 0.0
         if self.worst_error is None or self.tolerance == 0:
@@ -41,13 +41,13 @@ class Check:
 
     @property
     def title(self) -> str:
-        """Its object and its requirement."""
+        """The object and the requirement."""
         return f"{self.key}: {self.requirement}"
 
 
 @dataclass(frozen=True)
 class StabilityFigures:
-    """Checks, one per requirement and object; `table` has them as rows."""
+    """The checks of a run, one per requirement and object; `table` has the same as rows of `tables.STABILITY`."""
 
     checks: tuple[Check, ...]
     table: pa.Table
@@ -56,7 +56,9 @@ class StabilityFigures:
     def requirements(self) -> dict[str, list[Check]]:
         """The checks of all objects by requirement."""
         names = dict.fromkeys(check.requirement for check in self.checks)
-        return {name: [one for one in self.checks if one.requirement == name] for name in names}
+        return {
+            name: [check for check in self.checks if check.requirement == name] for name in names
+        }
 
     @property
     def objects(self) -> dict[str, list[Check]]:
@@ -66,12 +68,12 @@ class StabilityFigures:
 
     @property
     def broken(self) -> list[Check]:
-        """Checks whose tolerance was exceeded."""
+        """The checks that exceeded their tolerance."""
         return [check for check in self.checks if not check.held]
 
 
 class HardCases(NamedTuple):
-    """What `make test-hard` found: numbers of cases and requirements, and the requirements that were exceeded."""
+    """Totals of `make test-hard`: numbers of cases and requirements, and the requirements that were exceeded."""
 
     cases: int
     requirements: int
@@ -81,56 +83,59 @@ class HardCases(NamedTuple):
 
 
 def stability_figures(table: pa.Table) -> StabilityFigures:
-    """Return the figures of rows of `tables.STABILITY`."""
+    """Return the checks in rows of `tables.STABILITY`."""
     return StabilityFigures(tuple(map(_check, table.to_pylist())), table)
 
 
 def describe_checks(checks: Iterable[Check]) -> str:
-    """Say in a sentence or two how many cases were tried, and which came nearest to its tolerance."""
-    found = list(checks)
-    cases = counted(sum(check.cases for check in found), "hard case")
-    kinds = {check.requirement for check in found}
+    """Return one or two sentences on checks: their number, and those exceeded or else the largest error.
+
+    At least one check is needed.
+    """
+    checks = list(checks)
+    cases = counted(sum(check.cases for check in checks), "hard case")
+    kinds = {check.requirement for check in checks}
     tried = f"{cases} of {counted(len(kinds), 'kind')}"
-    broken = [check.title for check in found if not check.held]
+    broken = [check.title for check in checks if not check.held]
     if broken:
         return f"{tried}: {counted(len(broken), 'tolerance')} exceeded ({'; '.join(broken)})."
-    worst = max(found, key=lambda check: check.share)
-    exact = len(kinds - {check.requirement for check in found if check.share > 0})
+    worst = max(checks, key=lambda check: check.share)
+    exact = len(kinds - {check.requirement for check in checks if check.share > 0})
     return (
-        f"{tried} were tried, and every error is within its tolerance; {counted(exact, 'kind')} "
-        f"{'has' if exact == 1 else 'have'} no error at all. The largest error, as a share of what "
-        f"is allowed, is {percent(worst.share, 2)} ({worst.title})."
+        f"{tried} were tried. Every error is within its tolerance; {counted(exact, 'kind')} "
+        f"{'has' if exact == 1 else 'have'} no error at all. The largest error is "
+        f"{percent(worst.share, 2)} of its tolerance ({worst.title})."
     )
 
 
 def stability_answer(figures: StabilityFigures) -> str:
-    """Say how many cases were tried on the run's objects, and what was exceeded."""
+    """Return a sentence on the cases that were tried on the run's objects, and on exceeded tolerances."""
     if figures.broken:
         return describe_checks(figures.checks)
     cases = counted(sum(check.cases for check in figures.checks), "case")
-    return f"{cases} that are hard for arithmetic, such as flat or tiny shapes; every error is within its tolerance."
+    return f"{cases} that are hard for arithmetic, such as flat or tiny shapes: every error is within its tolerance."
 
 
 def read_hard_cases(path: Path) -> HardCases:
-    """Read the totals of the hard cases of the code, which `make test-hard` writes."""
+    """Read the totals that `make test-hard` writes; raises `ReportError` if the file is damaged."""
 
-    def totals(found: Any) -> HardCases:
-        return HardCases(**{name: found[name] for name in HardCases._fields})
+    def totals(stored: Any) -> HardCases:
+        return HardCases(**{name: stored[name] for name in HardCases._fields})
 
     return read_json(path, totals, "holds no totals of hard cases", "run make test-hard again")
 
 
-def describe_hard_cases(found: HardCases) -> str:
-    """Say how many hard cases of the code were tried, and what was exceeded."""
+def describe_hard_cases(totals: HardCases) -> str:
+    """Return a sentence on the hard cases of the code, and on exceeded tolerances."""
     tried = (
-        f"The code itself was tried on {counted(found.cases, 'hard case')} of "
-        f"{counted(found.requirements, 'kind')} with known answers ({found.date}, version {found.version})"
+        f"The code itself was tried on {counted(totals.cases, 'hard case')} of "
+        f"{counted(totals.requirements, 'kind')} with known results ({totals.date}, version {totals.version})"
     )
-    if not found.exceeded:
+    if not totals.exceeded:
         return f"{tried}: every error is within its tolerance."
     return (
-        f"{tried}: {counted(len(found.exceeded), 'tolerance')} exceeded "
-        f"({'; '.join(found.exceeded)})."
+        f"{tried}: {counted(len(totals.exceeded), 'tolerance')} exceeded "
+        f"({'; '.join(totals.exceeded)})."
     )
 
 

@@ -1,4 +1,4 @@
-"""Studies: how accuracy changes with what each condition changes, or with touches, in rows and in words."""
+"""Studies: changes of accuracy by condition, as rows and as sentences."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.studies import STUDY_FIGURES
 
 MOST_NAMED = 5
-"""Conditions that a sentence names; more are counted."""
+"""Conditions that a sentence names; further conditions are counted."""
 
 RECOMPUTED = {
-    "recognition": "nothing but the recognition",
+    "recognition": "only the recognition",
     "features": "descriptors",
     "touches": "touches",
     "views": "views, fixations and touches",
@@ -34,7 +34,10 @@ RECOMPUTED = {
 
 
 def read_figures(folder: str | Path | None, study: str) -> list[dict[str, Any]]:
-    """Read `tables.STUDY_FIGURES` of a study from a folder; empty where it was not measured."""
+    """Read the rows of `tables.STUDY_FIGURES` of a study, in the order of column ``place``.
+
+    The file is ``<study>.parquet`` in `folder`. Without a folder or file the result is empty.
+    """
     path = None if folder is None else Path(folder) / f"{study}.parquet"
     if path is None or not path.is_file():
         return []
@@ -45,20 +48,33 @@ def read_figures(folder: str | Path | None, study: str) -> list[dict[str, Any]]:
 def read_study(
     folder: str | Path | None, study: str, words: Callable[[str], str] = str
 ) -> Row | None:
-    """Read a study's `tables.STUDY_FIGURES` for the page; None where it was not measured.
+    """Read the figures of a study for the page.
 
-    `words` writes a condition's name for readers. Gives its ``title``, and its ``tables``, one a pipeline and classifier, the paper's pipeline first.
+    Parameters
+    ----------
+    folder : path, optional
+        The folder of the studies' tables.
+    study : str
+        The name of the study.
+    words : callable
+        Returns the name of a condition in words.
+
+    Returns
+    -------
+    mapping or None
+        ``title`` of the study, and ``tables``, one per pipeline and classifier, the paper's pipeline first. None if
+        the study was not measured.
     """
     rows = read_figures(folder, study)
     if not rows:
         return None
     cells = [{**row, "words": words(row["condition"])} for row in rows]
-    tables = [_study_table(*key, own) for key, own in by_cell(cells).items()]
+    tables = [_study_table(*key, group) for key, group in by_cell(cells).items()]
     return {"title": rows[0]["title"], "tables": tables}
 
 
 def by_cell(rows: Sequence[Row]) -> dict[tuple[str, str], list[Row]]:
-    """Part rows by pipeline and classifier, the paper's pipeline first."""
+    """Group rows by pipeline and classifier, the paper's pipeline first."""
     keys = {(row["pipeline"], row["classifier"]) for row in rows}
     return {
         key: [row for row in rows if (row["pipeline"], row["classifier"]) == key]
@@ -67,15 +83,16 @@ def by_cell(rows: Sequence[Row]) -> dict[tuple[str, str], list[Row]]:
 
 
 def _study_table(pipeline: str, classifier: str, cells: list[Row]) -> Row:
-    """Give rows of `tables.STUDY_FIGURES` as ``rows``, a condition each, and in ``sentences``; ``opponents`` are compared with fixation."""
+    """Return ``rows`` per condition, ``sentences`` per strategy, and ``opponents``, which are compared with fixation."""
     rows: dict[str, dict[str, Any]] = {}
     for cell in cells:
         row = rows.setdefault(cell["condition"], {**cell, "seconds": 0.0, "cells": {}})
         row["cells"][cell["strategy"]] = cell
         row["seconds"] += cell["seconds"] or 0.0
     strategies = sorted({cell["strategy"] for cell in cells})
-    said = {
-        one: _sentence([cell for cell in cells if cell["strategy"] == one]) for one in strategies
+    sentences = {
+        strategy: _sentence([cell for cell in cells if cell["strategy"] == strategy])
+        for strategy in strategies
     }
     return {
         "pipeline": pipeline,
@@ -85,44 +102,45 @@ def _study_table(pipeline: str, classifier: str, cells: list[Row]) -> Row:
         "strategies": strategies,
         "opponents": sorted({cell["strategy"] for cell in cells if cell["lead"] is not None}),
         "sentences": [
-            titled(text if len(said) == 1 else f"{strategy_name(one)}: {text}")
-            for one, text in said.items()
-            if text
+            titled(sentence if len(sentences) == 1 else f"{strategy_name(strategy)}: {sentence}")
+            for strategy, sentence in sentences.items()
+            if sentence
         ],
     }
 
 
 def names_of_own_studies(run: Run) -> list[str]:
-    """Name the measured studies that neither come with the package nor bring a section of their own."""
+    """Return the measured studies that are neither part of the package nor bring a section of their own."""
     shown = {*PACKAGED, *section_files(run.files.studies)}
     return [file.stem for file in run.parts("studies") if file.stem not in shown]
 
 
 def accuracy_or_error(cell: Row) -> str:
-    """Write the accuracy of a row of `tables.STUDY_FIGURES`, or why it has none."""
-    found = figure_of(cell, "accuracy")
-    return f"failed: {cell['error']}" if found is None else share_above_interval(found)
+    """Return the accuracy of a row of `tables.STUDY_FIGURES` with its interval, or why there is none."""
+    accuracy = figure_of(cell, "accuracy")
+    return f"failed: {cell['error']}" if accuracy is None else share_above_interval(accuracy)
 
 
 def _sentence(cells: Sequence[Row]) -> str:
-    """Say what loses and what gains most, and which changes are beyond chance."""
+    """Return a sentence on the largest loss and gain of accuracy, and on significant changes."""
     others = [row for row in cells if row["adjusted_p"] is not None]
     if not others:
         return ""
     worst, best = (pick(others, key=lambda row: row["difference"]) for pick in (min, max))
-    said = [
+    changes = [
         f"{words} “{row['words']}” ({points(row['difference'])} percentage points)"
-        for words, row, there in (
-            ("most is lost with", worst, worst["difference"] < 0),
-            ("most is gained with", best, best["difference"] > 0),
+        for words, row, applies in (
+            ("the largest loss is with", worst, worst["difference"] < 0),
+            ("the largest gain is with", best, best["difference"] > 0),
         )
-        if there
-    ] or ["nothing changes the accuracy"]
-    settled = [row["words"] for row in others if row["adjusted_p"] < SIGNIFICANCE]
-    chance = (
-        f"beyond chance (p after Holm's correction below {SIGNIFICANCE:g}): {listed_in_short(settled, MOST_NAMED)}"
-        if settled
-        else "no change is beyond chance (the least p after Holm's correction is "
+        if applies
+    ] or ["no condition changes the accuracy"]
+    significant = [row["words"] for row in others if row["adjusted_p"] < SIGNIFICANCE]
+    verdict = (
+        f"these changes are significant (p after Holm's correction below {SIGNIFICANCE:g}): "
+        f"{listed_in_short(significant, MOST_NAMED)}"
+        if significant
+        else "no change is significant (the smallest p after Holm's correction is "
         f"{probability(min(row['adjusted_p'] for row in others))})"
     )
-    return f"{'; '.join(said)}; with {counted(others[0]['objects'], 'object')} {chance}."
+    return f"{'; '.join(changes)}; with {counted(others[0]['objects'], 'object')} {verdict}."

@@ -1,4 +1,4 @@
-"""The tables of the page: of some rows, these columns with these formats."""
+"""The tables of the page: rows, columns and their formats."""
 
 from __future__ import annotations
 
@@ -20,21 +20,27 @@ from visuohaptic.report.estimates import (
 from visuohaptic.report.wording import strategy_name, titled
 
 Column = Sequence[str]
-"""Heading, key and format; without a format the value is written as it is."""
+"""Heading, key and format; without a format the value is shown unchanged."""
 
 SHARES = {"percent": share_above_interval, "points": points_above_interval}
 """Formats of shares and of their differences."""
 
 NUMBER = "number"
-"""The format of a text that stands where numbers do."""
+"""The format of a text that is aligned as a number."""
 
 NONE = "\N{EN DASH}"
-"""Stands where there is no value."""
+"""The text of a cell without a value."""
 
 
 def each(keys: Iterable[str], heading: str, key: str, form: str = "") -> list[Column]:
-    """Give a column for each strategy, with its name and its key in the places of ``{}``."""
-    return [(titled(heading.format(strategy_name(one))), key.format(one), form) for one in keys]
+    """Return one column per strategy.
+
+    ``{}`` in `heading` becomes the strategy's name in words, ``{}`` in `key` its key; `form` is the format.
+    """
+    return [
+        (titled(heading.format(strategy_name(strategy))), key.format(strategy), form)
+        for strategy in keys
+    ]
 
 
 @pass_environment
@@ -46,13 +52,25 @@ def table(
     caption: str = "",
     best: object = None,
 ) -> Markup:
-    """Write rows as a table that scrolls where the screen is narrow.
+    """Render rows as an HTML table that scrolls on a narrow screen.
 
-    The first column heads its row; a row with ``mark`` has that class, and the row `best` stands out. The
-    key of a column is a name, or several joined by points; without one it is the whole row. A format is
-    the name of a filter, of several joined by ``|``, or as for ``%`` and `format`; after ``±`` it writes
-    the interval, too. A column of numbers stands to the right. `label` is what the table is called, once
-    on the page; `caption` stands above it, if not the label.
+    Parameters
+    ----------
+    environment : jinja2.Environment
+        The environment of the page; Jinja passes it.
+    rows : iterable of mappings or objects
+        A row with a value ``mark`` has that CSS class.
+    label : str
+        The name of the table for screen readers; unique on the page.
+    columns : sequence of (heading, key, format)
+        The first column has the headings of the rows; columns of numbers are aligned to the right.
+        A key is the name of a value, or several names joined by dots (``accuracy.fixation``); an empty key is the row
+        itself. A format is the name of a filter, several names joined by ``|``, a ``%`` format, or a text for
+        `str.format`. After ``±`` the name of a filter also formats the value's interval.
+    caption : str
+        The text above the table; by default the label.
+    best : object
+        The row of `rows` that is shown in bold.
     """
     listed = list(rows)
     cells = [
@@ -83,7 +101,7 @@ def _is_number(value: object) -> bool:
 
 
 def _find(row: Any, key: str) -> Any:
-    """Follow a key; None where it leads nowhere."""
+    """Return the value of a key in a row; None if a value on the way is missing."""
     for name in filter(None, key.split(".")):
         if isinstance(row, tuple):
             row = row[int(name)]

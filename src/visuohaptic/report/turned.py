@@ -1,4 +1,4 @@
-"""Accuracies of turned objects that were measured once and are kept with the package, by set of objects.
+"""Kept accuracies of turned objects: measured once and stored with the package, by set of objects.
 
 `make turned` measures them and writes `turned.json` beside this file (studies/turned/README.md).
 """
@@ -35,13 +35,13 @@ POSES: Mapping[Turns, str] = {
 """The poses of the objects in words, by `meshes.turns`."""
 
 Known = Literal["statistics", "none", "centre", "vertical", "full", "trained_upright"]
-"""What the descriptors take as known of the object's frame: `recognition.frame`, `STATISTICS` or `TRAINED_UPRIGHT`."""
+"""The part of the object's frame that descriptors use: `recognition.frame`, `STATISTICS` or `TRAINED_UPRIGHT`."""
 
 STATISTICS: Literal["statistics"] = "statistics"
-"""Nothing is known, and touches and pairs of touches are described by statistics, without their waves."""
+"""Nothing of the frame is known; touches and pairs of touches are described only by statistics, without waves."""
 
 TRAINED_UPRIGHT: Literal["trained_upright"] = "trained_upright"
-"""All is taken as known, and the pipeline was fitted on objects that stand upright and face one way."""
+"""The full frame is assumed, and the pipeline was fitted on objects that stand upright and face one way."""
 
 KNOWN: Mapping[Known, str] = {
     "full": "all",
@@ -51,7 +51,7 @@ KNOWN: Mapping[Known, str] = {
     STATISTICS: "nothing, without waves",
     TRAINED_UPRIGHT: "all is assumed, fitted on upright objects",
 }
-"""What is known of the frame, in words."""
+"""The known part of the frame, in words."""
 
 FRAMES_OF_POSES: tuple[tuple[Turns, Known], ...] = (
     ("none", "full"),
@@ -59,17 +59,17 @@ FRAMES_OF_POSES: tuple[tuple[Turns, Known], ...] = (
     ("any", "centre"),
     ("any", "none"),
 )
-"""Objects turned as far as the frame does not know: what is turned, and what is known."""
+"""Turns and known part of the frame, for objects turned about exactly the unknown part."""
 
 STRATEGIES = ("fixation", "random", "random_visible")
 """Touches by fixation, at random places in reach, and at random places in sight."""
 
 HEADLINE_TOUCHES = 5
-"""Touches per sequence of the table that stands beside the headline."""
+"""Touches per sequence in the table beside the headline."""
 
 
 class TurnedCell(BaseModel):
-    """Accuracies per object, None where an object was not tested: means over the draws of the turns."""
+    """Accuracies per object, means over the draws of the turns; None where an object was not tested."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -85,9 +85,9 @@ class TurnedCell(BaseModel):
 
 
 class TurnedSet(BaseModel):
-    """The accuracies of one set of objects, ``class/name``, with commit and day (UTC) of the measurement.
+    """The accuracies of one set of objects, ``class/name``, with commit and date (UTC) of the measurement.
 
-    `choosing` are the objects on which descriptors and settings were chosen.
+    Descriptors and settings were chosen on the objects in `choosing`.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -100,12 +100,12 @@ class TurnedSet(BaseModel):
 
     @property
     def reports(self) -> BoolArray:
-        """Whether an object chose neither descriptors nor settings, shape (o,)."""
+        """Whether an object took no part in choosing descriptors and settings, shape (o,)."""
         return ~np.isin(self.objects, self.choosing)
 
 
 class CellName(NamedTuple):
-    """What names a cell of pipeline `order_free`."""
+    """The name of a cell of pipeline `order_free`."""
 
     turns: Turns
     known: Known
@@ -115,18 +115,18 @@ class CellName(NamedTuple):
 
 @dataclass(frozen=True)
 class TurnedRow:
-    """How accurate a pipeline is on objects in one pose, described by what is known of their frame.
+    """The accuracies of a pipeline on objects in one pose, with one known part of their frame.
 
-    Each figure is a mean over the objects that are `tested`, and is computed when a page asks for it.
+    Each figure is a mean over the objects in `tested`, and is computed on first use.
 
     Attributes
     ----------
     turns, known, touches, pipeline
-        What all `cells` have in common.
+        Pose, known part of the frame, touches per sequence and pipeline of all `cells`.
     cells : mapping of str to TurnedCell
         The accuracies by strategy.
     tested : ndarray of shape (o,), bool
-        Whether an object counts and has sequences by all strategies.
+        Whether an object counts and was tested with all strategies.
     intervals : IntervalParameters
         The confidence of the intervals.
     """
@@ -151,7 +151,7 @@ class TurnedRow:
 
     @property
     def draws(self) -> int:
-        """The number of draws of the turns of which an object's accuracy is the mean."""
+        """The number of draws of the turns; an object's accuracy is the mean over the draws."""
         return self.cells["fixation"].draws
 
     @property
@@ -185,66 +185,71 @@ class TurnedRow:
         return self._figure("fixation", "random_visible")
 
     def _figure(self, plus: str, *minus: str) -> Figure:
-        taken = [self.cells[name] for name in minus]
-        return _figure([self.cells[plus]], taken, self.intervals, self.tested)
+        subtracted = [self.cells[name] for name in minus]
+        return _figure([self.cells[plus]], subtracted, self.intervals, self.tested)
 
 
 def read_turned(path: Path | None = None) -> dict[str, TurnedSet]:
-    """Read the kept accuracies, by set of objects; `ReportError` if the file is damaged.
+    """Read the kept accuracies, by set of objects.
 
-    `path` is a file as `make turned` writes; without it, that of the package.
+    `path` is a file that `make turned` wrote; by default the file of the package. Raises `ReportError` if the file is
+    damaged.
     """
     return read_json(
         Path(str(files("visuohaptic.report").joinpath(KEPT))) if path is None else path,
-        lambda found: {name: TurnedSet.model_validate(one) for name, one in found.items()},
+        lambda stored: {name: TurnedSet.model_validate(kept) for name, kept in stored.items()},
         "holds no kept accuracies of turned objects",
         "run `make turned` again",
     )
 
 
 def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
-    """Return the accuracies in the full frame, pose by pose, the paper's pipeline first."""
+    """Return the accuracies in the full frame, one row per pose and pipeline, the paper's pipeline first."""
     chosen = ("full", HEADLINE_TOUCHES)
-    cells = [one for one in kept.cells if (one.known, one.touches) == chosen]
+    cells = [cell for cell in kept.cells if (cell.known, cell.touches) == chosen]
     return list(_rows(cells, intervals, np.ones(len(kept.objects), dtype=np.bool_)))
 
 
 def frame_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
-    """Return the accuracies of pipeline `order_free` in every frame, over the objects that report."""
+    """Return the accuracies of pipeline `order_free`, one row per pose and known part of the frame.
+
+    Means are over the objects in `kept.reports`.
+    """
     chosen = ("order_free", HEADLINE_TOUCHES)
-    cells = [one for one in kept.cells if (one.pipeline, one.touches) == chosen]
+    cells = [cell for cell in kept.cells if (cell.pipeline, cell.touches) == chosen]
     return list(_rows(cells, intervals, kept.reports))
 
 
 def curve_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
-    """Return the accuracies of pipeline `order_free` by the number of touches, in the frames of several numbers.
+    """Return the accuracies of pipeline `order_free` by number of touches per sequence.
 
-    Means are over the objects that report and have sequences of each number of touches by each strategy.
+    Only poses and frames that were measured with several numbers of touches have rows. Means are over the objects in
+    `kept.reports` that were tested with each number of touches and each strategy.
     """
-    cells = [one for one in kept.cells if one.pipeline == "order_free"]
-    longer = {(one.turns, one.known) for one in cells if one.touches > HEADLINE_TOUCHES}
-    chosen = [one for one in cells if (one.turns, one.known) in longer]
+    cells = [cell for cell in kept.cells if cell.pipeline == "order_free"]
+    longer = {(cell.turns, cell.known) for cell in cells if cell.touches > HEADLINE_TOUCHES}
+    chosen = [cell for cell in cells if (cell.turns, cell.known) in longer]
     return list(_rows(chosen, intervals, _tested(chosen, kept.reports)))
 
 
 def _rows(
     cells: Sequence[TurnedCell], intervals: IntervalParameters, counted: BoolArray
 ) -> Iterator[TurnedRow]:
-    """Yield a row per pose, frame, number of touches and pipeline, over the objects that count."""
+    """Yield one row per pose, frame, touches and pipeline that has all strategies; `counted` (o,) selects objects."""
     rows: dict[tuple[Turns, Known, int, str], dict[str, TurnedCell]] = {}
-    for one in cells:
-        key = one.turns, one.known, one.touches, one.pipeline
-        rows.setdefault(key, {})[one.strategy] = one
-    for turns, known, touches, pipeline in sorted(rows, key=_place):
-        found = rows[turns, known, touches, pipeline]
-        if len(found) < len(STRATEGIES):
+    for cell in cells:
+        key = cell.turns, cell.known, cell.touches, cell.pipeline
+        rows.setdefault(key, {})[cell.strategy] = cell
+    for turns, known, touches, pipeline in sorted(rows, key=_sorting_key):
+        by_strategy = rows[turns, known, touches, pipeline]
+        if len(by_strategy) < len(STRATEGIES):
             continue
-        tested = _tested(list(found.values()), counted)
-        yield TurnedRow(turns, known, touches, pipeline, found, tested, intervals)
+        tested = _tested(list(by_strategy.values()), counted)
+        yield TurnedRow(turns, known, touches, pipeline, by_strategy, tested, intervals)
 
 
-def _place(row: tuple[Turns, Known, int, str]) -> tuple[object, ...]:
-    """Return what rows are sorted by: pose, the paper's pipeline first, frame from all to nothing, and touches."""
+def _sorting_key(row: tuple[Turns, Known, int, str]) -> tuple[object, ...]:
+    """Return a sorting key: pose, the paper's pipeline first, frame from all to nothing known, and touches."""
     turns, known, touches, pipeline = row
     return list(POSES).index(turns), pipeline != "paper", list(KNOWN).index(known), touches
 
@@ -255,52 +260,64 @@ def contrast(
     minus: Sequence[CellName],
     intervals: IntervalParameters,
 ) -> Figure:
-    """Compute a sum of accuracies less another sum, in pairs over the objects that report.
+    """Compute a sum of accuracies minus another sum, paired over objects, with its interval.
 
-    Raises `ReportError` if a cell is not kept.
+    Parameters
+    ----------
+    kept : TurnedSet
+        The kept accuracies; the mean is over the objects in `kept.reports` that all cells tested.
+    plus, minus : sequence of CellName
+        The cells of pipeline `order_free` that are added and subtracted.
+    intervals : IntervalParameters
+        The confidence.
+
+    Raises
+    ------
+    ReportError
+        If a cell is not kept.
     """
     cells = {
-        CellName(one.turns, one.known, one.touches, one.strategy): one
-        for one in kept.cells
-        if one.pipeline == "order_free"
+        CellName(cell.turns, cell.known, cell.touches, cell.strategy): cell
+        for cell in kept.cells
+        if cell.pipeline == "order_free"
     }
     missing = [name for name in (*plus, *minus) if name not in cells]
     if missing:
         raise ReportError(
             f"No accuracy of turned objects is kept for {' '.join(map(str, missing[0]))}."
         )
-    added, taken = ([cells[name] for name in names] for names in (plus, minus))
-    return _figure(added, taken, intervals, kept.reports)
+    added, subtracted = ([cells[name] for name in names] for names in (plus, minus))
+    return _figure(added, subtracted, intervals, kept.reports)
 
 
 def more_objects_sentences(
     kept: TurnedSet, intervals: IntervalParameters, drawn: Sequence[KeptDraws] = ()
 ) -> list[str]:
-    """Say per pipeline whether fixation leads on upright objects of a kept set; `drawn` are kept draws of the set.
+    """Return one sentence per pipeline on the lead of fixation on upright objects of a kept set.
 
-    Only an interval that excludes 0 gives the lead a sign.
+    Only an interval that excludes 0 gives the lead a sign. `drawn` are kept draws of random places of the same set.
     """
-    draws = {one.pipeline: one.lead for one in drawn}
+    lead_over_draws = {draws.pipeline: draws.lead for draws in drawn}
     rows = [row for row in turned_rows(kept, intervals) if row.turns == "none"]
-    said = []
+    sentences = []
     for row in rows:
-        begins = f"With {counted(row.objects, 'object')} {_lead_in_words(row.lead)} in {pipeline_name(row.pipeline)}"
+        verdict = f"With {counted(row.objects, 'object')} {_lead_in_words(row.lead)} in {pipeline_name(row.pipeline)}"
         lead = with_interval(row.lead, points, " points")
-        found = draws.get(row.pipeline)
-        over = ""
-        if found:
-            ends = f"{points(min(found.leads))} to {points(max(found.leads))}"
-            over = f"; {counted(found.count, 'draw')} of the places give {ends}"
-        said.append(
-            f"{begins}: {lead} over random places in reach{over} (measured on {kept.date})."
+        over_draws = lead_over_draws.get(row.pipeline)
+        spread = ""
+        if over_draws:
+            ends = f"{points(min(over_draws.leads))} to {points(max(over_draws.leads))}"
+            spread = f"; {counted(over_draws.count, 'draw')} of the places give {ends}"
+        sentences.append(
+            f"{verdict}: {lead} over random places in reach{spread} (measured on {kept.date})."
         )
-    return said
+    return sentences
 
 
 def turned_sentence(
     kept: TurnedSet, intervals: IntervalParameters, pipeline: str = PAPER_PIPELINE
 ) -> str:
-    """Say how far fixation leads random touches in reach on turned objects, in one pipeline."""
+    """Return a sentence on the lead of fixation over random touches in reach on turned objects, in one pipeline."""
     rows = [
         row
         for row in turned_rows(kept, intervals)
@@ -314,17 +331,17 @@ def turned_sentence(
 
 
 def unknown_pose_sentence(kept: TurnedSet, intervals: IntervalParameters) -> str:
-    """Say by how much not knowing the pose changes the lead of fixation, on objects turned in any way."""
+    """Return a sentence on the change of the lead of fixation when the pose of the objects is unknown."""
     touches = HEADLINE_TOUCHES
     unknown = {name: CellName("any", "none", touches, name) for name in STRATEGIES}
     known = {name: CellName("none", "full", touches, name) for name in STRATEGIES}
     changes = []
-    for other, place in (("random", "in reach"), ("random_visible", "in sight")):
+    for other, region in (("random", "in reach"), ("random_visible", "in sight")):
         plus, minus = [unknown["fixation"], known[other]], [unknown[other], known["fixation"]]
         change = contrast(kept, plus, minus, intervals)
-        changes.append(f"by {with_interval(change, points, ' points')} over random places {place}")
+        changes.append(f"by {with_interval(change, points, ' points')} over random places {region}")
     return (
-        f"Where the pose is unknown instead of known, the lead in pipeline order_free changes {listed(changes)} "
+        f"If the pose is unknown instead of known, the lead in pipeline order_free changes {listed(changes)} "
         f"({counted(int(kept.reports.sum()), 'object')})."
     )
 
@@ -354,10 +371,10 @@ def _figure(
     intervals: IntervalParameters,
     counted: BoolArray,
 ) -> Figure:
-    """Compute a sum of accuracies less another sum over the objects that count and that all cells tested."""
-    added, taken = (np.array([_numbers(cell)[0] for cell in cells]) for cells in (plus, minus))
-    values = added.sum(axis=0) - (taken.sum(axis=0) if len(minus) else 0.0)
-    used = _tested([*plus, *minus], counted)
+    """Compute a sum of accuracies minus another sum, over the objects that count and that all cells tested."""
+    added, subtracted = (np.array([_numbers(cell)[0] for cell in cells]) for cells in (plus, minus))
+    values = added.sum(axis=0) - (subtracted.sum(axis=0) if len(minus) else 0.0)
+    tested = _tested([*plus, *minus], counted)
     weights = _numbers(plus[0])[1]
     bounds = (-float(len(minus)), float(len(plus)))
-    return estimate(object_interval(values[used], weights[used], intervals, bounds))
+    return estimate(object_interval(values[tested], weights[tested], intervals, bounds))

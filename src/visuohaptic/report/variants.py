@@ -1,7 +1,7 @@
-"""What the report says of the paper in all its variants.
+"""The summary of all variants of the paper for the report.
 
-Folder ``studies/variants`` of the repository holds that study: its tables and rules give the verdict and the
-sentences, which a run of it writes and `variants.json` beside this file keeps.
+Study ``studies/variants`` of the repository computes the verdict and the sentences by its rules. A run of the study
+writes them; `variants.json` beside this file keeps the summary of an earlier run.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ Verdict = Literal["yes", "no", "depends", "not shown"]
 KEPT = "variants.json"
 
 VARIANTS = "reports/variants.json"
-"""What a run of the study writes."""
+"""The file that a run of the study writes."""
 
 
 class Spread(BaseModel):
-    """Variants on one set of objects, and in how many fixation leads or trails significantly."""
+    """Numbers of variants on one set of objects: all, and those with fixation significantly ahead or behind."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -35,9 +35,10 @@ class Spread(BaseModel):
 
 
 class Lead(BaseModel):
-    """The lead of fixations over random touches under one variant, as a share, with its interval over objects.
+    """The lead of fixations over random touches in one variant, as a share, with its interval over objects.
 
-    `opponent` says where random touches are: anywhere in reach, or only on the side that the eye sees.
+    `opponent` is ``reachable`` for random touches anywhere in reach, and ``visible`` for random touches on the side
+    that the eye sees.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -51,10 +52,22 @@ class Lead(BaseModel):
 
 
 class VariantsSummary(BaseModel):
-    """What all variants say together: whether fixation leads, by the rule in studies/variants/README.md, and of how many.
+    """The result of all variants together.
 
-    `leads` are those of the default and of the most literal variant. `literal` are accuracies of the most literal
-    variant, by strategy and classifier. `source` is None for this run.
+    Attributes
+    ----------
+    verdict : {"yes", "no", "depends", "not shown"}
+        Whether fixation leads, by the rule in studies/variants/README.md.
+    spread : tuple of Spread
+        Numbers of variants, by set of objects.
+    leads : tuple of Lead
+        Leads in the default and in the most literal variant.
+    sentences : tuple of str
+        Sentences for the page.
+    literal : dict
+        Accuracies of the most literal variant, by strategy and classifier.
+    source : Source or None
+        Where kept figures are from; None for figures of this run.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -68,13 +81,16 @@ class VariantsSummary(BaseModel):
 
 
 def read_variants(path: Path | None = None) -> VariantsSummary:
-    """Read what a run of the study wrote, ``reports/variants.json``, else what is kept with the package."""
+    """Read the summary of a run of the study, ``reports/variants.json``; without a path, the kept summary.
+
+    Raises `ReportError` if the file is damaged.
+    """
     if path is None:
         kept = files("visuohaptic.report").joinpath(KEPT).read_text("utf-8")
         return VariantsSummary.model_validate_json(kept)
     return read_json(
         path,
-        lambda found: VariantsSummary.model_validate(found["report"]),
+        lambda stored: VariantsSummary.model_validate(stored["report"]),
         "has no summary of the variants",
         "run `snakemake -j2 variants_all` again",
     )

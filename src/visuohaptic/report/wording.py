@@ -1,4 +1,4 @@
-"""How numbers and names are put into words, the same all over the page."""
+"""Numbers and names in words, the same everywhere on the page."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from visuohaptic.recognition.classifiers import CLASSIFIERS
 
 ADAPTIVE = "adaptive touching"
 CONTACT_STATES = {
-    "full": "the largest square fits, and the object lies under all of it",
-    "shrunk": "the square shrank until nothing penetrates it",
-    "partial": "the object lies under a part of the square only",
+    "full": "the largest square fits, and the object lies under all of the square",
+    "shrunk": "the square shrank until nothing penetrates its plane",
+    "partial": "the object lies under only a part of the square",
     "at_minimum": "the object penetrates even the smallest square",
     "blocked": "another part of the object is in the way of the approaching sensor",
 }
@@ -24,85 +24,85 @@ _MINUS = "\N{MINUS SIGN}"
 
 
 def classifier_name(key: str) -> str:
-    """Give a classifier's name in words; a run to compare with may have one of its own."""
+    """Return a classifier's name in words; an unknown key has its underscores replaced by spaces."""
     return CLASSIFIERS[key].label if key in CLASSIFIERS.names else spaced(key)
 
 
 def strategy_name(key: str) -> str:
-    """Give a probing strategy's name in words; a run to compare with may have one of its own."""
+    """Return a probing strategy's name in words; an unknown key has its underscores replaced by spaces."""
     if key == "adaptive":
         return ADAPTIVE
     return STRATEGIES[key].label if key in STRATEGIES.names else spaced(key)
 
 
 def pipeline_name(key: str) -> str:
-    """Name a pipeline in a sentence."""
+    """Return a pipeline's name for use within a sentence."""
     return "the paper's pipeline" if key == PAPER_PIPELINE else f"pipeline {key}"
 
 
 def strategy_place(key: str) -> int:
-    """Give a strategy's place among all, by which it has the same colour and mark in every chart."""
+    """Return a strategy's index among all strategies; it fixes the strategy's colour and mark in every chart."""
     names = (*STRATEGIES.names, "adaptive")
     return names.index(key) if key in names else len(names)
 
 
 def titled(name: str) -> str:
-    """Give a name as a sentence begins; the letter k of the nearest neighbours stays small."""
+    """Return a name with an upper-case first letter; the k of k nearest neighbours stays lower-case."""
     return name if name.startswith("k ") else name[:1].upper() + name[1:]
 
 
 def spaced(key: str) -> str:
-    """Give a name with blanks instead of underscores."""
+    """Return a name with spaces instead of underscores."""
     return key.replace("_", " ")
 
 
 def percent(share: float, decimals: int = 1) -> str:
-    """Write a share as a percentage."""
+    """Return a share in [0, 1] as a percentage, such as ``70.0 %``."""
     return f"{_with_minus(f'{100 * share:.{decimals}f}')}{_NO_BREAK}%"
 
 
 def points(difference: float) -> str:
-    """Write a difference of shares in percentage points, with its sign."""
+    """Return a difference of shares in percentage points, with its sign, such as ``+2.5``."""
     return _with_minus(f"{100 * difference:+.1f}")
 
 
 def percent_points(size: float) -> str:
-    """Write the size of a difference of shares in percentage points, without a sign."""
+    """Return the size of a difference of shares in percentage points, such as ``2.5``."""
     return f"{100 * size:.1f}"
 
 
 def probability(value: float) -> str:
-    """Write a p value with two significant digits, tiny ones as a bound."""
+    """Return a p value with two significant digits, or ``< 0.0001``."""
     return "< 0.0001" if value < 0.0001 else f"{value:.2g}"
 
 
 def decimal(value: float) -> str:
-    """Give two decimals."""
+    """Return a number with two decimals."""
     return _with_minus(f"{value:.2f}".replace("-0.00", "0.00"))
 
 
 def duration(seconds: float) -> str:
-    """Write seconds, or milliseconds where they are few, with two digits or whole."""
+    """Return seconds as text: two significant digits below 99.5, else whole; below 1 s in milliseconds."""
     value, unit = (seconds, "s") if seconds >= 1 else (1000 * seconds, "ms")
     return f"{value:.0f} {unit}" if value >= 99.5 else f"{value:.2g} {unit}"
 
 
 def listed(names: Sequence[str]) -> str:
-    """Join names as a sentence does: a, b and c."""
+    """Return names as a list in a sentence: a, b and c."""
     if len(names) < 2:
         return "".join(names)
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def listed_in_short(names: Sequence[str], most: int = 10) -> str:
-    """Join names as `listed` does; of more than `most`, name so many and count the others."""
+    """Return names as a list in a sentence; after `most` names the rest is only counted."""
     if len(names) <= most:
         return listed(names)
     return f"{', '.join(names[:most])} and {len(names) - most:,} more"
 
 
 def counted(count: int, noun: str) -> str:
-    """Give a count with its noun, in the plural where it needs one."""
+    """Return a count with its noun, in the plural unless the count is 1."""
     if count == 1:
         return f"1 {noun}"
     ending = "es" if noun.endswith(("s", "ch", "x")) else "s"
@@ -110,14 +110,17 @@ def counted(count: int, noun: str) -> str:
 
 
 def anchor_of(key: str) -> str:
-    """Give an object's anchor: ASCII letters, digits and hyphens, different for different keys."""
+    """Return an object's anchor: ASCII letters, digits and hyphens, different for different keys."""
     slug = re.sub(r"[^a-z0-9]+", "-", key.lower()).strip("-")[:40]
     digest = hashlib.sha256(key.encode("utf-8")).hexdigest()[:8]
     return f"object-{slug}-{digest}" if slug else f"object-{digest}"
 
 
 def place_in_view(row: float, column: float, height: int, width: int) -> str:
-    """Say where in a picture a point lies, on a grid of three by three."""
+    """Return the position of a point in a picture on a grid of three by three, such as ``upper left``.
+
+    `row` and `column` are in pixels from the upper left corner.
+    """
     vertical = ("upper", "middle", "lower")[min(int(3 * row / height), 2)]
     horizontal = ("left", "centre", "right")[min(int(3 * column / width), 2)]
     if (vertical, horizontal) == ("middle", "centre"):

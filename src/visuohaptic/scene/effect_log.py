@@ -15,9 +15,18 @@ from visuohaptic.tables.schema import build_table
 def effect_table(
     key: str, first_viewpoint: int, scene: str, records: Sequence[EffectRecord]
 ) -> pa.Table:
-    """Give the records of one job, one for each effect: `tables.EFFECTS`.
+    """Return the records of one job as rows of `tables.EFFECTS`, one row per effect.
 
-    `scene` is the name of its preset, or `any` for effects that no preset sets.
+    Parameters
+    ----------
+    key : str
+        The object, ``class/name``.
+    first_viewpoint : int
+        The first viewpoint of the job.
+    scene : str
+        The name of the scene's preset, or ``any`` for effects that no preset sets.
+    records : sequence of EffectRecord
+        One record per effect.
     """
     columns = owner_columns(key) | {"first_viewpoint": first_viewpoint, "scene": scene}
     for field in fields(EffectRecord):

@@ -1,9 +1,8 @@
-"""The scene of a touch: what is simulated, and how strongly.
+"""The scene of a touch: the simulated effects and their strengths.
 
-A scene is data only. Each effect has a mode: `auto` simulates it only
-where it is needed, `always` everywhere, `never` nowhere. When a tactile effect is needed is
-decided beside the effect in `visuohaptic.sensor`; when a visual one is needed, in
-`visuohaptic.fixations.visual_effects`.
+A scene is data only. Each effect has a mode. `auto` simulates the effect only where it is needed,
+`always` everywhere, `never` nowhere. `visuohaptic.sensor.effects` decides where a tactile effect is
+needed, and `visuohaptic.fixations.visual_effects` where a visual effect is needed.
 """
 
 from __future__ import annotations
@@ -24,10 +23,10 @@ PresetName = Literal["ideal", "fsr400", "worn_fsr"]
 
 
 class TactileModes(Section):
-    """When each effect of the sensor is simulated, in the order in which a touch goes through them.
+    """When each effect of the sensor is simulated, in the order of simulation.
 
-    Each has an entry in `visuohaptic.sensor.effects`, except for `adaptive_size`, which is how
-    the sensor is placed.
+    Each effect has an entry in `visuohaptic.sensor.effects`. Only `adaptive_size` has none: placing
+    the sensor applies it (`visuohaptic.sensor.placing`).
     """
 
     adaptive_size: Mode = Field("auto", description="The square shrinks until nothing penetrates")
@@ -58,7 +57,7 @@ class EffectModes(VisualModes, TactileModes):
 
 
 TACTILE_EFFECTS = TactileModes.model_fields.keys()
-"""The names of the sensor's effects, those that are added later among them."""
+"""The names of the sensor's effects, including effects that plug-ins add later."""
 VISUAL_EFFECTS = tuple(VisualModes.model_fields)
 
 
@@ -79,7 +78,7 @@ class Scene(Section):
     press_depths_m: tuple[float, ...] = Field(
         (0.0005,),
         min_length=1,
-        description="How far the cover is pressed in, one after another (metres); the image is taken at the last",
+        description="Depths to which the cover is pressed in, one after another (metres); the image is taken at the last depth",
     )
     hold_time_s: float = Field(
         1.0, gt=0, description="Time from reaching the last depth to the reading (seconds)"
@@ -118,14 +117,14 @@ class Scene(Section):
         0.0, ge=-0.5, le=0.5, description="Change of output over ten times the time (1)"
     )
     drift_reference_s: float = Field(
-        1.0, gt=0, description="Time after loading at which drift counts as none (seconds)"
+        1.0, gt=0, description="Time after loading at which drift is 0 (seconds)"
     )
     dead_fraction: float = Field(
         0.0, ge=0, le=1, description="Probability of a cell being dead (1)"
     )
     readout: Readout = Field(
         "ideal",
-        description="`ideal`: each cell alone; `grounded`: other lines held at zero through `line_resistance_ohm`; `floating`: other lines left open",
+        description="`ideal`: each cell separately; `grounded`: other lines held at zero through `line_resistance_ohm`; `floating`: other lines left open",
     )
     line_resistance_ohm: float = Field(
         0.0, ge=0, description="Resistance of each driven or read line (ohm)"
@@ -145,7 +144,10 @@ class Scene(Section):
     effects: EffectModes = Field(default_factory=EffectModes)
 
     def with_effects(self, mode: Mode) -> Scene:
-        """Give the same scene with one mode for every effect, to measure what `auto` saves against `always`."""
+        """Return a copy of the scene with one mode for every effect.
+
+        With `always`, measurements show what `auto` saves.
+        """
         modes = EffectModes.model_validate(dict.fromkeys(EffectModes.model_fields, mode))
         return self.model_copy(update={"effects": modes})
 
@@ -161,7 +163,13 @@ _TAKEN = frozenset({*Scene.model_fields, *EffectModes.model_fields})
 
 
 def check_free(effect: str, settings: Iterable[str]) -> None:
-    """Refuse an effect with a name, or settings with names, that the scene itself has."""
+    """Check that the names of an added effect and its settings are not yet names of the scene.
+
+    Raises
+    ------
+    RegistryError
+        If `effect` or one of `settings` is a field of `Scene` or `EffectModes`.
+    """
     if twice := _TAKEN & {effect, *settings}:
         raise RegistryError(
             f"effect {effect} brings {', '.join(sorted(twice))}, which the scene has already; another "
@@ -170,7 +178,17 @@ def check_free(effect: str, settings: Iterable[str]) -> None:
 
 
 def grow_scene(effect: str, description: str, settings: Mapping[str, tuple[Any, Any]]) -> None:
-    """Give an effect that is added its mode and its settings, in all scenes that are made from now on."""
+    """Add the mode and the settings of an added effect to all scenes that are built from now on.
+
+    Parameters
+    ----------
+    effect : str
+        The name of the effect; its mode is `auto` by default.
+    description : str
+        The description of the mode.
+    settings : mapping of str to (type, pydantic field)
+        The further fields of `Scene`.
+    """
     mode = Field("auto", description=description)
     for model in (TactileModes, EffectModes):
         _grow(model, {effect: (Mode, mode)})
@@ -186,7 +204,7 @@ def _grow(model: type[Section], added: Mapping[str, tuple[Any, Any]]) -> None:
 _FSR400: dict[str, object] = {
     "press_depths_m": (0.0005,),
     "cover": "winkler",
-    # 0.2 N on the 20.3 mm² of the Interlink FSR 400; half of linear within 0.7 to 1.4 MPa.
+    # Interlink FSR 400: breaks at 0.2 N on 20.3 mm², and has half of the linear output at 0.7 to 1.4 MPa.
     "break_pressure_pa": 1e4,
     "saturation_pressure_pa": 1e6,
     "gain_scatter": 0.06,

@@ -10,10 +10,24 @@ from visuohaptic.scene.parameters import Mode
 
 @dataclass(frozen=True)
 class EffectRecord:
-    """Record of one effect over a batch of touches; its reason is the same for every batch of the scene.
+    """Record of one effect over a batch of touches.
 
-    It counts the batch's `touches`, those that `needed` it, and `runs`, those it was simulated for.
-    Processor `seconds` include the decision, and differ from run to run.
+    Attributes
+    ----------
+    effect : str
+        The name of the effect.
+    mode : {"auto", "always", "never"}
+        The mode that the scene sets.
+    reason : str
+        Why the effect is or is not needed; the same for every batch of a scene.
+    touches : int
+        Touches in the batch.
+    needed : int
+        Touches that need the effect.
+    runs : int
+        Touches with the effect simulated.
+    seconds : float
+        Processor seconds, including the decision; they differ between runs.
     """
 
     effect: str
@@ -26,7 +40,10 @@ class EffectRecord:
 
 
 def merge_records(batches: Sequence[Sequence[EffectRecord]]) -> tuple[EffectRecord, ...]:
-    """Add up the records of several batches of one scene; all have the same effects in order."""
+    """Return one record per effect, summed over batches of one scene.
+
+    Every batch needs the same effects in the same order; at least one batch is needed for records.
+    """
     return tuple(
         replace(
             records[0],

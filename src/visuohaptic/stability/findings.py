@@ -1,4 +1,4 @@
-"""What a check finds: the errors of its cases, and the worst of them by tolerance."""
+"""Errors of the cases of a check, and the worst error per tolerance."""
 
 from __future__ import annotations
 
@@ -13,10 +13,16 @@ from visuohaptic.stability.tolerances import Tolerance
 
 @dataclass(frozen=True)
 class Finding:
-    """The error of each of some cases, by the tolerance's name.
+    """Errors of some cases that share a tolerance.
 
-    `errors` have any shape and the tolerance's unit; True is an error of 1, and NaN is infinite.
-    `hardest` is the case in words, or a function that returns these words for an index of the flat errors.
+    Attributes
+    ----------
+    tolerance : str
+        The name of the tolerance.
+    errors : array_like, any shape
+        One error per case, in the tolerance's unit. True counts as 1, NaN as infinite.
+    hardest : str or callable
+        The worst case in words, or a function that returns these words for its index in the flat errors.
     """
 
     tolerance: str
@@ -26,9 +32,20 @@ class Finding:
 
 @dataclass(frozen=True)
 class Result:
-    """The worst error of all cases that share a tolerance, with that case in words.
+    """The worst error of all cases that share a tolerance.
 
-    `name` is the tolerance's; `worst_error` has the tolerance's unit and may be infinite.
+    Attributes
+    ----------
+    name : str
+        The name of the tolerance.
+    tolerance : Tolerance
+        The bound, its unit and its reason.
+    cases : int
+        The number of cases.
+    worst_error : float
+        The worst error in the tolerance's unit; may be infinite.
+    hardest : str
+        The case with the worst error, in words.
     """
 
     name: str
@@ -46,22 +63,29 @@ class Result:
 def results_of(
     findings: Iterable[Finding], tolerances: Mapping[str, Tolerance]
 ) -> Iterator[Result]:
-    """Give the worst case of each finding that has cases, beside its tolerance by name."""
+    """Yield the worst case of each finding; findings without cases are left out.
+
+    `tolerances` maps names to tolerances and needs the name of every finding that has cases.
+    """
     for finding in findings:
         errors = np.asarray(finding.errors, dtype=np.float64).ravel()
         if not errors.size:
             continue
         errors = np.where(np.isnan(errors), np.inf, errors)
-        place = int(np.argmax(errors))
-        hardest = finding.hardest(place) if callable(finding.hardest) else finding.hardest
-        allowed = tolerances[finding.tolerance]
-        yield Result(finding.tolerance, allowed, errors.size, float(errors[place]), hardest)
+        worst = int(np.argmax(errors))
+        hardest = finding.hardest(worst) if callable(finding.hardest) else finding.hardest
+        tolerance = tolerances[finding.tolerance]
+        yield Result(finding.tolerance, tolerance, errors.size, float(errors[worst]), hardest)
 
 
 def measure(
     check: Callable[[], Iterable[Finding]], tolerances: Mapping[str, Tolerance]
 ) -> list[Result]:
-    """Make a check that may find the tolerances named; one that breaks off has an infinite error under each."""
+    """Run a check and return one result per finding.
+
+    `tolerances` are all tolerances that the check may name. If the check raises an error, every tolerance
+    has one case with an infinite error.
+    """
     try:
         return list(results_of(check(), tolerances))
     except Exception as error:  # noqa: BLE001 - the failure is the finding, and the table names it
@@ -73,7 +97,7 @@ def measure(
 
 
 def merge_results(results: Iterable[Result]) -> dict[str, Result]:
-    """Sum up cases and keep the worst error by tolerance, the first of equal ones."""
+    """Merge results by tolerance: cases are summed, and the worst error is kept, the first of equal errors."""
     merged: dict[str, Result] = {}
     for result in results:
         kept = merged.setdefault(result.name, result)

@@ -1,4 +1,4 @@
-"""Checks on an object of the run: its own mesh, where it was looked at, and what was felt there."""
+"""Numerical checks on an object of the run: its mesh, its fixations and its touches."""
 
 from __future__ import annotations
 
@@ -35,7 +35,19 @@ TOUCHED_AGAIN = 4
 
 
 class SensedObject(NamedTuple):
-    """An object and what the run has of it: fixations and touches are n rows in one order, the places touched."""
+    """An object of the run with its tables and the parameters that made them.
+
+    Attributes
+    ----------
+    surface : Surface
+        The object's mesh.
+    fixations : pyarrow.Table
+        The touched locations, n rows of `tables.FIXATIONS`.
+    touches : pyarrow.Table
+        The touches there, n rows of `tables.TOUCHES` in the same order.
+    attention, sensor, scene, seed
+        The parameters of the run.
+    """
 
     surface: Surface
     fixations: pa.Table
@@ -56,20 +68,35 @@ def make_object_stability(
     scene: Scene,
     seed: int,
 ) -> None:
-    """Make the checks on some objects, by `class/name`, and write the table; one that was not touched has no rows."""
+    """Check every touched object and write `tables.STABILITY`.
+
+    Parameters
+    ----------
+    meshes : mapping of str to path
+        The mesh of each object, by `class/name`.
+    fixations, touches : path or sequence of paths
+        Files of `tables.FIXATIONS` and `tables.TOUCHES`. Objects without touches have no rows in the output.
+    output : path
+        The file to write.
+    attention, sensor, scene, seed
+        The parameters of the run.
+    """
     located = dict(by_object(read_table(FIXATIONS, fixations)))
-    parts = [STABILITY.arrow.empty_table()]
+    tables = [STABILITY.arrow.empty_table()]
     for key, felt in by_object(read_table(TOUCHES, touches)):
-        places = touched_places(located[key], felt)
+        touched = touched_places(located[key], felt)
         surface = read_surface(meshes[key])
-        sensed = SensedObject(surface, places, felt, attention, sensor, scene, seed)
-        found = check_object(sensed, spawn_generator(seed, "stability", key))
-        parts.append(result_table(found.values(), key))
-    write_table(STABILITY, pa.concat_tables(parts), output)
+        sensed = SensedObject(surface, touched, felt, attention, sensor, scene, seed)
+        results = check_object(sensed, spawn_generator(seed, "stability", key))
+        tables.append(result_table(results.values(), key))
+    write_table(STABILITY, pa.concat_tables(tables), output)
 
 
 def check_object(sensed: SensedObject, generator: np.random.Generator) -> dict[str, Result]:
-    """Make every check on an object, and give the worst case by tolerance, as `measure` does."""
+    """Run every check on an object and return the worst case by the name of its tolerance.
+
+    A check that raises an error has an infinite worst error, as in `measure`.
+    """
     return merge_results(
         result
         for check, names in _CHECKS
@@ -80,7 +107,11 @@ def check_object(sensed: SensedObject, generator: np.random.Generator) -> dict[s
 
 
 def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Finding]:
-    """Aim rays at vertices, edges and faces; a part of them is compared with brute force."""
+    """Check the ray caster on `RAYS` rays aimed at vertices, edges and faces.
+
+    Every hit has to lie on the plane of its face. The first `RAYS_BY_BRUTE_FORCE` rays are compared with
+    brute force (`oracles.first_hits`).
+    """
     surface = sensed.surface
     targets = aim(surface, generator, RAYS)
     origins = generator.normal(size=(RAYS, 3))
@@ -92,7 +123,7 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
     radii = np.linalg.norm(surface.triangles - centres[:, None], axis=2).max(axis=1)
 
     def faces_near(row: int) -> NDArray[np.intp]:
-        """Find the faces within whose bounding spheres a ray's line passes."""
+        """Return the indices of faces with a bounding sphere that the ray's line meets."""
         offset = centres - origins[row]
         along = offset @ (directions[row] / np.linalg.norm(directions[row]))
         aside = np.einsum("fd,fd->f", offset, offset) - along**2
@@ -101,33 +132,33 @@ def rays(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Findi
     def describe(row: int) -> str:
         return f"ray from {origins[row]} along {directions[row]}"
 
-    for some in (hits, caster.first_hits(origins, directions)):
-        errors = plane_errors(surface, origins, directions, some)
+    for cast in (hits, caster.first_hits(origins, directions)):
+        errors = plane_errors(surface, origins, directions, cast)
         yield Finding("hits lie on their face's plane", errors, describe)
     wrong = []
     for row in range(RAYS_BY_BRUTE_FORCE):
         ray = origins[row, None], directions[row, None]
-        (right,), (unsure,) = oracles.first_hits(surface.triangles[faces_near(row)], *ray)
-        same = hits.distance[row] == right or abs(hits.distance[row] - right) <= 1e-9
+        (exact,), (unsure,) = oracles.first_hits(surface.triangles[faces_near(row)], *ray)
+        same = hits.distance[row] == exact or abs(hits.distance[row] - exact) <= 1e-9
         wrong.append(not same and not unsure)
     yield Finding("rays against brute force in float64", wrong, describe)
 
 
 def probing_locations(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
-    """Want every probing location on its face."""
+    """Check that every probing location lies on the plane of its face."""
     points = matrix(sensed.fixations, ("x", "y", "z"))
     faces = sensed.fixations.column("face").to_numpy()
     corners = sensed.surface.triangles[faces]
-    apart = points - corners[:, 0]
+    offsets = points - corners[:, 0]
     yield Finding(
         "probing locations lie on their face's plane",
-        np.abs(np.einsum("nd,nd->n", apart, sensed.surface.face_normals[faces])),
+        np.abs(np.einsum("nd,nd->n", offsets, sensed.surface.face_normals[faces])),
         lambda row: _describe_row(sensed.fixations, row),
     )
 
 
 def frames(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
-    """Want the sensor's normal and its +column axis of unit length and at a right angle."""
+    """Check that the sensor's normal and its +column axis are orthonormal."""
     normal, tangent = (
         matrix(sensed.touches, [f"{name}_{axis}" for axis in "xyz"])
         for name in ("normal", "tangent")
@@ -142,29 +173,30 @@ def frames(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
 
 
 def fixations(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
-    """Want the fixations of a view a focus apart, where inhibition is on the surface."""
+    """Check that fixations of a view are at least a focus radius apart; only with inhibition on the surface."""
     if sensed.attention.inhibition != "surface":
         return
     nearest = sensed.attention.focus_radius * (1 - 1e-6)
     rows = sensed.fixations
-    looked = np.flatnonzero(np.asarray(rows.column("pixel_row").is_valid()))
+    # Only fixations have a pixel; other probing locations have none.
+    in_view = np.flatnonzero(np.asarray(rows.column("pixel_row").is_valid()))
     points = matrix(rows, ("x", "y", "z"))
-    pixels = matrix(rows.take(looked), ("viewpoint", "pixel_row", "pixel_column"))
+    pixels = matrix(rows.take(in_view), ("viewpoint", "pixel_row", "pixel_column"))
     for viewpoint in np.unique(pixels[:, 0]):
-        # A view with too few fixations begins again with its first; one row for each is enough.
+        # A view with too few fixations repeats its first fixations; one row per fixation is enough.
         first = np.unique(pixels[pixels[:, 0] == viewpoint], axis=0, return_index=True)[1]
-        places = points[looked[pixels[:, 0] == viewpoint][first]]
-        apart = np.linalg.norm(places[:, None] - places[None], axis=2)
-        apart[np.diag_indices(len(apart))] = np.inf
+        fixated = points[in_view[pixels[:, 0] == viewpoint][first]]
+        distances = np.linalg.norm(fixated[:, None] - fixated[None], axis=2)
+        distances[np.diag_indices(len(distances))] = np.inf
         yield Finding(
             "fixations of a view are a focus apart",
-            apart.min(axis=1, initial=np.inf) < nearest,
+            distances.min(axis=1, initial=np.inf) < nearest,
             f"viewpoint {viewpoint:.0f}",
         )
 
 
 def imprints(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
-    """Decompose the imprints into contourlets and put them together again."""
+    """Check that the contourlet transform reconstructs every imprint."""
     felt = images(sensed.touches).astype(np.float64)
     yield Finding(
         "contourlet reconstruction of imprints",
@@ -174,18 +206,19 @@ def imprints(sensed: SensedObject, _: np.random.Generator) -> Iterator[Finding]:
 
 
 def reconstruction_errors(images: FloatArray) -> FloatArray:
-    """Decompose images, shape (n, side, side), put them together again, and give each one's error.
+    """Compute the reconstruction error (n,) of the contourlet transform on images (n, side, side).
 
-    Errors are in units of the image's largest pixel; an image of zeros counts as one of ones.
+    The error is the largest difference of a pixel, in units of the image's largest absolute pixel. The error
+    of an image of zeros is absolute.
     """
     transform = Contourlet(levels=(4,))
-    again = transform.inverse(transform.forward(images))
+    reconstructed = transform.inverse(transform.forward(images))
     largest = np.abs(images).max(axis=(1, 2))
-    return np.abs(again - images).max(axis=(1, 2)) / np.where(largest > 0, largest, 1.0)
+    return np.abs(reconstructed - images).max(axis=(1, 2)) / np.where(largest > 0, largest, 1.0)
 
 
 def repeated_touches(sensed: SensedObject, generator: np.random.Generator) -> Iterator[Finding]:
-    """Touch some places again, without the others: every bit is the same."""
+    """Check that a touch does not depend on the other touches: some are repeated without the rest, bit for bit."""
     count = min(TOUCHED_AGAIN, len(sensed.fixations))
     rows = np.sort(generator.choice(len(sensed.fixations), count, replace=False))
     located, before = sensed.fixations.take(rows), sensed.touches.take(rows)
@@ -200,8 +233,8 @@ def repeated_touches(sensed: SensedObject, generator: np.random.Generator) -> It
 
 
 def _describe_row(table: pa.Table, row: int) -> str:
-    found = table.select(["viewpoint", "strategy", "touch"]).slice(row, 1).to_pylist()[0]
-    return f"viewpoint {found['viewpoint']}, {found['strategy']}, touch {found['touch']}"
+    touch = table.select(["viewpoint", "strategy", "touch"]).slice(row, 1).to_pylist()[0]
+    return f"viewpoint {touch['viewpoint']}, {touch['strategy']}, touch {touch['touch']}"
 
 
 _CHECKS = (

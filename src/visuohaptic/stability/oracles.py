@@ -1,4 +1,4 @@
-"""Right answers by other means: brute force in float64. Nothing here imports the library."""
+"""Reference results by brute force in float64. Nothing here imports the library."""
 
 from __future__ import annotations
 
@@ -8,16 +8,27 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 UNSURE = 1e-12
-"""Within this of an edge, in barycentric weights, brute force in float64 is not sure."""
+"""Distance from an edge, in barycentric weights, below which rounding may decide whether a ray hits."""
 
 
 def first_hits(
     triangles: FloatArray, origins: FloatArray, directions: FloatArray
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Meet every ray with every triangle by Cramer's rule.
+    """Compute the first hit of each ray by intersecting it with every triangle, by Cramer's rule.
 
-    Gives the distance of the nearest hit (infinite for none), and whether any decision was so close
-    that rounding may have taken it.
+    Parameters
+    ----------
+    triangles : array (f, 3, 3), float64
+        Corners of the faces.
+    origins, directions : array (n, 3), float64
+        The rays; directions need not have unit length.
+
+    Returns
+    -------
+    distance : array (n,), float64
+        Distance of the nearest hit in units of the direction's length; infinite without a hit.
+    unsure : array (n,), bool
+        Whether some decision was so close that rounding may have changed it.
     """
     distance = np.full(len(origins), np.inf)
     unsure = np.zeros(len(origins), dtype=bool)
@@ -42,7 +53,7 @@ def first_hits(
         least = np.minimum(np.minimum(u, v), 1 - u - v)
         ahead = usable & (t >= 0)
         met = ahead & (least >= 0)
-        # Rounding of u and v is some 16 u64 × the lengths that take part over the determinant.
+        # The rounding error of u and v is about 16 u64 × the product of the lengths over the determinant.
         reach = np.linalg.norm(s, axis=2) * length * longer
         noise = UNSURE + 32 * 2.0**-53 * reach * np.abs(inverse)
         grazing = (size > 0) & (np.abs(determinant) < 1e-12 * size * length)

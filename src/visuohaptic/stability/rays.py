@@ -1,4 +1,4 @@
-"""Rays at an object's vertices, edges and faces, and how far from a face a hit lies."""
+"""Targets of rays at vertices, edges and faces, and distances of hits from the plane of their face."""
 
 from __future__ import annotations
 
@@ -13,14 +13,17 @@ BoolArray = NDArray[np.bool_]
 
 
 def everything(distances: FloatArray) -> BoolArray:
-    """Name every ray as one to be settled."""
+    """Return True for every ray: the ray caster then recomputes all rays in float64."""
     return np.ones(len(distances), dtype=bool)
 
 
 def plane_errors(
     surface: Surface, origins: FloatArray, directions: FloatArray, hits: Hits
 ) -> FloatArray:
-    """Measure how far each hit lies from the plane of its face, along the normal; 0 for a miss."""
+    """Compute the distance (n,) of each hit from the plane of its face, along the normal; 0 for a miss.
+
+    `origins` and `directions` have the shape (n, 3); distances have the unit of the surface.
+    """
     errors, met = np.zeros(len(origins)), hits.hit
     faces = hits.face[met]
     points = origins[met] + hits.distance[met, None] * directions[met]
@@ -30,7 +33,7 @@ def plane_errors(
 
 
 def aim(surface: Surface, generator: np.random.Generator, count: int) -> FloatArray:
-    """Give points at vertices, at edges and within faces, a third each."""
+    """Sample `count` points (count, 3): a third at vertices, a third on edges, a third at centres of faces."""
     corners = surface.triangles[generator.integers(0, len(surface.faces), count)]
     share = np.rint(generator.random((count, 1)) * 64) / 64
     share[::3] = 0

@@ -1,4 +1,4 @@
-"""Results as rows of the table of checks, and the sentences that name what was exceeded."""
+"""Results as rows of the table of checks, and sentences on exceeded tolerances."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ from visuohaptic.tables.stability import STABILITY
 
 
 def result_table(results: Iterable[Result], key: str) -> pa.Table:
-    """Return results, one per tolerance, of an object, `class/name`, as rows of `tables.STABILITY`."""
+    """Return the results of one object as rows of `tables.STABILITY`, one row per tolerance.
+
+    `key` is the object, `class/name`. An infinite error becomes a missing value.
+    """
     rows = [
         {
             **owner_columns(key),
@@ -35,9 +38,10 @@ def result_table(results: Iterable[Result], key: str) -> pa.Table:
 
 
 def broken_tolerances(paths: Iterable[str | Path]) -> list[str]:
-    """Name the tolerances that were exceeded, in a sentence each, and each file that can't be read.
+    """Return one sentence per exceeded tolerance and per file that can't be read.
 
-    The files were checked when they were written: this is called at the end of each run.
+    `paths` are files of `tables.STABILITY`. The rows are not checked against the schema again: the end of each
+    run calls this function, and the files were checked when they were written.
     """
     sentences = []
     for path in paths:

@@ -1,7 +1,7 @@
 """The tolerances of the checks on an object of the run, each with its reason.
 
-A tolerance is derived before it is met: from the rounding of the types that take part, the
-number of operations, and the condition of the problem. 0 means bit for bit, or not once.
+A tolerance is derived before the error is measured: from the rounding of the number types, the number of
+operations, and the condition of the problem. 0 means equal bit for bit, or no case at all.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ U64 = 2.0**-53
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far a computed value may be from the right one, in which unit, and why."""
+    """The largest error that is allowed, its unit, and its reason."""
 
     bound: float
     unit: str

@@ -1,11 +1,11 @@
 "use strict";
-// The page is complete without scripts. This one adds 3D models, a filter of objects, and a button that copies the methods text.
+// The page is complete without scripts. This script adds 3D models, a filter of objects, and a button that copies the methods text.
 (() => {
   const MOST_OPEN = 6; // browsers limit the number of WebGL contexts
-  const [SQUARES, LEADERS, NUMBERS] = [1, 4, 5]; // places of their traces
+  const [SQUARES, LEADERS, NUMBERS] = [1, 4, 5]; // indices of their traces
   const LABEL = 0.09; // radius of a number, in object radii
-  const [REACHES, TURNS] = [[0.15, 0.22, 0.3, 0.45], [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6]]; // of numbers from squares
-  const MOST_ASIDE = 1.05; // of a number from the middle, where the stage still shows it
+  const [REACHES, TURNS] = [[0.15, 0.22, 0.3, 0.45], [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6]]; // distances of numbers from squares in object radii, and directions in 30 degrees
+  const MOST_ASIDE = 1.05; // largest distance of a number from the middle, in object radii: farther numbers leave the stage
   const opened = [];
   let library = null;
 
@@ -28,8 +28,8 @@
   async function readModel(figure) {
     const block = await unpack(figure.querySelector(".geometry").textContent);
     const { vertices, faces, touches } = figure.dataset;
-    let place = 0;
-    const take = (Type, count) => new Type(block.slice(place, place += count * Type.BYTES_PER_ELEMENT));
+    let offset = 0;
+    const take = (Type, count) => new Type(block.slice(offset, offset += count * Type.BYTES_PER_ELEMENT));
     const scaled = (values) => Array.from(values, (value) => value / COORDINATE_STEPS);
     const keys = JSON.parse(figure.querySelector(".touch-keys").textContent);
     const [points, poses] = [3 * vertices, 10 * touches].map((count) => scaled(take(Int16Array, count)));
@@ -41,11 +41,11 @@
     };
   }
 
-  const column = (values, width, place) => Array.from({ length: values.length / width }, (_, row) => values[row * width + place]);
+  const column = (values, width, index) => Array.from({ length: values.length / width }, (_, row) => values[row * width + index]);
 
   function surfaceTrace(model) {
-    const [i, j, k] = [0, 1, 2].map((place) => column(model.corners, 3, place));
-    const [x, y, z] = [2, 0, 1].map((place) => column(model.vertices, 3, place));
+    const [i, j, k] = [0, 1, 2].map((index) => column(model.corners, 3, index));
+    const [x, y, z] = [2, 0, 1].map((index) => column(model.vertices, 3, index));
     const facecolor = i.map((_, face) => `rgb(${model.colours.subarray(3 * face, 3 * face + 3).join()})`);
     return {
       type: "mesh3d", x, y, z, i, j, k, facecolor, flatshading: true, hoverinfo: "skip",
@@ -61,15 +61,15 @@
       [px, py, pz].map((centre, axis) => centre + 0.006 * n[axis] + 0.5 * size * (a * t[axis] + b * down[axis])));
   }
 
-  // Places for the numbers, where they cover no square as seen from an eye: each beside its own.
+  // Returns a position for each number beside its square, such that numbers cover no square as seen from the eye.
   function labelPlaces(poses, eye) {
     const [right, up, towards] = screenAxes(eye);
     const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     const centres = poses.map((pose) => ({ x: dot(pose, right), y: dot(pose, up), radius: 0.71 * pose[9] }));
     const taken = [];
-    return poses.map((pose, place) => {
-      const { x, y, radius } = centres[place];
-      // Away from the object's middle first, where the object is not behind a number.
+    return poses.map((pose, index) => {
+      const { x, y, radius } = centres[index];
+      // Directions away from the object's middle come first: there the object is not behind a number.
       const places = REACHES.flatMap((reach) => TURNS.map((turn) => {
         const angle = Math.atan2(y, x) + (turn * Math.PI) / 6;
         return { a: (radius + reach) * Math.cos(angle), b: (radius + reach) * Math.sin(angle) };
@@ -92,10 +92,10 @@
   function touchTraces(chosen, eye, ink) {
     const squares = chosen.map((key) => square(key.pose));
     const outline = squares.flatMap((corners) => [...corners, corners[0], [null, null, null]]);
-    const starts = squares.map((_, place) => 4 * place);
+    const starts = squares.map((_, index) => 4 * index);
     const centres = chosen.map(({ pose }) => [0, 1, 2].map((axis) => pose[axis] + 0.01 * pose[axis + 3]));
     const labels = labelPlaces(chosen.map(({ pose }) => pose), eye);
-    const leaders = labels.flatMap((label, place) => [centres[place], label, [null, null, null]]);
+    const leaders = labels.flatMap((label, index) => [centres[index], label, [null, null, null]]);
     const line = { type: "scatter3d", mode: "lines", hoverinfo: "skip" };
     return [
       {
@@ -124,14 +124,14 @@
     return [(Math.atan2(y, x) * 180) / Math.PI, (Math.asin(z / distance) * 180) / Math.PI, distance];
   }
 
-  // To the right, upwards and towards the eye, as seen from it, in the object's axes.
+  // Returns the directions right, up and towards the eye, as seen from the eye, in the object's axes.
   function screenAxes(eye) {
     const [azimuth, elevation] = whereIs(eye).map((degrees) => (degrees * Math.PI) / 180);
     const [s, c, rise, level] = [Math.sin(azimuth), Math.cos(azimuth), Math.sin(elevation), Math.cos(elevation)];
     return [[c, 0, -s], [-s * rise, level, -c * rise], [s * level, rise, c * level]];
   }
 
-  // Shows what the sensor felt at a touch, cut out of the strategy's sheet of imprints.
+  // Shows the imprint of a touch, cut out of the strategy's sheet of imprints.
   function showImprint(figure, sheets, keys, key) {
     const felt = figure.querySelector(".felt");
     const columns = Math.max(...keys.filter(({ strategy }) => strategy === key.strategy).map(({ number }) => number));
@@ -139,8 +139,8 @@
     picture.className = "cell";
     picture.setAttribute("role", "img");
     picture.setAttribute("aria-label", `Imprint of touch ${key.number}`);
-    const place = `${-96 * (key.number - 1)}px ${-96 * key.viewpoint}px`;
-    picture.style.background = `url(${sheets[key.strategy]}) ${place} / ${96 * columns}px auto`;
+    const position = `${-96 * (key.number - 1)}px ${-96 * key.viewpoint}px`;
+    picture.style.background = `url(${sheets[key.strategy]}) ${position} / ${96 * columns}px auto`;
     const edge = key.pose[9].toFixed(3);
     felt.replaceChildren(picture, `Touch ${key.number}: edge ${edge} object radii, contact ${key.state.replaceAll("_", " ")}`);
     felt.hidden = false;
@@ -149,7 +149,7 @@
     }
   }
 
-  // Gives a button for each touch; focus, pointer and tap show its imprint.
+  // Adds one button per touch; focus, pointer and tap show the touch's imprint.
   function offerTouches(figure, chosen, show) {
     figure.querySelector(".felt").hidden = true;
     figure.querySelector(".touched").replaceChildren(...chosen.map((key) => {
@@ -188,7 +188,8 @@
       const { azimuth, elevation } = viewpoints.selectedOptions[0].dataset;
       return { eye: eyeAt(Number(azimuth), Number(elevation), 1.15), up: { x: 0, y: 0, z: 1 }, center: { x: 0, y: 0, z: 0 } };
     };
-    // The same range along all axes keeps the object's proportions, and its size among objects; numbers stand beside it.
+    // The same range along all axes keeps the object's proportions and makes sizes comparable between objects. The range
+    // leaves room for the numbers beside the object.
     const hidden = { visible: false, showspikes: false, range: [-1.4, 1.4], autorange: false };
     const layout = {
       scene: { xaxis: hidden, yaxis: hidden, zaxis: hidden, aspectmode: "cube", camera: standing(), dragmode: "turntable" },
@@ -206,7 +207,7 @@
       if (curveNumber === SQUARES) show(chosen()[Math.floor(pointNumber / 4)]);
       if (curveNumber === NUMBERS) show(chosen()[pointNumber]);
     };
-    // Numbers have room as seen from where the eye is now.
+    // Numbers are placed for one position of the eye, so they are placed again when the eye moves.
     const renumber = () => {
       const moved = touches().slice(LEADERS - NUMBERS - 1);
       const places = ["x", "y", "z"].map((axis) => [axis, moved.map((trace) => trace[axis])]);
@@ -277,7 +278,7 @@
     });
   }
 
-  // A link unfolds what it leads to and what is around it, and shows an object even if the filter hides it.
+  // A link unfolds its target and everything around the target, and shows an object even if the filter hides it.
   const reveal = () => {
     const target = document.getElementById(location.hash.slice(1));
     if (!target) return;
