@@ -102,8 +102,8 @@ def test_the_third_answer_asks_whether_whole_intervals_are_near(accuracies, reac
     assert found.finding == finding
     within, outside = counts
     assert (
-        f"Of 4 published accuracies {outside} lie more than 5 points outside our intervals. For {within} our whole "
-        f"interval lies within 5 points. {4 - within - outside} are not settled."
+        f"Of 4 published accuracies {outside} lie more than 5 points outside our intervals, {within} are "
+        f"reproduced within 5 points, and {4 - within - outside} are not settled."
     ) in found.sentence
     assert plain(found.sentence).startswith("here, 93.45 % published (support vector machine). ")
 

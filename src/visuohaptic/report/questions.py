@@ -214,8 +214,8 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         "Is the paper reproduced?",
         finding,
         number,
-        f"{against}Of {len(gaps)} published accuracies {outside} lie more than {margin} outside our intervals. For "
-        f"{within} our whole interval lies within {margin}. {len(gaps) - within - outside} are not settled. Our "
+        f"{against}Of {len(gaps)} published accuracies {outside} lie more than {margin} outside our intervals, {within} "
+        f"are reproduced within {margin}, and {len(gaps) - within - outside} are not settled. Our "
         "objects differ from the paper's objects.",
         "comparison",
         rule=f"Rule: a published accuracy is reproduced if the whole interval here lies within {margin} of it. "
