@@ -17,16 +17,17 @@ TESTS = {
     for row in re.findall(r"^\|.*\[`(examples/\w+\.py)`\].*\|(.*)\|$", PAGE, re.MULTILINE)
 }
 PRINTED = {
-    "torch_classifier": r"1\.0",
     "closest": r"2\.\d+( 2\.\d+){4}",
     "extra_trees": "cup lamp",
     "grid_means": r"16( 0\.\d+){5}",
+    "gymnasium_environment": r"4 touches, mean loss \d\.\d+",
     "principal": r"\(20, 5, 3\) 2\d\.\d 2\d\.\d 2\d\.\d",
     "redness": r"red 1\.0 blue 0\.0",
+    "torch_classifier": r"1\.0",
     "zero_offset": r"0\.1 0\.6 1\.0 1\.0 by zero_offset",
 }
 
-NEEDS = {"torch_classifier": "torch"}
+NEEDS = {"gymnasium_environment": "gymnasium", "torch_classifier": "torch"}
 """Packages that no extra of the developers brings, by example."""
 PLUG_INS = {name: path for name, path in EXAMPLES.items() if TESTS.get(name)}
 
