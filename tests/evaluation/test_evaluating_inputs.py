@@ -34,7 +34,7 @@ def features():
     return features_table(separation=0.6)
 
 
-def touches_of(features, seed=0):
+def touches_of(features, seed=0, side=SIDE):
     """Give imprints to touches: noise about the first contourlet's deviation."""
     generator = np.random.default_rng(seed)
     columns = {
@@ -43,7 +43,7 @@ def touches_of(features, seed=0):
         if name in names_of(TOUCHES.columns)
     }
     middle = np.clip(features.column("contourlet_01").to_numpy() / 4, 0, 0.9)
-    noise = 0.1 * generator.random((len(features), SIDE * SIDE))
+    noise = 0.1 * generator.random((len(features), side * side))
     images = (middle[:, None] + noise).astype(np.float32)
     columns |= {"image": images, "penetration": 0.0, "rank": features.column("touch")}
     return build_table(TOUCHES, columns | dict.fromkeys(TANGENT_NAMES, 0.5))

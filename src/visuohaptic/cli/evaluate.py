@@ -68,15 +68,16 @@ def evaluate(
     ] = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Classify the objects of a run that a model has not learnt, and count how often it was right.
+    """Classify the objects of a run that a model or a classifier has not learnt, and count correct answers.
 
-    With --classifier: train and test a classifier on the splits of the run, by its params.yaml, and print its
-    accuracy with interval and the seconds that fits and predictions took.
-
-    Gives the share correctly classified, the share whose class is in the prediction set, beside what
-    that states, the set's mean size, and the share called unknown, from 1, 4 and 16 views, with intervals over
-    objects. They must be touched with the parameters that lie beside the model. The rows are written to
+    With a model: prints the share correctly classified, the share whose class is in the prediction set, beside
+    what that states, the set's mean size, and the share called unknown, from 1, 4 and 16 views, with intervals
+    over objects. They must be touched with the parameters that lie beside the model. The rows are written to
     reports/evaluation.parquet, and the report shows them.
+
+    With --classifier: trains and tests a classifier on the splits of the run, by its params.yaml, and prints its
+    accuracy with interval and the seconds that fits and predictions took. A classifier that takes imprints and
+    poses comes from a plug-in.
 
     Examples: visuohaptic evaluate results/models/recogniser.skops --run .
     visuohaptic evaluate --classifier linear_discriminant --inputs descriptors
