@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws turned bench wheels readme params format lock clean
+.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws turned baselines bench wheels readme params format lock clean
 .PHONY: lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -93,6 +93,14 @@ turned: $(READY)
 	@python -m turned.keeping $(SET)
 	@python -m turned.make_page
 
+# Simple classifiers of the same touches beside our pipeline (studies/baselines/README.md): make baselines SET=benchmark
+baselines: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
+baselines: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" \
+	  probing="{strategies: [fixation, random, random_visible]}" -- features_all
+	@python -m baselines.measure results $(SET)
+	@python -m baselines.make_page
+
 bench: $(DEVELOP)
 	python -m benchmarks
 
@@ -104,6 +112,7 @@ readme: $(DEVELOP) report
 	python -m variants.make_page
 	python -m draws.make_page
 	python -m turned.make_page
+	python -m baselines.make_page
 	python docs/make_claims.py
 	python -m eye_and_touch.make_page
 	python -m touch_curves.make_page

@@ -13,5 +13,6 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
         "pipelines": ["make_order_free"],
         "splits": ["GroupedFolds", "LeaveOneObjectPerClassOut", "ViewpointFolds"],
         "stored_models": ["load_model", "save_model"],
+        "touch_arrays": ["flatten_touches", "touch_arrays"],
     },
 )

@@ -1,0 +1,98 @@
+"""What a classifier that is evaluated gets of a sequence of touches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+from sklearn.preprocessing import FunctionTransformer
+
+from visuohaptic.base.errors import ParameterError
+from visuohaptic.recognition.classifiers import Classifier
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.pipelines import (
+    ORDER_FREE_SETTINGS,
+    OrderFreePipeline,
+    PaperPipeline,
+    RecognitionPipeline,
+    make_order_free,
+)
+from visuohaptic.recognition.sequences import TouchSequences, gather_pipeline
+from visuohaptic.recognition.touch_arrays import gather_touches
+from visuohaptic.tables.phases import FEATURES, TOUCHES
+from visuohaptic.tables.schema import Schema
+
+Inputs = Literal["features", "descriptors", "touches"]
+
+SCHEMAS: Mapping[Inputs, Schema] = {
+    "features": FEATURES,
+    "descriptors": FEATURES,
+    "touches": TOUCHES,
+}
+"""The table from which each kind of input is computed."""
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Sequences of one strategy, one row of input per sequence, and the unfitted steps behind the rows."""
+
+    sequences: TouchSequences
+    rows: NDArray[Any]
+    pipeline: RecognitionPipeline
+
+
+@dataclass(frozen=True)
+class TouchPipeline:
+    """Imprints and poses as they are; nothing is fitted before the classifier."""
+
+    preparation: FunctionTransformer
+    classifiers: Mapping[str, Any]
+    name: str = "touches"
+
+    def rows(self, sequences: TouchSequences) -> NDArray[Any]:
+        """Return the poses; imprints come with `gather_touches`."""
+        return sequences.features
+
+    def seeds(self, generator: np.random.Generator) -> dict[str, int]:
+        """Draw one seed per classifier."""
+        return {name: int(generator.integers(2**31)) for name in self.classifiers}
+
+    def log_probabilities(self, fitted: Any, rows: Any, classes: int) -> None:
+        """Return None: evaluation counts predicted classes."""
+
+
+def check_inputs(inputs: str) -> Inputs:
+    """Return the kind of input of a name. Raises `ParameterError` if there is no such kind."""
+    for name in get_args(Inputs):
+        if inputs == name:
+            return name
+    raise ParameterError(f"inputs is {inputs!r}; {', '.join(get_args(Inputs))} are allowed.")
+
+
+def prepare(
+    inputs: Inputs,
+    table: pa.Table,
+    classifier: Classifier,
+    parameters: RecognitionParameters,
+    seed: int,
+) -> Prepared:
+    """Gather the sequences of one strategy and compute a classifier's input, of which nothing is fitted yet.
+
+    Raises `RecognitionError` if the table holds no whole sequence.
+    """
+    if inputs == "touches":
+        sequences, arrays = gather_touches(table, parameters, seed)
+        own = {classifier.name: classifier.make(parameters.classifier)}
+        return Prepared(sequences, arrays, TouchPipeline(FunctionTransformer(), own))
+    pipeline: RecognitionPipeline
+    if inputs == "features":
+        pipeline = PaperPipeline.of(parameters, {classifier.name: classifier})
+    else:
+        own = {classifier.name: classifier.make(ORDER_FREE_SETTINGS)}
+        pipeline = OrderFreePipeline(parameters, seed, make_order_free()[:-1], own)
+    sequences = gather_pipeline(table, parameters, pipeline.name, seed)
+    return Prepared(sequences, pipeline.rows(sequences), pipeline)

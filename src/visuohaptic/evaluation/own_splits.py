@@ -1,0 +1,124 @@
+"""Splits of the evaluation: those of the protocol, some of them, or the caller's own."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator
+from typing import Any
+
+import numpy as np
+
+from visuohaptic.base.arrays import BoolArray, IntArray
+from visuohaptic.base.errors import ParameterError, RecognitionError
+from visuohaptic.recognition.parameters import ProtocolParameters
+from visuohaptic.recognition.sequences import TouchSequences
+from visuohaptic.recognition.splits import (
+    Split,
+    check_two_classes,
+    draw_splits,
+    objects_of_classes,
+)
+
+Splits = int | Iterable[Collection[str]] | Any | None
+
+
+def choose_splits(
+    sequences: TouchSequences, protocol: ProtocolParameters, seed: int, splits: Splits
+) -> list[Split]:
+    """Return the splits of sequences into training and test sequences.
+
+    Parameters
+    ----------
+    splits : int, iterable or scikit-learn splitter, optional
+        None for all splits of the protocol. A number for so many of them: of combinations of one object per
+        class a balanced sample, of folds the first ones. The test objects, ``class/name``, of each split; all
+        other objects train. Or a splitter, which gets the objects as `groups`.
+
+    Raises
+    ------
+    ParameterError
+        If it is none of these, or names an object that was not touched.
+    RecognitionError
+        If a split has no test object, trains and tests the same object, or tests a class that has no
+        training object.
+    """
+    if splits is None:
+        return draw_splits(sequences, protocol, seed)
+    if isinstance(splits, int | np.integer) and not isinstance(splits, bool):
+        return _some(sequences, protocol, seed, int(splits))
+    check_two_classes(sequences)
+    pairs: Iterable[tuple[IntArray, IntArray]]
+    if hasattr(splits, "get_n_splits"):
+        pairs = _by_splitter(sequences, splits)
+    elif isinstance(splits, Iterable) and not isinstance(splits, str | bytes):
+        pairs = _by_objects(sequences, splits)
+    else:
+        raise ParameterError(
+            f"splits is of type {type(splits).__name__}; a whole number, a list of the test objects of each split, "
+            "or a scikit-learn splitter is needed."
+        )
+    found = [Split(number, 0, *map(np.sort, pair)) for number, pair in enumerate(pairs)]
+    if not found:
+        raise ParameterError("splits is empty; at least one split is needed.")
+    for split in found:
+        _check(sequences, split)
+    return found
+
+
+def _some(
+    sequences: TouchSequences, protocol: ProtocolParameters, seed: int, count: int
+) -> list[Split]:
+    if count < 1:
+        raise ParameterError(f"splits is {count}; a whole number above 0 is needed.")
+    resolved = protocol.resolve([len(objects) for objects in objects_of_classes(sequences)])
+    if resolved == "leave_one_object_a_class_out":
+        most = min(count, protocol.maximum_splits)
+        sampled = {"protocol": resolved, "maximum_splits": most}
+        protocol = protocol.model_copy(update=sampled)
+    return draw_splits(sequences, protocol, seed)[:count]
+
+
+def _by_splitter(sequences: TouchSequences, splitter: Any) -> list[tuple[IntArray, IntArray]]:
+    given = (sequences.features, sequences.labels, sequences.object_index)
+    try:
+        return list(splitter.split(*given))
+    except ValueError as error:
+        reason = " ".join(str(error).split()).rstrip(".")
+        raise RecognitionError(f"{splitter} can't divide the objects: {reason}.") from error
+
+
+def _by_objects(
+    sequences: TouchSequences, splits: Iterable[Any]
+) -> Iterator[tuple[IntArray, IntArray]]:
+    places = {"/".join(owner): place for place, owner in enumerate(sequences.objects)}
+    for number, tested in enumerate(splits):
+        if isinstance(tested, str | bytes) or not isinstance(tested, Iterable):
+            raise ParameterError(
+                f"Split {number} is {tested!r}; a list of its test objects, class/name, is needed."
+            )
+        named = list(tested)
+        unknown = [name for name in named if name not in places]
+        if unknown:
+            raise ParameterError(
+                f"Split {number} tests {unknown[0]}, which was not touched in whole sequences; the objects are "
+                f"{', '.join(list(places)[:3])} and so on."
+            )
+        is_tested: BoolArray = np.isin(sequences.object_index, [places[name] for name in named])
+        yield np.flatnonzero(~is_tested), np.flatnonzero(is_tested)
+
+
+def _check(sequences: TouchSequences, split: Split) -> None:
+    owners, labels = sequences.object_index, sequences.labels
+    if not len(split.test):
+        raise RecognitionError(f"Split {split.number} has no test object; at least one is needed.")
+    both = np.intersect1d(owners[split.train], owners[split.test])
+    if len(both):
+        name = "/".join(sequences.objects[both[0]])
+        raise RecognitionError(
+            f"Split {split.number} trains and tests {name}; whole objects are needed on either side."
+        )
+    untrained = np.setdiff1d(labels[split.test], labels[split.train])
+    if len(untrained):
+        name = sequences.classes[untrained[0]]
+        raise RecognitionError(
+            f"Split {split.number} tests class {name} without a training object of it; at least one is needed."
+        )

@@ -1,0 +1,178 @@
+"""Fill the tables of README.md from the kept accuracies: `make readme` and `make baselines`."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from filling import SETS, fill_page, table
+
+from baselines.choose import CHOSEN
+from baselines.measure import LENGTHS, OURS, STRATEGIES, KeptBaselines, KeptCell, read_kept
+from visuohaptic.evaluation.intervals import Interval, compare_paired, object_interval
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.report.wording import percent, points, strategy_name
+
+PAGE = Path(__file__).parent / "README.md"
+LABELS = {
+    OURS: "ours: linear discriminant on descriptors",
+    "nearest_object": "nearest object by density of touches",
+    "touch_perceptron": "multilayer perceptron of touches",
+    "paper": "the paper's: SVM on 60 features",
+}
+INTERVALS = IntervalParameters()
+HEADLINE_TOUCHES = LENGTHS[0]
+
+Cells = Mapping[tuple[str, str, int], KeptCell]
+
+
+def blocks() -> dict[str, str]:
+    """Return the parts of the page, by the names of their blocks."""
+    kept = {name: read_kept(name) for name in SETS}
+    strategies = [strategy_name(name) for name in STRATEGIES]
+    heads = ["objects", "classifier", *strategies]
+    accuracies = {
+        length: table(heads, [row for one in kept.values() for row in _accuracies(one, length)])
+        for length in LENGTHS
+    }
+    differences = [row for one in kept.values() for row in _differences(one)]
+    seconds = ["objects", "classifier", "splits"]
+    seconds += [f"{kind}, {length}" for kind in ("fit", "predict") for length in LENGTHS]
+    sources = "; ".join(
+        f"{SETS[name]}: {one.commit[:12]}, {one.date}" for name, one in kept.items()
+    )
+    return {
+        "headline": headline(kept),
+        **{f"touches_{length}": text for length, text in accuracies.items()},
+        "differences": table(
+            ["objects that report", "less ours", "touches", *strategies], differences
+        ),
+        "seconds": table(seconds, [row for one in kept.values() for row in _seconds(one)]),
+        "chosen": table(["classifier", "settings", "choosing half"], list(_chosen())),
+        "sources": _wrapped(f"Measured once and kept; {sources}."),
+    }
+
+
+def headline(kept: Mapping[str, KeptBaselines]) -> str:
+    """Say whether a baseline is ahead of ours at five touches on the objects that report, and which is closest."""
+    baselines = [name for name in LABELS if name != OURS]
+    leads = {
+        of_set: [
+            (difference(one, name, strategy, HEADLINE_TOUCHES), name, strategy, one)
+            for name in baselines
+            for strategy in STRATEGIES
+        ]
+        for of_set, one in kept.items()
+    }
+    ahead = [lead for found in leads.values() for lead in found if lead[0].low > 0]
+    if ahead:
+        first = "**A baseline is ahead of our pipeline at five touches**, with a paired interval above 0:"
+    else:
+        first = (
+            "**No baseline is ahead of our pipeline at five touches** on the objects that report: no paired "
+            "interval lies above 0. The closest, in points less ours:"
+        )
+    closest = [max(found, key=lambda lead: lead[0].mean) for found in leads.values()]
+    lines = [_wrapped(f"- {_lead(*lead)}.", "  ") for lead in ahead or closest]
+    level = [_level(one, baselines) for one in kept.values()]
+    return "\n".join([_wrapped(first), "", *lines, "", *filter(None, level)])
+
+
+def _level(kept: KeptBaselines, names: Sequence[str]) -> str:
+    """Name the baselines whose paired intervals hold 0 by every strategy; empty where there is none."""
+    found = []
+    for name in names:
+        intervals = [difference(kept, name, one, HEADLINE_TOUCHES) for one in STRATEGIES]
+        if all(one.low <= 0 <= one.high for one in intervals):
+            found.append(LABELS[name])
+    if not found:
+        return ""
+    count = len(kept.objects) - len(kept.choosing)
+    return _wrapped(f"By every strategy {count} objects do not tell ours from: {', '.join(found)}.")
+
+
+def difference(kept: KeptBaselines, name: str, strategy: str, touches: int) -> Interval:
+    """Compute a baseline's accuracy less ours, paired over the objects that report."""
+    cells = _by_name(kept)
+    (own, other) = (cells[one, strategy, touches] for one in (OURS, name))
+    rows = [
+        (theirs, ours, weight)
+        for key, theirs, ours, weight in zip(
+            kept.objects, other.accuracy, own.accuracy, own.weights, strict=True
+        )
+        if key not in kept.choosing and theirs is not None and ours is not None
+    ]
+    theirs, ours, weights = np.array(rows, dtype=np.float64).T
+    return compare_paired(theirs, ours, weights, INTERVALS).difference
+
+
+def _accuracies(kept: KeptBaselines, touches: int) -> Iterator[list[object]]:
+    cells = _by_name(kept)
+    for name, label in LABELS.items():
+        found = [_accuracy(cells[name, strategy, touches]) for strategy in STRATEGIES]
+        yield [len(kept.objects), label, *(_interval(one, percent) for one in found)]
+
+
+def _accuracy(cell: KeptCell) -> Interval:
+    rows = [pair for pair in zip(cell.accuracy, cell.weights, strict=True) if pair[0] is not None]
+    values, weights = np.array(rows, dtype=np.float64).T
+    return object_interval(values, weights, INTERVALS)
+
+
+def _differences(kept: KeptBaselines) -> Iterator[list[object]]:
+    reporting = len(kept.objects) - len(kept.choosing)
+    for touches in LENGTHS:
+        for name, label in LABELS.items():
+            if name != OURS:
+                found = [difference(kept, name, strategy, touches) for strategy in STRATEGIES]
+                written = (_interval(one, points) for one in found)
+                yield [reporting, label, touches, *written]
+
+
+def _seconds(kept: KeptBaselines) -> Iterator[list[object]]:
+    cells = _by_name(kept)
+    for name, label in LABELS.items():
+        found = [cells[name, STRATEGIES[0], length] for length in LENGTHS]
+        times = [*(one.fit for one in found), *(one.predict for one in found)]
+        yield [len(kept.objects), label, found[0].splits, *(f"{time:.2g} s" for time in times)]
+
+
+def _chosen() -> Iterator[list[object]]:
+    for name, one in json.loads(CHOSEN.read_text(encoding="utf-8")).items():
+        settings = ", ".join(f"{key} {value}" for key, value in one["settings"].items())
+        yield [
+            LABELS[name],
+            settings,
+            _plain(percent(one["accuracy"][json.dumps(one["settings"])])),
+        ]
+
+
+def _lead(lead: Interval, name: str, strategy: str, kept: KeptBaselines) -> str:
+    reporting = len(kept.objects) - len(kept.choosing)
+    return (
+        f"{LABELS[name]}, {strategy_name(strategy)}, {reporting} objects: {_interval(lead, points)}"
+    )
+
+
+def _by_name(kept: KeptBaselines) -> Cells:
+    return {(cell.classifier, cell.strategy, cell.touches): cell for cell in kept.cells}
+
+
+def _interval(one: Interval, write: Callable[[float], str]) -> str:
+    ends = f"{write(one.low)} to {write(one.high)}"
+    return _plain(f"{write(one.mean)} ({ends})")
+
+
+def _wrapped(text: str, indent: str = "") -> str:
+    return textwrap.fill(text, 100, subsequent_indent=indent, break_on_hyphens=False)
+
+
+def _plain(text: str) -> str:
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+if __name__ == "__main__":
+    fill_page(PAGE, blocks())

@@ -1,0 +1,157 @@
+"""Measure the baselines beside our pipeline and the paper's: `python -m baselines.measure RESULTS SET`.
+
+The accuracy of each object is kept in ``kept_SET.json`` beside this file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+from pydantic import BaseModel
+from sklearn.base import clone
+
+import visuohaptic as vh
+from baselines.choose import CHOSEN
+from baselines.estimators import NearestObject, TouchPerceptron
+from classifier_settings.choose import choosing_half
+from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.evaluation.evaluating import Evaluation
+from visuohaptic.evaluation.inputs import Inputs
+from visuohaptic.meshes.catalogue import models_of_set
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.report.provenance import find_commit
+from visuohaptic.tables.phases import FEATURES, TOUCHES, keys_of
+from visuohaptic.tables.schema import read_table
+
+FOLDER = Path(__file__).parent
+STRATEGIES = ("fixation", "random", "random_visible")
+LENGTHS = (5, 1)
+OURS = "order_free"
+FEWER_SPLITS = {"paper": 27, "benchmark": 5}
+"""Splits of the perceptron, whose fits take seconds; each object is tested as often as any other of its class."""
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """A classifier, or the name of a registered one, its input, and its splits by set where these are not all."""
+
+    inputs: Inputs
+    estimator: Any
+    splits: Mapping[str, int] = field(default_factory=dict)
+
+    def evaluate(self, table: pa.Table, objects: str, strategy: str, touches: int) -> Evaluation:
+        """Evaluate on so many touches of a strategy; estimators of single touches learn from the most."""
+        estimator = self.estimator
+        if self.inputs == "touches":
+            estimator = clone(estimator).set_params(tested=touches)
+            touches = max(LENGTHS)
+        parameters = RecognitionParameters(touches=touches)
+        return vh.evaluate(
+            estimator,
+            table,
+            parameters,
+            strategy,
+            inputs=self.inputs,
+            splits=self.splits.get(objects),
+        )
+
+
+class KeptCell(BaseModel):
+    """Accuracy and weight of each object, None where it was not tested, and the processor's seconds per split."""
+
+    classifier: str
+    strategy: str
+    touches: int
+    splits: int
+    accuracy: tuple[float | None, ...]
+    weights: tuple[float | None, ...]
+    fit: float
+    predict: float
+
+
+class KeptBaselines(BaseModel):
+    """Measured cells of one set of objects; `choosing` are the objects that chose settings."""
+
+    commit: str
+    date: str
+    objects: tuple[str, ...]
+    choosing: tuple[str, ...]
+    cells: tuple[KeptCell, ...]
+
+
+@cache
+def contestants() -> dict[str, Contestant]:
+    """Return what is compared, ours first, with the chosen settings."""
+    chosen = json.loads(CHOSEN.read_text(encoding="utf-8"))
+    nearest = NearestObject(**chosen["nearest_object"]["settings"])
+    perceptron = TouchPerceptron(**chosen["touch_perceptron"]["settings"])
+    return {
+        OURS: Contestant("descriptors", "linear_discriminant"),
+        "paper": Contestant("features", "support_vector_machine"),
+        "nearest_object": Contestant("touches", nearest),
+        "touch_perceptron": Contestant("touches", perceptron, FEWER_SPLITS),
+    }
+
+
+def measure(
+    features: pa.Table, touches: pa.Table, objects: Sequence[str], name_of_set: str
+) -> Iterator[KeptCell]:
+    """Yield every cell of a run's tables, by classifier, strategy and number of touches."""
+    for name, one in contestants().items():
+        table = touches if one.inputs == "touches" else features
+        for strategy in STRATEGIES:
+            for length in LENGTHS:
+                found = one.evaluate(table, name_of_set, strategy, length)
+                print(f"{name} {strategy} {length}: {found}", flush=True)
+                yield KeptCell(
+                    classifier=name,
+                    strategy=strategy,
+                    touches=length,
+                    splits=found.splits,
+                    accuracy=tuple(found.by_object.get(key) for key in objects),
+                    weights=tuple(found.weights.get(key) for key in objects),
+                    fit=found.fit.processor / found.splits,
+                    predict=found.predict.processor / found.splits,
+                )
+
+
+def read_kept(name: str) -> KeptBaselines:
+    """Read the kept cells of a set of objects."""
+    text = (FOLDER / f"kept_{name}.json").read_text(encoding="utf-8")
+    return KeptBaselines.model_validate_json(text)
+
+
+def main() -> None:
+    """Measure every cell of a run, and keep each as soon as it is measured."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("results", type=Path, help="folder results/ of a run with three strategies")
+    parser.add_argument("set", choices=("paper", "benchmark"))
+    parser.add_argument("--catalogue", type=Path, default=Path("meshes/catalogue.csv"))
+    arguments = parser.parse_args()
+    features = read_table(FEATURES, arguments.results / "features")
+    touches = read_table(TOUCHES, arguments.results / "touches")
+    objects = sorted(set(keys_of(features).to_pylist()))
+    half = choosing_half(models_of_set(arguments.catalogue, "outside"))
+    kept = KeptBaselines(
+        commit=find_commit(),
+        date=datetime.now(UTC).strftime("%Y-%m-%d"),
+        objects=tuple(objects),
+        choosing=tuple(sorted(half.intersection(objects))),
+        cells=(),
+    )
+    for cell in measure(features, touches, objects, arguments.set):
+        kept = kept.model_copy(update={"cells": (*kept.cells, cell)})
+        text = f"{kept.model_dump_json()}\n".replace('{"classifier"', '\n{"classifier"')
+        atomic_write_text(FOLDER / f"kept_{arguments.set}.json", text)
+
+
+if __name__ == "__main__":
+    main()

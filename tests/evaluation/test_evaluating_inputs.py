@@ -1,0 +1,340 @@
+"""A classifier of one's own gets features, descriptors, or imprints and poses, on splits of one's own too."""
+
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from recognition.synthetic import features_table
+from sklearn.base import BaseEstimator, ClassifierMixin
+from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
+from sklearn.ensemble import RandomForestClassifier
+from sklearn.model_selection import KFold, StratifiedGroupKFold
+from sklearn.naive_bayes import GaussianNB
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import FunctionTransformer
+from sklearn.svm import SVC
+
+import visuohaptic as vh
+from visuohaptic.base.errors import ParameterError, RecognitionError
+from visuohaptic.evaluation.intervals import compare_paired
+from visuohaptic.evaluation.summary import summarise
+from visuohaptic.recognition import flatten_touches, touch_arrays
+from visuohaptic.recognition.experiment import run_pipeline
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.tables.phases import FEATURES, TANGENT_NAMES, TOUCHES
+from visuohaptic.tables.schema import build_table, names_of, write_table
+
+FEW = RecognitionParameters(protocol={"maximum_splits": 3})
+SIDE = 4
+FLAT = make_pipeline(FunctionTransformer(flatten_touches), GaussianNB())
+
+
+@pytest.fixture(scope="module")
+def features():
+    return features_table(separation=0.6)
+
+
+def touches_of(features, seed=0, side=SIDE):
+    """Give imprints to touches: noise about the first contourlet's deviation."""
+    generator = np.random.default_rng(seed)
+    columns = {
+        name: features.column(name)
+        for name in names_of(FEATURES.columns)
+        if name in names_of(TOUCHES.columns)
+    }
+    middle = np.clip(features.column("contourlet_01").to_numpy() / 4, 0, 0.9)
+    noise = 0.1 * generator.random((len(features), side * side))
+    images = (middle[:, None] + noise).astype(np.float32)
+    columns |= {"image": images, "penetration": 0.0, "rank": features.column("touch")}
+    return build_table(TOUCHES, columns | dict.fromkeys(TANGENT_NAMES, 0.5))
+
+
+@pytest.fixture(scope="module")
+def touches(features):
+    return touches_of(features)
+
+
+class Keeping(ClassifierMixin, BaseEstimator):
+    """Keeps what it is given, where a test can see it."""
+
+    given: ClassVar = []
+
+    def __init__(self, label=0):
+        self.label = label
+
+    def fit(self, X, y, groups=None):
+        self.classes_ = np.unique(y)
+        self.given.append((X, y, groups))
+        return self
+
+    def predict(self, X):
+        self.given.append((X, None, None))
+        return np.full(len(X), self.label)
+
+
+@pytest.fixture
+def given(monkeypatch):
+    monkeypatch.setattr(Keeping, "given", [])
+    return Keeping.given
+
+
+@pytest.mark.parametrize("name", ["linear_discriminant", "decision_tree"])
+def test_descriptors_are_those_of_pipeline_order_free_and_so_is_the_figure(features, name):
+    chosen = RecognitionParameters(
+        protocol={"maximum_splits": 3}, order_free={"classifiers": [name]}
+    )
+    found = vh.evaluate(name, features, chosen, inputs="descriptors")
+    tables = run_pipeline(features, chosen, 2018, "order_free")
+    figure = summarise(*tables, chosen.intervals)["results"]["order_free"]["fixation"][name]
+    assert (found.accuracy, found.low, found.high) == tuple(
+        figure["accuracy"][end] for end in ("mean", "low", "high")
+    )
+    assert found.predictions.column("predicted") == tables[1].column("predicted")
+
+
+def test_an_estimator_of_ones_own_needs_no_probabilities_for_descriptors(features, given):
+    assert vh.evaluate(Keeping(), features, FEW, inputs="descriptors").accuracy == 0.25
+    train, _, groups = given[0]
+    assert train.ndim == 2
+    assert len(groups) == len(train)
+
+
+@pytest.mark.parametrize("inputs", ["features", "descriptors"])
+def test_other_test_objects_change_nothing_that_an_estimator_is_fitted_on(features, inputs, given):
+    tested = ["class0/object0", "class1/object0", "class2/object0", "class3/object0"]
+    vh.evaluate(Keeping(), features, inputs=inputs, splits=[tested])
+    frame = features.to_pandas()
+    frame.loc[frame.object == "object0", ["x", "contourlet_03"]] = 0.123
+    vh.evaluate(Keeping(), frame, inputs=inputs, splits=[tested])
+    (first, _, _), (first_test, _, _), (second, _, _), (second_test, _, _) = given
+    assert np.array_equal(first, second)
+    assert not np.array_equal(first_test, second_test)
+
+
+def test_touches_are_imprints_and_poses_in_the_order_of_the_labels(touches, given):
+    vh.evaluate(Keeping(), touches, FEW, inputs="touches")
+    train, labels, groups = given[0]
+    assert train.shape == (32, 5)
+    assert train["imprint"].shape == (32, 5, SIDE, SIDE)
+    assert train["pose"].shape == (32, 5, 6)
+    assert {train[name].dtype for name in train.dtype.names} == {np.dtype("float32")}
+    assert len(set(groups)) == 8
+    rows = touches.to_pandas()
+    for sequence in (0, 7, 31):
+        owner = (f"class{labels[sequence]}", f"object{groups[sequence] % 3}")
+        same = rows[(rows["class"] == owner[0]) & (rows["object"] == owner[1])]
+        poses = same[["x", "y", "z", "normal_x", "normal_y", "normal_z"]].to_numpy(np.float32)
+        at = np.flatnonzero((poses == train["pose"][sequence, 2]).all(axis=1))
+        assert same["touch"].iloc[at[0]] == 2
+        assert np.array_equal(same["image"].iloc[at[0]], train["imprint"][sequence, 2].ravel())
+
+
+def test_arrays_have_rows_of_any_order_and_leave_short_views_out(touches):
+    arrays, classes, objects = touch_arrays(touches)
+    assert (len(arrays), len(set(classes)), len(set(objects))) == (48, 4, 12)
+    mixed = touches.take(np.random.default_rng(1).permutation(len(touches)))
+    assert np.array_equal(touch_arrays(mixed)[0], arrays)
+    fewer, _, _ = touch_arrays(touches.slice(1))
+    assert np.array_equal(fewer, arrays[1:])
+
+
+def test_another_order_of_the_touches_moves_imprints_with_poses(touches):
+    arrays, _, _ = touch_arrays(touches)
+    drawn, _, _ = touch_arrays(touches, RecognitionParameters(order="shuffled"))
+    moved = 0
+    for kept, other in zip(arrays, drawn, strict=True):
+        assert sorted(touch.tobytes() for touch in kept) == sorted(
+            touch.tobytes() for touch in other
+        )
+        moved += not np.array_equal(kept, other)
+    assert moved > len(arrays) / 2
+
+
+def test_flat_touches_hold_imprint_pose_and_size_touch_by_touch(touches):
+    arrays, _, _ = touch_arrays(touches)
+    flat = flatten_touches(arrays).reshape(len(arrays), 5, SIDE * SIDE + 7)
+    assert np.array_equal(flat[3, 1, : SIDE * SIDE], arrays["imprint"][3, 1].ravel())
+    assert np.array_equal(flat[3, 1, SIDE * SIDE : -1], arrays["pose"][3, 1])
+    assert (flat[..., -1] == np.float32(0.1)).all()
+
+
+@pytest.mark.slow
+def test_scikit_learn_estimators_take_flat_touches_with_the_same_result_in_two_processes(touches):
+    first = vh.evaluate(FLAT, touches, FEW, inputs="touches")
+    assert first.accuracy > 0.3
+    second = vh.evaluate(FLAT, touches, FEW, inputs="touches", n_jobs=2)
+    assert first.predictions == second.predictions
+
+
+def test_nested_estimators_without_a_seed_get_one(features):
+    forest = make_pipeline(FunctionTransformer(), RandomForestClassifier(3, max_depth=1))
+    first, second = (vh.evaluate(forest, features, FEW) for _ in range(2))
+    assert first.predictions == second.predictions
+    other = vh.evaluate(forest, features, FEW, seed=1, splits=None)
+    assert first.predictions != other.predictions
+
+
+def test_a_number_of_splits_is_a_balanced_sample_or_the_first_folds(features):
+    whole = vh.evaluate(GaussianNB(), features)
+    assert whole.splits == 81
+    few = vh.evaluate(GaussianNB(), features, splits=3)
+    assert (few.splits, len(few.by_object)) == (3, 12)
+    assert set(few.weights.values()) == {0.25}
+    folds = RecognitionParameters(protocol={"protocol": "grouped_folds", "folds": 3})
+    assert vh.evaluate(GaussianNB(), features, folds, splits=1).splits == 1
+    assert vh.evaluate(GaussianNB(), features, folds, splits=99).splits == 3
+
+
+def test_own_splits_are_objects_or_a_splitter(features):
+    halves = [[f"class{kind}/object{number}" for kind in range(4)] for number in range(2)]
+    found = vh.evaluate(GaussianNB(), features, splits=halves)
+    assert set(found.by_object) == {name for half in halves for name in half}
+    folds = vh.evaluate(GaussianNB(), features, splits=StratifiedGroupKFold(3))
+    assert (folds.splits, len(folds.by_object)) == (3, 12)
+
+
+@pytest.mark.parametrize(
+    ("splits", "error", "sentence"),
+    [
+        (0, ParameterError, "splits is 0; a whole number above 0 is needed"),
+        (True, ParameterError, "splits is of type bool"),
+        ("class0/object0", ParameterError, "splits is of type str"),
+        ([], ParameterError, "splits is empty"),
+        (["class0/object0"], ParameterError, "Split 0 is 'class0/object0'; a list"),
+        ([["class0/none"]], ParameterError, "Split 0 tests class0/none, which was not touched"),
+        ([[]], RecognitionError, "Split 0 has no test object"),
+        (
+            [["class0/object0", "class0/object1", "class0/object2"]],
+            RecognitionError,
+            "Split 0 tests class class0 without a training object",
+        ),
+        (StratifiedGroupKFold(13), RecognitionError, "can't divide the objects: .*n_splits=13"),
+        (
+            KFold(7, shuffle=True, random_state=0),
+            RecognitionError,
+            "Split 0 trains and tests class",
+        ),
+    ],
+)
+def test_splits_that_are_none_or_leak_are_refused(features, splits, error, sentence):
+    with pytest.raises(error, match=sentence):
+        vh.evaluate(GaussianNB(), features, splits=splits)
+
+
+def test_seconds_of_fitting_and_predicting_are_counted_and_said(features):
+    found = vh.evaluate(GaussianNB(), features, FEW)
+    for spent in (found.fit, found.predict):
+        assert spent.wall > 0
+        assert spent.processor > 0
+    assert "s of processor" in repr(found)
+
+
+def test_two_evaluations_compare_in_pairs_over_objects(features):
+    first, second = (vh.evaluate(one, features, FEW) for one in (SVC(), Keeping()))
+    compared = first.compare(second)
+    names = list(first.by_object)
+    expected = compare_paired(
+        np.array([first.by_object[name] for name in names]),
+        np.array([second.by_object[name] for name in names]),
+        np.array([first.weights[name] for name in names]),
+        FEW.intervals,
+    )
+    assert compared == expected
+    assert compared.difference.mean == pytest.approx(first.accuracy - second.accuracy)
+    assert compared.objects == 12
+
+
+class Changing(Keeping):
+    """Its constructor changes its argument, so that it can't be copied."""
+
+    def __init__(self, label=0):
+        self.label = [label]
+
+
+class Sized(Keeping):
+    """Needs sequences of five touches, as a network of a fixed size does."""
+
+    def fit(self, X, y):
+        np.reshape(X["pose"], (-1, 30)) @ np.ones(30)
+        if X.shape[1] != 5:
+            raise ValueError("5 touches are needed")
+        return super().fit(X, y)
+
+
+class Scoring(Keeping):
+    """Predicts scores instead of labels."""
+
+    def predict(self, X):
+        return np.zeros((len(X), 4))
+
+
+class Naming(Keeping):
+    """Predicts names instead of labels."""
+
+    def predict(self, X):
+        return np.full(len(X), "class0")
+
+
+@pytest.mark.parametrize(
+    ("estimator", "touches_each", "sentence"),
+    [
+        (Changing(), 5, r"can't be copied by sklearn.base.clone: .*; its constructor"),
+        (
+            Sized(),
+            3,
+            r"can't be fitted or tested on a structured array of shape \(32, 3\) with the ",
+        ),
+        (Keeping(7), 5, "predicted the label 7; only labels of y, which are 0 to 3, are allowed"),
+        (Keeping(0.5), 5, "predicted the label 0.5; only"),
+        (Naming(), 5, "predicted the label class0; only"),
+        (Scoring(), 5, r"predicted an array of shape \(16, 4\) for 16 sequences"),
+        (LinearDiscriminantAnalysis(), 5, r"can't be fitted or tested on a structured array"),
+    ],
+)
+@pytest.mark.parametrize("n_jobs", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_estimators_that_do_not_fit_are_refused_with_the_reason(
+    touches, estimator, touches_each, sentence, n_jobs
+):
+    chosen = FEW.model_copy(update={"touches": touches_each})
+    with pytest.raises(RecognitionError, match=sentence):
+        vh.evaluate(estimator, touches, chosen, inputs="touches", n_jobs=n_jobs)
+
+
+class Locked(Keeping):
+    """Can be copied by scikit-learn, and not sent to another process."""
+
+    def __reduce__(self):
+        raise TypeError("a handle of this process")
+
+
+@pytest.mark.slow
+def test_an_estimator_that_no_other_process_can_take_is_refused(touches):
+    assert vh.evaluate(Locked(), touches, FEW, inputs="touches").splits == 9
+    with pytest.raises(RecognitionError, match=r"can't be shared between processes: .*n_jobs to 1"):
+        vh.evaluate(Locked(), touches, FEW, inputs="touches", n_jobs=2)
+
+
+def test_tables_without_imprints_are_refused(features, touches, tmp_path):
+    write_table(FEATURES, features, tmp_path / "features.parquet")
+    for table in (features, tmp_path, str(tmp_path / "features.parquet")):
+        with pytest.raises(
+            RecognitionError, match=r"no imprints \(column image\); .*results/touches"
+        ):
+            vh.evaluate(FLAT, table, FEW, inputs="touches")
+    without = touches.drop_columns(["image"])
+    with pytest.raises(RecognitionError, match=r"touches can't be used: .* no column image"):
+        vh.evaluate(FLAT, without, FEW, inputs="touches")
+    with pytest.raises(RecognitionError, match=r"no imprints .*results/touches"):
+        touch_arrays(without)
+
+
+def test_imprints_of_several_sizes_are_refused(touches):
+    frame = touches.to_pandas()
+    frame.at[0, "image"] = frame.at[0, "image"][:9]
+    with pytest.raises(RecognitionError, match="images have"):
+        vh.evaluate(FLAT, frame, FEW, inputs="touches")
+
+
+def test_inputs_of_another_name_are_refused(features):
+    with pytest.raises(ParameterError, match="inputs is 'pixels'; features, descriptors, touches"):
+        vh.evaluate(SVC(), features, FEW, inputs="pixels")

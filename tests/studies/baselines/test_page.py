@@ -1,0 +1,83 @@
+"""The page of the baselines says first what is ahead of ours, on objects that chose nothing."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).parents[3] / "docs"))
+
+from baselines.choose import CHOSEN, GRIDS, chosen_of
+from baselines.make_page import LABELS, difference, headline
+from baselines.measure import LENGTHS, OURS, STRATEGIES, KeptBaselines, KeptCell, read_kept
+
+OBJECTS = tuple(f"class/{number}" for number in range(20))
+
+
+def kept(accuracies, choosing=()):
+    """Keep the same accuracies for every strategy and length, by classifier."""
+    cells = [
+        KeptCell(
+            classifier=name,
+            strategy=strategy,
+            touches=length,
+            splits=1,
+            accuracy=accuracies.get(name, [0.5] * len(OBJECTS)),
+            weights=[1.0] * len(OBJECTS),
+            fit=1.0,
+            predict=1.0,
+        )
+        for name in LABELS
+        for strategy in STRATEGIES
+        for length in LENGTHS
+    ]
+    return KeptBaselines(commit="a", date="b", objects=OBJECTS, choosing=choosing, cells=cells)
+
+
+def test_a_baseline_that_is_ahead_stands_first():
+    ahead = headline({"paper": kept({"nearest_object": [0.9] * 20})})
+    assert ahead.startswith("**A baseline is ahead of our pipeline at five touches**")
+    assert ahead.count("- nearest object") == ahead.count("+40.0 (+") == len(STRATEGIES)
+    accuracies = {"nearest_object": [0.0] * 20, "touch_perceptron": [0.1] * 20, "paper": [0.0] * 20}
+    behind = headline({"paper": kept(accuracies)})
+    assert behind.startswith("**No baseline is ahead of our pipeline at five touches**")
+    assert "do not tell" not in behind
+    assert behind.count("\n- ") == behind.count("- multilayer perceptron") == 1
+
+
+def test_baselines_that_the_objects_do_not_tell_from_ours_are_named():
+    mixed = [0.3, 0.8] * 10
+    text = headline({"paper": kept({"touch_perceptron": mixed, "paper": [0.0] * 20})})
+    assert text.startswith("**No baseline is ahead")
+    assert "multilayer perceptron of touches, eye fixations, 20 objects: +5.0 (" in text
+    named = " ".join(text.partition("20 objects do not tell ours from: ")[2].split())
+    assert named == "nearest object by density of touches, multilayer perceptron of touches."
+
+
+def test_objects_that_chose_settings_and_objects_that_were_not_tested_do_not_count():
+    accuracies = {"nearest_object": [1.0] * 10 + [0.25] * 9 + [None], OURS: [0.5] * 20}
+    found = difference(kept(accuracies, OBJECTS[:10]), "nearest_object", "fixation", LENGTHS[0])
+    assert found.mean == pytest.approx(-0.25)
+
+
+def test_the_chosen_settings_are_the_simplest_of_the_best():
+    assert chosen_of({"a": 0.5, "b": 0.7, "c": 0.7005, "d": 0.7002}) == "b"
+    chosen = json.loads(CHOSEN.read_text())
+    assert set(chosen) == set(GRIDS)
+    for found in chosen.values():
+        assert found["settings"] == json.loads(chosen_of(found["accuracy"]))
+
+
+@pytest.mark.parametrize(
+    ("name", "objects", "choosing"), [("paper", 12, 0), ("benchmark", 142, 67)]
+)
+def test_every_cell_of_a_set_is_kept(name, objects, choosing):
+    found = read_kept(name)
+    assert (len(found.objects), len(found.choosing)) == (objects, choosing)
+    assert {(one.classifier, one.strategy, one.touches) for one in found.cells} == {
+        (classifier, strategy, length)
+        for classifier in LABELS
+        for strategy in STRATEGIES
+        for length in LENGTHS
+    }
