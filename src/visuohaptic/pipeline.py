@@ -24,7 +24,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
-from visuohaptic.touches.touching import acquire_touches
+from visuohaptic.touches.acquiring import acquire_touches
 
 Sources = str | Mapping[str, str]
 """The dotted name of a parameter, or of several that make one argument, by their names there."""
@@ -123,7 +123,7 @@ PHASES = (
             "viewpoints": "viewpoints",
             "rendering": "rendering",
             "attention": "attention",
-            "strategies": "probing.strategies",
+            "strategies": "probing.planned",
             # Those of the view alone, so that an effect of the sensor renders no view again.
             "modes": {name: f"scene.effects.{name}" for name in VISUAL_EFFECTS},
             "seed": "seed",
@@ -145,9 +145,15 @@ PHASES = (
                 "unreachable": "probing.unreachable",
                 "when_exhausted": "probing.when_exhausted",
             },
+            "viewpoints": "viewpoints",
+            "policies": "probing.policies",
         },
         inputs=("meshes", "fixations"),
-        writes={"touches": "touches", "effects": "effects/touches"},
+        writes={
+            "touches": "touches",
+            "policy_fixations": "policy_fixations",
+            "effects": "effects/touches",
+        },
         verb="touch",
     ),
     Phase(

@@ -35,7 +35,7 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
 from visuohaptic.touches.choosing import in_reach
-from visuohaptic.touches.touching import touch_tables
+from visuohaptic.touches.touching import touch_part
 
 CANDIDATES = 256
 """Places of an object among which `adaptive` chooses where a viewpoint sees them."""
@@ -59,7 +59,7 @@ def make_candidates(step: StepInputs) -> None:
         if parameters.probing.unreachable == "replace":
             located = located.filter(pa.array(in_reach(caster, located, parameters.sensor)))
         scene, seed = parameters.scene, parameters.seed
-        touches, _ = touch_tables(caster, located, parameters.sensor, scene, seed)
+        touches, _ = touch_part(caster, located, parameters.sensor, scene, seed)
         features.append(run_phases(subject, parameters, {"touches": touches})["features"])
     write_table(FEATURES, pa.concat_tables(features), step.outputs[0])
 
