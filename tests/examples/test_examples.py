@@ -20,6 +20,7 @@ PRINTED = {
     "closest": r"2\.\d+( 2\.\d+){4}",
     "extra_trees": "cup lamp",
     "grid_means": r"16( 0\.\d+){5}",
+    "nearest_edge": r"(\w+( \d+\.\d){5}\n)+nearest_edge( \d+\.\d){5}",
     "principal": r"\(20, 5, 3\) 2\d\.\d 2\d\.\d 2\d\.\d",
     "redness": r"red 1\.0 blue 0\.0",
     "zero_offset": r"0\.1 0\.6 1\.0 1\.0 by zero_offset",
