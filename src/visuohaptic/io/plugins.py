@@ -37,6 +37,7 @@ GIVEN = "VISUOHAPTIC_PLUGINS"
 _KINDS = {
     "Strategy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
     "Policy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
+    "LearningPolicy": ("visuohaptic.studies.learning_policies", "add_learning_policy"),
     "Channel": ("visuohaptic.attention.parameters", "add_channel"),
     "Effect": ("visuohaptic.sensor.effects", "add_effect"),
     "Descriptor": ("visuohaptic.features.descriptors", "DESCRIPTORS.add"),
@@ -72,7 +73,7 @@ def register(entry: object) -> None:
 
     Parameters
     ----------
-    entry : Strategy, Policy, Channel, Effect, Descriptor, Map or Classifier
+    entry : Strategy, Policy, LearningPolicy, Channel, Effect, Descriptor, Map or Classifier
         The entry. Its name must be free; registering it again from the same file, or in the same
         session, replaces it. Parameters that were made before do not know it.
 
