@@ -24,7 +24,7 @@ from visuohaptic.tables.phases import EFFECTS, FIXATIONS, POINT_NAMES, SPARE, TO
 from visuohaptic.tables.schema import check_table, join_parts, matrix
 from visuohaptic.touches import policies as driving
 from visuohaptic.touches.acquiring import acquire_touches
-from visuohaptic.touches.choosing import Wanted, choose_places, touched_places
+from visuohaptic.touches.choosing import Wanted, choose_places, numbered, touched_places
 from visuohaptic.touches.touching import touch_part
 
 SENSOR, SEED = SensorParameters(), 3
@@ -203,6 +203,9 @@ def test_a_place_out_of_reach_is_told_and_is_no_touch(caster, with_policy, monke
     assert told[-1] == [False, False, True, True]
     assert found.touches["rank"].to_pylist() == [2, 3, 4]
     assert found.policy_fixations.num_rows == 5
+    places = numbered(found.policy_fixations.take([2, 3, 4]), np.arange(3))
+    part = touch_part(caster, places, SENSOR, SCENE, SEED, np.array([2, 3, 4]))
+    assert found.touches.equals(part.touches)
     unreachable_first(monkeypatch, SPARE + 1)
     found = acquire(caster, name, viewpoints=(0,), touches=3)
     assert found.policy_fixations.num_rows == SPARE + 1
