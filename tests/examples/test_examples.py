@@ -45,10 +45,12 @@ def test_the_page_names_every_example_and_its_tests():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_an_example_runs_as_written(name):
-    ran = run(EXAMPLES[name])
+def test_an_example_runs_as_written(name, tmp_path):
+    figure = tmp_path / "figure.png"
+    ran = run(EXAMPLES[name], figure)
     assert ran.returncode == 0, ran.stderr
     assert re.fullmatch(PRINTED[name], ran.stdout.strip())
+    assert figure.is_file() == (name == "nearest_edge")
     numbers = [float(number) for number in ran.stdout.split() if name == "closest"]
     assert numbers == sorted(numbers)
 
