@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pyarrow.compute as pc
 import pytest
 import trimesh
 from phases_by_files import run_phases
@@ -18,7 +19,8 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, inputs_needed_from, phases_after
 from visuohaptic.pipeline import WORK, run, run_phase, touch_all_locations
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
-from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, SPARE, TOUCHES
+from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, TOUCHES
+from visuohaptic.tables.schema import write_table
 from visuohaptic.touches.choosing import touched_places
 
 RING = {
@@ -175,3 +177,31 @@ def test_a_scene_with_chance_in_it_repeats_with_its_seed(folder, tables):
     )
     assert one.equals(two)
     assert not one.equals(three)
+
+
+def test_a_run_of_a_policy_only_gives_in_memory_what_it_gives_by_files(folder, tmp_path):
+    parameters = ring(probing={"strategies": ["seek_relief"]})
+    assert (parameters.probing.planned, parameters.probing.policies) == ((), ("seek_relief",))
+    found = run_phases("ring/torus", folder / "torus.ply", tmp_path, parameters)
+    assert found["fixations"].num_rows == 0
+    assert found["policy_fixations"].num_rows >= found["touches"].num_rows == 3 * 4
+    subject = Subject.of_mesh("ring/torus", folder / "torus.ply", range(3))
+    assert run(subject, parameters)["features"].equals(found["features"])
+
+
+def test_a_policy_changes_nothing_of_the_strategies_beside_it(folder, tables, tmp_path):
+    strategies = ["fixation", "seek_relief", "random"]
+    found = run_phases(
+        "ring/torus", folder / "torus.ply", tmp_path, ring(probing={"strategies": strategies})
+    )
+    assert found["fixations"].equals(tables["fixations"])
+    others = pc.not_equal(found["features"]["strategy"], "seek_relief")
+    assert found["features"].filter(others).combine_chunks().equals(tables["features"])
+
+
+def test_an_object_without_a_place_to_touch_has_no_rows(folder, tables, tmp_path):
+    write_table(FIXATIONS, tables["fixations"].slice(0, 0), tmp_path / "fixations.parquet")
+    found = run_phases("ring/torus", folder / "torus.ply", tmp_path, ring(), phases=OF_OBJECT[1:])
+    assert {name: table.num_rows for name, table in found.items()} == {
+        "touches": 0, "policy_fixations": 0, "effects/touches": 0, "features": 0,
+    }  # fmt: skip

@@ -16,11 +16,15 @@ from .exploration.pressing import press as press
 from .exploration.recognising import Recogniser as Recogniser
 from .exploration.recognising import read_recogniser as read_recogniser
 from .features.descriptors import Descriptor as Descriptor
+from .fixations.policies import Felt as Felt
+from .fixations.policies import Policy as Policy
+from .fixations.policies import PolicyView as PolicyView
 from .fixations.probing import Strategy as Strategy
 from .io.plugins import register as register
 from .parameters import read_parameters as read_parameters
 from .recognition.classifiers import Classifier as Classifier
 from .recognition.maps import Map as Map
 from .sensor.effect_pipeline import Effect as Effect
+from .studies.learning_policies import LearningPolicy as LearningPolicy
 
 __version__: str

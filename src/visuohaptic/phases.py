@@ -100,7 +100,7 @@ PHASES = (
             "viewpoints": "viewpoints",
             "rendering": "rendering",
             "attention": "attention",
-            "strategies": "probing.strategies",
+            "strategies": "probing.planned",
             # Only effects of the view, so that an effect of the sensor renders no view again.
             "modes": {name: f"scene.effects.{name}" for name in VISUAL_EFFECTS},
             "seed": "seed",
@@ -121,9 +121,15 @@ PHASES = (
                 "unreachable": "probing.unreachable",
                 "when_exhausted": "probing.when_exhausted",
             },
+            "viewpoints": "viewpoints",
+            "policies": "probing.policies",
         },
         inputs=("meshes", "fixations"),
-        writes={"touches": "touches", "effects": "effects/touches"},
+        writes={
+            "touches": "touches",
+            "policy_fixations": "policy_fixations",
+            "effects": "effects/touches",
+        },
         verb="touch",
     ),
     Phase(

@@ -13,7 +13,7 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.io.phase_files import Tables, Work, check_arguments
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import PHASES, Phase, phases_after
-from visuohaptic.touches.touching import acquire_touches
+from visuohaptic.touches.acquiring import acquire_touches
 
 VIEWPOINTS_AT_ONCE = 8
 """Viewpoints that are worked on together; it changes no result."""

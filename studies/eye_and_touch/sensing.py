@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from eye_and_touch.seeing import SIGHTS, describe_views
 from eye_and_touch.study import CUES
-from touch_curves.choosing import gather_candidates
 from touch_curves.study import LONGEST_SEQUENCE
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.summary import select
@@ -32,9 +31,10 @@ from visuohaptic.recognition.sequences import (
     whole_sequences,
 )
 from visuohaptic.studies.conditions import touches_of_run, with_changes
+from visuohaptic.studies.learning_policies import gather_candidates
 
 if TYPE_CHECKING:
-    from touch_curves.choosing import Candidates
+    from visuohaptic.studies.learning_policies import Candidates
 
 ADAPTIVE = "adaptive"
 BLIND = "random"

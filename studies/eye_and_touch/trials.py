@@ -39,13 +39,14 @@ from eye_and_touch.study import (
 )
 from eye_and_touch.summary import sum_up_senses
 from eye_and_touch.tables import CONFIDENCE_BINS, EYE_AND_TOUCH
-from touch_curves.choosing import choose_features
+from touch_curves.choosing import ADAPTIVE as ADAPTIVE_POLICY
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.studies.conditions import touches_of_run
 from visuohaptic.studies.figures import write_json
+from visuohaptic.studies.learning_policies import choose_in_split
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table, write_table
@@ -99,10 +100,13 @@ def _answer_all(
     """Train and test every cue, both senses side by side, and every strategy by number of touches."""
     touched = {name: [features] * len(splits) for name, features in sensed.touched.items()}
     if sensed.candidates is not None:
-        touched[ADAPTIVE] = Parallel(processes)(
-            delayed(choose_features)(sensed.candidates, split, most_touches(run), run)
+        chosen = Parallel(processes)(
+            delayed(choose_in_split)(
+                ADAPTIVE_POLICY, sensed.candidates, split, most_touches(run), run
+            )
             for split in splits
         )
+        touched[ADAPTIVE] = [sensed.candidates.features[rows] for rows in chosen]
     tasks: dict[object, dict[str, Any]] = {cue: {"seen": sensed.seen[cue]} for cue in CUES}
     side_by_side = {"touched": touched[STRATEGIES[0]], "touches": touches_of_run(run)}
     tasks[SIDE_BY_SIDE] = {**tasks[LOOK], **side_by_side}

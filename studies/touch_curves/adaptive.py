@@ -1,4 +1,4 @@
-"""The adaptive strategy: each split chooses its touches by its training objects."""
+"""Policies that learn, such as `adaptive`: each split chooses its touches by its training objects."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import pyarrow as pa
 
-from touch_curves.choosing import choose_features, gather_candidates
+import touch_curves.choosing  # noqa: F401 - it adds `adaptive`
 from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.seeds import spawn_generator
@@ -28,6 +28,12 @@ from visuohaptic.recognition.pipelines import pipeline_of
 from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, gather_pipeline
 from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, Planned, plan_study
+from visuohaptic.studies.learning_policies import (
+    LEARNING_POLICIES,
+    LearningPolicy,
+    choose_in_splits,
+    gather_candidates,
+)
 from visuohaptic.studies.measuring import Predictions, cell_rows, error_rows
 from visuohaptic.studies.refusals import REFUSALS
 from visuohaptic.studies.study import StepInputs
@@ -35,7 +41,7 @@ from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.studies import STUDY
 from visuohaptic.touches.choosing import in_reach
-from visuohaptic.touches.touching import touch_tables
+from visuohaptic.touches.touching import touch_part
 
 CANDIDATES = 256
 """Places of an object among which `adaptive` chooses where a viewpoint sees them."""
@@ -59,31 +65,35 @@ def make_candidates(step: StepInputs) -> None:
         if parameters.probing.unreachable == "replace":
             located = located.filter(pa.array(in_reach(caster, located, parameters.sensor)))
         scene, seed = parameters.scene, parameters.seed
-        touches, _ = touch_tables(caster, located, parameters.sensor, scene, seed)
+        touches, _ = touch_part(caster, located, parameters.sensor, scene, seed)
         features.append(run_phases(subject, parameters, {"touches": touches})["features"])
     write_table(FEATURES, pa.concat_tables(features), step.outputs[0])
 
 
 def make_adaptive_rows(step: StepInputs) -> None:
-    """Write `tables.STUDY` of the study's conditions on touches that `adaptive` chooses."""
+    """Write `tables.STUDY` of the study's conditions on touches that learning policies choose, `adaptive` first."""
     planned = plan_study(TOUCH_CURVES, step.run).conditions
     features = read_table(FEATURES, step.inputs["tables"])
-    rows = adaptive_rows(features, planned, step.wildcards["pipeline"])
+    rows = [
+        part
+        for policy in LEARNING_POLICIES
+        for part in learning_rows(policy, features, planned, step.wildcards["pipeline"])
+    ]
     write_table(STUDY, pa.concat_tables(rows), step.outputs[0])
 
 
-def adaptive_rows(
-    features: pa.Table, planned: Sequence[Planned], pipeline: str
+def learning_rows(
+    policy: LearningPolicy, features: pa.Table, planned: Sequence[Planned], pipeline: str
 ) -> Iterator[pa.Table]:
-    """Choose the touches of every split by its training objects, then train and test.
+    """Choose the touches of every split by a policy that learnt its training objects, then train and test.
 
     `features` are those that `make_candidates` writes; the conditions differ in the number of touches. Yields
-    `tables.STUDY` of each condition, by strategy ``adaptive``.
+    `tables.STUDY` of each condition, by the policy's name.
     """
-    keys = [(TOUCH_CURVES.name, one.condition.name, pipeline, "adaptive") for one in planned]
+    keys = [(TOUCH_CURVES.name, one.condition.name, pipeline, policy.name) for one in planned]
     classifiers = (HEADLINE_CLASSIFIERS[pipeline],)
     try:
-        chosen = choose_for_splits(features, planned)
+        chosen = choose_for_splits(policy, features, planned)
     except REFUSALS as refusal:
         yield from (error_rows(key, classifiers, str(refusal)) for key in keys)
         return
@@ -115,14 +125,17 @@ class ChosenTouches:
     features: list[FloatArray]
 
 
-def choose_for_splits(features: pa.Table, planned: Sequence[Planned]) -> ChosenTouches:
+def choose_for_splits(
+    policy: LearningPolicy, features: pa.Table, planned: Sequence[Planned]
+) -> ChosenTouches:
     """Choose touches for every split; `planned` conditions differ only in the number of touches."""
     features, run = classes_of_two(features), planned[0].parameters
     first = select(features, touch=0)
     candidates = gather_candidates(features, _columns_of(first, run, "order_free"))
     splits = draw_splits(candidates.sequences, run.recognition.protocol, run.seed)
     most = max(one.parameters.recognition.touches or 1 for one in planned)
-    chosen = [choose_features(candidates, split, most, run) for split in splits]
+    rows = choose_in_splits(policy, candidates, splits, most, run)
+    chosen = [candidates.features[some] for some in rows]
     return ChosenTouches(candidates.sequences, first, splits, chosen)
 
 

@@ -7,24 +7,25 @@ objects of each class gave each kind of imprint.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-import pyarrow as pa
-from numpy.typing import NDArray
 
 from touch_curves.temperature import fit_temperature
-from visuohaptic.base.errors import RecognitionError
-from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.encoding import fit_standardiser
 from visuohaptic.recognition.frames import LEAST_SIZE
 from visuohaptic.recognition.parameters import OrderFreeParameters
-from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
-from visuohaptic.recognition.splits import Split
-from visuohaptic.tables.schema import matrix
+from visuohaptic.studies.learning_policies import (
+    Choose,
+    LearningPolicy,
+    Learnt,
+    Lessons,
+    Places,
+    add_learning_policy,
+)
 
 WORDS = 16
 """Number of kinds of imprint."""
@@ -43,34 +44,6 @@ REHEARSED_TOUCHES = 5
 
 
 @dataclass(frozen=True)
-class Candidates:
-    """Where objects may be touched, and the features (n, k) of a touch there.
-
-    `sequences` are the s to choose, one a viewpoint of an object, without features; `sequence` (n,),
-    ascending, is the one that each is a candidate for.
-    """
-
-    sequences: TouchSequences
-    features: NDArray[np.float64]
-    sequence: NDArray[np.int64]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the k features."""
-        return self.sequences.feature_names
-
-    @property
-    def poses(self) -> NDArray[np.float64]:
-        """Position and normal of each candidate (n, 6): what is known before a touch."""
-        return self.features[:, [self.names.index(name) for name in POSE]]
-
-    @property
-    def owner(self) -> NDArray[np.int64]:
-        """Each candidate's object (n,)."""
-        return self.sequences.object_index[self.sequence]
-
-
-@dataclass(frozen=True)
 class TouchModel:
     """Likelihood of imprints by pose and class, from t training touches only.
 
@@ -78,15 +51,15 @@ class TouchModel:
     objects than those of training, `class_of_owner` (o,) is not looked at.
     """
 
-    poses: NDArray[np.float64]
-    kinds: NDArray[np.int64]
+    poses: FloatArray
+    kinds: IntArray
     words: int
-    owner: NDArray[np.int64]
-    class_of_owner: NDArray[np.int64]
+    owner: IntArray
+    class_of_owner: IntArray
     classes: int
     parameters: OrderFreeParameters
 
-    def log_likelihood(self, poses: NDArray[np.float64], left_out: int) -> NDArray[np.float64]:
+    def log_likelihood(self, poses: FloatArray, left_out: int) -> FloatArray:
         """Give the log likelihood of each word at each pose, by class: (n, 6) to (n, m, c).
 
         A training object, `left_out`, is ignored, for its own touches must not predict its imprints;
@@ -107,7 +80,7 @@ class TouchModel:
         mixed = (1 - COMMON_SHARE) * found + COMMON_SHARE * common
         return np.log(mixed + LEAST_LIKELIHOOD)
 
-    def _weights(self, left_out: int) -> NDArray[np.float64]:
+    def _weights(self, left_out: int) -> FloatArray:
         """Weigh touches so that all objects of a class have the same weight."""
         objects = np.unique(self.owner)
         classes = self.class_of_owner[objects]
@@ -117,127 +90,93 @@ class TouchModel:
         return np.where(np.isin(self.owner, kept), weight, 0.0)
 
 
-def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
-    """Gather the candidates of every viewpoint, sorted by class, object, viewpoint and place.
+def fit_adaptive(
+    lessons: Lessons, parameters: ExperimentParameters, generator: np.random.Generator
+) -> Learnt:
+    """Fit the touch model and its temperature on training objects, whose own touches are chosen without them."""
+    model, words = fit_touch_model(lessons, parameters.recognition.order_free, generator)
+    known = {
+        int(owner): _plan(model, lessons.poses[lessons.owner == owner], int(owner))
+        for owner in np.unique(lessons.owner)
+    }
+    temperature = _fit_temperature(lessons, words(lessons.features), known, generator)
 
-    `features` are rows of strategy ``adaptive``; the names are columns to take, ``contact_…`` of the
-    contact's state. Raises `RecognitionError` if there are none.
+    def begin(places: Places) -> Choose:
+        plan = known.get(places.left_out)
+        if plan is None or not np.array_equal(plan.poses, places.poses):
+            plan = _plan(model, places.poses, places.left_out)
+        tempered = replace(plan, log_likelihood=plan.log_likelihood / temperature)
+        predicted = tempered.log_likelihood - _log_sum(tempered.log_likelihood)
+
+        def choose(chosen: IntArray, felt: FloatArray) -> IntArray:
+            kinds = words(felt.reshape(-1, felt.shape[2])).reshape(chosen.shape)
+            return choose_next(
+                tempered, predicted, places.view, chosen, kinds, parameters.attention.focus_radius
+            )
+
+        return choose
+
+    return begin
+
+
+ADAPTIVE = LearningPolicy("adaptive", fit_adaptive)
+add_learning_policy(ADAPTIVE, "touch_curves")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """An object's candidates as the touch model sees them.
+
+    `poses` (n, 6) are those of all candidates; equal ones have one `pose_number` (n,), below u.
+    `log_likelihood` is that of each word under each class, (u, m, c).
     """
-    if not len(features):
-        raise RecognitionError("There are no candidates to choose touches among.")
-    keys = ["class", "object", "viewpoint", "touch"]
-    features = spread_contact_states(features)
-    features = features.sort_by([(key, "ascending") for key in keys])
-    views = list(zip(*(features.column(key).to_pylist() for key in keys[:3]), strict=True))
-    distinct = sorted(set(views))
-    objects = tuple(sorted({view[:2] for view in distinct}))
-    place = {view: number for number, view in enumerate(distinct)}
-    sequences = TouchSequences(
-        features=np.zeros((len(distinct), 0, len(names))),
-        feature_names=tuple(names),
-        objects=objects,
-        classes=tuple(sorted({name for name, _ in objects})),
-        object_index=np.array([objects.index(view[:2]) for view in distinct], dtype=np.int64),
-        viewpoint=np.array([view[2] for view in distinct], dtype=np.int64),
-    )
-    return Candidates(
-        sequences,
-        matrix(features, names),
-        np.array([place[view] for view in views], dtype=np.int64),
-    )
+
+    poses: FloatArray
+    pose_number: IntArray
+    log_likelihood: FloatArray
 
 
-def choose_sequences(
-    candidates: Candidates,
-    split: Split,
-    touches: int,
-    parameters: OrderFreeParameters,
+def _plan(model: TouchModel, poses: FloatArray, left_out: int) -> Plan:
+    first, seen = np.unique(poses, axis=0, return_inverse=True)
+    return Plan(poses, seen.reshape(-1), model.log_likelihood(first, left_out))
+
+
+def choose_next(
+    plan: Plan,
+    predicted: FloatArray,
+    view: IntArray,
+    chosen: IntArray,
+    kinds: IntArray,
     focus_radius: float,
-    generator: np.random.Generator,
-) -> NDArray[np.int64]:
-    """Choose every sequence's touches, one after the other: rows of the candidates, (s, touches), int64.
+) -> IntArray:
+    """Choose the next touch of each of an object's viewpoints: candidates, (v,), int64.
 
-    The model is fitted on the split's training objects; theirs are chosen without the object itself. Of
-    a test object only the poses of the candidates and the imprints of touches made are looked at.
-    """
-    model, words = fit_touch_model(candidates, split, parameters, generator)
-    training = np.unique(candidates.sequences.object_index[split.train])
-    plans = {}
-    for place in range(len(candidates.sequences.objects)):
-        rows = np.flatnonzero(candidates.owner == place)
-        left_out = place if place in training else -1
-        first, seen = np.unique(candidates.poses[rows], axis=0, return_inverse=True)
-        plans[place] = (rows, seen.reshape(-1), model.log_likelihood(first, left_out))
-    temperature = _fit_temperature(candidates, words, training, plans, generator)
-    chosen = np.zeros((len(candidates.sequences.object_index), touches), dtype=np.int64)
-    for place, (rows, seen, likelihood) in plans.items():
-        members = np.flatnonzero(candidates.sequences.object_index == place)
-        own = choose_touches(
-            candidates.poses[rows],
-            seen,
-            np.searchsorted(members, candidates.sequence[rows]),
-            likelihood / temperature,
-            words[rows],
-            touches,
-            focus_radius,
-        )
-        chosen[members] = rows[own]
-    return chosen
-
-
-def choose_features(
-    candidates: Candidates, split: Split, touches: int, run: ExperimentParameters
-) -> NDArray[np.float64]:
-    """Return the features of every sequence's chosen touches, (s, touches, k), by the draws of the split."""
-    generator = spawn_generator(run.seed, "adaptive", *split.test.tolist())
-    own, focus = run.recognition.order_free, run.attention.focus_radius
-    return candidates.features[choose_sequences(candidates, split, touches, own, focus, generator)]
-
-
-def choose_touches(
-    poses: NDArray[np.float64],
-    pose_number: NDArray[np.int64],
-    view: NDArray[np.int64],
-    log_likelihood: NDArray[np.float64],
-    kinds: NDArray[np.int64],
-    touches: int,
-    focus_radius: float,
-) -> NDArray[np.int64]:
-    """Choose the touches of one object's viewpoints, one after the other: candidates, (v, touches), int64.
-
-    Each next touch is the open candidate with the largest expected information gain: the entropy of
+    It is the open candidate with the largest expected information gain: the entropy of
     the class is expected to be least after it, averaged over the kinds of imprint with their
     probabilities under the belief so far (D. V. Lindley, Ann. Math. Statist. 27, 1956). The pose is
     known before the touch, so it adds no gain; after the touch, pose and imprint are both evidence.
 
-    `poses` are those of all candidates, (n, 6); equal ones have one `pose_number`, (n,), below u.
-    `view` is the viewpoint of each, (n,), ascending from 0 without a gap. `log_likelihood` is that
-    of each word under each class, tempered, (u, m, c). Of `kinds`, the words (n,), only those of
-    chosen candidates are looked at. No two touches are closer than `focus_radius` while there is
+    `predicted` is the plan's log likelihood with a sum of 1 over the words. `view` is the viewpoint of
+    each candidate, (n,), ascending from 0 without a gap. `chosen` are the touches so far, (v, t), and
+    `kinds` their words. No two touches are closer than `focus_radius` while there is
     another place; once all places are closed, all but those touched are open again, and at last all.
     """
-    views = int(view[-1]) + 1
-    predicted = log_likelihood - _log_sum(log_likelihood)
-    belief = np.zeros((views, log_likelihood.shape[2]))
+    views, poses = len(chosen), plan.poses
+    belief = np.zeros((views, plan.log_likelihood.shape[2]))
     shut = np.zeros(len(poses), dtype=np.int64)
-    chosen = np.zeros((views, touches), dtype=np.int64)
-    starts = np.searchsorted(view, np.arange(views))
-    for turn in range(touches):
-        left = expected_entropy(belief, predicted)[view, pose_number]
-        # Lowest first among the least shut: open ones, then near ones, then touched ones.
-        order = np.lexsort((left, shut, view))
-        chosen[:, turn] = order[starts]
-        belief += log_likelihood[pose_number[chosen[:, turn]], kinds[chosen[:, turn]]]
-        steps = poses[:, :3] - poses[chosen[view, turn], :3]
+    for places, words in zip(chosen.T, kinds.T, strict=True):
+        belief += plan.log_likelihood[plan.pose_number[places], words]
+        steps = poses[:, :3] - poses[places[view], :3]
         near = np.einsum("nd,nd->n", steps, steps) <= focus_radius**2
         shut = np.maximum(shut, near)
-        shut[chosen[:, turn]] += 2
-    return chosen
+        shut[places] += 2
+    left = expected_entropy(belief, predicted)[view, plan.pose_number]
+    # Lowest first among the least shut: open ones, then near ones, then touched ones.
+    order = np.lexsort((left, shut, view))
+    return order[np.searchsorted(view, np.arange(views))]
 
 
-def expected_entropy(
-    belief: NDArray[np.float64], log_likelihood: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def expected_entropy(belief: FloatArray, log_likelihood: FloatArray) -> FloatArray:
     """Give the uncertainty about the class that is expected to be left after a touch: (v, u), nats.
 
     `belief` holds the log probabilities of the classes so far, up to a constant, (v, c);
@@ -259,32 +198,28 @@ def expected_entropy(
 
 
 def fit_touch_model(
-    candidates: Candidates,
-    split: Split,
-    parameters: OrderFreeParameters,
-    generator: np.random.Generator,
-) -> tuple[TouchModel, NDArray[np.int64]]:
-    """Fit the touch model on the candidates of a split's training objects, each place once; also give all words, (n,).
+    lessons: Lessons, parameters: OrderFreeParameters, generator: np.random.Generator
+) -> tuple[TouchModel, Words]:
+    """Fit the touch model on lessons, each place of an object once; also return the words of features.
 
     The generator starts the words' centres.
     """
-    sequences, owner = candidates.sequences, candidates.owner
-    rows = np.flatnonzero(np.isin(candidates.sequence, split.train))
-    places = np.column_stack([owner[rows], candidates.poses[rows]])
-    rows = rows[np.sort(np.unique(places, axis=0, return_index=True)[1])]
-    kinds, words = imprint_words(candidates, rows, generator)
-    classes = np.full(len(sequences.objects), -1)
-    training = np.unique(sequences.object_index[split.train])
-    classes[training] = sequences.class_of_object[training]
-    poses = scale_poses(candidates.poses[rows], parameters)
-    of_training = (poses, kinds[rows], words, owner[rows], classes)
-    return TouchModel(*of_training, len(sequences.classes), parameters), kinds
+    places = np.column_stack([lessons.owner, lessons.poses])
+    rows = np.sort(np.unique(places, axis=0, return_index=True)[1])
+    words, count = fit_words(lessons.names, lessons.features[rows], generator)
+    poses, kinds = scale_poses(lessons.poses[rows], parameters), words(lessons.features[rows])
+    of_training = (poses, kinds, count, lessons.owner[rows], lessons.class_of_object)
+    return TouchModel(*of_training, lessons.classes, parameters), words
 
 
-def imprint_words(
-    candidates: Candidates, rows: NDArray[np.int64], generator: np.random.Generator
-) -> tuple[NDArray[np.int64], int]:
-    """Find at most `WORDS` kinds of imprint among some rows by k-means: the kind of each candidate, (n,), and their number.
+Words = Callable[[FloatArray], IntArray]
+"""The kind of imprint (n,) of features (n, k)."""
+
+
+def fit_words(
+    names: Sequence[str], features: FloatArray, generator: np.random.Generator
+) -> tuple[Words, int]:
+    """Find at most `WORDS` kinds of imprint among features (n, k) by k-means; also return their number.
 
     All columns but the pose and the contact's states are the skin's. The generator starts the
     centres.
@@ -293,21 +228,30 @@ def imprint_words(
 
     columns = [
         place
-        for place, name in enumerate(candidates.names)
+        for place, name in enumerate(names)
         if name.startswith(("contourlet_", "imprint_")) or name == "sensor_size"
     ]
-    values = candidates.features[:, columns]
-    logarithmic = [candidates.names[place] == "sensor_size" for place in columns]
-    values[:, logarithmic] = np.log(np.maximum(values[:, logarithmic], LEAST_SIZE))
-    scaled = fit_standardiser(values[rows], "standardise").apply(values)
-    count = min(WORDS, len(np.unique(scaled[rows], axis=0)))
+    logarithmic = [names[place] == "sensor_size" for place in columns]
+
+    def skin_of(rows: FloatArray) -> FloatArray:
+        values = rows[:, columns]
+        values[:, logarithmic] = np.log(np.maximum(values[:, logarithmic], LEAST_SIZE))
+        return values
+
+    standardiser = fit_standardiser(skin_of(features), "standardise")
+    scaled = standardiser.apply(skin_of(features))
+    count = min(WORDS, len(np.unique(scaled, axis=0)))
     start = int(generator.integers(2**31))
-    centres = KMeans(count, n_init=1, random_state=start).fit(scaled[rows]).cluster_centers_
-    products = np.einsum("nq,mq->nm", scaled, centres)
-    return np.argmin(np.einsum("mq,mq->m", centres, centres) - 2 * products, axis=1), count
+    centres = KMeans(count, n_init=1, random_state=start).fit(scaled).cluster_centers_
+
+    def words(rows: FloatArray) -> IntArray:
+        products = np.einsum("nq,mq->nm", standardiser.apply(skin_of(rows)), centres)
+        return np.argmin(np.einsum("mq,mq->m", centres, centres) - 2 * products, axis=1)
+
+    return words, count
 
 
-def scale_poses(poses: NDArray[np.float64], parameters: OrderFreeParameters) -> NDArray[np.float64]:
+def scale_poses(poses: FloatArray, parameters: OrderFreeParameters) -> FloatArray:
     """Scale poses for a Gaussian kernel of unit width, left and right being alike: (n, 6) both."""
     scaled = poses / parameters.wave_length
     scaled[:, 3:] *= parameters.normal_weight
@@ -315,28 +259,23 @@ def scale_poses(poses: NDArray[np.float64], parameters: OrderFreeParameters) -> 
     return scaled
 
 
-def _log_sum(logarithms: NDArray[np.float64]) -> NDArray[np.float64]:
+def _log_sum(logarithms: FloatArray) -> FloatArray:
     """Sum over the middle axis what has these logarithms: (u, m, c) to (u, 1, c)."""
     largest = logarithms.max(axis=1, keepdims=True)
-    sums: NDArray[np.float64] = np.exp(logarithms - largest).sum(axis=1, keepdims=True)
+    sums: FloatArray = np.exp(logarithms - largest).sum(axis=1, keepdims=True)
     return largest + np.log(sums)
 
 
 def _fit_temperature(
-    candidates: Candidates,
-    words: NDArray[np.int64],
-    training: NDArray[np.int64],
-    plans: dict[int, tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]],
-    generator: np.random.Generator,
+    lessons: Lessons, kinds: IntArray, plans: Mapping[int, Plan], generator: np.random.Generator
 ) -> float:
     """Find the temperature that calibrates the belief on training objects left out."""
     scores, labels = [], []
-    classes = candidates.sequences.class_of_object
-    for place in training:
-        rows, seen, likelihood = plans[place]
-        kinds = words[rows]
-        views = len(np.unique(candidates.sequence[rows]))
-        drawn = generator.integers(len(rows), size=(views, REHEARSED_TOUCHES))
-        scores.append(likelihood[seen[drawn], kinds[drawn]].sum(axis=1))
-        labels.append(np.full(views, classes[place]))
+    for owner, plan in plans.items():
+        own = lessons.owner == owner
+        words, views = kinds[own], len(np.unique(lessons.view[own]))
+        drawn = generator.integers(len(words), size=(views, REHEARSED_TOUCHES))
+        evidence = plan.log_likelihood[plan.pose_number[drawn], words[drawn]]
+        scores.append(evidence.sum(axis=1))
+        labels.append(np.full(views, lessons.class_of_object[owner]))
     return fit_temperature(np.concatenate(scores), np.concatenate(labels))

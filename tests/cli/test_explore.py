@@ -48,6 +48,9 @@ def test_a_mesh_file_is_touched(visuohaptic, small, tmp_path, name):
     assert len(values["features"]) == 10
     assert {"x", "contourlet_16", "contact_state"} <= set(values["features"][0])
     assert all(Path(file).is_file() for file in values["files"])
+    ended = visuohaptic("touch", name, *small, "--strategy", "seek_relief", "--out", "felt")
+    assert ended.out.startswith(f"{name}: 10 touches from 2 viewpoints by seek_relief\n")
+    assert "choose" in ended.out.splitlines()[-1]
 
 
 def test_a_missing_material_and_the_axis_of_the_file_are_said_once(

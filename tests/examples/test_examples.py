@@ -21,6 +21,7 @@ PRINTED = {
     "extra_trees": "cup lamp",
     "grid_means": r"16( 0\.\d+){5}",
     "gymnasium_environment": r"4 touches, mean loss \d\.\d+",
+    "nearest_edge": r"(\w+( \d+\.\d){5}\n)+nearest_edge( \d+\.\d){5}",
     "principal": r"\(20, 5, 3\) 2\d\.\d 2\d\.\d 2\d\.\d",
     "redness": r"red 1\.0 blue 0\.0",
     "torch_classifier": r"1\.0",
@@ -50,12 +51,14 @@ def test_the_page_names_every_example_and_its_tests():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
-def test_an_example_runs_as_written(name):
+def test_an_example_runs_as_written(name, tmp_path):
     if name in NEEDS:
         pytest.importorskip(NEEDS[name], reason=f"{NEEDS[name]} is not installed")
-    ran = run(EXAMPLES[name])
+    figure = tmp_path / "figure.png"
+    ran = run(EXAMPLES[name], figure)
     assert ran.returncode == 0, ran.stderr
     assert re.fullmatch(PRINTED[name], ran.stdout.strip())
+    assert figure.is_file() == (name == "nearest_edge")
     numbers = [float(number) for number in ran.stdout.split() if name == "closest"]
     assert numbers == sorted(numbers)
 

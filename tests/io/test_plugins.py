@@ -69,7 +69,7 @@ print(before.attention.weights.model_dump().get("redness"), saliency_map({{}}, b
 @pytest.mark.parametrize(
     ("entry", "sentence"),
     [
-        (lambda: 3, "int can't be registered; an entry of Strategy, Channel, Effect, "),
+        (lambda: 3, "int can't be registered; an entry of Strategy, Policy, LearningPolicy, "),
         (lambda: vh.Strategy("fixation", "", None), "'fixation' can't name a probing strategy"),
         (lambda: vh.Channel("Red", "", print), "'Red' can't name a channel"),
         (lambda: vh.Channel("colour", "", print), "'colour' can't name a channel"),

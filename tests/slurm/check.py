@@ -29,6 +29,7 @@ TABLES = [
     "meshes",
     "views",
     "fixations",
+    "policy_fixations",
     "touches",
     "features",
     "stability",

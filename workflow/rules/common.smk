@@ -242,6 +242,11 @@ def views_of(table):
     return [f"results/{table}/{{objects}}/{views}.parquet" for views in VIEW_BLOCKS]
 
 
+def places_of(files, **chosen):
+    """List the files of all places, chosen before the first touch or by policies; `files` is `files_of` or `views_of`."""
+    return [*files("fixations", **chosen), *files("policy_fixations", **chosen)]
+
+
 # What each rule runs and takes.
 DECLARED = {}
 # What the jobs of this run are given: in the process that plans it, and in those of other machines, which read it.

@@ -70,7 +70,7 @@ rule report:
             metrics="reports/metrics.json",
             predictions=files_of("predictions", "{pipeline}/{strategy}"),
             views=files_of("views"),
-            fixations=files_of("fixations"),
+            fixations=places_of(files_of),
             touches=files_of("touches"),
             features=files_of("features"),
             effects=[*files_of("effects/views"), *files_of("effects/touches")],

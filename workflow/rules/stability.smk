@@ -1,6 +1,6 @@
 """Stability: each object's mesh, probing locations and imprints → its numerical errors, beside their tolerances.
 
-Takes results/meshes/, results/fixations/ and results/touches/; gives results/stability/. A tolerance that is
+Takes results/meshes/, results/fixations/, results/policy_fixations/ and results/touches/; gives results/stability/. A tolerance that is
 exceeded fails no job: the tables say so, the report shows it, and the run's last lines name it.
 """
 
@@ -16,7 +16,7 @@ rule stability_of_object:
         takes(
             "stability_of_object",
             meshes="results/meshes/{objects}",
-            fixations=views_of("fixations"),
+            fixations=places_of(views_of),
             touches=views_of("touches"),
         ),
     output:

@@ -215,8 +215,8 @@ def inputs_of_step(study, step):
     found = {
         "meshes": meshes_of(measured),
         # Of the first viewpoints, which are enough.
-        "fixations": files_of(
-            "fixations", objects=blocks_with(measured), views=[*VIEW_BLOCKS][:1]
+        "fixations": places_of(
+            files_of, objects=blocks_with(measured), views=[*VIEW_BLOCKS][:1]
         ),
         "features": features_of(study.name),
         "blocks": study_blocks(study.name),

@@ -33,6 +33,10 @@ class PlugInError(RegistryError):
     """A plug-in is missing, fails, or registers nothing that can be registered."""
 
 
+class PolicyError(VisuohapticError):
+    """A policy raised, or chose a place that can't be touched."""
+
+
 class TableError(VisuohapticError):
     """A table breaks its schema."""
 

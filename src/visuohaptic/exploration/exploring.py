@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import unfinished_folder
 from visuohaptic.base.errors import MeshError, MeshWarning, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
+from visuohaptic.exploration.next_touch import FeltTouch, touch_next_point
 from visuohaptic.exploration.picture import draw_exploration
 from visuohaptic.exploration.pose_files import write_poses
 from visuohaptic.exploration.recognising import UNKNOWN, Recogniser, check_alike, read_recogniser
@@ -94,7 +95,7 @@ class TouchableObject:
         viewpoints : int, optional
             Viewpoints on each ring; without it as `parameters` say.
         strategy : str
-            How the probing locations are chosen.
+            How the probing locations are chosen: a strategy, or a policy.
         parameters : ExperimentParameters or mapping, optional
             Everything else, such as ``{"sensor.resolution": 16}``; what is left out takes
             its default, which is that of the paper.
@@ -168,7 +169,7 @@ class Exploration:
     strategy : str
         How the probing locations were chosen; ``given`` where the caller chose them.
     seconds : mapping of str to float
-        What each phase took: prepare, look, touch, describe.
+        What each phase took: prepare, look, touch, describe; and what a policy took to choose.
     tables : mapping of str to pyarrow.Table
         ``views``, ``fixations``, ``touches``, ``effects`` and ``features``, which are attributes, too, in
         the object frame; ``frame.table(touches)`` gives one in the file's. ``visuohaptic tables`` lists
@@ -235,6 +236,52 @@ class Exploration:
     def poses(self) -> FloatArray:
         """Poses of the touches in the file's frame, shape (n, 4, 4), as `FileFrame.poses` gives them."""
         return self.frame.poses(self.touches)
+
+    def touch_next(
+        self, point: ArrayLike, normal: ArrayLike | None = None
+    ) -> tuple[Exploration, FeltTouch]:
+        """Touch one more point, after ``touch(at=...)``.
+
+        The result is that of ``touch(at=...)`` with all points. A place that the sensor can't reach is
+        touched as far as the sensor comes, and is not `acquired`.
+
+        Parameters
+        ----------
+        point : array_like of shape (3,)
+            Where to touch, object frame. The sensor is set down at the surface's nearest point.
+        normal : array_like of shape (3,), optional
+            Which way is out, of any length; without it as the surface has it.
+
+        Returns
+        -------
+        exploration : Exploration
+            All touches so far.
+        felt : FeltTouch
+            The imprint, the features, and whether the sensor could reach the place.
+
+        Raises
+        ------
+        ParameterError
+            If the touches so far were made by a strategy, or point or normal is not allowed.
+
+        Examples
+        --------
+        >>> import visuohaptic as vh
+        >>> made = vh.example("chair").touch(at=[[0.1, -0.1, 0.4]])
+        >>> made, felt = made.touch_next([-0.2, 0.3, -0.2])
+        >>> made.touches.num_rows, felt.imprint.shape
+        (2, (32, 32))
+        """
+        if self.strategy != GIVEN:
+            raise ParameterError(
+                f"The object was touched by strategy {self.strategy}; touch_next goes on from touch(at=...)."
+            )
+        (tables, seconds), felt = touch_next_point(
+            self.key, self.surface, point, normal, self.parameters, dict(self.tables)
+        )
+        added = {name: self.seconds.get(name, 0.0) + part for name, part in seconds.items()}
+        made = replace(self, tables=tables, seconds={**self.seconds, **added})
+        return made, felt
 
     def recognise(self, model: str | Path | Recogniser | None = None) -> Recognition:
         """Classify the object from its touches.

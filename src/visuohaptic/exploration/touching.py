@@ -30,13 +30,19 @@ GIVEN = "given"
 FARTHEST = 0.1
 """A point may be so far off the surface, object radii; farther ones are in another frame."""
 
-SCHEMAS = {name: OF_PHASES[name] for phase in OF_OBJECT for name in phase.writes}
-"""The tables of an exploration."""
+_BY_POLICIES = "policy_fixations"
+
+SCHEMAS = {
+    name: OF_PHASES[name] for phase in OF_OBJECT for name in phase.writes if name != _BY_POLICIES
+}
+"""The tables of an exploration; ``fixations`` also holds the places that policies chose."""
+
+_WRITTEN = (*SCHEMAS, _BY_POLICIES)
 
 Steps = Sequence[Callable[[], None]]
 Track = Callable[[Steps], Iterable[Callable[[], None]]]
 Explored = tuple[Tables, dict[str, float]]
-"""All tables of an exploration, the same as the workflow makes, and the seconds of each phase."""
+"""All tables of an exploration, the same as the workflow makes, and the seconds of each phase and of choosing."""
 
 
 def touch_seen_points(
@@ -61,10 +67,22 @@ def touch_given_points(
     Raises `ParameterError` if points or normals are none, or a point is too far off the surface.
     """
     subject = Subject(key, lambda: RayCaster(surface))
+    places, parameters = given_places(subject.caster, at, normals, parameters)
+    fixations = location_table(key, 0, GIVEN, places)
+    return _explore([subject], touch_all_locations(parameters, fixations), {"fixations": fixations})
+
+
+def given_places(
+    caster: RayCaster, at: ArrayLike, normals: ArrayLike | None, parameters: ExperimentParameters
+) -> tuple[ProbingLocations, ExperimentParameters]:
+    """Find the places of an object nearest to given points (n, 3), and the parameters by which they are touched.
+
+    Raises `ParameterError` as `touch_given_points` does.
+    """
     points = point_rows(at, "at")
     if not len(points):
         raise ParameterError("at has no points; at least one is needed.")
-    places, faces = subject.caster.nearest(points)
+    places, faces = caster.nearest(points)
     distances = np.linalg.norm(points - places, axis=1)
     off = np.flatnonzero(distances > FARTHEST)
     if len(off):
@@ -73,23 +91,21 @@ def touch_given_points(
             f"{FARTHEST} is allowed, in the object frame, in which `surface.vertices` are."
         )
     if normals is None:
-        outwards = orient_outwards(subject.caster, places, surface.face_normals[faces])
-    else:
-        outwards = unit_rows(normals, "normals", len(points))
-        # The caller's normals are the sensor's own, whatever the touched face says.
-        sensor = parameters.sensor.model_copy(update={"normal": "given"})
-        parameters = parameters.model_copy(update={"sensor": sensor})
-    fixations = location_table(key, 0, GIVEN, ProbingLocations(places, outwards, faces))
-    return _explore([subject], touch_all_locations(parameters, fixations), {"fixations": fixations})
+        outwards = orient_outwards(caster, places, caster.surface.face_normals[faces])
+        return ProbingLocations(places, outwards, faces), parameters
+    outwards = unit_rows(normals, "normals", len(points))
+    # The caller's normals are the sensor's own, whatever the touched face says.
+    sensor = parameters.sensor.model_copy(update={"normal": "given"})
+    return ProbingLocations(places, outwards, faces), parameters.model_copy(
+        update={"sensor": sensor}
+    )
 
 
 def _explore(
     blocks: Iterable[Subject], parameters: ExperimentParameters, known: Tables, track: Track = iter
 ) -> Explored:
     """Take blocks of viewpoints through the phases behind the tables that are known."""
-    parts = {
-        name: [known.get(name, schema.arrow.empty_table())] for name, schema in SCHEMAS.items()
-    }
+    parts = {name: [known.get(name, OF_PHASES[name].arrow.empty_table())] for name in _WRITTEN}
     seconds: dict[str, float] = {}
 
     def step(phase: Phase, block: Subject) -> None:
@@ -99,10 +115,14 @@ def _explore(
         found = run_phase(phase, block, last, parameters)
         for name in phase.writes:
             parts[name].append(getattr(found, name))
-        verb = str(phase.verb)
-        seconds[verb] = seconds.get(verb, 0.0) + time.perf_counter() - started
+        parts_of_phase = getattr(found, "seconds", {})
+        whole = time.perf_counter() - started
+        own = {str(phase.verb): max(whole - sum(parts_of_phase.values()), 0.0)}
+        for verb, taken in {**own, **parts_of_phase}.items():
+            seconds[verb] = seconds.get(verb, 0.0) + taken
 
     steps = [partial(step, phase, block) for block in blocks for phase in phases_after(known)]
     for work in track(steps):
         work()
+    parts["fixations"] += parts.pop(_BY_POLICIES)
     return {name: join_parts(SCHEMAS[name], part) for name, part in parts.items()}, seconds

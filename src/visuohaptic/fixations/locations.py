@@ -10,9 +10,11 @@ import pyarrow as pa
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.base.draws import draw_of
+from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.places import ProbingLocations, sees, turn_towards
+from visuohaptic.fixations.policies import Policy
 from visuohaptic.fixations.probing import STRATEGIES, strategy_of
 from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 from visuohaptic.tables.schema import build_table
@@ -22,9 +24,13 @@ def locate(one: Viewpoint, strategy: str, attention: AttentionParameters, seed: 
     """Choose where to touch: rows of `tables.FIXATIONS`, up to `SPARE` more than fixations are asked for.
 
     Fewer are the first of more. What is drawn depends on seed, strategy, draw, object and viewpoint only. `one` is
-    a `AttendedView` where the strategy looks. Raises `RegistryError` if there is no such strategy.
+    a `AttendedView` where the strategy looks. Raises `RegistryError` if there is no such strategy, or it is a policy.
     """
     entry = strategy_of(strategy)
+    if isinstance(entry, Policy):
+        raise RegistryError(
+            f"{strategy!r} is a policy, which chooses by what was felt; phase touches runs it."
+        )
     generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)
     more = attention.model_copy(update={"fixations": attention.fixations + SPARE})
     chosen = entry.choose(one, more, generator)

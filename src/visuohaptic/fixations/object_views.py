@@ -22,7 +22,7 @@ from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import VisualModes
-from visuohaptic.tables.phases import VIEWS, owner_columns
+from visuohaptic.tables.phases import FIXATIONS, VIEWS, owner_columns
 from visuohaptic.tables.schema import build_table
 
 MAP_PIXELS = 64
@@ -87,7 +87,7 @@ class ObjectViews:
             for one in self.viewpoints_used
             for strategy in self.strategies
         ]
-        return pa.concat_tables(tables).combine_chunks()
+        return pa.concat_tables([FIXATIONS.arrow.empty_table(), *tables]).combine_chunks()
 
     @property
     def effects(self) -> pa.Table:

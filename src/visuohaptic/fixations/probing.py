@@ -1,4 +1,4 @@
-"""Strategies: the ways to choose where to touch."""
+"""Strategies: the ways to choose where to touch, before the first touch or, as a policy, by what was felt."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 from visuohaptic.base.draws import DRAW_MARK
 from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.registry import Registry
+from visuohaptic.fixations.policies import Policy
 from visuohaptic.fixations.strategies import (
     anywhere,
     contour,
@@ -20,6 +21,7 @@ from visuohaptic.fixations.strategies import (
     fixation,
     human,
     random_walk,
+    seek_relief,
     visible,
 )
 
@@ -63,7 +65,7 @@ class Strategy:
     chance: str | None = None
 
 
-STRATEGIES = Registry(
+STRATEGIES: Registry[Strategy | Policy] = Registry(
     "probing strategy",
     Strategy(
         "fixation",
@@ -122,12 +124,17 @@ STRATEGIES = Registry(
         human.choose,
         random=False,
     ),
+    Policy(
+        "seek_relief",
+        "where relief is expected from touch",
+        seek_relief.next_location,
+    ),
 )
-"""Every strategy that places touches from a view or the surface, in the order of reports."""
+"""Every strategy and every policy, in the order of reports."""
 
 
-def strategy_of(name: str) -> Strategy:
-    """Return the strategy of a name, which may be that of a draw, such as ``random#2``.
+def strategy_of(name: str) -> Strategy | Policy:
+    """Return the strategy or policy of a name, which may be that of a draw, such as ``random#2``.
 
     A draw has random generators of its own, also for the sensor's noise. Draw 0 has the name of the
     strategy. Raises `RegistryError` if there is no such strategy, or it draws nothing.
@@ -143,6 +150,19 @@ def strategy_of(name: str) -> Strategy:
         )
     chance = f"{entry.chance or strategy}{DRAW_MARK}{draw}"
     return replace(entry, name=name, label=f"{entry.label}, draw {draw}", chance=chance)
+
+
+def is_policy(name: str) -> bool:
+    """Return whether a name is that of a policy, which chooses by what was felt."""
+    return isinstance(strategy_of(name), Policy)
+
+
+def policy_of(name: str) -> Policy:
+    """Return the policy of a name; raises `RegistryError` if it is none."""
+    entry = strategy_of(name)
+    if not isinstance(entry, Policy):
+        raise RegistryError(f"{name!r} chooses before the first touch; a policy is needed.")
+    return entry
 
 
 def can_draw_again(name: str) -> bool:

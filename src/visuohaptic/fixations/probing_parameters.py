@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from visuohaptic.base.section import Section
-from visuohaptic.fixations.probing import StrategyName, Unreachable
+from visuohaptic.fixations.probing import StrategyName, Unreachable, is_policy
 
 MOST_DRAWS = 1000
 
@@ -16,7 +16,7 @@ class ProbingParameters(Section):
     """How probing locations are chosen."""
 
     strategies: tuple[StrategyName, ...] = Field(
-        ("fixation", "random"), min_length=1, description="Strategies to compare"
+        ("fixation", "random"), min_length=1, description="Strategies and policies to compare"
     )
     unreachable: Unreachable = Field(
         "replace",
@@ -37,3 +37,13 @@ class ProbingParameters(Section):
         "`random`; the headline classifier of pipeline `paper` is measured on each draw, all other figures "
         "are of the first",
     )
+
+    @property
+    def planned(self) -> tuple[str, ...]:
+        """The strategies that choose all places before the first touch."""
+        return tuple(name for name in self.strategies if not is_policy(name))
+
+    @property
+    def policies(self) -> tuple[str, ...]:
+        """The policies, which choose each place by what was felt before."""
+        return tuple(name for name in self.strategies if is_policy(name))

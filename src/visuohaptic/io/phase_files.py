@@ -15,7 +15,7 @@ from pydantic import TypeAdapter
 
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import set_aside_reason
-from visuohaptic.tables.phases import PHASES, by_object, of_objects
+from visuohaptic.tables.phases import PHASES, by_object
 from visuohaptic.tables.schema import read_table, write_table
 
 SCHEMAS = {schema.name: schema for schema in PHASES}
@@ -36,8 +36,7 @@ def run_phase_on_files(
     """Take the objects of some files through one phase.
 
     `work` takes a `Subject`, its rows of each input, and the arguments, of built-in types; it gives an object
-    with a table for each output. `meshes` are files by `class/name`. Without inputs each object has its mesh
-    alone, and one that was set aside has no rows. `viewpoints` are numbers, for a phase that looks.
+    with a table for each output. `meshes` are files by `class/name`; an object that was set aside has no rows. `viewpoints` are numbers, for a phase that looks.
     """
     arguments = check_arguments(work, arguments)
     parts = {name: [SCHEMAS[name].arrow.empty_table()] for name in outputs}
@@ -62,10 +61,11 @@ def _check(work: Work, name: str) -> TypeAdapter[Any]:
 
 
 def objects_of(tables: Tables, meshes: Files) -> Iterator[tuple[str, Tables]]:
-    """Give each object, `class/name`, and its rows; without tables each mesh that takes part."""
-    if not tables:
-        yield from ((key, {}) for key, mesh in meshes.items() if not set_aside_reason(mesh))
-        return
-    first, *others = tables
-    for key, rows in by_object(tables[first]):
-        yield key, {first: rows, **{name: of_objects(tables[name], [key]) for name in others}}
+    """Give each object, `class/name`, and its rows: every mesh that takes part, or without meshes all of the first table."""
+    rows = {name: dict(by_object(table)) for name, table in tables.items()}
+    if meshes or not tables:
+        keys = [key for key, mesh in meshes.items() if not set_aside_reason(mesh)]
+    else:
+        keys = [*next(iter(rows.values()))]
+    for key in keys:
+        yield key, {name: rows[name].get(key, table.slice(0, 0)) for name, table in tables.items()}

@@ -1,4 +1,4 @@
-"""Plug-ins: strategies, channels, effects, classifiers, maps and descriptors of the user's own.
+"""Plug-ins: strategies, policies, channels, effects, classifiers, maps and descriptors of the user's own.
 
 A plug-in is Python that calls `register`: a file that ``plugins`` in ``params.yaml`` names, a module
 of an installed package (entry points of the group ``visuohaptic.io.plugins``), or a cell of a
@@ -36,6 +36,8 @@ GIVEN = "VISUOHAPTIC_PLUGINS"
 # By name: a job that loads a plug-in imports the registries that this registers with, and no others.
 _KINDS = {
     "Strategy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
+    "Policy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
+    "LearningPolicy": ("visuohaptic.studies.learning_policies", "add_learning_policy"),
     "Channel": ("visuohaptic.attention.parameters", "add_channel"),
     "Effect": ("visuohaptic.sensor.effects", "add_effect"),
     "Descriptor": ("visuohaptic.features.descriptors", "DESCRIPTORS.add"),
@@ -71,7 +73,7 @@ def register(entry: object) -> None:
 
     Parameters
     ----------
-    entry : Strategy, Channel, Effect, Descriptor, Map or Classifier
+    entry : Strategy, Policy, LearningPolicy, Channel, Effect, Descriptor, Map or Classifier
         The entry. Its name must be free; registering it again from the same file, or in the same
         session, replaces it. Parameters that were made before do not know it.
 

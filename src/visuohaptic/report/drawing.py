@@ -22,13 +22,13 @@ COLOURS: Mapping[str, str] = MappingProxyType(
         "ink": "#1c2126", "quiet": "#555d66", "line": "#c9cdd1", "paper": "#fdfdfb", "bad": "#b3261e",
         "fixation": "#0b57a4", "random": "#a34a00", "third": "#5c2a86", "fourth": "#3d5c1e",
         "fifth": "#00707a", "sixth": "#a0195c", "seventh": "#6b6100", "eighth": "#4a5560",
-        "ninth": "#7a3b12", "tenth": "#1f7a55",
+        "ninth": "#7a3b12", "tenth": "#1f7a55", "eleventh": "#2f3f9e",
     }
 )  # fmt: skip
 """Colours by name. The page's style replaces each by its own colour of this name, light or dark."""
 
 _SERIES = tuple(COLOURS)[5:]
-_MARKS = "osD^vP*XpH"
+_MARKS = "osD^vP*XpH<"
 
 INCH = 72
 """Units per inch."""

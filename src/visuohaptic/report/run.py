@@ -268,6 +268,7 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
             )
     parameters = read_parameters(folder / PARAMETERS)
     tables: dict[str, Any] = {name: _parts(results / name) for name in _TABLES}
+    tables["fixations"] += _parts(results / "policy_fixations")
     logs = folder / "logs"
     files = RunFiles(
         metrics=folder / METRICS,

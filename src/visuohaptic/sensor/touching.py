@@ -98,7 +98,7 @@ def feel(
         own = None if fields is None else fields.select(rows)
         parts.append(_feel_batch(one, parameters, scene, own))
         start += len(rows)
-    return _join(parts)
+    return join_touches(parts)
 
 
 def stand(
@@ -124,7 +124,8 @@ def batches(count: int) -> list[NDArray[np.intp]]:
     return np.split(np.arange(count), range(TOUCHES_AT_A_TIME, count, TOUCHES_AT_A_TIME))
 
 
-def _join(parts: Sequence[Touches]) -> Touches:
+def join_touches(parts: Sequence[Touches]) -> Touches:
+    """Join the touches of at least one batch in one scene, and add up their effect records."""
     arrays = {
         field.name: np.concatenate([getattr(part, field.name) for part in parts])
         for field in fields(Touches)

@@ -27,7 +27,7 @@ from visuohaptic.tables.phases import FIXATIONS, TOUCHES, by_object
 from visuohaptic.tables.schema import images, matrix, read_table, write_table
 from visuohaptic.tables.stability import STABILITY
 from visuohaptic.touches.choosing import touched_places
-from visuohaptic.touches.touching import touch_tables
+from visuohaptic.touches.touching import touch_part
 
 RAYS = 2000
 RAYS_BY_BRUTE_FORCE = 48
@@ -224,7 +224,7 @@ def repeated_touches(sensed: SensedObject, generator: np.random.Generator) -> It
     located, before = sensed.fixations.take(rows), sensed.touches.take(rows)
     caster = RayCaster(sensed.surface)
     ranks = before.column("rank").to_numpy()
-    again, _ = touch_tables(caster, located, sensed.sensor, sensed.scene, sensed.seed, ranks)
+    again, _ = touch_part(caster, located, sensed.sensor, sensed.scene, sensed.seed, ranks)
     yield Finding(
         "touches by themselves",
         [not again.slice(row, 1).equals(before.slice(row, 1)) for row in range(count)],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -138,6 +139,9 @@ FIXATIONS = Schema(
     ),
 )
 
+POLICY_FIXATIONS = replace(FIXATIONS, name="policy_fixations")
+"""Where policies chose to touch, one row per try, in reach or not; readers join it with `FIXATIONS`."""
+
 TOUCHES = Schema(
     "touches",
     TOUCH_KEYS,
@@ -271,4 +275,4 @@ PREDICTIONS = Schema(
     ),
 )
 
-PHASES = (VIEWS, FIXATIONS, TOUCHES, EFFECTS, FEATURES, SCORES, PREDICTIONS)
+PHASES = (VIEWS, FIXATIONS, POLICY_FIXATIONS, TOUCHES, EFFECTS, FEATURES, SCORES, PREDICTIONS)

@@ -53,7 +53,7 @@ def choose_places(
     rows, places = np.flatnonzero(chosen), places[chosen]
     if wanted.when_exhausted == "begin_again":
         rows, places = _begin_again(rows, places, wanted.touches)
-    return _numbered(located.take(rows), places), ranks[rows]
+    return numbered(located.take(rows), places), ranks[rows]
 
 
 def touched_places(located: pa.Table, felt: pa.Table) -> pa.Table:
@@ -61,7 +61,14 @@ def touched_places(located: pa.Table, felt: pa.Table) -> pa.Table:
     owner = [name for name in names_of(TOUCH_KEYS) if name != "touch"]
     rows = {key: row for row, key in enumerate(_keys(located, [*owner, "touch"]))}
     found = located.take([rows[key] for key in _keys(felt, [*owner, "rank"])])
-    return _numbered(found, felt.column("touch").to_numpy())
+    return numbered(found, felt.column("touch").to_numpy())
+
+
+def numbered(located: pa.Table, numbers: IntArray) -> pa.Table:
+    """Replace the column ``touch`` of rows of `tables.FIXATIONS` by numbers (n,)."""
+    place = located.schema.get_field_index("touch")
+    field = located.schema.field("touch")
+    return located.set_column(place, field, pa.array(numbers, field.type))
 
 
 def _counts_before(counted: BoolArray, ranks: IntArray) -> IntArray:
@@ -83,12 +90,6 @@ def _begin_again(rows: IntArray, places: IntArray, touches: int) -> tuple[IntArr
     sequences = np.split(rows, np.flatnonzero(places == 0)[1:])
     longer = [np.resize(sequence, touches) for sequence in sequences if len(sequence)]
     return np.concatenate([rows[:0], *longer]), np.tile(np.arange(touches), len(longer))
-
-
-def _numbered(located: pa.Table, numbers: IntArray) -> pa.Table:
-    place = located.schema.get_field_index("touch")
-    field = located.schema.field("touch")
-    return located.set_column(place, field, pa.array(numbers, field.type))
 
 
 def _keys(table: pa.Table, names: Sequence[str]) -> list[tuple[object, ...]]:

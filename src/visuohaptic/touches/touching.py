@@ -9,24 +9,20 @@ import pyarrow as pa
 
 from visuohaptic.base.arrays import IntArray
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.subject import Subject
-from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import Mode, Scene
+from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import Placed
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.touching import Touches, feel, place_sensors
 from visuohaptic.tables.phases import (
-    EFFECTS,
     FIXATIONS,
     NORMAL_NAMES,
     POINT_NAMES,
     TANGENT_NAMES,
     TOUCHES,
-    key_of,
 )
 from visuohaptic.tables.schema import build_table, matrix
-from visuohaptic.touches.choosing import Wanted, choose_places
 
 
 def touch_locations(
@@ -53,50 +49,35 @@ def random_fields(fixations: pa.Table, seed: int) -> RandomFields:
     return RandomFields(seed, list(zip(*keys, strict=True)))
 
 
-class Touched(NamedTuple):
-    """The tables of the second phase."""
+class Part(NamedTuple):
+    """Touches, rows of `tables.TOUCHES`, and the record of each effect; no records if there are no touches."""
 
     touches: pa.Table
-    effects: pa.Table
+    effects: tuple[EffectRecord, ...]
 
 
-def acquire_touches(
-    subject: Subject,
-    fixations: pa.Table,
-    sensor: SensorParameters,
-    scene: Scene,
-    seed: int,
-    wanted: Wanted,
-) -> Touched:
-    """Touch an object at those of its probing locations that `choose_places` gives."""
-    places, ranks = choose_places(subject.caster, fixations, sensor, wanted)
-    return touch_tables(subject.caster, places, sensor, scene, seed, ranks)
-
-
-def touch_tables(
+def touch_part(
     caster: RayCaster,
     fixations: pa.Table,
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
     ranks: IntArray | None = None,
-) -> Touched:
-    """Touch an object at its probing locations, if there are any, as `touch_locations` does.
+) -> Part:
+    """Touch an object at n rows of `tables.FIXATIONS`, if there are any, as `touch_locations` does.
 
-    Gives n rows of `tables.TOUCHES`, in the order of `fixations`, and of `tables.EFFECTS` one for each
-    effect. `ranks`, shape (n,), are their places among the view's; without them these are as column
-    ``touch`` says.
+    The touches are in the order of `fixations`. `ranks`, shape (n,), are their places among the view's;
+    without them these are as column ``touch`` says.
     """
     if not fixations.num_rows:
-        return Touched(TOUCHES.arrow.empty_table(), EFFECTS.arrow.empty_table())
+        return Part(TOUCHES.arrow.empty_table(), ())
     felt = touch_locations(caster, fixations, sensor, scene, seed)
-    first = fixations.slice(0, 1).to_pylist()[0]
-    log = effect_table(key_of(first), first["viewpoint"], scene.preset, felt.effects)
     numbers = fixations.column("touch").to_numpy() if ranks is None else ranks
-    return Touched(_touch_table(fixations, felt, numbers), log)
+    return Part(touch_table(fixations, felt, numbers), felt.effects)
 
 
-def _touch_table(fixations: pa.Table, felt: Touches, ranks: IntArray) -> pa.Table:
+def touch_table(fixations: pa.Table, felt: Touches, ranks: IntArray) -> pa.Table:
+    """Give touches at n rows of `tables.FIXATIONS`, whose places among the view's are `ranks` (n,): `tables.TOUCHES`."""
     columns: dict[str, object] = {
         name: fixations.column(name) for name in (*TOUCHES.keys, *POINT_NAMES)
     }

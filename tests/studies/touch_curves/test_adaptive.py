@@ -6,7 +6,8 @@ from recognition.synthetic import PAPER_FEATURES, features_table
 from studies.surfaces import RUN, small_surfaces, write_sources
 
 from touch_curves import adaptive
-from touch_curves.adaptive import CANDIDATES, adaptive_rows, make_candidates
+from touch_curves.adaptive import CANDIDATES, learning_rows, make_candidates
+from touch_curves.choosing import ADAPTIVE
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.parameters import ExperimentParameters
@@ -30,7 +31,7 @@ TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
 
 def cells(pipeline, counts):
     planned = [PLANNED[count - 1] for count in counts]
-    return cells_of(pa.concat_tables(adaptive_rows(TABLE, planned, pipeline)))
+    return cells_of(pa.concat_tables(learning_rows(ADAPTIVE, TABLE, planned, pipeline)))
 
 
 def test_a_curve_has_a_condition_a_number_of_touches_and_all_share_their_touches():
@@ -64,7 +65,9 @@ def test_each_condition_learns_its_number_of_touches_in_the_pipelines_columns(mo
 
 
 def test_no_candidates_give_the_reason():
-    rows = pa.concat_tables(adaptive_rows(TABLE.slice(0, 0), PLANNED[:1], "paper")).to_pylist()
+    rows = pa.concat_tables(
+        learning_rows(ADAPTIVE, TABLE.slice(0, 0), PLANNED[:1], "paper")
+    ).to_pylist()
     assert [row["accuracy"] for row in rows] == [None]
     assert rows[0]["error"].endswith(".")
 

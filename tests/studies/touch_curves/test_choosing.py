@@ -9,16 +9,22 @@ from recognition.synthetic import features_table
 
 from touch_curves import choosing
 from touch_curves.choosing import (
-    choose_sequences,
-    choose_touches,
+    ADAPTIVE,
+    Plan,
+    choose_next,
     expected_entropy,
     fit_touch_model,
-    gather_candidates,
     scale_poses,
 )
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.parameters import OrderFreeParameters, ProtocolParameters
 from visuohaptic.recognition.splits import draw_splits
+from visuohaptic.studies.learning_policies import (
+    choose_in_split,
+    gather_candidates,
+    lessons_of,
+)
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, IMPRINT_FEATURES
 
 PARAMETERS = OrderFreeParameters()
@@ -32,8 +38,17 @@ TOUCHES = 4
 
 
 def choose(candidates):
-    generator = np.random.default_rng(1)
-    return choose_sequences(candidates, SPLIT, TOUCHES, PARAMETERS, 0.2, generator)
+    return choose_in_split(ADAPTIVE, candidates, SPLIT, TOUCHES, ExperimentParameters())
+
+
+def choose_touches(poses, likelihood, kinds, touches, focus_radius):
+    """Choose touches of one viewpoint whose candidates have the given words."""
+    plan = Plan(poses, np.arange(len(poses)), likelihood)
+    chosen, view = np.zeros((1, 0), np.int64), np.zeros(len(poses), np.int64)
+    for _ in range(touches):
+        picked = choose_next(plan, likelihood, view, chosen, kinds[chosen], focus_radius)
+        chosen = np.column_stack([chosen, picked])
+    return chosen[0]
 
 
 def test_expected_entropy_is_the_mean_over_outcomes():
@@ -59,19 +74,16 @@ def test_touches_keep_apart_until_no_place_is_left():
     poses = np.zeros((4, 6))
     poses[:, 0] = [0, 0.1, 0.15, 1]
     likelihood = np.zeros((4, 2, 2))
-    one = np.zeros(4, np.int64)
-    chosen = choose_touches(poses, np.arange(4), one, likelihood, one, 6, 0.12)
+    chosen = choose_touches(poses, likelihood, np.zeros(4, np.int64), 6, 0.12)
     # 0 shuts 1; 2 is open, then 3; then what is near, and at last what was touched.
-    assert chosen.tolist() == [[0, 2, 3, 1, 0, 1]]
+    assert chosen.tolist() == [0, 2, 3, 1, 0, 1]
 
 
 def test_each_touch_is_the_best_guess_from_the_imprints_before_it():
     generator = np.random.default_rng(2)
     poses, kinds = generator.normal(size=(12, 6)), generator.integers(3, size=12)
     likelihood = np.log(generator.dirichlet(np.ones(3), size=(12, 4))).swapaxes(1, 2)
-    (chosen,) = choose_touches(
-        poses, np.arange(12), np.zeros(12, np.int64), likelihood, kinds, 6, focus_radius=0
-    )
+    chosen = choose_touches(poses, likelihood, kinds, 6, focus_radius=0)
     belief = np.zeros((1, 4))
     for turn, place in enumerate(chosen):
         left = expected_entropy(belief, likelihood)[0]
@@ -134,7 +146,8 @@ def test_likelihoods_of_a_class_are_a_mean_over_its_objects_but_one(training_obj
     table = features_table("adaptive", (training_objects + 1,) * 2, viewpoints=2, touches=6)
     candidates = gather_candidates(table, NAMES)
     split = draw_splits(candidates.sequences, ProtocolParameters(), 0)[0]
-    model, _ = fit_touch_model(candidates, split, PARAMETERS, np.random.default_rng(3))
+    lessons = lessons_of(candidates, split)
+    model, _ = fit_touch_model(lessons, PARAMETERS, np.random.default_rng(3))
     left_out = int(candidates.sequences.object_index[split.train[0]]) if is_left_out else -1
     poses = candidates.poses[:3]
     scaled = scale_poses(poses, PARAMETERS)

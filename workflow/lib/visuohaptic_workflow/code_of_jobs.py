@@ -23,7 +23,7 @@ ALWAYS = ("base",)
 _TABLES = ("tables.phases", "tables.schema")
 _BY_OBJECT = ("io.phase_files", "visuohaptic_workflow.phase_jobs", "geometry", *_TABLES)
 _EYE = ("fixations", "attention", "scene", *_BY_OBJECT)
-_HAND = ("touches", "sensor", "scene", *_BY_OBJECT)
+_HAND = ("touches", "sensor", *_EYE)
 _DESCRIBING = ("features", "contourlets", *_BY_OBJECT)
 _PHASES = (
     "meshes",
@@ -58,7 +58,7 @@ CODE = {
     "recognition": ("recognition", *_TABLES),
     "model": ("recognition", "__init__", *_TABLES),
     "metrics": ("evaluation", "recognition", "tables.studies", *_TABLES),
-    "stability_of_object": ("stability", "attention", "contourlets", "tables.stability", *_HAND),
+    "stability_of_object": ("stability", "contourlets", "tables.stability", *_HAND),
     "features_of_study": _MEASURING,
     "block_of_study": _MEASURING,
     "figures_of_study": ("studies.figures", "evaluation", "recognition", "tables.studies", *_TABLES),

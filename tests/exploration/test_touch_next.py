@@ -1,0 +1,82 @@
+"""One more touch gives what it felt, and the tables of all touches."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import visuohaptic as vh
+from visuohaptic.base.errors import ParameterError
+from visuohaptic.exploration.touching import SCHEMAS
+
+PLACES = np.array([[1.0, 0, 0], [0, 1.0, 0], [0, 0, -1.0]])
+NOISY = {"scene.preset": "worn_fsr"}
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return vh.load(trimesh.creation.icosphere(4))
+
+
+def test_touches_one_by_one_are_those_at_all_points(ball):
+    made = ball.touch(at=PLACES[:1], parameters=NOISY)
+    for place in PLACES[1:]:
+        made, felt = made.touch_next(place)
+    together = ball.touch(at=PLACES, parameters=NOISY)
+    for name in SCHEMAS:
+        one, other = made.tables[name], together.tables[name]
+        if name == "effects":
+            one, other = one.drop_columns("seconds"), other.drop_columns("seconds")
+        assert one.equals(other), name
+    np.testing.assert_array_equal(felt.imprint, together.imprints[2])
+    assert felt.acquired
+    assert felt.features["contourlet_01"] == together.features["contourlet_01"].to_pylist()[2]
+    assert felt.contact_state == together.touches["contact_state"].to_pylist()[2]
+    assert made.seconds["touch"] > 0
+
+
+def test_a_given_normal_is_the_sensors(ball):
+    made = ball.touch(at=PLACES[:1], normals=PLACES[:1])
+    _, felt = made.touch_next([0, 1, 0], normal=[0, 2, 2])
+    np.testing.assert_allclose(felt.normal, [0, np.sqrt(0.5), np.sqrt(0.5)], atol=1e-12)
+
+
+def test_a_place_that_the_sensor_can_not_reach_is_not_acquired():
+    inner = trimesh.creation.box((0.6, 0.6, 0.6))
+    outer = trimesh.creation.box((1, 1, 1))
+    shut = vh.load(trimesh.util.concatenate([inner, outer]))
+    corner = shut.surface.vertices.max()
+    made = shut.touch(at=[[0, 0, corner]])
+    made, inside = made.touch_next([0, 0, 0.6 * corner])
+    made, outside = made.touch_next([0, corner, 0])
+    assert (inside.acquired, outside.acquired) == (False, True)
+    assert made.touches.num_rows == 3
+
+
+@pytest.mark.parametrize(
+    ("choices", "sentence"),
+    [
+        ({"point": [[1, 0, 0]]}, r"point has the shape \(1, 3\); \(3,\) is needed"),
+        ({"point": 3}, r"point has the shape \(\)"),
+        ({"point": [[1], [2, 3]]}, "point holds no numbers"),
+        ({"point": [np.nan, 0, 0]}, "at has NaN"),
+        ({"point": [0, 0, 9]}, "8 object radii off the surface"),
+        ({"point": [1, 0, 0], "normal": [1, 0]}, r"normal has the shape \(2,\)"),
+    ],
+)
+def test_a_point_that_is_none_is_one_sentence(ball, choices, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        ball.touch(at=PLACES[:1]).touch_next(**choices)
+
+
+def test_touches_by_a_strategy_are_not_gone_on_from(ball):
+    seen = ball.touch(viewpoints=1, strategy="random", parameters={"rendering.resolution": 64})
+    with pytest.raises(ParameterError, match="strategy random; touch_next goes on from touch"):
+        seen.touch_next([1, 0, 0])
+
+
+def test_a_policy_is_named_as_any_strategy_and_its_choosing_is_timed_apart(ball):
+    small = {"rendering.resolution": 64}
+    made = ball.touch(viewpoints=2, strategy="seek_relief", parameters=small)
+    assert made.touches.num_rows == made.fixations.num_rows == 10
+    assert set(made.seconds) == {"prepare", "look", "touch", "choose", "describe"}
+    assert set(made.tables) == set(SCHEMAS)

@@ -1,0 +1,303 @@
+"""Policies choose each place by what was felt before, and a policy that misbehaves ends in one sentence."""
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pyarrow.compute as pc
+import pytest
+import trimesh
+from numerics.surfaces import of_trimesh
+
+from visuohaptic.attention.parameters import AttentionParameters
+from visuohaptic.base.errors import PolicyError, RegistryError
+from visuohaptic.fixations import probing
+from visuohaptic.fixations.object_views import ObjectViews
+from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
+from visuohaptic.fixations.policies import Policy
+from visuohaptic.fixations.probing import STRATEGIES, is_policy, policy_of, strategy_of
+from visuohaptic.geometry.raycasting import RayCaster
+from visuohaptic.geometry.subject import Subject
+from visuohaptic.scene.parameters import Scene, VisualModes
+from visuohaptic.sensor import SensorParameters
+from visuohaptic.tables.phases import EFFECTS, FIXATIONS, POINT_NAMES, SPARE, TOUCHES
+from visuohaptic.tables.schema import check_table, join_parts, matrix
+from visuohaptic.touches import policies as driving
+from visuohaptic.touches.acquiring import acquire_touches
+from visuohaptic.touches.choosing import Wanted, choose_places, numbered, touched_places
+from visuohaptic.touches.touching import touch_part
+
+SENSOR, SEED = SensorParameters(), 3
+SCENE = Scene.model_validate({"preset": "worn_fsr"})
+VIEWPOINTS = ViewpointParameters(count=3)
+POLICIES = [one.name for one in STRATEGIES if isinstance(one, Policy)]
+
+
+@pytest.fixture(scope="module")
+def caster():
+    ring = trimesh.creation.torus(0.7, 0.28)
+    return RayCaster(of_trimesh(ring, np.full((len(ring.faces), 3), 128)))
+
+
+@pytest.fixture
+def with_policy(monkeypatch):
+    """Register policies for a test, by name."""
+
+    def add(name, next_location, **fields):
+        entries = {one.name: one for one in STRATEGIES} | {
+            name: Policy(name, name, next_location, **fields)
+        }
+        monkeypatch.setattr(STRATEGIES, "_entries", entries)
+        return name
+
+    return add
+
+
+def acquire(caster, *names, viewpoints=(0, 1, 2), scene=SCENE, planned=None, **wanted):
+    subject = Subject("ring/torus", lambda: caster, viewpoints)
+    located = FIXATIONS.arrow.empty_table() if planned is None else planned
+    wanted = Wanted(**{"touches": 4, **wanted})
+    found = acquire_touches(subject, located, SENSOR, scene, SEED, wanted, VIEWPOINTS, names)
+    for schema, table in (
+        (TOUCHES, found.touches), (FIXATIONS, found.policy_fixations), (EFFECTS, found.effects),
+    ):  # fmt: skip
+        check_table(schema, table)
+    return found
+
+
+def planned_of(caster, *strategies):
+    subject = Subject("ring/torus", lambda: caster, (0, 1, 2))
+    attention, rendering = AttentionParameters(fixations=4), RenderingParameters(resolution=64)
+    views = ObjectViews(subject, VIEWPOINTS, rendering, attention, strategies, VisualModes(), SEED)
+    return views.fixations
+
+
+def walk(view, touches):
+    """Go through the places that the viewpoint sees."""
+    return view.places.points[len(touches)]
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policy_touches_as_often_as_asked_for_and_no_place_twice(caster, name):
+    found = acquire(caster, name)
+    counts = found.touches.group_by("viewpoint").aggregate([("touch", "count")])
+    assert counts.column("touch_count").to_pylist() == [4, 4, 4]
+    for viewpoint in range(3):
+        mine = found.policy_fixations.filter(
+            pc.equal(found.policy_fixations["viewpoint"], viewpoint)
+        )
+        points = matrix(mine, POINT_NAMES)
+        assert len(np.unique(points, axis=0)) == len(points)
+        distances = np.linalg.norm(points - caster.nearest(points)[0], axis=1)
+        assert (distances < 1e-6).all()
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policys_places_depend_on_object_viewpoint_and_seed_only_and_fewer_are_the_first(
+    caster, name
+):
+    many = acquire(caster, name).touches
+    alone = acquire(caster, name, viewpoints=(1,)).touches
+    assert many.filter(pc.equal(many["viewpoint"], 1)).combine_chunks().equals(alone)
+    few = acquire(caster, name, touches=2).touches
+    assert few.equals(many.filter(pc.less(many["touch"], 2)).combine_chunks())
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policy_feels(caster, name, monkeypatch):
+    """Other imprints lead to other places."""
+    before = acquire(caster, name).policy_fixations
+    touch = driving.touch
+
+    generator = np.random.default_rng(0)
+
+    def feel_anything(*arguments):
+        felt = touch(*arguments)
+        shares = generator.random((len(felt.images), 1, 1))
+        drawn = generator.random(felt.images.shape)
+        return replace(felt, images=np.where(drawn < shares, drawn, 0).astype(np.float32))
+
+    monkeypatch.setattr(driving, "touch", feel_anything)
+    after = acquire(caster, name).policy_fixations
+    first = lambda table: table.filter(pc.equal(table["touch"], 0))  # noqa: E731
+    assert first(after).equals(first(before))
+    assert not after.equals(before)
+
+
+def test_a_policy_is_given_what_was_felt(caster, with_policy):
+    seen = []
+
+    def remember(view, touches):
+        seen.append(touches)
+        assert not hasattr(view, "key")
+        return walk(view, touches)
+
+    found = acquire(caster, with_policy("remember", remember), viewpoints=(1,), unreachable="keep")
+    assert [len(touches) for touches in seen] == [0, 1, 2, 3]
+    last, row = seen[-1][-1], found.touches.to_pylist()[2]
+    assert last.acquired
+    np.testing.assert_array_equal(last.imprint.ravel(), np.float32(row["image"]))
+    assert (last.sensor_size, last.contact_state) == (row["sensor_size"], row["contact_state"])
+    np.testing.assert_array_equal(last.point, [row[name] for name in POINT_NAMES])
+    np.testing.assert_array_equal(last.normal, [row[f"normal_{axis}"] for axis in "xyz"])
+
+
+def test_touches_by_a_policy_are_those_at_its_places(caster, with_policy):
+    """Column for column, with the sensor's noise, as if the places had been chosen before."""
+    found = acquire(caster, with_policy("walk", walk))
+    places, ranks = choose_places(caster, found.policy_fixations, SENSOR, Wanted(4))
+    part = touch_part(caster, places, SENSOR, SCENE, SEED, ranks)
+    assert found.touches.equals(part.touches)
+    counts = ["effect", "touches", "needed", "runs"]
+    expected = [(one.effect, one.touches, one.needed, one.runs) for one in part.effects]
+    assert list(zip(*(found.effects[name].to_pylist() for name in counts), strict=True)) == expected
+
+
+def test_planned_touches_stay_as_they_are_beside_a_policy(caster, with_policy):
+    planned = planned_of(caster, "fixation", "random")
+    without = acquire(caster, planned=planned)
+    both = acquire(caster, with_policy("walk", walk), planned=planned)
+    is_own = pc.equal(both.touches["strategy"], "walk")
+    assert both.touches.filter(pc.invert(is_own)).combine_chunks().equals(without.touches)
+    assert both.touches.filter(is_own).num_rows == 12
+    assert without.policy_fixations.num_rows == 0
+    assert without.seconds == {}
+    assert set(both.seconds) == {"choose"}
+    merged = both.effects["touches"].to_pylist()
+    assert merged == [one + 12 for one in without.effects["touches"].to_pylist()]
+
+
+def test_one_table_holds_the_places_of_all_touches(caster, with_policy):
+    planned = planned_of(caster, "fixation")
+    found = acquire(caster, with_policy("walk", walk), planned=planned)
+    places = touched_places(join_parts(FIXATIONS, [planned, found.policy_fixations]), found.touches)
+    assert places.select(TOUCHES.keys).equals(found.touches.select(TOUCHES.keys))
+    np.testing.assert_array_equal(matrix(places, POINT_NAMES), matrix(found.touches, POINT_NAMES))
+
+
+def unreachable_first(monkeypatch, count):
+    """Let the first places of each viewpoint be out of reach."""
+    tried = {}
+
+    def reach(_, points, *__):
+        found = []
+        for point in points:
+            number = tried.setdefault(len(points), [])
+            found.append(len(number) >= count)
+            number.append(point)
+        return np.array(found)
+
+    monkeypatch.setattr(driving, "reachable", reach)
+
+
+def test_a_place_out_of_reach_is_told_and_is_no_touch(caster, with_policy, monkeypatch):
+    unreachable_first(monkeypatch, 2)
+    told = []
+
+    def remember(view, touches):
+        told.append([one.acquired for one in touches])
+        return walk(view, touches)
+
+    name = with_policy("remember", remember)
+    found = acquire(caster, name, viewpoints=(0,), touches=3)
+    assert told[-1] == [False, False, True, True]
+    assert found.touches["rank"].to_pylist() == [2, 3, 4]
+    assert found.policy_fixations.num_rows == 5
+    places = numbered(found.policy_fixations.take([2, 3, 4]), np.arange(3))
+    part = touch_part(caster, places, SENSOR, SCENE, SEED, np.array([2, 3, 4]))
+    assert found.touches.equals(part.touches)
+    unreachable_first(monkeypatch, SPARE + 1)
+    found = acquire(caster, name, viewpoints=(0,), touches=3)
+    assert found.policy_fixations.num_rows == SPARE + 1
+    assert found.touches.num_rows == 0
+
+
+def test_a_place_out_of_reach_is_touched_where_such_are_kept(caster, with_policy, monkeypatch):
+    unreachable_first(monkeypatch, 2)
+    told = []
+
+    def remember(view, touches):
+        told.append([(one.acquired, one.imprint is None) for one in touches])
+        return walk(view, touches)
+
+    name = with_policy("remember", remember, unreachable="keep")
+    found = acquire(caster, name, viewpoints=(0,), touches=3)
+    assert told[-1] == [(False, False), (False, False)]
+    assert found.touches["rank"].to_pylist() == [0, 1, 2]
+    assert set(found.policy_fixations["unreachable"].to_pylist()) == {"keep"}
+
+
+def test_a_policy_may_stop_and_that_is_logged(caster, with_policy, caplog):
+    name = with_policy(
+        "brief", lambda view, touches: None if len(touches) == 2 else walk(view, touches)
+    )
+    with caplog.at_level(logging.WARNING):
+        found = acquire(caster, name)
+    assert found.touches.num_rows == 6
+    assert "policy brief stopped before touch 4 of ring/torus, viewpoints 0, 1, 2" in caplog.text
+    again = acquire(caster, name, when_exhausted="begin_again")
+    assert again.touches["rank"].to_pylist() == [0, 1, 0, 1] * 3
+    assert again.policy_fixations.equals(found.policy_fixations)
+    lazy = with_policy("lazy", lambda *_: None)
+    assert acquire(caster, lazy, when_exhausted="begin_again").touches.num_rows == 0
+
+
+def test_a_slow_policy_is_logged_and_its_time_is_no_time_of_touching(
+    caster, with_policy, caplog, monkeypatch
+):
+    monkeypatch.setattr(driving, "SLOW_SECONDS", 0.0)
+    with caplog.at_level(logging.WARNING):
+        found = acquire(caster, with_policy("walk", walk))
+    assert "policy walk took" in caplog.text
+    assert found.seconds["choose"] > 0
+
+
+def fail(*_):
+    raise ValueError("no\nplace left.")
+
+
+@pytest.mark.parametrize(
+    ("next_location", "sentence"),
+    [
+        (
+            lambda *_: [0.0, 0.0, 3.0],
+            r"it chose \(0, 0, 3\), .* object radii off the surface; at most 0.1 is",
+        ),
+        (
+            lambda view, _: view.places.points[0],
+            r"try 1: it chose .*, the place of try 0; a new place, or None to stop, is needed\.$",
+        ),
+        (lambda *_: [np.nan, 0, 0], r"it chose \(nan, 0, 0\); finite numbers are needed\.$"),
+        (lambda *_: [np.inf, 0, 0], "finite numbers are needed"),
+        (
+            lambda view, _: view.places.points,
+            r"it chose an array of shape \(\d+, 3\); \(3,\) is needed",
+        ),
+        (lambda *_: 4, r"it chose an array of shape \(\); \(3,\) is needed"),
+        (lambda *_: "there", "it chose an object of type str; three numbers, or None to stop, are"),
+        (lambda *_: [[0], [1, 2]], "it chose an object of type list; three numbers"),
+        (fail, r"it raised ValueError: no place left\.$"),
+    ],
+    ids=["off", "same", "nan", "infinite", "many", "number", "text", "ragged", "raises"],
+)
+def test_a_policy_that_misbehaves_is_one_sentence(caster, with_policy, next_location, sentence):
+    with pytest.raises(PolicyError, match=sentence) as caught:
+        acquire(caster, with_policy("rogue", next_location))
+    assert str(caught.value).startswith("policy rogue, ring/torus, viewpoint 0, try ")
+
+
+def test_names_of_policies_and_strategies_are_told_apart():
+    assert is_policy("seek_relief")
+    assert not is_policy("fixation")
+    assert policy_of("seek_relief#2").chance == "seek_relief#2"
+    assert strategy_of("seek_relief").looks is False
+    assert probing.can_draw_again("seek_relief")
+    with pytest.raises(RegistryError, match="'random' chooses before the first touch"):
+        policy_of("random")
+
+
+def test_another_draw_of_a_policy_chooses_other_places(caster):
+    first, second = (
+        acquire(caster, name).policy_fixations for name in ("seek_relief", "seek_relief#1")
+    )
+    assert not np.array_equal(matrix(first, POINT_NAMES), matrix(second, POINT_NAMES))
