@@ -167,7 +167,7 @@ def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -
     """Gather all touches of one object and strategy into sequences of at most `touches` touches.
 
     Returns one array (s, t, k) per length t, the longest first. A viewpoint with more touches gives several sequences of
-    `touches` touches, of which the last may overlap the one before. Raises `RecognitionError` if the table has more than
+    `touches` touches; the last may overlap the sequence before. Raises `RecognitionError` if the table has more than
     one object or strategy, a missing column, or a value that is not finite.
     """
     _check_columns(features, feature_names)
