@@ -15,4 +15,4 @@ __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 # Set by a process that starts this one: before anything else knows which names there are.
 if os.environ.get("VISUOHAPTIC_PLUGINS"):
-    importlib.import_module("visuohaptic.io.plugins").load_given()
+    importlib.import_module("visuohaptic.io.plugins").load_from_environment()

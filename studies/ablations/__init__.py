@@ -1,1 +1,1 @@
-"""Study `ablations`: one part of the method left out or exchanged, everything else as in the run."""
+"""Study `ablations`: one part of the method is left out or replaced, and the rest is as in the run."""

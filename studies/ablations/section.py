@@ -1,4 +1,4 @@
-"""The ablations in the report: each part's worth in a table and a chart."""
+"""The section of the report on ablations: the effect of each part in a table and a chart."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ NAMES = {
     "fixed_sensor_size": "sensor of fixed size",
     "without_map": "no self-organising map",
 }
-"""Conditions in words; others are written as they are called."""
+"""Words for conditions; other conditions are shown by name."""
 
 
 def condition_name(name: str) -> str:
-    """Write the name of a condition in words."""
+    """Return the name of a condition in words."""
     if name in NAMES:
         return NAMES[name]
     channel = name.removeprefix("without_")
@@ -32,7 +32,7 @@ def condition_name(name: str) -> str:
 
 
 def ablations_values(context: ReportContext) -> Values | None:
-    """Read the study's figures; None where it was not measured."""
+    """Return the figures of the study; None if the run has none."""
     study = read_study(context.run.file_of("studies"), STUDY.name, condition_name)
     return {"study": study} if study else None
 

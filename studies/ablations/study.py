@@ -1,4 +1,4 @@
-"""Ablations: one part of the method left out or exchanged, everything else as in the run."""
+"""Study `ablations`: one part of the method is left out or replaced, and the rest is as in the run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _VERTICAL: Changes = {
 }
 
 OTHER_DESCRIPTORS = tuple(entry for entry in DESCRIPTORS if entry.name != "contourlet")
-"""What describes an imprint instead of the contourlet."""
+"""Descriptors that replace the contourlet transform of an imprint."""
 
 PARTS: dict[str, Changes] = {
     WHOLE: {},
@@ -49,11 +49,11 @@ PARTS: dict[str, Changes] = {
     **{preset: {"scene.preset": preset} for preset in PRESETS},
     **{f"without_{channel}": {f"attention.weights.{channel}": 0.0} for channel in CHANNELS},
 }
-"""What each ablation changes, the whole method first."""
+"""Changed parameters of each ablation; the whole method comes first."""
 
 
 def ablated(run: ExperimentParameters) -> Iterator[Condition]:
-    """Give the ablations of a run; of a run without pipeline `paper` none concerns the map."""
+    """Yield the ablations of a run; ablations that need a pipeline that the run lacks are left out."""
     for name, changes in PARTS.items():
         if set(changes.get("recognition.pipelines", ())) <= set(run.recognition.pipelines):
             yield Condition(name, {**FIXATION_ONLY, **changes})

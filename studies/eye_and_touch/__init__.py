@@ -1,1 +1,1 @@
-"""Study `eye_and_touch`: what the eye alone recognises, what touch adds, and what the next touch is worth."""
+"""Study `eye_and_touch`: accuracy of the eye, what touch adds to it, and what the next touch is worth."""

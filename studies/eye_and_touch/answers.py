@@ -1,4 +1,4 @@
-"""What a sense answers in every split, tested and held out, and one answer of two senses."""
+"""Compute the answers of a sense in every split, tested and held out, and combine two senses."""
 
 from __future__ import annotations
 
@@ -30,20 +30,20 @@ FAMILIAR = 0.95
 
 @dataclass(frozen=True)
 class Answered:
-    """Class probabilities of one split, and how strange each sequence is.
+    """Class probabilities of one split, and the distance of each sequence from the training objects.
 
     Attributes
     ----------
     tested : ndarray of shape (k, n, c)
-        Of the n test sequences in each of k conditions of the test.
+        Probabilities of the n test sequences in each of k conditions of the test.
     held_out : ndarray of shape (m, c)
-        Of the m training sequences, by models that learnt from other objects.
+        Probabilities of m training sequences, by models that were fitted on other objects.
     indices : ndarray of shape (m,)
-        Which sequences were held out.
+        Indices of the held-out sequences.
     strange : ndarray of shape (k, n)
         Distance of each test sequence from the nearest training object.
     held_out_strange : ndarray of shape (m,)
-        Distance of each held-out sequence from the nearest object of its model's training.
+        Distance of each held-out sequence from the nearest training object of its model.
     """
 
     tested: FloatArray
@@ -60,13 +60,13 @@ def answer_splits(
 ) -> list[Answered]:
     """Train and test the headline classifier of pipeline `order_free` in every split.
 
-    `described` holds per split the descriptors of all s sequences, (s, d), in each condition of the test; the first
-    condition is learnt. Raises `RecognitionError` if no training object can be held out.
+    `described` has, per split, one array of descriptors of all sequences, (s, d), per condition of the test. Training
+    uses the first condition. Raises `RecognitionError` if no training object can be held out.
     """
     with one_thread():
         return [
-            _answer_split(split, own, sequences)
-            for split, own in zip(splits, described, strict=True)
+            _answer_split(split, conditions, sequences)
+            for split, conditions in zip(splits, described, strict=True)
         ]
 
 
@@ -77,7 +77,7 @@ def _answer_split(
     folds = held_out_folds(labels[split.train], owners[split.train], CALIBRATION_FOLDS)
     if not folds:
         raise RecognitionError(
-            "Every class has one training object; two are needed to know how sure answers are."
+            "Every class has one training object; two objects of a class are needed to calibrate answers."
         )
     learnt = described[0]
     logs, strange, indices = [], [], []
@@ -89,12 +89,12 @@ def _answer_split(
     held_out_logs, index = np.concatenate(logs), np.concatenate(indices)
     temperature = fit_temperature(held_out_logs, labels[index], _doubt(owners[index]))
     sense = Sense.learn(learnt, split.train, sequences)
-    tests = [one[split.test] for one in described]
+    tests = [condition[split.test] for condition in described]
     return Answered(
-        np.stack([softmax(sense.answer(one) / temperature, axis=1) for one in tests]),
+        np.stack([softmax(sense.answer(rows) / temperature, axis=1) for rows in tests]),
         softmax(held_out_logs / temperature, axis=1),
         index,
-        np.stack([sense.strangeness(one) for one in tests]),
+        np.stack([sense.strangeness(rows) for rows in tests]),
         np.concatenate(strange),
     )
 
@@ -106,11 +106,11 @@ class Sense:
     Attributes
     ----------
     model : sklearn.pipeline.Pipeline
-        As `make_order_free` makes it.
+        Fitted pipeline of `make_order_free`.
     centres : ndarray of shape (o, d)
         Mean of the scaled descriptors of each training object.
     classes : int
-        Number of classes, also of those without training objects.
+        Number of classes, including classes without training objects.
     """
 
     model: Pipeline
@@ -119,13 +119,13 @@ class Sense:
 
     @classmethod
     def learn(cls, described: np.ndarray, train: IntArray, sequences: TouchSequences) -> Sense:
-        """Fit on the sequences with the indices `train` (n,), of which `described` (s, d) has the descriptors."""
+        """Fit on the sequences with the indices `train` (n,); `described` (s, d) has the descriptors of all sequences."""
         rows = described[train].astype(np.float64)
         model = make_order_free(HEADLINE_CLASSIFIERS["order_free"])
         model.fit(rows, sequences.labels[train])
         scaled = model.named_steps["scaling"].transform(rows)
         owners = sequences.object_index[train]
-        centres = np.stack([scaled[owners == one].mean(axis=0) for one in np.unique(owners)])
+        centres = np.stack([scaled[owners == owner].mean(axis=0) for owner in np.unique(owners)])
         return cls(model, centres, len(sequences.classes))
 
     def answer(self, described: np.ndarray) -> FloatArray:
@@ -140,21 +140,24 @@ class Sense:
 
 
 def ask_if_familiar(answered: Answered) -> Answered:
-    """Replace answers by equal probabilities where a sequence is stranger than `FAMILIAR` of those held out."""
+    """Return answers with equal probabilities for unfamiliar sequences.
+
+    A sequence is unfamiliar if its distance is above the quantile `FAMILIAR` of the held-out sequences.
+    """
     limit = np.quantile(answered.held_out_strange, FAMILIAR)
-    none = 1 / answered.tested.shape[2]
+    equal = 1 / answered.tested.shape[2]
     return replace(
         answered,
-        tested=np.where((answered.strange > limit)[..., None], none, answered.tested),
-        held_out=np.where((answered.held_out_strange > limit)[:, None], none, answered.held_out),
+        tested=np.where((answered.strange > limit)[..., None], equal, answered.tested),
+        held_out=np.where((answered.held_out_strange > limit)[:, None], equal, answered.held_out),
     )
 
 
 def multiply(first: Answered, second: Answered, labels: IntArray, owners: IntArray) -> Answered:
-    """Return the product of two calibrated answers; the second was tested in one condition.
+    """Return the product of two calibrated answers, normalised; `second` was tested in one condition.
 
-    Two senses that err alike make the product too sure, so it has a temperature, which is fitted on
-    held-out training sequences. `labels` and `owners` are of all sequences, shape (s,).
+    If two senses make the same errors, the product is too sure. A temperature, fitted on held-out training sequences,
+    corrects the product. `labels` and `owners` are the class and object of all sequences, shape (s,).
     """
     held_out = _log(first.held_out) + _log(second.held_out)
     tested = _log(first.tested) + _log(second.tested)
@@ -167,7 +170,7 @@ def multiply(first: Answered, second: Answered, labels: IntArray, owners: IntArr
 
 
 def _doubt(owners: IntArray) -> float:
-    # That all of n objects were right doesn't make the next one certain: the rule of succession.
+    # Label smoothing 1 / (n + 2), the rule of succession: n correct objects do not give probability 1.
     return float(1 / (len(np.unique(owners)) + 2))
 
 

@@ -1,8 +1,8 @@
-"""Fill the tables of README.md and draw its picture from the figures of this study that are kept beside them.
+"""Fill the tables of README.md and draw its picture from the kept figures of this study.
 
-kept_paper.json and kept_benchmark.json hold reports/eye_and_touch.json of the paper's twelve objects and of the
-catalogue's 142, with the command that gives them and the date. `python -m eye_and_touch.make_page paper COMMAND`
-keeps those of the run that is there.
+kept_paper.json and kept_benchmark.json are reports/eye_and_touch.json of the paper's twelve objects and of the 142 objects
+of the catalogue, with command and date. `python -m eye_and_touch.make_page paper COMMAND` keeps the figures of the run in
+this folder.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ ROWS_OF_BUDGET = (LOOK, TOUCH, CHECKED, STOPPING)
 
 
 def sight_table(sets: Mapping[str, Figures]) -> str:
-    """Set accuracy and calibration error of every answer, a row a set and sight."""
+    """Write the table of accuracy and calibration error of every answer, one row per set and sight."""
     shown = [answer for answer in ANSWERS if answer != STOPPING]
     rows = []
     for name, figures in sets.items():
@@ -73,7 +73,7 @@ def sight_table(sets: Mapping[str, Figures]) -> str:
 
 
 def gain_table(sets: Mapping[str, Figures]) -> str:
-    """Set what both senses gain over the better of them, and touch over looking, in pairs."""
+    """Write the table of paired gains: both senses over the better sense, and touch over looking."""
     rows = []
     for name, figures in sets.items():
         for row in figures["sights"]:
@@ -84,16 +84,18 @@ def gain_table(sets: Mapping[str, Figures]) -> str:
 
 
 def budget_table(sets: Mapping[str, Figures]) -> str:
-    """Set accuracy within each budget of a robot's time, a table a set."""
+    """Write one table per set of the accuracy within each budget of the robot's time."""
     tables = []
     for name, figures in sets.items():
         budgets = figures["prices"]["budgets"]
-        found = {(row["budget"], row["answer"], row["strategy"]): row for row in figures["budgets"]}
+        row_of = {
+            (row["budget"], row["answer"], row["strategy"]): row for row in figures["budgets"]
+        }
         rows = []
         for answer in ROWS_OF_BUDGET:
-            for strategy in dict.fromkeys(key[2] for key in found if key[1] == answer):
+            for strategy in dict.fromkeys(key[2] for key in row_of if key[1] == answer):
                 words = ", ".join(filter(None, (ANSWERS[answer], WORDS.get(strategy))))
-                cells = (budget_cell(found.get((one, answer, strategy))) for one in budgets)
+                cells = (budget_cell(row_of.get((budget, answer, strategy))) for budget in budgets)
                 rows.append([words, *cells])
         tables.append(table([SETS[name], *(f"{budget:g} s" for budget in budgets)], rows))
     return "\n\n".join(tables)
@@ -110,7 +112,7 @@ def budget_cell(row: Figures | None) -> str:
 
 
 def worth_table(sets: Mapping[str, Figures]) -> str:
-    """Set what a second of touching brings after a look, and from which price on a touch pays."""
+    """Write the table of the gain per second of touching after a look, and of the price at which a touch pays."""
     rows = []
     for name, figures in sets.items():
         for row in figures["worth"]:
@@ -121,13 +123,13 @@ def worth_table(sets: Mapping[str, Figures]) -> str:
     return table(["objects", "sight", "touches", *bring], rows)
 
 
-def gain(found: Figures) -> str:
-    """Write a paired difference in percentage points."""
-    return difference(found, "difference", "low", "high", "p_value")
+def gain(row: Figures) -> str:
+    """Write a paired difference in percentage points, with interval and p value."""
+    return difference(row, "difference", "low", "high", "p_value")
 
 
 def draw(sets: Mapping[str, Figures]) -> Figure:
-    """Draw accuracy against the robot's time, and accuracy in every sight; a column a set."""
+    """Draw accuracy against the robot's time, and accuracy in every sight; one column per set."""
     figure = Figure(figsize=(5.4 * len(sets), 8.4), layout="constrained")
     axes = figure.subplots(2, len(sets), sharey="row", squeeze=False)
     for column, (name, figures) in enumerate(sets.items()):
@@ -167,7 +169,7 @@ def _draw_times(axes: Axes, figures: Figures) -> None:
 def _line(
     rows: list[Figures], answer: str, strategy: str | None = None
 ) -> list[tuple[float, float]]:
-    """Give time and accuracy of an answer, by one strategy if named."""
+    """Return (time, accuracy in percent) of the rows of an answer, and of one strategy if given."""
     return sorted(
         (row["seconds"], 100 * row["accuracy"])
         for row in rows
@@ -178,26 +180,26 @@ def _line(
 def _draw_sights(axes: Axes, figures: Figures) -> None:
     answers = (LOOK, TOUCH, PRODUCT, CHECKED)
     sights = [row["sight"] for row in figures["sights"]]
-    for place, answer in enumerate(answers):
+    for index, answer in enumerate(answers):
         cells = [row["answers"][answer] for row in figures["sights"]]
         heights = [100 * cell["accuracy"] for cell in cells]
         ends = [
             [100 * abs(cell["accuracy"] - cell[end]) for cell in cells] for end in ("low", "high")
         ]
-        places = [number + 0.2 * (place - 1.5) for number in range(len(sights))]
-        style: dict[str, Any] = {"color": COLOURS[place], "label": ANSWERS[answer]}
-        axes.bar(places, heights, 0.19, yerr=ends, ecolor="#333", **style)
+        positions = [sight + 0.2 * (index - 1.5) for sight in range(len(sights))]
+        style: dict[str, Any] = {"color": COLOURS[index], "label": ANSWERS[answer]}
+        axes.bar(positions, heights, 0.19, yerr=ends, ecolor="#333", **style)
     axes.set_xticks(range(len(sights)), sights)
     axes.set_xlabel(f"sight; {figures['touches']} touches where the eye fixates")
 
 
 def figures_of_run() -> Figures:
-    """Give what the page takes of the run that is there."""
+    """Read the figures of the run in this folder."""
     return read_json(DOCS.parent / "reports" / "eye_and_touch.json")
 
 
 def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
-    """Give the tables of the page, by the names of their blocks."""
+    """Return the tables of the page by name of the block."""
     return {
         "sights": sight_table(sets),
         "gains": gain_table(sets),

@@ -1,4 +1,4 @@
-"""What the eye alone recognises, what touch adds to it, and what the next touch is worth."""
+"""The section of the report on looking, touching and both."""
 
 from __future__ import annotations
 
@@ -19,28 +19,32 @@ from visuohaptic.report.wording import counted, percent
 TABLE, FIGURES = STUDY.shown
 
 ANSWERS = {LOOK: "look", TOUCH: "touch", PRODUCT: "product", CHECKED: "checked product"}
-"""What is shown, by the names of `EYE_AND_TOUCH`."""
+"""Answers that are shown: name in `EYE_AND_TOUCH`, and label."""
 
 
 def senses_figures(path: Path) -> Row:
-    """Read ``reports/eye_and_touch.json``: its ``curves``, and ``rows``, a sight each with an estimate of each answer."""
+    """Read ``reports/eye_and_touch.json``.
 
-    def arranged(found: Row) -> Row:
+    Returns its ``curves``, a ``sentence``, and ``rows``: one row per sight with an estimate of each answer. Raises
+    `ReportError` if the file holds other content.
+    """
+
+    def arranged(summary: Row) -> Row:
         rows = [
-            {"sight": one["sight"]}
-            | {answer: figure_of(one["answers"][answer], "accuracy") for answer in ANSWERS}
-            for one in found["sights"]
+            {"sight": sight["sight"]}
+            | {answer: figure_of(sight["answers"][answer], "accuracy") for answer in ANSWERS}
+            for sight in summary["sights"]
         ]
-        return {"sentence": _sentence(found, rows), "rows": rows, "curves": found["curves"]}
+        return {"sentence": _sentence(summary, rows), "rows": rows, "curves": summary["curves"]}
 
     way_out = "run `snakemake -j2 eye_and_touch_all` again"
     return read_json(path, arranged, "holds no figures of study eye_and_touch", way_out)
 
 
-def _sentence(found: Row, rows: Sequence[Row]) -> str:
-    """Say what looking, touching and both reach in clean sight, and in the poorest."""
+def _sentence(summary: Row, rows: Sequence[Row]) -> str:
+    """Write the accuracies of looking, touching and both in clean sight and in the poorest sight."""
     clean, poorest = rows[0], min(rows, key=lambda row: row[LOOK].mean)
-    price, touches = found["prices"], found["touches"]
+    price, touches = summary["prices"], summary["touches"]
     seconds = price["look_seconds"] + touches * price["touch_seconds"]
     return (
         f"A look of {price['look_seconds']:g} s classifies {percent(clean[LOOK].mean)} of the views "
@@ -52,7 +56,7 @@ def _sentence(found: Row, rows: Sequence[Row]) -> str:
 
 
 def eye_and_touch_values(context: ReportContext) -> Values | None:
-    """Read what eye and touch reach; None where it was not measured."""
+    """Return the values of the section; None if the run has no figures of the study."""
     path = context.run.made(FIGURES)
     if path is None:
         return None
@@ -61,19 +65,19 @@ def eye_and_touch_values(context: ReportContext) -> Values | None:
 
 @style()
 def draw_times(curves: Sequence[Mapping[str, Any]]) -> Figure:
-    """Draw accuracy after a look, and after each touch that follows, against the robot's time, a line a strategy.
+    """Draw accuracy after a look and after each further touch against the robot's time, one line per strategy.
 
-    Of the curves of ``reports/eye_and_touch.json``, the look and the checked product are drawn.
+    `curves` are those of ``reports/eye_and_touch.json``; only the look and the checked product are drawn.
     """
     looks = [row for row in curves if row["answer"] == LOOK]
     lines: dict[str, Any] = {}
     for row in (row for row in curves if row["answer"] == CHECKED):
         lines.setdefault(row["strategy"], [*looks]).append(row)
-    places = {
+    points = {
         strategy: zip(*sorted((row["seconds"], row["accuracy"]) for row in line), strict=True)
         for strategy, line in lines.items()
     }
-    chart, axes = draw_lines(places, 190)
+    chart, axes = draw_lines(points, 190)
     axes.set_xscale("log")
     return finish(
         chart, "the robot's time, s", "correctly classified", across_as="{x:g}", up_as=whole_percent

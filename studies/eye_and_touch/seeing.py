@@ -1,4 +1,4 @@
-"""What the eye describes of a view: histograms of gradients, in good sight and in poor."""
+"""Describe views by histograms of gradients, in good and in poor sight."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from visuohaptic.fixations.rendering import Views
 from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
 
 FINEST = 128
-"""Rows and columns of the eye's picture, at most (pixels); of a finer view every second or later pixel is taken."""
+"""Largest number of rows and columns of the eye's picture (pixels). Finer views are subsampled by a whole step."""
 
 WINDOW = 64
-"""Rows and columns of the picture that is described (pixels)."""
+"""Rows and columns to which a picture is resized before it is described (pixels)."""
 
 LEAST_CONTRAST = 2
-"""By how many of 255 levels an object's colour differs from a background without noise."""
+"""Least difference between an object's colour and a background without noise (levels of 255)."""
 
 LIGHT = 0.02
-"""Share of the light that is left in the dark."""
+"""Share of full light in the dark."""
 
 READ_NOISE = 0.002
 """Standard deviation of a camera's noise (share of full light)."""
@@ -41,15 +41,15 @@ BOARD = 0.5
 """Grey level of the board (sRGB)."""
 
 STRIPES = 0.25
-"""Length of a wave of the unknown texture (object radii)."""
+"""Wavelength of the unknown texture (object radii)."""
 
 DARKEST = 0.1
-"""Share of the light that the unknown texture's dark places leave."""
+"""Share of the light that the darkest parts of the unknown texture reflect."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """One view: colours (h, w, 3), sRGB 0 to 1; where the object is, (h, w); and its points, (h, w, 3)."""
+    """One view: `colour` (h, w, 3), sRGB 0 to 1; `mask` (h, w) of the object; `point` (h, w, 3) in object radii."""
 
     colour: NDArray[np.float64]
     mask: NDArray[np.bool_]
@@ -57,7 +57,7 @@ class Seen:
 
 
 Sight = Callable[[Seen, np.random.Generator], NDArray[np.float64]]
-"""Gives the colours (h, w, 3) that the eye gets of a view."""
+"""Returns the colours (h, w, 3) that the eye receives from a view."""
 
 
 def _clean(view: Seen, _: np.random.Generator) -> NDArray[np.float64]:
@@ -65,7 +65,7 @@ def _clean(view: Seen, _: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _dark(view: Seen, generator: np.random.Generator) -> NDArray[np.float64]:
-    """Leave little light, to which the camera adds its noise before it sets the exposure."""
+    """Return a view in little light: the camera adds read noise, then sets the exposure."""
     light = LIGHT * decode_srgb(view.colour)
     light = light + generator.normal(scale=READ_NOISE, size=light.shape)
     return encode_srgb(np.clip(light / LIGHT, 0, 1))
@@ -76,7 +76,7 @@ def _noisy(view: Seen, generator: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _occluded(view: Seen, generator: np.random.Generator) -> NDArray[np.float64]:
-    """Put a board before one side of the object, which is drawn."""
+    """Return a view with a board in front of one side of the object; the side is drawn."""
     rows, columns = np.nonzero(view.mask)
     if not len(rows):
         return view.colour
@@ -91,7 +91,7 @@ def _blurred(view: Seen, _: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _textured(view: Seen, generator: np.random.Generator) -> NDArray[np.float64]:
-    """Paint the object with the product of two plane waves, whose directions are drawn."""
+    """Return a view with the product of two plane waves of random directions painted on the object."""
     directions = generator.normal(size=(2, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     phases = 2 * np.pi * (view.point @ directions.T / STRIPES + generator.uniform(size=2))
@@ -108,41 +108,56 @@ SIGHTS: Mapping[str, Sight] = {
     "blurred": _blurred,
     "textured": _textured,
 }
-"""How well the eye sees, by name; nothing is learnt in any but the first."""
+"""Sights by name; training uses only the first."""
 
 
 def describe_views(
     views: Views, generators: Mapping[str, list[np.random.Generator]]
 ) -> dict[str, NDArray[np.float32]]:
-    """Describe n views in every sight: by cue (n, sights, d), float32, sights in the order of `SIGHTS`.
+    """Compute the descriptors of n views in every sight.
 
-    `generators` holds, by sight, one for each view.
+    Parameters
+    ----------
+    views : Views
+        The n views.
+    generators : mapping of str to list of Generator
+        One random generator per view, by sight.
+
+    Returns
+    -------
+    dict of str to ndarray of shape (n, sights, d), float32
+        Descriptors by cue; sights are in the order of `SIGHTS`.
     """
-    found: dict[str, list[list[NDArray[np.float32]]]] = {cue: [] for cue in CUES}
-    for place in range(len(views)):
-        view = _picture(views, place)
-        pictures = [sight(view, generators[name][place]) for name, sight in SIGHTS.items()]
-        found["view"].append([gradient_histograms(as_bytes(one)) for one in pictures])
-        found["outline"].append([gradient_histograms(cut_out(as_bytes(one))) for one in pictures])
-    return {cue: np.array(of_views) for cue, of_views in found.items()}
+    histograms: dict[str, list[list[NDArray[np.float32]]]] = {cue: [] for cue in CUES}
+    for index in range(len(views)):
+        view = _picture(views, index)
+        pictures = [
+            as_bytes(sight(view, generators[name][index])) for name, sight in SIGHTS.items()
+        ]
+        histograms["view"].append([gradient_histograms(picture) for picture in pictures])
+        histograms["outline"].append(
+            [gradient_histograms(cut_out(picture)) for picture in pictures]
+        )
+    return {cue: np.array(of_views) for cue, of_views in histograms.items()}
 
 
-def _picture(views: Views, place: int) -> Seen:
+def _picture(views: Views, index: int) -> Seen:
     step = max(1, views.mask.shape[1] // FINEST)
-    taken = (place, slice(None, None, step), slice(None, None, step))
+    taken = (index, slice(None, None, step), slice(None, None, step))
     return Seen(views.colour[taken].astype(np.float64), views.mask[taken], views.point[taken])
 
 
 def as_bytes(colour: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Round colours of 0 to 1 to bytes; what is outside is clipped."""
+    """Convert colours of 0 to 1 to bytes; values outside of this range are clipped."""
     return np.round(255 * np.clip(colour, 0, 1)).astype(np.uint8)
 
 
 def cut_out(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Cut the object out of a picture (h, w, 3): 255 where it differs from the background, else 0.
+    """Compute the silhouette (h, w) of the object in a picture (h, w, 3), uint8: 255 on the object, else 0.
 
-    The background's colour is the median along the picture's border, its noise four times the
-    median deviation there; single pixels are dropped by a median over 3 × 3.
+    The colour of the background is the median along the border of the picture. A pixel belongs to the object if it
+    differs by more than `LEAST_CONTRAST` plus four times the median deviation along the border. A median over 3 × 3
+    pixels drops single pixels.
     """
     border = np.concatenate([picture[0], picture[-1], picture[:, 0], picture[:, -1]])
     background = np.median(border, axis=0)
@@ -152,10 +167,10 @@ def cut_out(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def gradient_histograms(picture: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Describe a picture, (h, w) or (h, w, 3), by histograms of oriented gradients.
+    """Compute histograms of oriented gradients of a picture (h, w) or (h, w, 3), uint8: (1764,), float32.
 
-    As N. Dalal and B. Triggs (CVPR 2005): cells of 8 × 8 pixels, 9 directions, blocks of 2 × 2
-    cells, on the square root of the grey picture at 64 × 64 pixels. Shape (1764,), float32.
+    The picture is turned to grey and resized to 64 × 64 pixels. Histograms are of its square root, with cells of 8 × 8
+    pixels, 9 directions and blocks of 2 × 2 cells (N. Dalal and B. Triggs, CVPR 2005).
     """
     if picture.ndim == 3:
         picture = cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY)

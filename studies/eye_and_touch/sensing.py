@@ -1,4 +1,4 @@
-"""Look at objects in every sight and touch them by every strategy, one object after the other."""
+"""Look at objects in every sight, and touch them by every strategy, one object at a time."""
 
 from __future__ import annotations
 
@@ -38,18 +38,26 @@ if TYPE_CHECKING:
 
 ADAPTIVE = "adaptive"
 BLIND = "random"
-"""The strategy that needs no look."""
+"""Strategy that needs no look."""
 
 STRATEGIES = ("fixation", BLIND, "random_visible")
-"""Strategies that list their places to touch beforehand; by the first, senses are compared in every sight."""
+"""Strategies that choose all locations before the first touch. By the first, senses are compared in every sight."""
 
 
 @dataclass(frozen=True)
 class Sensed:
-    """What is known of s viewpoints of all objects: by cue (s, sights, d), and by strategy features of t touches, (s, t, k).
+    """Descriptors of views, and features of touches, from s viewpoints of all objects.
 
-    `sequences` have the objects, classes and names of features; `candidates` are where `ADAPTIVE` may
-    touch, if it is compared.
+    Attributes
+    ----------
+    sequences : TouchSequences
+        Touches by the first strategy, with objects, classes and names of features.
+    seen : dict of str to ndarray of shape (s, sights, d), float32
+        Descriptors of the views by cue.
+    touched : dict of str to ndarray of shape (s, t, k)
+        Features of t touches by strategy.
+    candidates : Candidates or None
+        Touches among which `ADAPTIVE` chooses; None if it is not compared.
     """
 
     sequences: TouchSequences
@@ -59,12 +67,12 @@ class Sensed:
 
 
 def compared(cost: CostParameters) -> tuple[str, ...]:
-    """Name the strategies that are compared."""
+    """Return the names of the strategies that are compared."""
     return (*STRATEGIES, ADAPTIVE) if cost.adaptive else STRATEGIES
 
 
 def most_touches(run: ExperimentParameters) -> int:
-    """Give the touches that the largest budget allows, at most `LONGEST_SEQUENCE`, at least the run's."""
+    """Return how many touches the largest budget allows: at most `LONGEST_SEQUENCE`, at least the touches of the run."""
     affordable = int(max(run.cost.budgets) // run.cost.touch_seconds)
     return max(min(affordable, LONGEST_SEQUENCE), touches_of_run(run))
 
@@ -72,9 +80,9 @@ def most_touches(run: ExperimentParameters) -> int:
 def sense_object(
     mesh: str | Path, run: ExperimentParameters
 ) -> tuple[pa.Table, dict[str, NDArray[np.float32]]]:
-    """Touch an object by every strategy but `ADAPTIVE`, and describe its views.
+    """Touch an object by every strategy of `STRATEGIES`, and describe its views.
 
-    Gives rows of `tables.FEATURES`, and by cue descriptors of all viewpoints, shape (v, sights, d).
+    Returns rows of `tables.FEATURES`, and descriptors of all viewpoints by cue, shape (v, sights, d).
     """
     changes = {
         "probing.strategies": STRATEGIES,
@@ -83,18 +91,21 @@ def sense_object(
     }
     parameters, looking = with_changes(run, changes), phase("fixations")
     key = object_of(mesh)
-    whole = Subject.of_mesh(key, mesh, range(parameters.viewpoints.count))
+    subject = Subject.of_mesh(key, mesh, range(parameters.viewpoints.count))
     features: list[pa.Table] = []
     seen: list[dict[str, NDArray[np.float32]]] = []
-    for part in whole.blocks(VIEWPOINTS_AT_ONCE):
-        look = run_phase(looking, part, {}, parameters)
+    for block in subject.blocks(VIEWPOINTS_AT_ONCE):
+        look = run_phase(looking, block, {}, parameters)
         generators = {
-            sight: [spawn_generator(run.seed, "sight", sight, key, one) for one in part.viewpoints]
+            sight: [
+                spawn_generator(run.seed, "sight", sight, key, viewpoint)
+                for viewpoint in block.viewpoints
+            ]
             for sight in SIGHTS
         }
         seen.append(describe_views(look.seen, generators))
-        features.append(run_phases(part, parameters, tables_for_next(looking, look))["features"])
-    views = {cue: np.concatenate([one[cue] for one in seen]) for cue in CUES}
+        features.append(run_phases(block, parameters, tables_for_next(looking, look))["features"])
+    views = {cue: np.concatenate([of_block[cue] for of_block in seen]) for cue in CUES}
     return pa.concat_tables(features), views
 
 
@@ -106,13 +117,13 @@ def sense_all(
 ) -> Sensed:
     """Look at and touch all objects.
 
-    Viewpoints from which a strategy has no place to touch are left out for all, and classes with a
-    single object. `candidates` are as `make_candidates` writes them.
+    A viewpoint from which any strategy lacks touches is left out for all strategies. Classes with one object are left
+    out. `candidates` is the table of `make_candidates`, or None without strategy `ADAPTIVE`.
     """
     usable, touches = usable_meshes(meshes), most_touches(run)
     sensed = Parallel(processes)(delayed(sense_object)(mesh, run) for mesh in usable)
-    views = {object_of(mesh): one[1] for mesh, one in zip(usable, sensed, strict=True)}
-    rows = pa.concat_tables([one[0] for one in sensed])
+    views = {object_of(mesh): seen for mesh, (_, seen) in zip(usable, sensed, strict=True)}
+    rows = pa.concat_tables([features for features, _ in sensed])
     whole = classes_of_two(viewpoints_of_all(whole_sequences(rows, touches)[0]))
     if candidates is not None:
         whole, candidates = _both(whole, candidates), _both(candidates, whole)
@@ -124,17 +135,17 @@ def sense_all(
         for strategy in STRATEGIES
     }
     sequences = gathered[STRATEGIES[0]]
-    keys = ["/".join(sequences.objects[place]) for place in sequences.object_index]
-    places = list(zip(keys, sequences.viewpoint, strict=True))
-    seen = {cue: np.stack([views[key][cue][view] for key, view in places]) for cue in CUES}
-    touched = {strategy: one.features for strategy, one in gathered.items()}
+    keys = ["/".join(sequences.objects[index]) for index in sequences.object_index]
+    key_and_view = list(zip(keys, sequences.viewpoint, strict=True))
+    seen = {cue: np.stack([views[key][cue][view] for key, view in key_and_view]) for cue in CUES}
+    touched = {strategy: by_strategy.features for strategy, by_strategy in gathered.items()}
     names = sequences.feature_names
     chosen = None if candidates is None else gather_candidates(candidates, names)
     return Sensed(sequences, seen, touched, chosen)
 
 
 def _both(table: pa.Table, other: pa.Table) -> pa.Table:
-    """Take the rows of a table whose viewpoint is in another table, too."""
+    """Return the rows of a table with viewpoints that the other table has, too."""
     keys = ["class", "object", "viewpoint"]
-    there = other.group_by(keys).aggregate([])
-    return table.join(there, keys, join_type="left semi").select(table.column_names)
+    viewpoints = other.group_by(keys).aggregate([])
+    return table.join(viewpoints, keys, join_type="left semi").select(table.column_names)

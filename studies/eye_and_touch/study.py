@@ -1,4 +1,4 @@
-"""What study eye_and_touch compares, by the names of its table."""
+"""Study `eye_and_touch`, and the names in its table."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from visuohaptic.parameters import CostParameters
 from visuohaptic.studies.study import WITHOUT_EFFECT, Step, Study
 
 CLEAN = "clean"
-"""The sight in which looking is learnt."""
+"""Sight in which looking is trained."""
 
 CUES = ("view", "outline")
-"""What the eye describes: the grey picture, or the silhouette that is cut out of it."""
+"""Pictures that the eye describes: the grey view, and the silhouette of the object."""
 
 LOOK = CUES[0]
-"""What of looking is combined with touch."""
+"""Cue of looking that is combined with touch."""
 
 TOUCH, PRODUCT, CHECKED, SIDE_BY_SIDE, STOPPING = (
     *("touch", "product", "checked product"),
@@ -20,7 +20,7 @@ TOUCH, PRODUCT, CHECKED, SIDE_BY_SIDE, STOPPING = (
 )
 
 PRICES = {"touch_seconds", "look_seconds", "budgets", "adaptive"}
-"""Parameters of costs that it depends on."""
+"""Parameters of section `cost` that the study depends on."""
 
 STUDY = Study(
     "eye_and_touch",
@@ -43,4 +43,4 @@ STUDY = Study(
     ),
     has_figures=False,
 )
-"""Objects recognised by eye, by touch and by both, in good sight and in poor."""
+"""Accuracy by eye, by touch and by both, in good and in poor sight."""

@@ -1,4 +1,4 @@
-"""Accuracies, calibration, paired gains and robot times of study eye_and_touch, summed up."""
+"""Summarise study eye_and_touch: accuracy, calibration, paired gains and robot time."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ FUSED = (PRODUCT, CHECKED, SIDE_BY_SIDE)
 
 @dataclass(frozen=True)
 class SenseCell(Cell):
-    """One key of the table: each object's accuracy, the robot's mean time, and how far confidence is off.
+    """Accuracy per object, mean robot time and calibration error of one key of the table.
 
-    The calibration error is the mean over trials of how far the share that is right is from the
-    stated probability, in each tenth of it (M. P. Naeini et al., AAAI 2015).
+    The calibration error is the mean, weighted by trials, of the absolute difference between accuracy and stated
+    probability in ten bins of probability (M. P. Naeini et al., AAAI 2015).
     """
 
     seconds: float = np.nan
@@ -47,12 +47,12 @@ class SenseCell(Cell):
 
     @property
     def mean(self) -> float:
-        """The mean over splits."""
+        """Mean accuracy over objects, weighted as in the intervals."""
         return float(self.weights @ self.accuracy / self.weights.sum())
 
 
 def cells_of(table: pa.Table) -> dict[Key, SenseCell]:
-    """Average each object's rows of `EYE_AND_TOUCH` over the splits that tested it."""
+    """Return a cell per key: the rows of `EYE_AND_TOUCH` of each object, averaged over the splits that tested it."""
     keys = ("sight", "answer", "strategy", "touches", "budget")
     return {key: _cell(rows) for key, rows in rows_by(table, keys).items()}
 
@@ -71,10 +71,24 @@ def _cell(rows: pa.Table) -> SenseCell:
 def sum_up_senses(
     table: pa.Table, cost: CostParameters, touches: int, intervals: IntervalParameters
 ) -> Row:
-    """Sum up `EYE_AND_TOUCH`: answers in each sight with their gains, curves against time, and what budgets buy.
+    """Summarise `EYE_AND_TOUCH` for the report and the README.
 
-    By so many `touches` senses are compared in every sight; ``worth`` is what touching brings a second
-    after a look.
+    Parameters
+    ----------
+    table : pyarrow.Table
+        Rows of `EYE_AND_TOUCH`.
+    cost : CostParameters
+        Prices of a look and a touch, and budgets, in seconds.
+    touches : int
+        Touches with which the senses are compared in every sight.
+    intervals : IntervalParameters
+        Settings of intervals and paired tests.
+
+    Returns
+    -------
+    dict
+        ``sights``: answers in every sight with their gains; ``curves``: accuracy against time; ``budgets``: accuracy
+        within each budget; ``worth``: the largest gain per second of touching after a look. Also prices and counts.
     """
     summary = _Summary(cells_of(table), cost, touches, intervals)
     return {
@@ -96,29 +110,30 @@ class _Summary:
     intervals: IntervalParameters
 
     def key(self, sight: str, answer: str, strategy: str = STRATEGIES[0], touches: int = 0) -> Key:
-        """Give a key; a cue needs no touch, and touch no sight."""
+        """Return the key of an answer; cues have no touches, and touch is only in clean sight."""
         if answer in CUES:
             return (sight, answer, "none", 0, None)
         seen = CLEAN if answer == TOUCH else sight
         return (seen, answer, strategy, touches or self.touches, None)
 
     def row(self, key: Key) -> Row:
-        """Give accuracy with its interval, time and calibration error."""
+        """Return accuracy with its interval, robot time and calibration error."""
         cell = self.cells[key]
-        found = object_interval(cell.accuracy, cell.weights, self.intervals)
+        interval = object_interval(cell.accuracy, cell.weights, self.intervals)
         return {
-            **ends("accuracy", "", found),
+            **ends("accuracy", "", interval),
             "seconds": cell.seconds,
             "calibration_error": cell.calibration_error,
         }
 
     def gain(self, first: Cell, second: Cell, over: str) -> Row:
-        """Give what one cell gains over another, in pairs over objects."""
-        found = compare_paired(first.accuracy, second.accuracy, first.weights, self.intervals)
-        return {"over": over, **ends("difference", "", found.difference), "p_value": found.p_value}
+        """Return the gain of the first cell over the second, in pairs over objects; `over` names the second."""
+        comparison = compare_paired(first.accuracy, second.accuracy, first.weights, self.intervals)
+        difference = ends("difference", "", comparison.difference)
+        return {"over": over, **difference, "p_value": comparison.p_value}
 
     def sight(self, sight: str) -> Row:
-        """Compare the senses in one sight."""
+        """Return the answers of all senses in one sight, and their gains over the better sense."""
         keys = {answer: self.key(sight, answer) for answer in (*CUES, TOUCH, *FUSED)}
         cells = {answer: self.cells[key] for answer, key in keys.items()}
         better = max((LOOK, TOUCH), key=lambda answer: cells[answer].mean)
@@ -132,12 +147,12 @@ class _Summary:
         }
 
     def curves(self) -> list[Row]:
-        """Give accuracy against time of every strategy in clean sight, touch alone and both."""
+        """Return accuracy and time of every strategy in clean sight, for looking, touch and both."""
         keys = (key for key in self.cells if key[0] == CLEAN and key[1] in {LOOK, TOUCH, CHECKED})
         return [self._named(key) for key in sorted(keys, key=str)]
 
     def at_budget(self, budget: float) -> Iterator[Row]:
-        """Give what is reached within a budget: of a fixed number of touches, and by the rule on average."""
+        """Yield the rows within a budget: fixed numbers of touches, and the rule that stops (on average)."""
         if budget >= self.cost.look_seconds:
             yield {"budget": budget, **self._named(self.key(CLEAN, LOOK))}
         most = max(key[3] for key in self.cells)
@@ -154,11 +169,13 @@ class _Summary:
             yield {"budget": budget, **self._named(stops), "gain": gain}
 
     def fixed(self, strategy: str, seconds: float) -> Cell:
-        """Mix the two nearest numbers of touches after a look that are the same for all, so that they take as long."""
+        """Interpolate accuracy after a look and a fixed number of touches at a time, between the two nearest numbers."""
         keys = [self.key(CLEAN, LOOK)]
         keys += sorted(key for key in self.cells if key[:3] == (CLEAN, CHECKED, strategy))
         line = [self.cells[key] for key in keys]
-        later = next((n for n, cell in enumerate(line) if cell.seconds >= seconds), len(line) - 1)
+        later = next(
+            (index for index, cell in enumerate(line) if cell.seconds >= seconds), len(line) - 1
+        )
         first, second = line[max(later - 1, 0)], line[later]
         step = second.seconds - first.seconds
         share = min((seconds - first.seconds) / step, 1.0) if step else 0.0
@@ -166,7 +183,7 @@ class _Summary:
         return replace(first, accuracy=mixed)
 
     def worth(self, sight: str) -> Row:
-        """Find the number of touches after a look that brings most accuracy a second, in a sight."""
+        """Return the number of touches after a look with the largest gain per second in a sight, and this gain."""
         look = self.cells[self.key(sight, LOOK)]
         rises = {
             key[3]: (cell.mean - look.mean) / (cell.seconds - look.seconds)
@@ -182,6 +199,6 @@ class _Summary:
         return {**names, **self.row(key)}
 
     def _affordable(self, budget: float, answer: str, strategy: str) -> int:
-        """Give how many touches there is time for."""
+        """Return how many touches a budget allows."""
         paid = 0.0 if (answer, strategy) == (TOUCH, BLIND) else self.cost.look_seconds
         return int((budget - paid) // self.cost.touch_seconds)

@@ -1,4 +1,4 @@
-"""The table of answers by eye, by touch and by both."""
+"""The table of answers by eye, by touch and by both senses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from visuohaptic.tables.phases import OBJECT_KEYS
 from visuohaptic.tables.schema import REAL, TEXT, Column, Schema, count, share
 
 CONFIDENCE_BINS = 10
-"""Equal parts of the range of probabilities, over which calibration is measured."""
+"""Number of equal bins of probability over which calibration is measured."""
 
 EYE_AND_TOUCH = Schema(
     "eye_and_touch",

@@ -1,4 +1,4 @@
-"""Looking, touching and both, trained and tested in the same splits: one table of answers."""
+"""Train and test looking, touching and both in the same splits, and write the table of answers."""
 
 from __future__ import annotations
 
@@ -56,10 +56,10 @@ if TYPE_CHECKING:
 
 
 def make_eye_and_touch(step: StepInputs) -> None:
-    """Make `EYE_AND_TOUCH`, and its summary as JSON.
+    """Write `EYE_AND_TOUCH`, and its summary as JSON.
 
-    Where strategy ``adaptive`` is compared, it takes a table of all places that it may touch. Raises
-    `ParameterError` if a touch is free.
+    Strategy ``adaptive`` needs an input table of candidates: touches of all locations. Raises `ParameterError` if
+    `cost.touch_seconds` is 0.
     """
     run, (table, metrics) = step.run, step.outputs
     if not run.cost.touch_seconds:
@@ -72,32 +72,32 @@ def make_eye_and_touch(step: StepInputs) -> None:
     measured = measure_senses(sensed, run, step.processes)
     write_table(EYE_AND_TOUCH, measured, table)
     intervals = run.recognition.intervals
-    found = sum_up_senses(measured, run.cost, touches_of_run(run), intervals)
-    write_json(found, metrics)
+    summary = sum_up_senses(measured, run.cost, touches_of_run(run), intervals)
+    write_json(summary, metrics)
 
 
 def measure_senses(sensed: Sensed, run: ExperimentParameters, processes: int) -> pa.Table:
-    """Train and test looking, touching and both in every split: `EYE_AND_TOUCH`.
+    """Train and test looking, touching and both in every split; return `EYE_AND_TOUCH`.
 
-    Looking is learnt in clean sight and tested in every sight. Touches are those that a clean look
-    leads to, in every sight.
+    Looking is trained in clean sight and tested in every sight. In every sight the touches are at locations that were
+    chosen in clean sight.
     """
     splits = draw_splits(sensed.sequences, run.recognition.protocol, run.seed)
     answers = _answer_all(sensed, splits, run, processes)
-    parts = [
-        part
+    blocks = [
+        block
         for key, paid in _paid_answers(answers, sensed.sequences, run)
         for split, (tested, seconds) in zip(splits, paid, strict=True)
-        for part in _columns(key, split, tested, seconds, sensed.sequences)
+        for block in _columns(key, split, tested, seconds, sensed.sequences)
     ]
-    columns = {name: list(chain(*(part[name] for part in parts))) for name in parts[0]}
+    columns = {name: list(chain(*(block[name] for block in blocks))) for name in blocks[0]}
     return build_table(EYE_AND_TOUCH, columns)
 
 
 def _answer_all(
     sensed: Sensed, splits: Sequence[Split], run: ExperimentParameters, processes: int
 ) -> dict[object, list[Answered]]:
-    """Train and test every cue, both senses side by side, and every strategy by number of touches."""
+    """Train and test every cue, both senses side by side, and every strategy with every number of touches."""
     touched = {name: [features] * len(splits) for name, features in sensed.touched.items()}
     if sensed.candidates is not None:
         chosen = Parallel(processes)(
@@ -113,10 +113,10 @@ def _answer_all(
     for strategy, features in touched.items():
         for touches in range(1, most_touches(run) + 1):
             tasks[strategy, touches] = {"touched": features, "touches": touches}
-    found = Parallel(processes)(
+    answers = Parallel(processes)(
         delayed(_answer)(splits, sensed.sequences, run, **task) for task in tasks.values()
     )
-    return dict(zip(tasks, found, strict=True))
+    return dict(zip(tasks, answers, strict=True))
 
 
 def _answer(
@@ -134,25 +134,27 @@ def _describe(
     touched: Sequence[NDArray[np.float64]] = (),
     touches: int = 0,
 ) -> Iterator[Sequence[NDArray[np.floating]]]:
-    """Describe views, (s, sights, d), or the first touches of each split, or both, in each condition of its test."""
+    """Yield, per split, the descriptors of views, of touches, or of both in each condition of the test."""
     views = [] if seen is None else list(np.moveaxis(seen, 1, 0))
     if not touched:
         yield from [views] * splits
         return
-    own = run.recognition
-    waves = draw_waves(own.order_free, run.seed)
-    of: NDArray[np.float64] | None = None
+    recognition = run.recognition
+    waves = draw_waves(recognition.order_free, run.seed)
+    described: NDArray[np.float64] | None = None
     for features in touched:
-        if features is not of:
-            felt, of = describe_sequences(features[:, :touches], names, waves, own), features
+        # Strategies other than `ADAPTIVE` have the same array in every split.
+        if features is not described:
+            felt = describe_sequences(features[:, :touches], names, waves, recognition)
+            described = features
         yield [np.concatenate([felt, view], axis=1) for view in views] or [felt]
 
 
 Key = Mapping[str, object]
-"""Of `EYE_AND_TOUCH`: answer, strategy, touches and budget."""
+"""Columns of `EYE_AND_TOUCH`: answer, strategy, touches and budget."""
 
 Paid = tuple[NDArray[np.float64], NDArray[np.float64] | float]
-"""A split's answers in the first k sights, (k, n, c), and the seconds that each took, (k, n)."""
+"""Probabilities of a split in the first k sights, (k, n, c), and the robot's time, (k, n) or the same for all (s)."""
 
 
 def _paid_answers(
@@ -160,7 +162,7 @@ def _paid_answers(
     sequences: TouchSequences,
     run: ExperimentParameters,
 ) -> Iterator[tuple[Key, list[Paid]]]:
-    """Give every answer with the robot's time, split by split."""
+    """Yield every answer with the robot's time, as one entry per split."""
     look, touches = run.cost.look_seconds, touches_of_run(run)
     for cue in CUES:
         yield _key(cue, "none", 0), _paid(answers[cue], look)
@@ -176,7 +178,7 @@ def _key(answer: str, strategy: str, touches: int, budget: float | None = None) 
 
 
 def _paid(answered: Sequence[Answered], seconds: float) -> list[Paid]:
-    return [(one.tested, seconds) for one in answered]
+    return [(split.tested, seconds) for split in answered]
 
 
 def _of_strategy(
@@ -186,8 +188,8 @@ def _of_strategy(
     sequences: TouchSequences,
     cost: CostParameters,
 ) -> Iterator[tuple[Key, list[Paid]]]:
-    """Give a strategy after each touch: touch alone, with a look, and under the rule that stops."""
-    checked = [[ask_if_familiar(one) for one in looked]]
+    """Yield the answers of a strategy after each touch: by touch, by touch and look, and by the rule that stops."""
+    checked = [[ask_if_familiar(answered) for answered in looked]]
     for touches, touched in enumerate(felt, start=1):
         products, certain = (
             [
@@ -207,7 +209,7 @@ def _of_strategy(
         yield _key(CHECKED, strategy, touches), _paid(certain, both)
     for budget in cost.budgets:
         of_splits = zip(*checked, strict=True)
-        stopped = [_stop(one, sequences.labels, budget, cost) for one in of_splits]
+        stopped = [_stop(by_touches, sequences.labels, budget, cost) for by_touches in of_splits]
         yield _key(STOPPING, strategy, len(felt), budget), stopped
 
 
@@ -217,14 +219,14 @@ def _stop(
     budget: float,
     cost: CostParameters,
 ) -> Paid:
-    """Answer a split under the rule of a budget, which is learnt on its training objects."""
-    rehearsed = np.stack([one.held_out for one in by_touches])
+    """Return the answers of a split by the rule that stops; the rule is fitted to its training objects."""
+    rehearsed = np.stack([answered.held_out for answered in by_touches])
     confidence = rehearsed.max(axis=2)
     correct = rehearsed.argmax(axis=2) == labels[by_touches[0].indices]
     pace = learn_pace(correct, confidence, cost.touch_seconds)
     affordable = max(budget - cost.look_seconds, 0) / cost.touch_seconds
     worth = worth_of_budget(expected_gain(pace, confidence), affordable)
-    tested = np.stack([one.tested for one in by_touches])
+    tested = np.stack([answered.tested for answered in by_touches])
     made = touches_made(worth, expected_gain(pace, tested.max(axis=3)))
     answers = np.take_along_axis(tested, made[None, :, :, None], axis=0)[0]
     return answers, cost.look_seconds + cost.touch_seconds * made.astype(np.float64)
@@ -233,11 +235,24 @@ def _stop(
 def learn_pace(
     correct: NDArray[np.bool_], confidence: NDArray[np.float64], touch_seconds: float
 ) -> NDArray[np.float64]:
-    """Learn which share of the doubt a second of touching removes after 0 to k touches: (k + 1,), the last 0.
+    """Compute the share of doubt that one second of touching removes after 0 to k touches.
 
-    `correct` and `confidence`, (k + 1, n), say of n rehearsals on training objects whether the likeliest
-    class is right, and its probability; doubt is one less it. Further touches gain the rise in the share
-    that is right as a share of the doubt; the number of them with the highest gain a second counts.
+    Doubt is 1 minus the probability of the likeliest class. The gain of further touches is the rise of accuracy as a
+    share of the doubt. The number of further touches with the highest gain per second counts.
+
+    Parameters
+    ----------
+    correct : ndarray of shape (k + 1, n), bool
+        Whether the likeliest class is right after each number of touches, in n rehearsals on training objects.
+    confidence : ndarray of shape (k + 1, n)
+        Probability of the likeliest class.
+    touch_seconds : float
+        Time of one touch, s.
+
+    Returns
+    -------
+    ndarray of shape (k + 1,)
+        Share per second; the last is 0.
     """
     right = correct.sum(axis=1)
     doubt = np.maximum((1 - confidence).sum(axis=1), np.finfo(np.float64).tiny)
@@ -252,22 +267,22 @@ def learn_pace(
 def expected_gain(
     pace: NDArray[np.float64], confidence: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Give what a second of touching is expected to bring after 0 to k touches: (k + 1, …) of both."""
+    """Compute the expected gain of one second of touching: pace (k + 1,) and confidence (k + 1, …) to (k + 1, …)."""
     return np.einsum("k,k...->k...", pace, 1 - confidence)
 
 
 def touches_made(worth: float, gain: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Give after how many touches the rule stops, of the expected gain after each, (k + 1, …) to (…).
+    """Compute after how many touches the rule stops, from the expected gain after each: (k + 1, …) to (…).
 
-    It goes on while a second is expected to bring more than its `worth`, a probability of a correct answer.
+    The rule continues while the expected gain of a second is above `worth`, a probability of a correct answer.
     """
     return np.argmax(gain <= worth, axis=0)
 
 
 def worth_of_budget(gain: NDArray[np.float64], most_touches: float) -> float:
-    """Choose the least worth of a second by which rehearsals take at most so many touches on average.
+    """Return the smallest worth of a second for which rehearsals take at most `most_touches` on average.
 
-    `gain` is what each rehearsal expects, (k + 1, n), as `expected_gain` gives it.
+    `gain` (k + 1, n) is the expected gain of n rehearsals, as from `expected_gain`.
     """
     worths = np.unique([0.0, *gain.ravel()])
     # The larger the worth, the earlier every rehearsal stops.
@@ -284,11 +299,11 @@ def _columns(
     seconds: NDArray[np.float64] | float,
     sequences: TouchSequences,
 ) -> Iterator[dict[str, Any]]:
-    """Give columns of `EYE_AND_TOUCH` of a split in each sight: a row an object."""
+    """Yield columns of `EYE_AND_TOUCH` of a split, per sight, with one row per object."""
     owners, row = np.unique(sequences.object_index[split.test], return_inverse=True)
     objects, count = np.array(sequences.objects, dtype=object)[owners], np.bincount(row)
     taken = np.broadcast_to(seconds, tested.shape[:2])
-    # Touch alone is tested in clean sight, which is the first.
+    # Answers by touch have only the first sight, the clean one.
     for sight, answers, spent in zip(SIGHTS, tested, taken, strict=False):
         correct = answers.argmax(axis=1) == sequences.labels[split.test]
         confidence = answers.max(axis=1)

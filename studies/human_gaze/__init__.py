@@ -1,1 +1,1 @@
-"""Recordings of where people looked on objects → how well the attention model predicts it."""
+"""Compare the attention model with recordings of where people looked on objects."""

@@ -1,4 +1,4 @@
-"""`python -m human_gaze FOLDER`: how well attention predicts where people looked."""
+"""Command `python -m human_gaze FOLDER`: measure how well the attention model predicts where people looked."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _DEFAULT = GazeSettings()
 
 
 def folder_to_read(name: str) -> Path:
-    """Take the name of a folder; an empty one would mean this folder."""
+    """Return the path of a folder, and refuse an empty name, which would mean the working folder."""
     if not name:
         raise typer.BadParameter("the name is empty; a folder is needed.")
     return Path(name)
@@ -118,13 +118,13 @@ def measure(
 
 
 def _words(value: Interval) -> str:
-    # A single object has no interval.
+    # One object has no interval.
     ends = "" if math.isnan(value.low) else f" ({value.low:.3f} to {value.high:.3f})"
     return f"{value.mean:.3f}{ends}"
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command, by default with the arguments of this process; an error is one sentence."""
+    """Run the command, by default with the arguments of the process; print errors as one sentence and exit with 1."""
     app = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False, add_completion=False)
     app.command()(measure)
     try:

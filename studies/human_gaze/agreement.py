@@ -1,4 +1,4 @@
-"""The table of agreement: every prediction compared with people on every object."""
+"""Compute the table of agreement: every predictor compared with people on every object."""
 
 from __future__ import annotations
 
@@ -44,53 +44,56 @@ AGREEMENT = Schema(
 
 
 def measure_all(objects: Sequence[GazedObject], settings: GazeSettings) -> pa.Table:
-    """Compare every predictor with people on every object: rows of `AGREEMENT`.
+    """Compare every predictor with people on every object; return rows of `AGREEMENT`.
 
-    Raises `GazeError` where too few objects are there to hold some of them out.
+    Raises `GazeError` if there are fewer families of training objects than folds.
     """
-    families = {one.family for one in objects if not one.is_test}
+    families = {gazed.family for gazed in objects if not gazed.is_test}
     if len(families) < settings.folds:
         raise GazeError(
-            f"{len(families)} different objects are there to fit weights to; for {settings.folds} folds, "
-            "as many are needed."
+            f"There are {len(families)} different objects to fit weights to; {settings.folds} folds need at least "
+            f"{settings.folds}."
         )
     rows: list[dict[str, object]] = []
     for predictor in PREDICTORS:
         weights = weights_of(objects, predictor, settings)
-        for one in objects:
-            if predictor.kind == "peer" and one.peer is None:
+        for gazed in objects:
+            if predictor.kind == "peer" and gazed.peer is None:
                 continue
-            values = predict(one, predictor, weights[one.name])
+            values = predict(gazed, predictor, weights[gazed.name])
             rows.append(
                 {
-                    "object": one.name,
+                    "object": gazed.name,
                     "predictor": predictor.name,
-                    "part": "test" if one.is_test else "training",
-                    **{name: measure(values, one.gazed) for name, measure in MEASURES.items()},
-                    "alignment_error": one.error,
-                    "reconstructed": one.is_reconstructed,
-                    "gaze_seconds": one.seconds,
-                    "seen_share": one.seen_share,
-                    "digest": one.digest,
+                    "part": "test" if gazed.is_test else "training",
+                    **{name: measure(values, gazed.gazed) for name, measure in MEASURES.items()},
+                    "alignment_error": gazed.error,
+                    "reconstructed": gazed.is_reconstructed,
+                    "gaze_seconds": gazed.seconds,
+                    "seen_share": gazed.seen_share,
+                    "digest": gazed.digest,
                 }
             )
     return build_rows(AGREEMENT, rows)
 
 
 def human_weights(objects: Sequence[GazedObject], settings: GazeSettings) -> dict[str, Any]:
-    """Fit all channels and terms to all training objects, as strategy ``human`` takes them.
+    """Fit the weights of all channels and terms to all training objects, for strategy ``human``.
 
-    Beside ``channels`` and ``terms`` are the ``objects`` fitted to, and ``sha256`` of their recordings.
+    Returns weights ``channels`` and ``terms`` by name, names of the training ``objects``, and ``sha256`` over the digests
+    of their recordings. Raises `GazeError` as `fit_predictor` does.
     """
-    training = sorted((one for one in objects if not one.is_test), key=lambda one: one.name)
-    tested = {one.family for one in objects if one.is_test}
+    training = sorted(
+        (gazed for gazed in objects if not gazed.is_test), key=lambda gazed: gazed.name
+    )
+    tested = {gazed.family for gazed in objects if gazed.is_test}
     weights = fit_predictor(training, BY_NAME["human"].features, tested, settings.penalty)
     rounded = {name: float(np.round(weight, 4)) for name, weight in weights.items()}
-    digest = hashlib.sha256("".join(one.digest for one in training).encode()).hexdigest()
+    digest = hashlib.sha256("".join(gazed.digest for gazed in training).encode()).hexdigest()
     return {
         "channels": {name: rounded[name] for name in CHANNELS},
         "terms": {name: value for name, value in rounded.items() if name not in CHANNELS},
-        "objects": [one.name for one in training],
+        "objects": [gazed.name for gazed in training],
         "sha256": digest,
     }
 
@@ -102,11 +105,14 @@ def write_weights(
     command: str,
     source: str,
 ) -> None:
-    """Write what `human_weights` fits, with its origin, as JSON: the form of ``attention/human_weights.json``."""
-    found: dict[str, Any] = {
+    """Write the weights of `human_weights` as JSON, in the form of ``attention/human_weights.json``.
+
+    `source` is the origin of the recordings, and `command` the command that fits the weights.
+    """
+    content: dict[str, Any] = {
         "source": source,
         "date": datetime.now(UTC).date().isoformat(),
         "command": command,
         **human_weights(objects, settings),
     }
-    atomic_write_text(path, json.dumps(found, indent=2) + "\n")
+    atomic_write_text(path, json.dumps(content, indent=2) + "\n")

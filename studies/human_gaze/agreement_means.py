@@ -1,4 +1,4 @@
-"""Means of agreement over objects, with intervals, and how predictors differ."""
+"""Compute means of agreement over objects with intervals, and differences between predictors."""
 
 from __future__ import annotations
 
@@ -31,15 +31,26 @@ SHOWN: Mapping[str, Bounds] = {
     "divergence": (0.0, math.inf),
     "similarity": SHARE,
 }
-"""Measures, each with the least and the largest value that it can have."""
+"""Measures, each with its smallest and largest possible value."""
 _GAIN: Bounds = (-2.0, 2.0)
 
 
 @dataclass(frozen=True)
 class PredictorRow:
-    """One predictor over all objects of a part: `measures` by the names of `SHOWN`.
+    """One predictor over all objects of a part.
 
-    `gain` is the correlation less that of what it is compared with; on `positive` objects it is above 0.
+    Attributes
+    ----------
+    predictor : Predictor
+        The predictor.
+    measures : mapping of str to Interval
+        Mean of each measure of `SHOWN`.
+    gain : Interval
+        Mean correlation minus that of the predictor to compare with.
+    positive : int
+        Objects with a gain above 0.
+    objects : int
+        Number of objects.
     """
 
     predictor: Predictor
@@ -50,16 +61,22 @@ class PredictorRow:
 
 
 def summarise(table: pa.Table, part: str) -> list[PredictorRow]:
-    """Sum up rows of `AGREEMENT` of one part but the peer's, by `PREDICTORS`, with gains over ``equal``."""
+    """Summarise `AGREEMENT` by predictor over the objects of one part, with gains over predictor ``equal``.
+
+    `part` is ``training`` or ``test``. Predictor ``peer`` is left out.
+    """
     rows = [row for row in table.to_pylist() if row["part"] == part]
     return _summed([row for row in rows if row["predictor"] != "peer"], "equal")
 
 
 def beside_peer(table: pa.Table) -> list[PredictorRow]:
-    """Sum up rows of the objects that a peer predicted, with gains over it; empty without a peer."""
+    """Summarise `AGREEMENT` by predictor over the objects that the peer predicted, with gains over the peer.
+
+    Returns an empty list without a peer.
+    """
     rows = table.to_pylist()
-    known = {row["object"] for row in rows if row["predictor"] == "peer"}
-    return _summed([row for row in rows if row["object"] in known], "peer")
+    predicted = {row["object"] for row in rows if row["predictor"] == "peer"}
+    return _summed([row for row in rows if row["object"] in predicted], "peer")
 
 
 def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRow]:
@@ -71,25 +88,27 @@ def _summed(rows: Sequence[Mapping[str, Any]], against: str) -> list[PredictorRo
     predictors = [predictor for predictor in PREDICTORS if predictor.name in by_name]
     figures = [_figures(by_name[predictor.name]) for predictor in predictors]
     base = _figures(by_name[against])[:, :1]
-    columns = np.column_stack([part for own in figures for part in (own, own[:, :1] - base)])
+    columns = np.column_stack(
+        [column for values in figures for column in (values, values[:, :1] - base)]
+    )
     weights = np.ones(len(base))
     bounds = cycle([*SHOWN.values(), _GAIN])
     intervals = (
-        object_interval(column, weights, IntervalParameters(), own)
-        for column, own in zip(columns.T, bounds, strict=False)
+        object_interval(column, weights, IntervalParameters(), limits)
+        for column, limits in zip(columns.T, bounds, strict=False)
     )
     return [
         PredictorRow(
             predictor,
             dict(zip(SHOWN, islice(intervals, len(SHOWN)), strict=True)),
             next(intervals),
-            int((own[:, 0] > 0).sum()),
+            int((values[:, 0] > 0).sum()),
             len(base),
         )
-        for predictor, own in zip(predictors, figures, strict=True)
+        for predictor, values in zip(predictors, figures, strict=True)
     ]
 
 
 def _figures(rows: Sequence[Mapping[str, Any]]) -> FloatArray:
-    """Give the measures of `SHOWN`, shape (objects, measures)."""
+    """Return the measures of `SHOWN`, shape (objects, measures)."""
     return np.array([[row[name] for name in SHOWN] for row in rows], dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Recorded objects as the eye sees them: features in every view, and people's time on its points."""
+"""Recorded objects: features in every view, and the time that people looked at the points of the surface."""
 
 from __future__ import annotations
 
@@ -45,33 +45,42 @@ from visuohaptic.meshes.preparing import normalise
 from visuohaptic.parameters import ExperimentParameters
 
 FEATURES = (*CHANNELS, *TERMS)
-"""What a prediction is a weighted sum of, in order."""
+"""Features whose weighted sum is a prediction, in order."""
 
 TURNING = ("front", "front_squared", "front_height", "side_squared")
-"""Terms that change where an object turns about the vertical."""
+"""Terms that change if an object turns about the vertical."""
 
 COLUMNS = (*FEATURES, *(f"turned_{name}" for name in TURNING))
-"""`FEATURES`, then what these terms are where the object's front is turned at random."""
+"""`FEATURES`, then the terms of `TURNING` with the object's front turned at random."""
 
 MOST_EVALUATED = 4000
-"""Recorded points of an object on which predictions are compared with people."""
+"""Largest number of recorded points of an object on which predictions are compared with people."""
 
 AREA_SAMPLES = 100_000
 REACH = 3.0
-"""Standard deviations at which the Gaussian that spreads time ends."""
+"""Radius of the Gaussian that spreads time, in standard deviations."""
 
 Track = Callable[[list[Any]], Iterable[Any]]
 
 
 @dataclass(frozen=True)
 class GazeSettings:
-    """How recordings are read and spread over the surface, and how weights are fitted to them.
+    """Settings of reading recordings, spreading time over the surface, and fitting weights.
 
-    Files above `largest_megabytes` (10⁶ bytes) are refused, and recordings of which a twentieth of the points
-    lies more than `largest_error` object radii off the mesh. `spread`, object radii, is the standard deviation
-    of the Gaussian that spreads time over the surface. Weights are fitted over `folds` parts of the objects,
-    held out in turn, with `penalty` on squared weights of standardised features. `peer` is a folder with
-    predictions of others.
+    Attributes
+    ----------
+    peer : path, optional
+        Folder with predictions of others.
+    largest_megabytes : float
+        Largest file that is read, 10⁶ bytes.
+    spread : float
+        Standard deviation of the Gaussian that spreads time over the surface, object radii.
+    largest_error : float
+        Largest distance off the mesh of 95 % of the points of a recording, object radii.
+    folds : int
+        Parts of the objects that are held out in turn.
+    penalty : float
+        Penalty on squared weights of standardised features.
     """
 
     peer: Path | None = None
@@ -84,13 +93,36 @@ class GazeSettings:
 
 @dataclass(frozen=True, eq=False)
 class GazedObject:
-    """What the eye sees of an object, and where people looked.
+    """Features of the views of an object, and where people looked on it.
 
-    `points` (n, 3) on the `surface`, object frame, are some of the recorded ones; `gazed` is time and area
-    there. `planes` (v, k, m, m), float32, are `COLUMNS` of each view, and `shown` (v, m, m) says which cells
-    show the object; `cells` (v, n) is each point's cell, counted row by row, `visible` (v, n) whether a view
-    sees it. 95 % of all points keep within `error` object radii of the mesh; people spent `seconds` on it,
-    `seen_share` of them on seen points. `peer` (n,) is what others predicted there.
+    Attributes
+    ----------
+    name, digest : str
+        Name of the object, and SHA-256 of its recording.
+    is_test : bool
+        Whether weights are never fitted on the object.
+    surface : Surface
+        The object, in the object frame.
+    points : ndarray of shape (n, 3)
+        Points of the surface: some of the recorded points.
+    gazed : GazedSurface
+        Time and area at the points.
+    planes : ndarray of shape (v, k, m, m), float32
+        `COLUMNS` of each view.
+    shown : ndarray of shape (v, m, m), bool
+        Cells of each view that show the object.
+    cells : ndarray of shape (v, n)
+        Cell of each point in each view, counted row by row.
+    visible : ndarray of shape (v, n), bool
+        Whether each view sees each point.
+    error : float
+        Distance off the mesh within which 95 % of the recorded points lie, object radii.
+    is_reconstructed : bool
+        Whether the surface was reconstructed from the points.
+    seconds, seen_share : float
+        Time that people looked at the object, s, and its share on points that a view sees.
+    peer : ndarray of shape (n,), optional
+        Prediction of others at the points.
     """
 
     name: str
@@ -111,17 +143,17 @@ class GazedObject:
 
     @property
     def family(self) -> str:
-        """Name without a number at its end: poses of one figure are never in two parts."""
+        """Name without a number at its end; poses of one figure share the name, and are never in two folds."""
         return self.name.rstrip("0123456789") or self.name
 
     @cached_property
     def features(self) -> FloatArray:
-        """Features of each point, averaged over the views that see it, shape (n, k); zero if none."""
+        """Features of each point, averaged over the views that see the point, shape (n, k); zero if no view does."""
         views, kinds = self.planes.shape[:2]
         total = np.zeros((self.visible.shape[1], kinds))
         for view in range(views):
-            at = self.planes[view].reshape(kinds, -1)[:, self.cells[view]]
-            total += (at * self.visible[view]).T
+            at_points = self.planes[view].reshape(kinds, -1)[:, self.cells[view]]
+            total += (at_points * self.visible[view]).T
         return total / np.maximum(self.visible.sum(axis=0), 1)[:, None]
 
 
@@ -134,19 +166,39 @@ def look_at_folder(
     *,
     tests: bool = True,
 ) -> list[GazedObject]:
-    """Look at every recorded object in a folder, by name; those for tests only if asked for.
+    """Return every recorded object in a folder, sorted by name.
 
-    Raises `GazeError` or `MeshError` for the first recording or mesh that can't be used.
+    Parameters
+    ----------
+    folder : path
+        Folder with recordings and meshes.
+    parameters : ExperimentParameters
+        Viewpoints, rendering, attention and seed.
+    settings : GazeSettings
+        Settings of reading and spreading.
+    processes : int
+        Number of processes.
+    track : callable
+        ``track(files)`` returns the files, and may print progress.
+    tests : bool
+        Whether objects for tests are included.
+
+    Raises
+    ------
+    GazeError, MeshError
+        For the first recording or mesh that can't be used.
     """
     files = [file for file in find_recordings(folder) if tests or not file.is_test]
     if not files:
-        raise GazeError(f"{folder} has recordings for tests alone; others are needed.")
+        raise GazeError(
+            f"{folder} has only recordings for tests; recordings for training are needed."
+        )
     if settings.peer and not any(find_peer(settings.peer, file.name) for file in files):
         raise GazeError(
             f"{settings.peer} has no prediction for any recorded object; files such as {files[0].name}.ply "
-            "are."
+            "are needed."
         )
-    # Each process would otherwise compute with as many threads as the caller's environment names.
+    # Otherwise each process would use as many threads as the environment allows.
     with parallel_config(backend="loky", inner_max_num_threads=1):
         jobs = Parallel(processes)(
             delayed(look_at)(file, parameters, settings) for file in track(files)
@@ -157,10 +209,10 @@ def look_at_folder(
 def look_at(
     file: RecordingFile, parameters: ExperimentParameters, settings: GazeSettings
 ) -> GazedObject:
-    """Read a recording and its mesh, and look at the object from every viewpoint.
+    """Read a recording and its mesh, and compute the features of the object from every viewpoint.
 
-    Every channel runs, as its weight is what is fitted. Raises `GazeError` where the recording can't be read or
-    does not fit, and `MeshError` for the mesh.
+    All channels run, whatever their weights in `parameters`, because weights are fitted later. Raises `GazeError` if the
+    recording can't be read or does not fit the mesh, and `MeshError` if the mesh can't be read.
     """
     seed = parameters.seed
     recording = read_recording(file.gaze, settings.largest_megabytes)
@@ -178,7 +230,7 @@ def look_at(
     count = min(MOST_EVALUATED, len(points))
     chosen = np.sort(generator.choice(len(points), count, replace=False))
     cameras = place_cameras(parameters.viewpoints)
-    at = placed[chosen]
+    chosen_points = placed[chosen]
     sighted = np.stack([sees(caster, camera, placed) for camera in cameras])
     visible = sighted[:, chosen]
     front = spawn_generator(seed, "gaze front", file.name)
@@ -187,23 +239,25 @@ def look_at(
     planes, shown = _planes_of_views(caster, cameras, parameters.rendering, attention, front)
     seen: BoolArray = np.asarray(visible.any(axis=0))
     if not (density[chosen] * area[chosen])[seen].sum() > 0:
-        raise GazeError(f"{file.name}: no viewpoint sees a place that people looked at.")
+        raise GazeError(
+            f"{file.name}: no viewpoint sees a point that people looked at; other viewpoints are needed."
+        )
     return GazedObject(
         name=file.name,
         is_test=file.is_test,
         digest=recording.digest,
         surface=surface,
-        points=at,
+        points=chosen_points,
         gazed=GazedSurface(density[chosen], area[chosen], seen),
         planes=planes,
         shown=shown,
-        cells=np.stack([_cells(camera, at, planes.shape[-1]) for camera in cameras]),
+        cells=np.stack([_cells(camera, chosen_points, planes.shape[-1]) for camera in cameras]),
         visible=visible,
         error=error,
         is_reconstructed=file.mesh is None,
         seconds=float(recording.seconds.sum()),
         seen_share=float(recording.seconds[sighted.any(axis=0)].sum() / recording.seconds.sum()),
-        peer=_predicted_by_peer(at, caster, file.name, settings),
+        peer=_predicted_by_peer(chosen_points, caster, file.name, settings),
     )
 
 
@@ -213,7 +267,7 @@ def _recorded_points(recording: Recording, mesh: Surface) -> FloatArray:
     if len(recording.seconds) != len(mesh.vertices):
         raise GazeError(
             f"{recording.name} has {len(recording.seconds)} times and its mesh {len(mesh.vertices)} "
-            "vertices; one a vertex is needed."
+            "vertices; one time per vertex is needed."
         )
     return mesh.vertices
 
@@ -221,7 +275,7 @@ def _recorded_points(recording: Recording, mesh: Surface) -> FloatArray:
 def _spread(
     points: FloatArray, seconds: FloatArray, surface: Surface, spread: float, seed: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Give each recorded point its area and, by a Gaussian, the time per area around it."""
+    """Compute the area of each recorded point, and the time per area around the point by a Gaussian."""
     tree = cKDTree(points)
     drawn = draw_by_area(surface, AREA_SAMPLES, spawn_generator(seed, "gaze area"))
     nearest = tree.query(drawn.points)[1]
@@ -244,8 +298,8 @@ def _predicted_by_peer(
         return None
     theirs, values = read_peer(file, settings.largest_megabytes)
     placed, _ = align(theirs, caster, str(file), settings.largest_error)
-    found: FloatArray = values[cKDTree(placed).query(points)[1]]
-    return found
+    nearest_values: FloatArray = values[cKDTree(placed).query(points)[1]]
+    return nearest_values
 
 
 def _planes_of_views(
@@ -255,27 +309,29 @@ def _planes_of_views(
     attention: AttentionParameters,
     front: np.random.Generator,
 ) -> tuple[NDArray[np.float32], BoolArray]:
-    """Give `COLUMNS` and the cells that show the object; `front` draws how far it is turned."""
+    """Compute `COLUMNS` of each view, and the cells that show the object; `front` draws the turn of the object."""
     planes, shown = [], []
     angle = front.uniform(0, 2 * np.pi)
     cosine, sine = np.cos(angle), np.sin(angle)
     turn = np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
     seen = render_views(caster, cameras, rendering)
-    for place, camera in enumerate(cameras):
-        found, certainty = feature_planes(
-            seen.colour[place],
-            seen.mask[place],
-            seen.point[place],
-            seen.normal[place],
-            seen.curvature[place],
+    for view, camera in enumerate(cameras):
+        plane_of, certainty = feature_planes(
+            seen.colour[view],
+            seen.mask[view],
+            seen.point[view],
+            seen.normal[view],
+            seen.curvature[view],
             camera.eye,
             attention,
         )
         turned = prepare_surface(
-            seen.mask[place], seen.point[place] @ turn, seen.normal[place], camera.eye
+            seen.mask[view], seen.point[view] @ turn, seen.normal[view], camera.eye
         )
-        found |= {f"turned_{name}": plane for name, plane in term_planes(turned, TURNING).items()}
-        planes.append(np.stack([found[name] for name in COLUMNS]))
+        plane_of |= {
+            f"turned_{name}": plane for name, plane in term_planes(turned, TURNING).items()
+        }
+        planes.append(np.stack([plane_of[name] for name in COLUMNS]))
         shown.append(certainty > SEEN)
     return np.stack(planes), np.stack(shown)
 
@@ -290,9 +346,10 @@ def feature_planes(
     eye: FloatArray,
     parameters: AttentionParameters,
 ) -> tuple[dict[str, Plane], Plane]:
-    """Give `FEATURES` of one view, as `attend` takes it, and the share of each cell that shows the object.
+    """Compute `FEATURES` of one view, and the share of each cell that shows the object.
 
-    These are planes (MAP_SIZE, MAP_SIZE), float32: every channel, zero where it has no weight, then every term.
+    The arguments are those of `attend`. Results are planes (MAP_SIZE, MAP_SIZE), float32: every channel, then every term.
+    A channel that is skipped has zeros.
     """
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     ran = tuple(name for name in CHANNELS if name not in skipped)
@@ -304,7 +361,7 @@ def feature_planes(
 
 
 def _cells(camera: Camera, points: FloatArray, size: int) -> IntArray:
-    """Give the grid cell in which a camera sees each point; those outside the view at its edge."""
+    """Return the grid cell of each point in a view; points outside of the view are moved to its edge."""
     right, up, back = camera.axes
     offset = points - camera.eye
     depth = np.full(len(points), camera.distance)

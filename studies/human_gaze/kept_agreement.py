@@ -1,6 +1,6 @@
-"""The agreement that was measured once, on recordings that are not part of this repository.
+"""Keep a table of agreement that was measured on recordings outside of this repository.
 
-`agreement.parquet`, beside this file, is such a table with its origin as metadata. To keep another one:
+`agreement.parquet` beside this file is such a table, with its origin as metadata. To keep another table:
 ``python -m human_gaze.kept_agreement results/human_gaze/agreement.parquet COMMAND SOURCE``.
 """
 
@@ -20,7 +20,7 @@ KEPT = Path(__file__).with_name("agreement.parquet")
 
 
 def keep(path: str | Path, command: str, source: str, kept: str | Path = KEPT) -> None:
-    """Keep a table with today's date, the command that made it and the source of its recordings."""
+    """Write the table at `path` to `kept`, with the date, the command and the source of the recordings as metadata."""
     table = read_table(AGREEMENT, path)
     date = datetime.now(UTC).date().isoformat()
     origin = json.dumps({"date": date, "command": command, "source": source})

@@ -1,4 +1,4 @@
-"""Predictions of where people look: fixed sums of features, and sums fitted to other objects."""
+"""Predict where people look by sums of features, with fixed weights or with weights fitted to other objects."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from visuohaptic.attention.registry import CHANNELS, TERMS
 from visuohaptic.base.arrays import FloatArray
 
 MOST_FITTED = 1500
-"""Points of an object that weights are fitted to, evenly spread over the evaluated ones."""
+"""Largest number of points of an object to which weights are fitted, evenly spread over the evaluated points."""
 
 _RARE = 1e-6
 _CONVERGED = 1e-9
@@ -24,11 +24,18 @@ _CONVERGED = 1e-9
 
 @dataclass(frozen=True)
 class Predictor:
-    """A way to predict where people look, from `features` out of `COLUMNS`.
+    """A method to predict where people look.
 
-    Kinds ``floor`` and ``sum`` add features with weight 1, none being the same all over; ``fitted`` is
-    log-linear, with weights fitted to other objects, and ``chosen`` uses those features alone that
-    `choose_features` keeps there; ``peer`` was predicted by others.
+    Attributes
+    ----------
+    name, label : str
+        Name in tables, and words for people.
+    features : tuple of str
+        Features out of `COLUMNS`.
+    kind : {"floor", "sum", "fitted", "chosen", "peer"}
+        ``floor`` and ``sum`` add the features with weight 1; without features the prediction is constant. ``fitted`` is
+        log-linear with weights fitted to other objects. ``chosen`` is the same with only the features of
+        `choose_features`. ``peer`` is a prediction of others.
     """
 
     name: str
@@ -47,7 +54,7 @@ def _of_kind(*kinds: str) -> tuple[str, ...]:
 
 
 def _turned(features: tuple[str, ...]) -> tuple[str, ...]:
-    """Give the same features of objects whose front is turned at random."""
+    """Return the names of the same features of objects with the front turned at random."""
     return tuple(f"turned_{name}" if name in TURNING else name for name in features)
 
 
@@ -69,32 +76,34 @@ PREDICTORS = (
     Predictor("chosen", "those chosen within the folds", FEATURES, "chosen"),
     Predictor("peer", "the peer's prediction", (), "peer"),
 )
-"""Every predictor, floors first."""
+"""All predictors, floors first."""
 
-BY_NAME = {one.name: one for one in PREDICTORS}
+BY_NAME = {predictor.name: predictor for predictor in PREDICTORS}
 
 
-def predict(one: GazedObject, predictor: Predictor, weights: Mapping[str, float]) -> FloatArray:
-    """Give the saliency of each point over all views; a view that does not see it adds 0.
+def predict(gazed: GazedObject, predictor: Predictor, weights: Mapping[str, float]) -> FloatArray:
+    """Compute the saliency (n,) of each point of an object over all views.
 
-    A fitted model has the exponential of the features, averaged over the views that see a point, times the
-    share of these views. Otherwise it is the mean of the weighted sum, of each view's maximum.
+    A fitted predictor averages the features over the views that see a point. Its saliency is the exponential of their
+    weighted sum, times the share of these views. Other predictors divide the weighted sum of each view by its maximum,
+    and average over all views; a view that does not see the point adds 0. `weights` are by feature; a missing weight
+    is 0.
     """
-    if one.peer is not None and predictor.kind == "peer":
-        return np.where(one.gazed.seen, one.peer, 0.0)
+    if gazed.peer is not None and predictor.kind == "peer":
+        return np.where(gazed.gazed.seen, gazed.peer, 0.0)
     factors = np.array([weights.get(name, 0.0) for name in COLUMNS])
     if predictor.is_fitted:
-        exponent = one.features @ factors
-        value = np.exp(exponent - exponent[one.gazed.seen].max())
-        return np.where(one.gazed.seen, value, 0.0) * one.visible.mean(axis=0)
-    total = np.einsum("k,vkrc->vrc", factors.astype(np.float32), one.planes)
+        exponent = gazed.features @ factors
+        value = np.exp(exponent - exponent[gazed.gazed.seen].max())
+        return np.where(gazed.gazed.seen, value, 0.0) * gazed.visible.mean(axis=0)
+    total = np.einsum("k,vkrc->vrc", factors.astype(np.float32), gazed.planes)
     if not weights:
         total = np.ones_like(total)
-    peak = np.where(one.shown, total, 0.0).max(axis=(1, 2), keepdims=True)
+    peak = np.where(gazed.shown, total, 0.0).max(axis=(1, 2), keepdims=True)
     total = total / np.where(peak > 0, peak, 1.0)
-    at = np.take_along_axis(total.reshape(len(total), -1), one.cells, axis=1)
-    found: FloatArray = (at * one.visible).mean(axis=0, dtype=np.float64)
-    return found
+    at_points = np.take_along_axis(total.reshape(len(total), -1), gazed.cells, axis=1)
+    saliency: FloatArray = (at_points * gazed.visible).mean(axis=0, dtype=np.float64)
+    return saliency
 
 
 def fit_predictor(
@@ -103,46 +112,66 @@ def fit_predictor(
     tested: Collection[str],
     penalty: float,
 ) -> dict[str, float]:
-    """Fit the weights of a log-linear model to where people looked on some objects.
+    """Fit the weights of a log-linear model to where people looked.
 
-    A conditional logistic regression: the chance that a moment of looking falls on a point is proportional
-    to its area, to the share of views that see it, and to the exponential of its weighted features (McFadden
-    1974; for fixations Barthelmé et al. 2013, J. Vision 13(12):1). Channels can't have weights below 0; the
-    `penalty` is on squared weights of features in standard deviations. Each object counts the same. Raises
-    `GazeError` if there is no object, or one of a family that is `tested`.
+    The model is a conditional logistic regression (McFadden 1974; for fixations Barthelmé et al. 2013, J. Vision
+    13(12):1). The probability that people look at a point is proportional to its area, to the share of views that see
+    the point, and to the exponential of its weighted features. All objects have the same influence.
+
+    Parameters
+    ----------
+    objects : sequence of GazedObject
+        Training objects.
+    features : collection of str
+        Names out of `COLUMNS`. Weights of channels are at least 0.
+    tested : collection of str
+        Families of objects on which the weights will be tested.
+    penalty : float
+        Penalty on squared weights of standardised features.
+
+    Returns
+    -------
+    dict of str to float
+        Weight of each feature.
+
+    Raises
+    ------
+    GazeError
+        If there is no object, or an object belongs to a tested family.
     """
-    leaked = sorted({one.name for one in objects if one.family in set(tested)})
+    leaked = sorted({gazed.name for gazed in objects if gazed.family in set(tested)})
     if leaked:
         raise GazeError(
-            f"{', '.join(leaked)} would be in both parts; weights may be fitted on other objects than "
-            "those they are tested on."
+            f"{', '.join(leaked)} would be in training and test; weights may only be fitted on objects of other "
+            "families than the tested objects."
         )
     if not objects:
-        raise GazeError("there are 0 objects to fit weights to; at least 1 is needed.")
+        raise GazeError("There are 0 objects to fit weights to; at least 1 is needed.")
     return _fit(objects, features, penalty, {})[0]
 
 
 def choose_features(
     objects: Sequence[GazedObject], features: Collection[str], folds: int, penalty: float
 ) -> tuple[str, ...]:
-    """Choose the features to fit weights to, on some objects alone.
+    """Return the features that predict held-out objects best.
 
-    Recursive elimination (Guyon, Weston, Barnhill & Vapnik 2002, Machine Learning 46) of the smallest weight,
-    in standard deviations. So many are kept as correlate best with people's time on parts of the objects held
-    out in turn, the smallest of equally good numbers; all, with fewer than two families of objects.
+    Features with the smallest standardised weight are eliminated one by one (Guyon, Weston, Barnhill & Vapnik 2002,
+    Machine Learning 46). The number of features that are kept has the largest correlation with people's time on
+    held-out objects; of equally good numbers, the smallest. With fewer than two families of objects all features are
+    kept. Only `objects` are used.
     """
     families = assign_folds(objects, folds)
     if len(families) < 2:
         return tuple(features)
     scores = np.zeros(len(features))
     for fold in sorted(set(families.values())):
-        training = [one for one in objects if families[one.family] != fold]
-        held = [one for one in objects if families[one.family] == fold]
+        training = [gazed for gazed in objects if families[gazed.family] != fold]
+        held_out = [gazed for gazed in objects if families[gazed.family] == fold]
         for weights in _eliminate(training, features, penalty):
-            found = [
-                correlation(predict(one, BY_NAME["human"], weights), one.gazed) for one in held
-            ]
-            scores[len(weights) - 1] += sum(found)
+            scores[len(weights) - 1] += sum(
+                correlation(predict(gazed, BY_NAME["human"], weights), gazed.gazed)
+                for gazed in held_out
+            )
     kept = int(scores.argmax()) + 1
     return next(
         tuple(weights) for weights in _eliminate(objects, features, penalty) if len(weights) == kept
@@ -152,7 +181,7 @@ def choose_features(
 def _eliminate(
     objects: Sequence[GazedObject], features: Collection[str], penalty: float
 ) -> Iterator[dict[str, float]]:
-    """Give fitted weights of all features, then without the least of them, down to one."""
+    """Yield fitted weights of all features, then without the feature of the smallest weight, down to one feature."""
     scaled = dict.fromkeys(features, 0.0)
     while scaled:
         weights, scaled = _fit(objects, scaled, penalty, scaled)
@@ -166,15 +195,13 @@ def _fit(
     penalty: float,
     start: Mapping[str, float],
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Give the weights of `fit_predictor`, and the same in standard deviations, as `start` has them."""
+    """Return the weights of `fit_predictor`, and the weights of standardised features, from which `start` begins."""
     chosen = tuple(name for name in COLUMNS if name in set(features))
     columns = [COLUMNS.index(name) for name in chosen]
-    parts = [_example(one, columns) for one in objects]
-    rows = np.concatenate([part[0] for part in parts])
-    offsets = np.concatenate([part[1] for part in parts])
-    shares = np.concatenate([part[2] for part in parts])
-    owners = np.repeat(np.arange(len(parts)), [len(part[1]) for part in parts])
-    starts = np.searchsorted(owners, np.arange(len(parts)))
+    examples = [_example(gazed, columns) for gazed in objects]
+    rows, offsets, shares = (np.concatenate(arrays) for arrays in zip(*examples, strict=True))
+    owners = np.repeat(np.arange(len(examples)), [len(offset) for _, offset, _ in examples])
+    starts = np.searchsorted(owners, np.arange(len(examples)))
     deviation = rows.std(axis=0)
     used = deviation > _RARE
     scaled = np.where(used, (rows - rows.mean(axis=0)) / np.where(used, deviation, 1.0), 0.0)
@@ -185,12 +212,12 @@ def _fit(
         value = np.exp(exponent)
         total = np.add.reduceat(value, starts)[owners]
         excess = value / total - shares
-        fit = -shares @ (exponent - np.log(total)) / len(parts)
-        slope = scaled.T @ excess / len(parts)
+        fit = -shares @ (exponent - np.log(total)) / len(examples)
+        slope = scaled.T @ excess / len(examples)
         return float(fit + penalty * weights @ weights), slope + 2 * penalty * weights
 
     bounds = [(0.0, None) if name in CHANNELS else (None, None) for name in chosen]
-    found = minimize(
+    minimum = minimize(
         loss,
         np.array([start.get(name, 0.0) for name in chosen]),
         jac=True,
@@ -198,45 +225,55 @@ def _fit(
         bounds=bounds,
         options={"maxiter": 500, "ftol": _CONVERGED, "gtol": 1e-6},
     )
-    weights = np.where(used, found.x / np.where(used, deviation, 1.0), 0.0)
-    both = weights, np.where(used, found.x, 0.0)
-    first, second = (dict(zip(chosen, values.tolist(), strict=True)) for values in both)
-    return first, second
+    standardised = np.where(used, minimum.x, 0.0)
+    weights = np.where(used, minimum.x / np.where(used, deviation, 1.0), 0.0)
+    return (
+        dict(zip(chosen, weights.tolist(), strict=True)),
+        dict(zip(chosen, standardised.tolist(), strict=True)),
+    )
 
 
 def assign_folds(objects: Sequence[GazedObject], folds: int) -> dict[str, int]:
-    """Give each family of objects its fold, in turn by name, so that no family is in two."""
-    families = sorted({one.family for one in objects})
-    return {family: place % folds for place, family in enumerate(families)}
+    """Return the fold of each family of objects: families take turns in the order of their names."""
+    families = sorted({gazed.family for gazed in objects})
+    return {family: index % folds for index, family in enumerate(families)}
 
 
 def weights_of(
     objects: Sequence[GazedObject], predictor: Predictor, settings: GazeSettings
 ) -> dict[str, dict[str, float]]:
-    """Give a predictor's weights by object: without the fold of a training object, of all for a test object."""
+    """Return the weights of a predictor by object.
+
+    The weights of a training object are fitted without the fold of the object. The weights of a test object are fitted to
+    all training objects.
+    """
     if not predictor.is_fitted:
-        return {one.name: dict.fromkeys(predictor.features, 1.0) for one in objects}
-    training = [one for one in objects if not one.is_test]
-    fold_of = assign_folds(training, settings.folds)
-    held = {one.name: -1 if one.is_test else fold_of[one.family] for one in objects}
-    found: dict[str, dict[str, float]] = {}
-    for fold in sorted(set(held.values())):
-        tested = {one.family for one in objects if held[one.name] == fold}
-        others = [one for one in training if held[one.name] != fold]
+        return {gazed.name: dict.fromkeys(predictor.features, 1.0) for gazed in objects}
+    training = [gazed for gazed in objects if not gazed.is_test]
+    fold_of_family = assign_folds(training, settings.folds)
+    fold_of = {
+        gazed.name: -1 if gazed.is_test else fold_of_family[gazed.family] for gazed in objects
+    }
+    weights_by_object: dict[str, dict[str, float]] = {}
+    for fold in sorted(set(fold_of.values())):
+        tested = {gazed.family for gazed in objects if fold_of[gazed.name] == fold}
+        fitted_on = [gazed for gazed in training if fold_of[gazed.name] != fold]
         features = predictor.features
         if predictor.kind == "chosen":
-            features = choose_features(others, features, settings.folds, settings.penalty)
-        weights = fit_predictor(others, features, tested, settings.penalty)
-        found |= {one.name: weights for one in objects if held[one.name] == fold}
-    return found
+            features = choose_features(fitted_on, features, settings.folds, settings.penalty)
+        weights = fit_predictor(fitted_on, features, tested, settings.penalty)
+        weights_by_object |= {
+            gazed.name: weights for gazed in objects if fold_of[gazed.name] == fold
+        }
+    return weights_by_object
 
 
-def _example(one: GazedObject, columns: list[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give features, the logarithm of area times share of views, and shares of time at some points."""
-    gazed = one.gazed
-    places = np.flatnonzero(gazed.seen & (gazed.area > 0))
-    places = places[:: -(-len(places) // MOST_FITTED)]
-    features = one.features[places][:, columns]
-    offset = np.log(gazed.area[places]) + np.log(one.visible.mean(axis=0)[places])
-    time = (gazed.density * gazed.area)[places]
+def _example(gazed: GazedObject, columns: list[int]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return features, log of area times share of views, and share of time at up to `MOST_FITTED` points."""
+    surface = gazed.gazed
+    points = np.flatnonzero(surface.seen & (surface.area > 0))
+    points = points[:: -(-len(points) // MOST_FITTED)]
+    features = gazed.features[points][:, columns]
+    offset = np.log(surface.area[points]) + np.log(gazed.visible.mean(axis=0)[points])
+    time = (surface.density * surface.area)[points]
     return features, offset, time / time.sum()

@@ -1,8 +1,8 @@
-"""Recordings of gaze: files that say how long people looked at each point of a mesh.
+"""Read recordings of gaze: files of how long people looked at each point of a mesh.
 
-Text has a line per point: x y z seconds, x y z and a normal and seconds, or the same with a last column that
-is not used; or one number per line for each vertex of the mesh. Below a header, columns x, y, z, nx, ny, nz
-and seconds are read by their names. An npz file has `seconds`, and may have `points` and `normals`.
+A text has one line per point: x y z seconds, or x y z, a normal and seconds, also with a last column that is not used. A
+text may also have only one number per line, the seconds of each vertex of the mesh. Below a header, columns x, y, z, nx,
+ny, nz and seconds are read by name. An npz file has `seconds`, and may have `points` and `normals`.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from visuohaptic.io.text_tables import TextTable, read_text_table
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
 GAZE_SUFFIXES = (".txt", ".npz")
-"""How files of recorded gaze end."""
+"""Endings of files of recorded gaze."""
 
 MOST_POINTS = 1_000_000
 MOST_FILES = 10_000
 _PLACE, _NORMAL, _SECONDS = ("x", "y", "z"), ("nx", "ny", "nz"), ("seconds",)
-# What the columns of a text without a header hold, by their number.
+# Columns of a text without a header, by number of columns.
 _COLUMNS = {
     1: _SECONDS,
     4: (*_PLACE, *_SECONDS),
@@ -43,7 +43,7 @@ class GazeError(VisuohapticError):
 
 @dataclass(frozen=True)
 class RecordingFile:
-    """A recording, not yet read, and the model file of its name; weights are never fitted on tests."""
+    """A recording that is not read yet, and the mesh of the same name, if any; weights are never fitted on tests."""
 
     name: str
     gaze: Path
@@ -55,8 +55,18 @@ class RecordingFile:
 class Recording:
     """How long people looked at each point of an object.
 
-    `points` (n, 3) are in the file's own frame and unit, None where each number belongs to a vertex;
-    `normals` (n, 3) are unit, or None; `seconds` (n,) at least 0; `digest` is the SHA-256 of the file.
+    Attributes
+    ----------
+    name : str
+        Name of the object.
+    points : ndarray of shape (n, 3) or None
+        Points in the frame and unit of the file; None if `seconds` are those of the vertices of the mesh.
+    normals : ndarray of shape (n, 3) or None
+        Unit normals.
+    seconds : ndarray of shape (n,)
+        Time at each point, at least 0.
+    digest : str
+        SHA-256 of the file.
     """
 
     name: str
@@ -67,52 +77,56 @@ class Recording:
 
 
 def find_recordings(folder: str | Path) -> list[RecordingFile]:
-    """List the recordings in a folder and below, by name.
+    """Return the recordings in a folder and its subfolders, sorted by name.
 
-    A recording is a test where a folder between has ``test`` in its name. Raises `GazeError` if there is no
-    such folder, more than 10,000 files of gaze and meshes in it, no recording, or two recordings or two meshes
-    of one name.
+    A recording is a test if a subfolder on its path has ``test`` in its name. Raises `GazeError` if there is no such
+    folder or no recording, for more than `MOST_FILES` files, and for two recordings or two meshes of one name.
     """
     folder = Path(folder)
     if not folder.is_dir():
-        raise GazeError(f"{folder} is no folder; one with recordings of gaze is needed.")
+        raise GazeError(f"{folder} is no folder; a folder with recordings of gaze is needed.")
     endings = (*GAZE_SUFFIXES, *MODEL_SUFFIXES)
     paths = (path for path in folder.rglob("*") if path.suffix.lower() in endings)
     files = sorted(islice(filter(Path.is_file, paths), MOST_FILES + 1))
     if len(files) > MOST_FILES:
         raise GazeError(
-            f"{folder} has more than {MOST_FILES:,} files of gaze and meshes, which is the most."
+            f"{folder} has more than {MOST_FILES:,} files of gaze and meshes; at most {MOST_FILES:,} are allowed."
         )
     meshes: dict[str, list[Path]] = {}
     for path in files:
         if path.suffix.lower() in MODEL_SUFFIXES:
             meshes.setdefault(path.stem, []).append(path)
-    found: dict[str, RecordingFile] = {}
+    recordings: dict[str, RecordingFile] = {}
     for path in files:
         if path.suffix.lower() not in GAZE_SUFFIXES or path.stem.lower() == "readme":
             continue
-        if path.stem in found:
+        if path.stem in recordings:
             raise GazeError(
-                f"{found[path.stem].gaze} and {path} are recordings of one name; one is allowed, "
-                "for an object must not be in two parts."
+                f"{recordings[path.stem].gaze} and {path} are recordings of one name; one per object is allowed, "
+                "because an object must not be in training and test."
             )
-        named = meshes.get(path.stem, [])
-        if len(named) > 1:
+        same_name = meshes.get(path.stem, [])
+        if len(same_name) > 1:
             raise GazeError(
-                f"{path} has {len(named)} meshes of its name, {named[0]} and {named[1]}; one is allowed."
+                f"{path} has {len(same_name)} meshes of its name, {same_name[0]} and {same_name[1]}; one is allowed."
             )
-        parts = path.relative_to(folder).parts[:-1]
-        is_test = any("test" in part.lower() for part in parts)
-        found[path.stem] = RecordingFile(path.stem, path, named[0] if named else None, is_test)
-    if not found:
+        subfolders = path.relative_to(folder).parts[:-1]
+        is_test = any("test" in subfolder.lower() for subfolder in subfolders)
+        mesh = same_name[0] if same_name else None
+        recordings[path.stem] = RecordingFile(path.stem, path, mesh, is_test)
+    if not recordings:
         raise GazeError(
-            f"{folder} has no recording of gaze; files ending in {' or '.join(GAZE_SUFFIXES)} are."
+            f"{folder} has no recording of gaze; files ending in {' or '.join(GAZE_SUFFIXES)} are needed."
         )
-    return [found[name] for name in sorted(found)]
+    return [recordings[name] for name in sorted(recordings)]
 
 
 def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recording:
-    """Read one recording; `GazeError`, which names the file and the reason, if it is none or too large."""
+    """Read a recording from a text or npz file.
+
+    Raises `GazeError`, which names file and reason, if the file is larger than `largest_megabytes` (10⁶ bytes), or is no
+    recording.
+    """
     path = Path(path)
     data = read_bounded(path, largest_megabytes)
     if path.suffix.lower() == ".npz":
@@ -128,7 +142,10 @@ def read_recording(path: str | Path, largest_megabytes: float = 64.0) -> Recordi
 
 
 def read_bounded(path: Path, largest_megabytes: float) -> bytes:
-    """Read a file whole; `GazeError` if it can't be read or is larger than so many 10⁶ bytes."""
+    """Return the content of a file.
+
+    Raises `GazeError` if the file can't be read or is larger than `largest_megabytes` (10⁶ bytes).
+    """
     largest = int(largest_megabytes * 10**6)
     try:
         with path.open("rb") as stream:
@@ -136,7 +153,9 @@ def read_bounded(path: Path, largest_megabytes: float) -> bytes:
     except OSError as error:
         raise GazeError(f"{path} can't be read: {error.strerror}.") from error
     if len(data) > largest:
-        raise GazeError(f"{path} is larger than {largest_megabytes:g} MB, which is the most.")
+        raise GazeError(
+            f"{path} is larger than {largest_megabytes:g} MB; at most so much is allowed."
+        )
     return data
 
 
@@ -184,7 +203,7 @@ def _read_archive(data: bytes, path: Path, largest_megabytes: float) -> _Arrays:
     try:
         arrays = _read_arrays(data, int(largest_megabytes * 10**6))
         _check(arrays)
-    # A damaged archive may fail in any way.
+    # A damaged archive may raise any error.
     except Exception as error:
         reason = next(iter(str(error).splitlines()), type(error).__name__).rstrip(".")
         raise GazeError(f"{path} holds no recording of gaze: {reason}.") from error
@@ -193,21 +212,21 @@ def _read_archive(data: bytes, path: Path, largest_megabytes: float) -> _Arrays:
 
 
 def _read_arrays(data: bytes, largest_bytes: int) -> _Arrays:
-    found: _Arrays = {}
-    left = largest_bytes
+    arrays: _Arrays = {}
+    bytes_left = largest_bytes
     with ZipFile(io.BytesIO(data)) as packed:
         members = {name.removesuffix(".npy"): name for name in packed.namelist()}
         for name in ("points", "normals", "seconds"):
             if name not in members:
                 continue
             with packed.open(members[name]) as stream:
-                # What the archive says of a member's size may be wrong.
-                content = stream.read(left + 1)
-            left -= len(content)
-            if left < 0:
+                # The size of a member in the archive's directory may be wrong.
+                content = stream.read(bytes_left + 1)
+            bytes_left -= len(content)
+            if bytes_left < 0:
                 raise ValueError(f"it unpacks to more than {largest_bytes / 1e6:g} MB")
-            found[name] = _read_array(content, name)
-    return found
+            arrays[name] = _read_array(content, name)
+    return arrays
 
 
 def _read_array(content: bytes, name: str) -> FloatArray:
@@ -215,16 +234,16 @@ def _read_array(content: bytes, name: str) -> FloatArray:
         raise ValueError(f"{name} is no array")
     stream = io.BytesIO(content)
     major, _ = np.lib.format.read_magic(stream)
-    is_first = major == 1  # the third version is for names of columns, which numbers have not
+    is_first = major == 1  # the third version is for names of columns, which plain numbers lack
     read_header = (
         np.lib.format.read_array_header_1_0 if is_first else np.lib.format.read_array_header_2_0
     )
     shape, _, dtype = read_header(stream)
     if dtype.kind not in "iuf":
         raise ValueError(f"{name} holds {dtype} and no numbers")
-    # Memory is taken for what the header says.
+    # NumPy allocates memory for the shape in the header, so the shape must fit the content.
     if math.prod(shape) * dtype.itemsize != len(content) - stream.tell():
-        raise ValueError(f"{name} holds other than the {shape} numbers that its header says")
+        raise ValueError(f"{name} does not hold the {shape} numbers that its header claims")
     array = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
     return np.asarray(array, dtype=np.float64)
 
@@ -244,5 +263,5 @@ def _check(arrays: _Arrays) -> None:
 def _check_seconds(seconds: FloatArray, path: Path) -> None:
     if (seconds < 0).any() or not seconds.any():
         raise GazeError(
-            f"{path} has times below 0, or none above; at least one point must have been looked at."
+            f"{path} has times below 0, or only zeros; times of at least 0, one of them above, are needed."
         )

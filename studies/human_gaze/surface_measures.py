@@ -1,7 +1,7 @@
-"""How well a prediction agrees with where people looked, on points of a surface.
+"""Compute how well a prediction agrees with where people looked, on points of a surface.
 
-Measures of Bylinskii et al. 2019, "What do different evaluation metrics tell us about saliency models?",
-IEEE TPAMI 41(3), with a point's share of the surface in place of a pixel.
+The measures are those of Bylinskii et al. 2019, "What do different evaluation metrics tell us about saliency models?",
+IEEE TPAMI 41(3). A point with its share of the area replaces a pixel.
 """
 
 from __future__ import annotations
@@ -17,15 +17,27 @@ from visuohaptic.base.arrays import BoolArray, FloatArray
 TOP_SHARE = 0.2
 """Share of the surface that counts as looked at in `area_under_curve_of_top`."""
 
-# Keeps the logarithm of an empty place finite, as in the reference code of the MIT benchmark.
+# Keeps the logarithm of a zero share finite, as in the reference code of the MIT benchmark.
 SMALLEST_SHARE = 2.2204e-16
 
 
 @dataclass(frozen=True)
 class GazedSurface:
-    """Points of a surface, shape (n,): time per area that people looked at each, its area, whether it is seen.
+    """Time and area at points of a surface.
 
-    Raises `GazeError` if shapes differ, a value is negative or not finite, or no time or area is seen.
+    Attributes
+    ----------
+    density : ndarray of shape (n,)
+        Time per area that people looked at each point.
+    area : ndarray of shape (n,)
+        Area of each point.
+    seen : ndarray of shape (n,), bool
+        Whether any view sees each point.
+
+    Raises
+    ------
+    GazeError
+        If shapes differ, a value is negative or not finite, or the seen points have no time.
     """
 
     density: FloatArray
@@ -36,36 +48,41 @@ class GazedSurface:
         if not self.density.shape == self.area.shape == self.seen.shape or self.seen.ndim != 1:
             raise GazeError(
                 f"density, area and seen have shapes {self.density.shape}, {self.area.shape} and "
-                f"{self.seen.shape}; one (n,) is allowed."
+                f"{self.seen.shape}; one shape (n,) for all is needed."
             )
         for name, values in (("density", self.density), ("area", self.area)):
             if not (np.isfinite(values).all() and (values >= 0).all()):
-                raise GazeError(f"{name} has values that are negative or not finite.")
+                raise GazeError(
+                    f"{name} has values that are negative or not finite; finite values of at least 0 are needed."
+                )
         if not (self.density * self.area)[self.seen].sum() > 0:
-            raise GazeError("no seen point was looked at; at least one is needed.")
+            raise GazeError("No seen point was looked at; at least one is needed.")
 
     def weights(self) -> FloatArray:
-        """Share of the seen area at each seen point, shape (k,)."""
+        """Return the share of the seen area at each seen point, shape (k,)."""
         area = self.area[self.seen]
         return area / area.sum()
 
     def shares(self) -> FloatArray:
-        """Share of the seen time at each seen point, shape (k,)."""
+        """Return the share of the seen time at each seen point, shape (k,)."""
         time = (self.density * self.area)[self.seen]
         return time / time.sum()
 
     def of_seen(self, predicted: NDArray[np.floating]) -> FloatArray:
-        """Give the prediction at the seen points; `GazeError` if it does not fit them."""
+        """Return a prediction (n,) at the seen points, shape (k,), float64.
+
+        Raises `GazeError` if the prediction has another shape or values that are not finite.
+        """
         if predicted.shape != self.density.shape or not np.isfinite(predicted).all():
             raise GazeError(
-                f"the prediction has shape {predicted.shape}; {self.density.shape} of finite "
-                "numbers is allowed."
+                f"The prediction has shape {predicted.shape}; shape {self.density.shape} of finite "
+                "numbers is needed."
             )
         return predicted[self.seen].astype(np.float64)
 
 
 def correlation(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
-    """Give Pearson's correlation over the seen area (CC), -1 to 1; 0 for a constant prediction."""
+    """Compute Pearson's correlation over the seen area (CC), -1 to 1; 0 for a constant prediction."""
     weights, values = gazed.weights(), gazed.of_seen(predicted)
     density = gazed.density[gazed.seen]
     values = values - weights @ values
@@ -75,7 +92,10 @@ def correlation(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
 
 
 def area_under_curve_of_top(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
-    """Give the probability that a place of the most looked at fifth, by area, is above one of the rest."""
+    """Compute the area under the ROC curve of the fifth of the area with the most time per area against the rest.
+
+    That is the probability that the prediction is higher at a point of this fifth than at another point.
+    """
     weights, density = gazed.weights(), gazed.density[gazed.seen]
     order = np.argsort(-density, kind="stable")
     top = np.zeros(len(order), dtype=bool)
@@ -84,12 +104,12 @@ def area_under_curve_of_top(predicted: NDArray[np.floating], gazed: GazedSurface
 
 
 def area_under_curve_of_gaze(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
-    """Give the probability that a place drawn by time is above one drawn by area (AUC-Judd)."""
+    """Compute the probability that the prediction is higher at a point drawn by time than by area (AUC-Judd)."""
     return _probability_above(gazed.of_seen(predicted), gazed.shares(), gazed.weights())
 
 
 def normalised_saliency(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
-    """Give the mean prediction where people looked, in deviations above its mean (NSS); chance is 0."""
+    """Compute the mean prediction weighted by time, in standard deviations above the mean (NSS); chance is 0."""
     weights, values = gazed.weights(), gazed.of_seen(predicted)
     values = values - weights @ values
     deviation = np.sqrt(weights @ values**2)
@@ -97,13 +117,13 @@ def normalised_saliency(predicted: NDArray[np.floating], gazed: GazedSurface) ->
 
 
 def divergence(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
-    """Give the Kullback-Leibler divergence of people's time from the prediction (KL, nats); 0 is best."""
+    """Compute the Kullback-Leibler divergence of people's time from the prediction (KL, nats); 0 is best."""
     expected, shares = _predicted_shares(predicted, gazed), gazed.shares()
     return float(np.sum(shares * np.log(SMALLEST_SHARE + shares / (expected + SMALLEST_SHARE))))
 
 
 def similarity(predicted: NDArray[np.floating], gazed: GazedSurface) -> float:
-    """Give the time that prediction and people share (SIM), 0 to 1."""
+    """Compute the share of time that prediction and people have in common (SIM), 0 to 1."""
     return float(np.minimum(_predicted_shares(predicted, gazed), gazed.shares()).sum())
 
 
@@ -114,10 +134,10 @@ def _predicted_shares(predicted: NDArray[np.floating], gazed: GazedSurface) -> F
 
 
 def _probability_above(values: FloatArray, upper: FloatArray, lower: FloatArray) -> float:
-    """Give the probability that a value drawn by `upper` exceeds one drawn by `lower`."""
-    _, place = np.unique(values, return_inverse=True)
-    above = np.bincount(place, upper)
-    below = np.bincount(place, lower)
+    """Compute the probability that a value drawn by weights `upper` exceeds a value drawn by weights `lower`."""
+    _, rank = np.unique(values, return_inverse=True)
+    above = np.bincount(rank, upper)
+    below = np.bincount(rank, lower)
     less = np.cumsum(below) - 0.5 * below
     return float(above @ less / (above.sum() * below.sum()))
 
@@ -130,4 +150,4 @@ MEASURES = {
     "divergence": divergence,
     "similarity": similarity,
 }
-"""Every measure by its name in tables."""
+"""All measures by name in tables."""

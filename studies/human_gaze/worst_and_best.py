@@ -1,4 +1,4 @@
-"""Pictures of recorded objects: where people looked, where they were predicted to, and the floor."""
+"""Draw recorded objects with the time that people looked, the prediction, and the floor."""
 
 from __future__ import annotations
 
@@ -23,10 +23,9 @@ from visuohaptic.geometry.raycasting import RayCaster
 WORST, BEST = 6, 3
 RESOLUTION = 192
 PANELS = ("human", "centre")
-"""Predictors beside people's own time, from left to right."""
+"""Predictors that are drawn to the right of people's time, from left to right."""
 
-# The largest value of the colour scale, as a quantile over the points, so that one place does not
-# leave all others dark.
+# Quantile over the points that has the largest colour, so that one bright point does not darken all others.
 _TOP_QUANTILE = 0.98
 
 
@@ -37,45 +36,45 @@ def draw_worst_and_best(
     settings: GazeSettings,
     folder: str | Path,
 ) -> None:
-    """Draw the objects on which predictor ``human`` is worst and best, as ``<rank>_<object>.png`` in a folder.
+    """Write pictures ``<rank>_<object>.png`` of the objects on which predictor ``human`` is worst and best.
 
-    From left to right: people's time, the prediction, and nearness to the middle of the view; yellow is most.
-    Rank 0 is the object with the lowest correlation.
+    Rank 0 has the lowest correlation in `table`, rows of `AGREEMENT`. From left to right, a picture shows people's time,
+    the prediction, and nearness to the middle of the view; yellow is the largest value.
     """
-    found = {
+    correlation_of = {
         row["object"]: row["correlation"]
         for row in table.to_pylist()
         if row["predictor"] == "human"
     }
-    order = sorted(found, key=lambda name: (found[name], name))
+    order = sorted(correlation_of, key=lambda name: (correlation_of[name], name))
     ranks = dict.fromkeys([*range(len(order))[:WORST], *range(len(order))[-BEST:]])
-    by_name = {one.name: one for one in objects}
+    by_name = {gazed.name: gazed for gazed in objects}
     weights = {name: weights_of(objects, BY_NAME[name], settings) for name in PANELS}
     for rank in ranks:
-        one = by_name[order[rank]]
-        values = [predict(one, BY_NAME[name], weights[name][one.name]) for name in PANELS]
-        drawn = draw_values(one, [one.gazed.density, *values], viewpoints)
-        with atomic_file(Path(folder, f"{rank:03d}_{one.name}.png")) as unfinished:
-            unfinished.write_bytes(drawn)
+        gazed = by_name[order[rank]]
+        values = [predict(gazed, BY_NAME[name], weights[name][gazed.name]) for name in PANELS]
+        picture = draw_values(gazed, [gazed.gazed.density, *values], viewpoints)
+        with atomic_file(Path(folder, f"{rank:03d}_{gazed.name}.png")) as unfinished:
+            unfinished.write_bytes(picture)
 
 
 def draw_values(
-    one: GazedObject, values: Sequence[FloatArray], viewpoints: ViewpointParameters
+    gazed: GazedObject, values: Sequence[FloatArray], viewpoints: ViewpointParameters
 ) -> bytes:
-    """Draw an object once for each array of values at its points, side by side, as PNG.
+    """Draw an object once per array of values (n,) at its points, side by side; return the picture as PNG.
 
-    It is seen from the viewpoint that shows most of people's time.
+    The view is from the viewpoint that shows most of people's time.
     """
-    time = one.gazed.density * one.gazed.area
-    camera = place_cameras(viewpoints)[int((one.visible @ time).argmax())]
-    _, nearest = cKDTree(one.points).query(one.surface.triangles.mean(axis=1))
+    time = gazed.gazed.density * gazed.gazed.area
+    camera = place_cameras(viewpoints)[int((gazed.visible @ time).argmax())]
+    _, nearest = cKDTree(gazed.points).query(gazed.surface.triangles.mean(axis=1))
     panels = []
     for value in values:
-        top = max(float(np.quantile(value[one.gazed.seen], _TOP_QUANTILE)), 1e-30)
+        top = max(float(np.quantile(value[gazed.gazed.seen], _TOP_QUANTILE)), 1e-30)
         levels = np.clip(np.rint(255 * value / top), 0, 255).astype(np.uint8)[:, None]
         colours = cv2.applyColorMap(levels, cv2.COLORMAP_VIRIDIS)[:, 0, ::-1]
         painted = replace(
-            one.surface, face_colours=np.ascontiguousarray(colours[nearest]), texture=None
+            gazed.surface, face_colours=np.ascontiguousarray(colours[nearest]), texture=None
         )
         rendering = RenderingParameters(resolution=RESOLUTION, background=1.0)
         (seen,) = render_views(RayCaster(painted), [camera], rendering).colour

@@ -1,4 +1,4 @@
-"""Prediction sets and the answer `unknown`, measured with whole classes left out."""
+"""Measure prediction sets and the answer `unknown` with models that lack a whole class."""
 
 from __future__ import annotations
 
@@ -45,10 +45,11 @@ def measure_trust(
     parameters: RecognitionParameters,
     seed: int,
 ) -> pa.Table:
-    """Classify known and unknown objects by models that lack one whole class each: `TRUST`.
+    """Classify known and unknown objects by models that lack one class each; return `TRUST`.
 
-    Of every class in turn, all objects are unknown; of the others, one grouped fold is tested and the rest trains
-    pipeline `order_free`. Raises `RecognitionError` if there are fewer than three classes, or too few objects.
+    Each class is left out in turn, and all of its objects are unknown to the model. Of the other classes, one grouped
+    fold of objects is tested, and the rest trains pipeline `order_free`. Raises `RecognitionError` if there are fewer
+    than three classes, or too few objects.
     """
     table, _ = take_strategy(features, strategy, parameters.touches)
     sequences = gather_pipeline(table, parameters, "order_free", seed)
@@ -82,21 +83,21 @@ def measure_trust(
 def summarise_trust(
     table: pa.Table, coverage: float, intervals: IntervalParameters
 ) -> list[dict[str, Any]]:
-    """Sum up `TRUST` by strategy and number of views: what `sum_up_answers` gives, and ``area``.
+    """Summarise `TRUST` by strategy and number of views: the figures of `sum_up_answers`, and ``area``.
 
-    That is under the curve that tells unknown objects from known ones, a mean over the classes left out.
+    ``area`` is the area under the ROC curve of unknown against known objects, a mean over the classes left out.
     """
-    found = []
+    summary = []
     for figures, rows in sum_up_answers(table, coverage, intervals):
         areas = [
             _area(select(rows, left_out=name)) for name in rows["left_out"].unique().to_pylist()
         ]
-        found.append(figures | {"area": float(np.mean(areas))})
-    return found
+        summary.append(figures | {"area": float(np.mean(areas))})
+    return summary
 
 
 def make_trust(step: StepInputs) -> None:
-    """Make `TRUST` of every strategy, and its summary as JSON."""
+    """Write `TRUST` of every strategy, and its summary as JSON."""
     run, (table, metrics) = step.run, step.outputs
     rows = read_table(FEATURES, step.inputs["features"])
     classifier = HEADLINE_CLASSIFIERS["order_free"]
@@ -106,18 +107,18 @@ def make_trust(step: StepInputs) -> None:
     )
     write_table(TRUST, measured, table)
     recognition = run.recognition
-    found = summarise_trust(measured, recognition.order_free.coverage, recognition.intervals)
-    write_json(found, metrics)
+    summary = summarise_trust(measured, recognition.order_free.coverage, recognition.intervals)
+    write_json(summary, metrics)
 
 
 def _draw_tested(
     sequences: TouchSequences, left_out: int, folds: int, generator: np.random.Generator
 ) -> tuple[int, ...]:
-    """Draw one fold of the objects of all classes but one."""
+    """Return one fold of the objects of all classes except `left_out`."""
     members = objects_of_classes(sequences)
-    others = [objects for label, objects in enumerate(members) if label != left_out]
-    dealt = grouped_folds(others, folds, generator)
-    return dealt[left_out % len(dealt)]
+    known_classes = [objects for label, objects in enumerate(members) if label != left_out]
+    drawn_folds = grouped_folds(known_classes, folds, generator)
+    return drawn_folds[left_out % len(drawn_folds)]
 
 
 def fit_without(
@@ -127,9 +128,9 @@ def fit_without(
     classifier: str,
     generator: np.random.Generator,
 ) -> tuple[Pipeline, Certainty] | None:
-    """Fit pipeline `order_free`, and how sure its answers are, on all sequences that are not `unseen` (s,).
+    """Fit pipeline `order_free` and its `Certainty` on the sequences that are not `unseen` (s,).
 
-    Returns None if every class has one training object.
+    `described` (s, d) are the descriptors of all sequences. Returns None if every class has only one training object.
     """
 
     def fit(rows: FloatArray, labels: IntArray, owners: IntArray) -> Pipeline:
@@ -151,7 +152,7 @@ def _classify(
     index: int,
     parameters: RecognitionParameters,
 ) -> Iterator[dict[str, object]]:
-    """Classify an object from several numbers of its views."""
+    """Yield one row of answers per number of views of an object."""
     pipeline, certainty = model
     category, name = sequences.objects[index]
     label, coverage = sequences.classes.index(category), parameters.order_free.coverage
@@ -159,7 +160,7 @@ def _classify(
     logs = log_probabilities(pipeline[-1], rows, len(sequences.classes))
     most = int(np.bincount(sequences.object_index).max())
     for views in sorted({min(views, most) for views in VIEWS}):
-        # All views of an object that has fewer.
+        # An object with fewer views is classified from all of them.
         choices = evenly_spaced_subsets(len(rows), min(views, len(rows)))
         chosen = np.isin(np.arange(len(rows)), choices[index % len(choices)])
         answer = pooled_log_probabilities(logs, chosen[None])[0]
@@ -183,7 +184,7 @@ def _classify(
 
 
 def _area(rows: pa.Table) -> float:
-    """Give the area under the curve of a class left out against the known objects beside it."""
+    """Compute the area under the ROC curve of a class left out against the known objects in the same rows."""
     from sklearn.metrics import roc_auc_score
 
     return float(roc_auc_score(pc.invert(rows["known"]).to_numpy(), rows["evidence"].to_numpy()))

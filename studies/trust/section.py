@@ -1,4 +1,4 @@
-"""How sure answers are: prediction sets against their stated coverage, and objects of no known class."""
+"""The section of the report on prediction sets and on objects of no known class."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ TABLE, FIGURES = STUDY.shown
 
 
 def trust_figures(table: Path, figures: Path) -> Row:
-    """Read `TRUST`, and the figures beside it as ``rows`` by strategy and number of views.
+    """Read the table `TRUST` and its figures, as ``rows`` by strategy and number of views.
 
-    Below ``least`` training objects the ``stated`` coverage leaves nothing out; ``enough`` says whether it did.
+    With fewer than ``least`` training objects, sets of the ``stated`` coverage hold all classes. ``enough`` is whether
+    any set left out a class.
     """
     way_out = "run `snakemake -j2 trust_all` again"
     rows = read_json(figures, rows_of, "holds no figures of study trust", way_out)
@@ -43,7 +44,7 @@ def trust_figures(table: Path, figures: Path) -> Row:
 
 
 def trust_values(context: ReportContext) -> Values | None:
-    """Read how sure answers are; None where it was not measured."""
+    """Return the values of the section; None if the run has no figures of the study."""
     table, figures = context.run.made(TABLE), context.run.made(FIGURES)
     if not table or not figures:
         return None
@@ -52,9 +53,9 @@ def trust_values(context: ReportContext) -> Values | None:
 
 @style()
 def coverage(table: pa.Table) -> Figure:
-    """Draw the share of known objects whose class is in the set, against the stated coverage.
+    """Draw the share of known objects with their class in the set against the stated coverage.
 
-    Of rows of `TRUST`, those of the largest number of views are drawn.
+    `table` has rows of `TRUST`; only rows with the largest number of views are drawn.
     """
     most = select(table, views=max(table.column("views").to_pylist()), known=True)
     stated = np.array(STATED_COVERAGES) / 100
@@ -63,7 +64,7 @@ def coverage(table: pa.Table) -> Figure:
         held = select(most, strategy=strategy).column("covered_at").to_pylist()
         lines[strategy] = (
             stated,
-            [np.mean([one in sets for sets in held]) for one in STATED_COVERAGES],
+            [np.mean([percent in sets for sets in held]) for percent in STATED_COVERAGES],
         )
     chart, axes = draw_lines(lines, 190, "as stated")
     ends = [stated[0], 1]

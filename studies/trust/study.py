@@ -1,4 +1,4 @@
-"""How far the answers of a model can be trusted, and whether it says `unknown` where it should."""
+"""Study `trust`: the coverage of prediction sets, and whether the answer `unknown` is right."""
 
 from __future__ import annotations
 

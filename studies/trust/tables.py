@@ -1,4 +1,4 @@
-"""The table of answers of models that lack a class, and of objects that they know or do not know."""
+"""The table of answers of models that lack a class, for objects of known and of unknown classes."""
 
 from __future__ import annotations
 

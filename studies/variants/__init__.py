@@ -1,1 +1,1 @@
-"""Study `variants`: its design, the rules that judge it, its kept tables, and its page."""
+"""Study `variants`: the design, the rules that judge the results, the kept tables, and the page."""

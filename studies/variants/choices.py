@@ -1,9 +1,9 @@
-"""What the paper leaves open, each choice with its options and the sentence that leaves it open.
+"""The choices that the paper leaves open, with their options and the sentences that leave them open.
 
-The kinds of choices are those of M. Del Giudice and S. Gangestad, "A traveler's guide to the
-multiverse", Advances in Methods and Practices in Psychological Science 4(1), 2021: options that are
-equivalent, options of which it is uncertain whether they are, and options that ask another question.
-Those of the last kind belong in a panel of their own.
+The options of a choice are of one of three kinds. They are equivalent, or it is uncertain whether they are equivalent, or
+they ask different questions. Options of the last kind belong in a panel of their own. Source of the kinds: M. Del Giudice
+and S. Gangestad, "A traveler's guide to the multiverse", Advances in Methods and Practices in Psychological Science 4(1),
+2021.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.study import Changes
 
 BEST_OF_PAPER = HEADLINE_CLASSIFIERS["paper"]
-"""The classifier with the highest accuracy in the paper, whose figures are shown first."""
+"""Classifier with the highest accuracy in the paper; its figures are shown first."""
 
 Kind = Literal["equivalent", "uncertain", "not equivalent"]
 Where = Literal["upstream", "recognition", "opponent"]
@@ -28,11 +28,22 @@ Where = Literal["upstream", "recognition", "opponent"]
 
 @dataclass(frozen=True)
 class Choice:
-    """One open choice: what tables and what pages call it, and its `options`, the parameters of each by its name.
+    """One open choice.
 
-    It concerns touches (`upstream`), `recognition` from them, or the `opponent` of touches by
-    fixation. `sentence` has the paper's words that leave it open; it is empty where the paper says
-    nothing. The first option is the base of the design.
+    Attributes
+    ----------
+    name : str
+        Name in tables.
+    label : str
+        Name on pages.
+    where : {"upstream", "recognition", "opponent"}
+        Part of the method: touches, recognition from touches, or the random touches that fixation is compared with.
+    kind : {"equivalent", "uncertain", "not equivalent"}
+        Whether the options are equivalent.
+    sentence : str
+        The paper's words that leave the choice open; empty if the paper says nothing.
+    options : mapping of str to mapping
+        Parameters of each option by name. The first option is the base of the design.
     """
 
     name: str
@@ -44,17 +55,17 @@ class Choice:
 
     @property
     def base(self) -> str:
-        """The first option: that of all variants that don't vary this choice."""
+        """First option, which all variants have that don't vary this choice."""
         return next(iter(self.options))
 
     @cached_property
     def default(self) -> str:
-        """The option that the package's own parameters have."""
-        own = ExperimentParameters()
+        """Option that equals the default parameters of the package."""
+        defaults = ExperimentParameters()
         return next(
             name
             for name, values in self.options.items()
-            if all(attrgetter(path)(own) == value for path, value in values.items())
+            if all(attrgetter(path)(defaults) == value for path, value in values.items())
         )
 
 
@@ -68,7 +79,7 @@ _DISTANCE = (
     "distance between points on a tangential plane (representing the surface of the sensor) and the "
     "object (section 3.2)"
 )
-_EIGHT = tuple(read_learnt()["channels"])  # those of the package, and of no plug-in
+_EIGHT = tuple(read_learnt()["channels"])  # channels of the package, without plug-ins
 _NAMED_CHANNELS = {"colour", "contrast", "curvature", "intensity", "orientation"}
 _SCIKIT_LEARN: Changes = {
     f"{_CLASSIFIER}.neighbours": 5,
@@ -87,7 +98,7 @@ OPPONENTS: Mapping[str, str] = {
     "visible": "random_visible",
     "walk": "random_walk",
 }
-"""The strategies that fixation is compared with, by the option's name."""
+"""Strategy of random touches that fixation is compared with, by option."""
 
 CHOICES: tuple[Choice, ...] = (
     Choice(
@@ -160,7 +171,7 @@ CHOICES: tuple[Choice, ...] = (
                 }
                 for elevation in (20.0, 0.0, 45.0)
             },
-            # A sphere has no elevations; they are named so that all runs share its views.
+            # A sphere ignores elevations; they are set so that all runs share its views.
             "sphere": {
                 "viewpoints.arrangement": "fibonacci",
                 "viewpoints.elevations_degrees": (20.0,),
@@ -267,6 +278,6 @@ CHOICES: tuple[Choice, ...] = (
         },
     ),
 )  # fmt: skip
-"""All open choices that are varied, those of recognition first."""
+"""All open choices that are varied; choices of recognition come first."""
 
 BY_NAME: Mapping[str, Choice] = {choice.name: choice for choice in CHOICES}

@@ -1,13 +1,13 @@
-"""Which variant is the package's default: the rules, applied to objects outside the paper's set.
+"""Choose the default variant of the package by two rules, on objects outside the paper's set.
 
-They stand in full in docs/notebook/2026-11-variants.md, were written down before they were applied, and
-are applied once; what they said is kept in `chosen.json`. The first chooses among the variants of part
-``recognition``, the second among the options of each choice of touches, which are varied alone (parts
-``further`` and ``single``). They never look at how far one strategy is ahead of another.
+docs/notebook/2026-11-variants.md has the rules in full. They were written down before they were applied, and are applied
+once; `chosen.json` keeps the result. The first rule chooses among the variants of part ``recognition``. The second rule
+chooses among the options of each choice of touches; these are varied one at a time (parts ``further`` and ``single``).
+The rules never use the difference between strategies.
 
-`python -m variants.choosing chosen.json results/study_blocks/variants/*.parquet`
-applies the first rule, and the second where its variants are among the blocks; the shares of touches
-acquired are then read from `results/study_features/variants/`.
+`python -m variants.choosing chosen.json results/study_blocks/variants/*.parquet` applies the first rule. It also applies
+the second rule if the blocks hold its variants. The shares of acquired touches are then read from
+`results/study_features/variants/`.
 """
 
 from __future__ import annotations
@@ -50,19 +50,19 @@ FORMER_DEFAULT: Options = {
     "map_output": "feature_groups",
     "sequence_extension": "zero",
 }
-"""The default before the rules were applied, which an application to an earlier design had chosen."""
+"""Default before the rules were applied; the rules had chosen it on an earlier design."""
 
 SCORED = tuple(name for name in STRATEGIES if name != OPPONENTS["anywhere"])
-"""The strategies that touch places in reach."""
+"""Strategies that touch only reachable locations."""
 
 ENOUGH = 0.95
-"""Share of the touches asked for that must be acquired."""
+"""Least share of the requested touches that an option must acquire."""
 
 NOT_SCORED = ("order", "random_probing", "protocol")
-"""Choices that ask another question than how well touches classify objects."""
+"""Choices whose options ask another question than how well touches classify objects."""
 
 Option = tuple[str, str]
-"""A choice and one of its options."""
+"""Name of a choice, and name of one of its options."""
 
 
 def choose_default(
@@ -70,22 +70,48 @@ def choose_default(
     intervals: IntervalParameters,
     former: Options = FORMER_DEFAULT,
 ) -> Row:
-    """Apply the first rule to the cells of study `variants`, as `read_cells` gives them.
+    """Apply the first rule.
 
-    Of the new default, the best variant and the former default it gives the ``score``, how far it is
-    ``behind`` the best, the p value of that, and the options that ``changed`` from the former default.
-    Raises `RecognitionError` if a variant of the part ``recognition`` is missing.
+    Parameters
+    ----------
+    cells : mapping
+        Cells of study `variants`, as from `read_cells`.
+    intervals : IntervalParameters
+        Settings of the paired tests.
+    former : mapping of str to str
+        Option of each choice in the former default.
+
+    Returns
+    -------
+    dict
+        Rows ``chosen``, ``best`` and ``former``, and counts of objects, variants and candidates. A row has the ``score``
+        of a variant, how far it is ``behind`` the best with the ``p_value``, and the options that ``changed`` from the
+        former default.
+
+    Raises
+    ------
+    RecognitionError
+        If a variant of the part ``recognition`` is missing, or the variants were tested on different objects.
     """
-    variants = {one.name: one for one in all_variants() if one.part == "recognition"}
-    found = {name: _cells_of_variant(cells, name) for name in variants}
-    run = {name: own for name, own in found.items() if all(cell.error is None for cell in own)}
-    objects = {cell.objects for own in run.values() for cell in own}
+    variants = {
+        variant.name: variant for variant in all_variants() if variant.part == "recognition"
+    }
+    cells_of = {name: _cells_of_variant(cells, name) for name in variants}
+    run = {
+        name: of_variant
+        for name, of_variant in cells_of.items()
+        if all(cell.error is None for cell in of_variant)
+    }
+    objects = {cell.objects for of_variant in run.values() for cell in of_variant}
     if len(objects) != 1:
         raise RecognitionError(
             f"The variants were tested on {len(objects)} different sets of objects; the rule "
             "compares variants on the same ones."
         )
-    scores = {name: np.mean([cell.accuracy for cell in own], axis=0) for name, own in run.items()}
+    scores = {
+        name: np.mean([cell.accuracy for cell in of_variant], axis=0)
+        for name, of_variant in run.items()
+    }
     best = max(scores, key=lambda name: float(scores[name].mean()))
     listed: dict[str, Row] = {}
     for name, score in scores.items():
@@ -99,15 +125,15 @@ def choose_default(
             "changed": {choice: option for choice, option in options if option != former[choice]},
         }
     candidates = [
-        one for name, one in listed.items() if name == best or one["p_value"] >= SIGNIFICANT
+        row for name, row in listed.items() if name == best or row["p_value"] >= SIGNIFICANT
     ]
     return {
         "objects": len(scores[best]),
         "variants": len(listed),
         "candidates": len(candidates),
-        "chosen": min(candidates, key=lambda one: (len(one["changed"]), -one["score"])),
+        "chosen": min(candidates, key=lambda row: (len(row["changed"]), -row["score"])),
         "best": listed[best],
-        "former": next(one for one in listed.values() if not one["changed"]),
+        "former": next(row for row in listed.values() if not row["changed"]),
     }
 
 
@@ -117,48 +143,69 @@ def choose_options(
     intervals: IntervalParameters,
     former: Options = FORMER_DEFAULT,
 ) -> list[Row]:
-    """Apply the second rule: one answer for each choice of touches that is scored, in order.
+    """Apply the second rule: return one row per scored choice of touches, in order.
 
-    P values are against the former option, after Holm's correction over all choices. Raises
-    `RecognitionError` if a variant is missing or can't be run, or no object was tested in all of them.
+    Parameters
+    ----------
+    cells : mapping
+        Cells of study `variants`, as from `read_cells`.
+    acquired : mapping of (choice, option) to float
+        Share of the requested touches that each option acquired, as from `acquired_share`.
+    intervals : IntervalParameters
+        Settings of the paired tests.
+    former : mapping of str to str
+        Option of each choice in the former default.
+
+    Returns
+    -------
+    list of dict
+        The ``former`` and the ``chosen`` option of each choice, and scores, acquired shares and p values by option. P
+        values are against the former option, after Holm's correction over all choices.
+
+    Raises
+    ------
+    RecognitionError
+        If a variant is missing or can't be run, or no object was tested in all variants.
     """
     scores = _option_scores(cells)
-    others = [(name, option) for name, option in scores if option != former[name]]
+    alternatives = [(name, option) for name, option in scores if option != former[name]]
     p_values = [
         _compared(scores[name, option], scores[name, former[name]], intervals).p_value
-        for name, option in others
+        for name, option in alternatives
     ]
-    adjusted = dict(zip(others, holm(p_values), strict=True))
-    found: list[Row] = []
+    adjusted = dict(zip(alternatives, holm(p_values), strict=True))
+    rows: list[Row] = []
     for name in dict.fromkeys(name for name, _ in scores):
-        own, options = former[name], BY_NAME[name].options
+        former_option, options = former[name], BY_NAME[name].options
         means = {option: float(scores[name, option].mean()) for option in options}
         admitted = [option for option in options if acquired[name, option] >= ENOUGH]
         better = [
             option
             for option in admitted
-            if option == own
-            or (means[option] > means[own] and adjusted[name, option] < SIGNIFICANT)
+            if option == former_option
+            or (means[option] > means[former_option] and adjusted[name, option] < SIGNIFICANT)
         ]
-        candidates = better if own in admitted else admitted
-        found.append(
+        candidates = better if former_option in admitted else admitted
+        rows.append(
             {
                 "choice": name,
-                "former": own,
-                "chosen": max(candidates or [own], key=lambda option: means[option]),
+                "former": former_option,
+                "chosen": max(candidates or [former_option], key=lambda option: means[option]),
                 "scores": means,
                 "acquired": {option: acquired[name, option] for option in options},
-                "p_values": {option: adjusted[name, option] for option in options if option != own},
+                "p_values": {
+                    option: adjusted[name, option] for option in options if option != former_option
+                },
             }
         )
-    return found
+    return rows
 
 
 def _option_scores(cells: Mapping[CellKey, Cell]) -> dict[Option, NDArray[np.float64]]:
-    """Average the accuracy of each option's variants, on each of the objects that all were tested on."""
+    """Return the mean accuracy of each option's variants per object, over objects that were tested in all variants."""
     names = scored_variants()
-    found = {name: _cells_of_variant(cells, name) for name in sorted({*chain(*names.values())})}
-    every = [(name, cell) for name, own in found.items() for cell in own]
+    cells_of = {name: _cells_of_variant(cells, name) for name in sorted({*chain(*names.values())})}
+    every = [(name, cell) for name, of_variant in cells_of.items() for cell in of_variant]
     for name, cell in every:
         if cell.error is not None:
             raise RecognitionError(f"Variant {name} can't be run, so it has no score: {cell.error}")
@@ -169,9 +216,9 @@ def _option_scores(cells: Mapping[CellKey, Cell]) -> dict[Option, NDArray[np.flo
         )
     scores = {
         name: np.mean(
-            [cell.accuracy[[one in shared for one in cell.objects]] for cell in own], axis=0
+            [cell.accuracy[[key in shared for key in cell.objects]] for cell in of_variant], axis=0
         )
-        for name, own in found.items()
+        for name, of_variant in cells_of.items()
     }
     return {
         option: np.mean([scores[name] for name in of_option], axis=0)
@@ -180,14 +227,17 @@ def _option_scores(cells: Mapping[CellKey, Cell]) -> dict[Option, NDArray[np.flo
 
 
 def scored_variants() -> dict[Option, list[str]]:
-    """Name, by scored choice and option, the variants with the base of every other choice, and any map output."""
+    """Return the names of variants by scored choice and option.
+
+    These variants have the base option of every other choice; only the map output may differ.
+    """
     variants = all_variants()
     return {
         (choice, option): [
-            one.name
-            for one in variants
-            if one.options[choice] == option
-            and is_base_but_for(one.options, (choice, *CROSSED_SINGLY))
+            variant.name
+            for variant in variants
+            if variant.options[choice] == option
+            and is_base_but_for(variant.options, (choice, *CROSSED_SINGLY))
         ]
         for choice in VARIED_ALONE
         if choice not in NOT_SCORED
@@ -196,16 +246,16 @@ def scored_variants() -> dict[Option, list[str]]:
 
 
 def acquired_share(features: pa.Table, viewpoints: int, touches: int) -> float:
-    """Give the share of touches at places in reach, of those asked for by the scored strategies.
+    """Return the share of the requested touches that reached the surface, over the scored strategies.
 
-    `features` are rows of `tables.FEATURES`; so many `viewpoints` of each object were asked for,
-    and so many `touches` from each by each strategy.
+    `features` are rows of `tables.FEATURES`. Each strategy of `SCORED` was asked for `touches` touches from each of
+    `viewpoints` viewpoints of each object.
     """
     scored = features.filter(pc.is_in(features.column("strategy"), pa.array(SCORED)))
     first = scored.filter(pc.less(scored.column("touch"), touches))
-    out = pc.is_in(first.column("contact_state"), pa.array(OUT_OF_REACH))
-    asked = len(set(owners_of(features))) * viewpoints * touches * len(SCORED)
-    return (first.num_rows - (pc.sum(out).as_py() or 0)) / asked
+    out_of_reach = pc.is_in(first.column("contact_state"), pa.array(OUT_OF_REACH))
+    requested = len(set(owners_of(features))) * viewpoints * touches * len(SCORED)
+    return (first.num_rows - (pc.sum(out_of_reach).as_py() or 0)) / requested
 
 
 def _compared(
@@ -228,7 +278,10 @@ def write_choice(
     output: str | Path,
     features: str | Path = "results/study_features/variants",
 ) -> None:
-    """Write what the rules say of a study's blocks as JSON; `features` is the folder of what it recomputed."""
+    """Apply the rules to the blocks `parts` of the study, and write the result as JSON.
+
+    `features` is the folder of the features that the study recomputed; only the second rule needs it.
+    """
     run = ExperimentParameters()
     cells, intervals = read_cells(parts), run.recognition.intervals
     chosen = choose_default(cells, intervals)
@@ -239,16 +292,16 @@ def write_choice(
 
 
 def _acquired(folder: Path, run: ExperimentParameters) -> dict[Option, float]:
-    """Read the share of touches acquired by each option of each scored choice."""
+    """Read the features of each option of each scored choice, and return the share of acquired touches."""
     outside = run.model_copy(update={"meshes": run.meshes.model_copy(update={"set": OUTSIDE})})
-    planned = {one.condition.name: one for one in plan_study(STUDY, outside).conditions}
-    found = {}
+    planned = {plan.condition.name: plan for plan in plan_study(STUDY, outside).conditions}
+    shares = {}
     for option, names in scored_variants().items():
-        one = planned[names[0]]
-        table = read_table(FEATURES, folder / f"{one.key}.parquet")
-        touches = one.parameters.recognition.touches or 0
-        found[option] = acquired_share(table, one.parameters.viewpoints.total, touches)
-    return found
+        plan = planned[names[0]]
+        table = read_table(FEATURES, folder / f"{plan.key}.parquet")
+        touches = plan.parameters.recognition.touches or 0
+        shares[option] = acquired_share(table, plan.parameters.viewpoints.total, touches)
+    return shares
 
 
 if __name__ == "__main__":

@@ -1,23 +1,22 @@
-"""Which variants are run: all combinations of some choices, and a fraction of the others.
+"""The design of the study: all combinations of some choices, and a fraction of the others.
 
-Every variant touches by fixation and by all kinds of random probing, so which random touches fixation
-is compared with is crossed with every other choice. Parts on the paper's set:
+Every variant touches by fixation and by all kinds of random probing, so that the kind of random touches is crossed with
+every other choice. Parts on the paper's set:
 
 - ``recognition``: every combination of the recognition choices that matter, on the same touches.
-- ``upstream``: the other choices in 32 runs of a two-level design of resolution IV (main effects are
-  clear of all interactions of two), each with every kind of map output, so that the interactions of
-  the map output with any other choice are clear as well.
+- ``upstream``: the other choices in 32 runs of a two-level design of resolution IV: no main effect is confounded with an
+  interaction of two choices. Each run has every kind of map output, so that interactions of the map output with any other
+  choice are clear as well.
 - ``training``: the map trained touch by touch, with every kind of map output and classifier settings.
 - ``protocol``: known objects from new viewpoints, which is another question.
-- ``further``: options for which the two-level design has no column, each varied alone, with every
-  kind of map output.
-- ``literal``: the variant that is nearest to the paper's words in every choice.
-- ``default``: the package's default, where no other part has it.
+- ``further``: options without a column in the two-level design, varied one at a time, with every kind of map output.
+- ``literal``: the variant nearest to the paper's words in every choice.
+- ``default``: the package's default, if no other part has it.
 
-Larger sets, where views and touches take long, have the parts ``recognition``, ``further``,
-``literal``, ``default`` and
+Larger sets, for which views and touches take long, have the parts ``recognition``, ``further``, ``literal``, ``default``
+and
 
-- ``single``: every other choice varied alone, each with every kind of map output.
+- ``single``: every other choice varied one at a time, with every kind of map output.
 """
 
 from __future__ import annotations
@@ -51,9 +50,9 @@ FACTORIAL = (
     "classifier_settings",
 )
 CROSSED = ("map_output", "classifier_settings")
-"""What is crossed with the parts ``training`` and ``protocol``."""
+"""Choices that are crossed with the parts ``training`` and ``protocol``."""
 CROSSED_SINGLY = ("map_output",)
-"""What is crossed with the parts ``upstream``, ``further`` and ``single``."""
+"""Choices that are crossed with the parts ``upstream``, ``further`` and ``single``."""
 
 PARTS_ON_PAPER_SET: tuple[Part, ...] = (
     "recognition",
@@ -109,15 +108,18 @@ LITERAL = BASE | {
 }
 """The most literal variant.
 
-A map of five units, as Matlab's, gives 1 for the nearest and 0 for the others; the paper names no
-scaling of features and no limit of depth; it used Matlab; its reference 10 gives channels weights by people's
-points; its random sensor moves over the surface. Elsewhere the base is what the words say.
+Matlab's map of five units returns 1 for the nearest unit and 0 for the others. The paper names no scaling of features and
+no limit of depth, and it used Matlab. Its reference 10 weights channels by points that people marked. Its random sensor
+moves over the surface. For all other choices the base follows the paper's words.
 """
 
 
 @dataclass(frozen=True)
 class Variant:
-    """One variant of the paper, such as ``r017``, the letter of its part and its place there: an option of every choice."""
+    """One variant of the paper: an option of every choice.
+
+    The name, such as ``r017``, is the first letter of the part and the index of the variant in the part.
+    """
 
     name: str
     part: Part
@@ -125,7 +127,7 @@ class Variant:
 
     @property
     def values(self) -> Changes:
-        """The parameters of all its options."""
+        """Parameters of all options of the variant."""
         values: dict[str, object] = {}
         for choice, option in self.options.items():
             values |= BY_NAME[choice].options[option]
@@ -133,34 +135,34 @@ class Variant:
 
 
 def is_default(options: Mapping[str, Any]) -> bool:
-    """Whether options, of all choices, are those of the package's own parameters."""
+    """Return whether the options of all choices equal the package's default parameters."""
     return all(options[choice.name] == choice.default for choice in CHOICES)
 
 
 def is_literal(options: Mapping[str, Any]) -> bool:
-    """Whether options, of all choices, are those of the most literal variant."""
+    """Return whether the options of all choices equal those of the most literal variant."""
     return all(options[name] == option for name, option in LITERAL.items())
 
 
 def is_base_but_for(options: Mapping[str, Any], names: Collection[str]) -> bool:
-    """Whether every choice, but for some, has the option that is the base of the design."""
+    """Return whether every choice outside of `names` has the base option of the design."""
     return all(options[name] == base for name, base in BASE.items() if name not in names)
 
 
 def all_variants() -> list[Variant]:
-    """Give the variants of all parts in order; no two are the same."""
-    found: dict[tuple[str, ...], Variant] = {}
+    """Return the variants of all parts in order, without duplicates."""
+    variants: dict[tuple[str, ...], Variant] = {}
     for part, make in _PARTS.items():
-        fresh = [options for options in make() if tuple(options.values()) not in found]
-        for place, options in enumerate(fresh):
-            found[tuple(options.values())] = Variant(f"{part[0]}{place:03d}", part, options)
-    return list(found.values())
+        fresh = [options for options in make() if tuple(options.values()) not in variants]
+        for index, options in enumerate(fresh):
+            variants[tuple(options.values())] = Variant(f"{part[0]}{index:03d}", part, options)
+    return list(variants.values())
 
 
 def variant_conditions(run: ExperimentParameters) -> Iterator[Condition]:
-    """Give a condition for each variant of the parts that the run's objects allow.
+    """Yield one condition per variant of the parts for the run's set of objects.
 
-    A condition changes what differs from the run, so that variants share what the run has made.
+    A condition changes only parameters that differ from the run, so that variants reuse tables of the run.
     """
     on_paper_set = run.meshes.set == "paper"
     same: dict[str, object] = {
@@ -185,16 +187,16 @@ def _combinations(names: tuple[str, ...], others: Options) -> Iterator[Options]:
 def _fraction() -> Iterator[Options]:
     for levels in itertools.product((0, 1), repeat=5):
         basic = dict(zip("ABCDE", levels, strict=True))
-        place = 2 * basic["A"] + basic["B"]
-        run = BASE | {"viewpoints": list(BY_NAME["viewpoints"].options)[place]}
+        level = 2 * basic["A"] + basic["B"]
+        run = BASE | {"viewpoints": list(BY_NAME["viewpoints"].options)[level]}
         for name, column in _COLUMNS.items():
-            # With odd products, the run of all zeros has the base of every choice.
+            # All columns are products of an odd number of factors, so that the run of zeros has the base of every choice.
             run[name] = list(BY_NAME[name].options)[sum(basic[letter] for letter in column) % 2]
         yield from _combinations(CROSSED_SINGLY, run)
 
 
 def _alone(names: Iterable[str], first: int) -> Iterator[Options]:
-    """Vary each choice alone, from one of its options on."""
+    """Yield variants that differ from the base in one choice; options before index `first` are left out."""
     for name in names:
         for option in list(BY_NAME[name].options)[first:]:
             yield from _combinations(CROSSED_SINGLY, BASE | {name: option})
@@ -206,7 +208,7 @@ _PARTS: Mapping[Part, Callable[[], Iterable[Options]]] = {
     "training": lambda: _combinations(CROSSED, BASE | {"map_training": "online"}),
     "protocol": lambda: _combinations(CROSSED, BASE | {"protocol": "new_viewpoint"}),
     "further": lambda: _alone(_COLUMNS, 2),
-    # Its random touches, as all kinds, are in every variant.
+    # Every variant has all kinds of random touches, also those of the literal variant.
     "literal": lambda: [LITERAL | {"random_probing": BASE["random_probing"]}],
     "single": lambda: _alone(VARIED_ALONE, 0),
     "default": lambda: [{choice.name: choice.default for choice in CHOICES}],

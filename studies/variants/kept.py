@@ -1,9 +1,8 @@
-"""Variants that were measured once and are kept with the package, as they take half an hour.
+"""Read the variants that are kept with the package, because measuring them takes half an hour.
 
-`paper_set.parquet` and `outside.parquet` beside this file are `VARIANTS` on the paper's set
-and on the 130 objects outside it, with where they come from in their metadata;
-`python -m variants.kept results/variants.parquet SET COMMAND PROCESSOR`
-writes one again.
+`paper_set.parquet` and `outside.parquet` beside this file are `VARIANTS` on the paper's set and on the 130 objects
+outside of it. Their metadata name the source. `python -m variants.kept results/variants.parquet SET COMMAND PROCESSOR`
+writes one of the files again.
 """
 
 from __future__ import annotations
@@ -25,14 +24,14 @@ OUTSIDE = "outside"
 
 @dataclass(frozen=True)
 class MeasuredVariants:
-    """Rows of `VARIANTS` in their order; the source of those that are not of this run."""
+    """Rows of `VARIANTS` in the order of the design; `source` is None for rows of this run."""
 
     rows: list[Row]
     source: Source | None = None
 
 
 def read_variants(path: str | Path | None) -> MeasuredVariants:
-    """Read the variants of a run where they were measured, else those kept with the package."""
+    """Read the variants of a run from `path`; if there is no such file, read the kept variants of the paper's set."""
     if path is not None and Path(path).is_file():
         return MeasuredVariants(_rows(path))
     return kept_variants(PAPER_SET)
@@ -40,7 +39,7 @@ def read_variants(path: str | Path | None) -> MeasuredVariants:
 
 @cache
 def kept_variants(name: str) -> MeasuredVariants:
-    """Read variants that are kept with the package, by the name of their objects."""
+    """Read the kept variants of a set of objects: `PAPER_SET` or `OUTSIDE`."""
     with as_file(files("variants").joinpath(f"{name}.parquet")) as file:
         return MeasuredVariants(_rows(file), source_of(file))
 

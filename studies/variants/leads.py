@@ -1,4 +1,4 @@
-"""How far fixation is ahead of random probing under each option of each choice."""
+"""Compute how far fixation is ahead of random probing under each option of each choice."""
 
 from __future__ import annotations
 
@@ -15,18 +15,26 @@ from visuohaptic.studies.figures import Row
 
 SIGNIFICANT = 0.05
 SAME = 1e-12
-"""Leads below it are rounding."""
+"""Leads below this are rounding."""
 
 MAIN_OPPONENT = BY_NAME["random_probing"].base
-"""The main kind of random touches, an option."""
+"""Main kind of random touches: an option of choice ``random_probing``."""
 
 
 @dataclass(frozen=True)
 class Lead:
-    """Variants with one option; a case is a variant with one classifier.
+    """Leads of fixation over random probing in some cases; a case is a variant with one classifier.
 
-    Fixation is ahead of or behind random probing in so many cases; `middle` is its median lead over
-    the cases, as a share.
+    Attributes
+    ----------
+    cases : int
+        Number of cases.
+    ahead, behind : int
+        Cases in which fixation is ahead of or behind random probing.
+    ahead_significantly, behind_significantly : int
+        Cases with p value below `SIGNIFICANT`.
+    middle : float
+        Median lead, as a share.
     """
 
     cases: int
@@ -38,38 +46,42 @@ class Lead:
 
 
 def against_main(rows: Sequence[Row]) -> list[Row]:
-    """Take the rows in which fixation is compared with the main kind of random touches."""
+    """Return the rows in which fixation is compared with the main kind of random touches."""
     return [row for row in rows if row["random_probing"] == MAIN_OPPONENT]
 
 
 def leads_by_option(rows: Sequence[Row]) -> dict[tuple[str, str], Lead]:
-    """Sum up the leads over the main kind of random touches by choice and option, for rows of `VARIANTS`.
+    """Compute the leads over the main kind of random touches by choice and option, from rows of `VARIANTS`.
 
-    A recognition choice is judged on the part ``recognition``; any other on the part that varies it,
-    beside the base of the design; the kind of random touches on all variants. What asks another
-    question, and choices without two options in the table, are left out.
+    A recognition choice is judged on the part ``recognition``. The kind of random touches is judged on all variants.
+    Any other choice is judged on the part that varies it and on the base of the design. The part ``protocol``, and
+    choices with fewer than two options in the table, are left out.
     """
     compared = [row for row in rows if row["ahead"] is not None and row["part"] != "protocol"]
     run = against_main(compared)
-    found: dict[tuple[str, str], Lead] = {}
+    leads: dict[tuple[str, str], Lead] = {}
     for choice in CHOICES:
         judged = compared if choice.where == "opponent" else run
-        leads = {option: sum_up(list(part)) for option, part in _by_option(choice, judged) if part}
-        if len(leads) > 1:
-            found |= {(choice.name, option): lead for option, lead in leads.items()}
-    return found
+        by_option = {
+            option: sum_up(of_option)
+            for option, of_option in _by_option(choice, judged)
+            if of_option
+        }
+        if len(by_option) > 1:
+            leads |= {(choice.name, option): lead for option, lead in by_option.items()}
+    return leads
 
 
 def sum_up(rows: Sequence[Row]) -> Lead:
-    """Sum up the leads of some cases, at least one, all with a lead."""
+    """Compute the lead over rows of `VARIANTS`, at least one; column ``ahead`` of each row must hold a number."""
     leads = [row["ahead"] for row in rows]
-    surely = [row["ahead"] for row in rows if (row["p_value"] or 1.0) < SIGNIFICANT]
+    significant = [row["ahead"] for row in rows if (row["p_value"] or 1.0) < SIGNIFICANT]
     return Lead(
         cases=len(leads),
         ahead=sum(lead > SAME for lead in leads),
         behind=sum(lead < -SAME for lead in leads),
-        ahead_significantly=sum(lead > SAME for lead in surely),
-        behind_significantly=sum(lead < -SAME for lead in surely),
+        ahead_significantly=sum(lead > SAME for lead in significant),
+        behind_significantly=sum(lead < -SAME for lead in significant),
         middle=median(leads),
     )
 
@@ -77,30 +89,30 @@ def sum_up(rows: Sequence[Row]) -> Lead:
 def _by_option(choice: Choice, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:
     is_crossed = len({row[choice.name] for row in rows if row["part"] == "upstream"}) > 1
     if choice.where == "opponent":
-        part = list(rows)
+        judged = list(rows)
     elif choice.name in FACTORIAL:
-        part = [row for row in rows if row["part"] == "recognition"]
+        judged = [row for row in rows if row["part"] == "recognition"]
     else:
-        # Options are compared over the same other choices.
-        others = CROSSED if choice.name == "map_training" else CROSSED_SINGLY
-        part = [
+        # All options are compared over the same options of the crossed choices.
+        crossed = CROSSED if choice.name == "map_training" else CROSSED_SINGLY
+        judged = [
             row
             for row in rows
             if (
                 is_crossed
                 if row["part"] == "upstream"
-                else is_base_but_for(row, (choice.name, *others))
+                else is_base_but_for(row, (choice.name, *crossed))
             )
         ]
     for option in choice.options:
-        yield option, [row for row in part if row[choice.name] == option]
+        yield option, [row for row in judged if row[choice.name] == option]
 
 
 @dataclass(frozen=True)
 class PairLead:
-    """The two recognition choices that explain most of how leads differ, and the leads by their options.
+    """The two recognition choices that explain most of how leads differ, and the leads by pair of options.
 
-    `share` is that of the leads' spread between the means of their combinations.
+    `share` is the share of the sum of squares of the leads that lies between the means of the pairs of options.
     """
 
     choices: tuple[str, str]
@@ -109,7 +121,7 @@ class PairLead:
 
 
 def strongest_pair(rows: Sequence[Row]) -> PairLead | None:
-    """Find the pair of recognition choices on which the lead depends most; None without variants."""
+    """Return the pair of recognition choices on which the lead depends most; None if leads do not differ."""
     run = [row for row in rows if row["ahead"] is not None and row["part"] == "recognition"]
     run = against_main(run)
     leads = np.array([row["ahead"] for row in run])
@@ -123,8 +135,8 @@ def strongest_pair(rows: Sequence[Row]) -> PairLead | None:
         return float(sum(count * (mean - leads.mean()) ** 2 for count, mean in means)) / total
 
     pair = max(combinations(FACTORIAL, 2), key=share)
-    found = {options: sum_up(group) for options, group in _grouped(run, pair).items()}
-    return PairLead(pair, share(pair), found)
+    by_options = {options: sum_up(group) for options, group in _grouped(run, pair).items()}
+    return PairLead(pair, share(pair), by_options)
 
 
 def _grouped(rows: Sequence[Row], pair: tuple[str, str]) -> dict[tuple[str, str], list[Row]]:

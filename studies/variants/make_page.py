@@ -29,7 +29,7 @@ OPPONENT_WORDS = {
 
 
 def spread_table(tables: dict[str, list[Row]]) -> str:
-    """Set the spread of all variants, with the SVM, in a row a set and kind of random touches."""
+    """Write the table of the spread of all variants with the SVM: one row per set and kind of random touches."""
     lines = []
     for option in OPPONENTS:
         word = verdict(lead_evidence(tables, BEST_OF_PAPER, option))
@@ -71,25 +71,25 @@ def spread_table(tables: dict[str, list[Row]]) -> str:
 
 
 def options_table(tables: dict[str, list[Row]]) -> str:
-    """Set the median lead of fixation under each option, over all five classifiers, in a table."""
+    """Write the table of the median lead of fixation under each option, over all five classifiers."""
     leads = {name: leads_by_option(rows) for name, rows in tables.items()}
     rows = []
-    for choice, option in dict.fromkeys(key for found in leads.values() for key in found):
+    for choice, option in dict.fromkeys(key for by_option in leads.values() for key in by_option):
         label = BY_NAME[choice].label[0].lower() + BY_NAME[choice].label[1:]
-        cells = [found.get((choice, option)) for found in leads.values()]
+        cells = [by_option.get((choice, option)) for by_option in leads.values()]
         texts = (
-            f"{points(one.middle)} ({share(one.ahead / one.cases, 0)} of {one.cases})"
-            if one
+            f"{points(lead.middle)} ({share(lead.ahead / lead.cases, 0)} of {lead.cases})"
+            if lead
             else ""
-            for one in cells
+            for lead in cells
         )
         rows.append([label, option.replace("_", " "), *texts])
     return table(["choice", "option", *(f"median lead, {name}" for name in leads)], rows)
 
 
 def pair_table(tables: dict[str, list[Row]]) -> str:
-    """Set the leads by the two choices on which they depend most in a table, set by set."""
-    found = []
+    """Write one table per set of the leads by the two choices on which they depend most."""
+    paragraphs = []
     for name, rows in tables.items():
         pair = strongest_pair(rows)
         if pair is None:
@@ -99,24 +99,24 @@ def pair_table(tables: dict[str, list[Row]]) -> str:
         for options, lead in pair.leads.items():
             words = (option.replace("_", " ") for option in options)
             lines.append([*words, points(lead.middle), f"{lead.ahead} of {lead.cases}"])
-        found += [
+        paragraphs += [
             f"Set {name}: the two choices explain {share(pair.share, 0)} of how leads differ.",
             table([*labels, "median lead", "fixation ahead"], lines),
         ]
-    return "\n\n".join(found)
+    return "\n\n".join(paragraphs)
 
 
-def _lead(rows: Sequence[Row], is_one: Callable[[Row], bool]) -> str:
-    own = "walk" if is_one is is_literal else "reachable"
-    found = [row for row in rows if is_one(dict(row) | {"random_probing": own})]
-    if len(found) != 1:
+def _lead(rows: Sequence[Row], is_wanted: Callable[[Row], bool]) -> str:
+    opponent = "walk" if is_wanted is is_literal else "reachable"
+    wanted = [row for row in rows if is_wanted(dict(row) | {"random_probing": opponent})]
+    if len(wanted) != 1:
         return ""
-    (row,) = found
+    (row,) = wanted
     return f"{points(row['ahead'])} ({points(row['ahead_low'])} to {points(row['ahead_high'])})"
 
 
 def draws_sentence() -> str:
-    """Say how far one draw of random places moves the lead of a variant, from the kept draws of the default."""
+    """Write how far one draw of random locations moves the lead of a variant, from the kept draws of the default."""
     kept = read_draws("paper", "paper")
     if kept is None:
         return ""
@@ -131,7 +131,7 @@ def draws_sentence() -> str:
 
 
 def blocks() -> dict[Path, dict[str, str]]:
-    """Give the tables of each page, by the names of their blocks."""
+    """Return the tables of each page by name of the block."""
     tables = {"paper": kept_variants(PAPER_SET).rows, "outside": kept_variants(OUTSIDE).rows}
     return {
         PAGE: {

@@ -1,4 +1,4 @@
-"""One variant by itself, file to file."""
+"""Measure one variant, from files to a file."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from visuohaptic.studies.study import StepInputs
 def make_variant(step: StepInputs) -> None:
     """Measure one variant as the whole study does, and write its rows of `VARIANTS`, without seconds, as JSON.
 
-    Numbers have all their digits.
+    Numbers are not rounded.
     """
     run = step.run
     with tempfile.TemporaryDirectory() as folder:

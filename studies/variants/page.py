@@ -1,7 +1,7 @@
-"""The paper in all its variants: one sentence, the specification curve, and what choices explain.
+"""Write the page of all variants: sentences, the specification curve, and how much each choice explains.
 
 The curve follows U. Simonsohn, J. Simmons and L. Nelson, "Specification curve analysis", Nature
-Human Behaviour 4, 2020: variants sorted by their result, and below them the options of each.
+Human Behaviour 4, 2020: variants are sorted by result, with their options below.
 
 `python -m variants.page FILE` writes the page of the kept variants.
 """
@@ -33,7 +33,7 @@ from visuohaptic.studies.figures import Row
 from visuohaptic.studies.study import StepInputs
 
 COMMAND = "snakemake -j2 results/variant/{}.json"
-"""Measures one variant again."""
+"""Command that measures one variant again."""
 
 WIDTH = 1000
 _LEFT = 190
@@ -43,22 +43,22 @@ _MOST_SHARES = 12
 
 
 Figures = dict[str, Any]
-"""What a template shows, by name."""
+"""Values for a template, by name."""
 
 
 def make_variants_page(step: StepInputs) -> None:
-    """Write the page of `VARIANTS`, completely or not at all."""
+    """Write the page of the table of `VARIANTS`."""
     (table,) = step.inputs["tables"]
     atomic_write_text(step.outputs[0], render_variants_page(table))
 
 
 def render_variants_page(table: str | Path | None) -> str:
-    """Give a page of the variants, those that are kept without a table, with the curves of all classifiers.
+    """Return the HTML page of the variants of a table, with the curves of all classifiers.
 
-    Raises `ReportError` if the table holds no variant that could be run.
+    Without a table the page shows the kept variants. Raises `ReportError` if the table has no variant that could be run.
     """
-    found = variants_figures(read_variants(table), kept_variants(OUTSIDE))
-    if found is None:
+    figures = variants_figures(read_variants(table), kept_variants(OUTSIDE))
+    if figures is None:
         raise ReportError(f"{table} has no variant that could be run; one at least is needed.")
     environment = make_environment()
     environment.loader = ChoiceLoader(
@@ -67,7 +67,7 @@ def render_variants_page(table: str | Path | None) -> str:
     script = _text("variants", "variants.js")
     return environment.get_template("frame.html.jinja").render(
         policy=content_policy(script),
-        variants=found,
+        variants=figures,
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         style=_text("visuohaptic.report", "style.css") + _text("variants", "variants.css"),
         script=script,
@@ -83,10 +83,10 @@ def variants_figures(
     outside: MeasuredVariants | None = None,
     classifiers: Sequence[str] = tuple(TABLE_1),
 ) -> Figures | None:
-    """Give what the page shows, with the curves of some classifiers; None if no variant could be run.
+    """Return the values that the page shows; None if no variant could be run.
 
-    `outside` holds the variants on objects outside the paper's set. Charts and shares, what
-    explains most of the spread, are by classifier.
+    `measured` has the variants on the paper's set, `outside` the variants on objects outside of it. Charts and shares,
+    which say how much of the spread each choice explains, are by name of `classifiers`.
     """
     summary = summarise_variants(measured.rows)
     shown = [name for name in classifiers if name in summary["classifiers"]]
@@ -105,9 +105,9 @@ def variants_figures(
 
 
 def outside_figures(rows: Sequence[Row], outside: MeasuredVariants) -> Figures:
-    """Hold the leads of fixation on the paper's set, `rows`, beside those on other objects.
+    """Return the leads of fixation on the paper's set, `rows`, beside the leads on other objects, `outside`.
 
-    An option ``turns`` where other options of its choice have a median lead of another sign there.
+    An option ``turns`` if the median leads on other objects under the options of its choice differ in sign.
     """
     here, there = leads_by_option(rows), leads_by_option(outside.rows)
     turning = {
@@ -135,12 +135,12 @@ def outside_figures(rows: Sequence[Row], outside: MeasuredVariants) -> Figures:
 
 
 def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
-    found = sum_up([row for row in against_main(rows) if row["ahead"] is not None])
+    total = sum_up([row for row in against_main(rows) if row["ahead"] is not None])
     yield (
         f"On {objects} objects outside the paper's set, fixation is ahead of random probing in "
-        f"{found.ahead} of {found.cases} cases (a variant with one classifier), in "
-        f"{found.ahead_significantly} significantly; it is significantly behind in "
-        f"{found.behind_significantly}. The median lead is {points(found.middle)} points."
+        f"{total.ahead} of {total.cases} cases (a variant with one classifier), in "
+        f"{total.ahead_significantly} significantly; it is significantly behind in "
+        f"{total.behind_significantly}. The median lead is {points(total.middle)} points."
     )
     pair = strongest_pair(rows)
     if pair is None:
@@ -157,7 +157,7 @@ def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
 
 
 def _with_leads(pair: PairLead, options: Sequence[tuple[str, str]]) -> str:
-    """Name combinations of two options with their median leads, the largest first."""
+    """Write pairs of options with their median leads, the largest first."""
     ordered = sorted(options, key=lambda key: -abs(pair.leads[key].middle))
     named = [
         f"{spaced(first)} and {spaced(second)} ({points(pair.leads[first, second].middle)})"
@@ -167,15 +167,15 @@ def _with_leads(pair: PairLead, options: Sequence[tuple[str, str]]) -> str:
 
 
 def curve_chart(rows: Sequence[Row], classifier: str) -> Figures:
-    """Place the specification curve of one classifier: variants sorted by accuracy by fixation.
+    """Return the specification curve of one classifier, variants sorted by accuracy by fixation, as parts of an SVG.
 
-    Gives places down the chart with texts, dots, and paths in SVG: the ``whiskers`` are intervals of
-    fixation, ``random`` marks random probing, and each option has a tick at each of its variants.
+    Values are vertical positions with texts, circles, and paths. The ``whiskers`` are intervals of fixation, ``random``
+    marks random probing, and each option has a tick at each of its variants.
     """
     run = _of_the_papers_question(rows, classifier)
     run.sort(key=lambda row: (row["fixation"], row["place"]))
     step = (WIDTH - _LEFT - 10) / len(run)
-    placed = [(_LEFT + (place + 0.5) * step, row) for place, row in enumerate(run)]
+    placed = [(_LEFT + (index + 0.5) * step, row) for index, row in enumerate(run)]
     base = _TOP + _CURVE_HEIGHT
     labels, options, height = _panel(placed, base + 30)
     return {
@@ -183,7 +183,7 @@ def curve_chart(rows: Sequence[Row], classifier: str) -> Figures:
         "base": base,
         "ticks": [(_down(share), f"{share:.0%}") for share in (0, 0.25, 0.5, 0.75, 1)],
         "variants": len(run),
-        # Thousands of them would take a template seconds.
+        # A template would take seconds for thousands of dots.
         "dots": Markup("".join(_dot(x, row) for x, row in placed)),  # noqa: S704 - texts are escaped
         "whiskers": "".join(
             f"M{x:.1f} {_down(row['fixation_high']):.0f}V{_down(row['fixation_low']):.0f}"
@@ -200,15 +200,15 @@ def curve_chart(rows: Sequence[Row], classifier: str) -> Figures:
 
 
 def _dot(x: float, row: Row) -> str:
-    """Draw one variant's accuracy by fixation, which says what it is when pointed at."""
-    place = f'cx="{round(x, 1)}" cy="{round(_down(row["fixation"]), 1)}"'
+    """Return the circle of a variant's accuracy by fixation, with a tooltip."""
+    centre = f'cx="{round(x, 1)}" cy="{round(_down(row["fixation"]), 1)}"'
     mark = 'r="4" class=own' if is_default(row) else 'r="2"'
     name, label = escape(row["variant"]), escape(_label(row))
-    return f'<circle {place} {mark} data-variant="{name}"><title>{label}</title></circle>'
+    return f'<circle {centre} {mark} data-variant="{name}"><title>{label}</title></circle>'
 
 
 def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
-    """Give one classifier's variants that could be run, without those of another question."""
+    """Return the rows of a classifier that could be run, without part ``protocol``, which asks another question."""
     return [
         row
         for row in against_main(rows)
@@ -217,7 +217,7 @@ def _of_the_papers_question(rows: Sequence[Row], classifier: str) -> list[Row]:
 
 
 def describe_options(row: Row) -> str:
-    """Say how a variant differs from our default."""
+    """Return the options in which a variant differs from our default, in words."""
     changed = [
         f"{choice.label.lower()}: {spaced(row[choice.name])}"
         for choice in CHOICES
@@ -271,7 +271,7 @@ def _largest(choices: Sequence[Row]) -> list[Row]:
     return [
         row
         for part in ("recognition", "upstream")
-        for row in [one for one in named if one["part"] == part][:_MOST_SHARES]
+        for row in [entry for entry in named if entry["part"] == part][:_MOST_SHARES]
         if row["share"] >= 0.005
     ]
 
@@ -288,34 +288,34 @@ def _gains(row: Row) -> str:
 
 
 def _sentences(summary: Mapping[str, Any], classifier: str) -> list[str]:
-    found = summary["classifiers"][classifier]
-    count = found["variants"]
+    figures = summary["classifiers"][classifier]
+    count = figures["variants"]
     named = classifier_name(classifier)
-    ahead = sum(one["ahead"] for one in summary["classifiers"].values())
-    cells = sum(one["variants"] for one in summary["classifiers"].values())
+    ahead = sum(entry["ahead"] for entry in summary["classifiers"].values())
+    cells = sum(entry["variants"] for entry in summary["classifiers"].values())
     reached = [
-        f"{classifier_name(name)} {one['variants_reaching']}"
-        for name, one in summary["classifiers"].items()
+        f"{classifier_name(name)} {entry['variants_reaching']}"
+        for name, entry in summary["classifiers"].items()
     ]
-    own = "" if found["default"] is None else f"; our default {percent(found['default'])}"
+    default = "" if figures["default"] is None else f"; our default {percent(figures['default'])}"
     spread = (
         f"The paper can be read in many ways. Of {count} variants, its best classifier ({named}) has "
-        f"{percent(found['lowest'])} to {percent(found['highest'])} correctly classified by fixations "
-        f"(median {percent(found['median'])}{own}; published "
-        f"{percent(found['published']['fixation'], 2)})."
+        f"{percent(figures['lowest'])} to {percent(figures['highest'])} correctly classified by fixations "
+        f"(median {percent(figures['median'])}{default}; published "
+        f"{percent(figures['published']['fixation'], 2)})."
     )
     lead = (
-        f"Fixations are ahead of random probing in {percent(found['ahead'] / count, 0)} of the variants, "
-        f"significantly in {percent(found['ahead_significantly'] / count, 0)} (each tested by itself "
+        f"Fixations are ahead of random probing in {percent(figures['ahead'] / count, 0)} of the variants, "
+        f"significantly in {percent(figures['ahead_significantly'] / count, 0)} (each tested by itself "
         f"at 0.05, not adjusted for {count} variants). Half of the leads are above "
-        f"{points(found['ahead_median'])} points; the paper's is {points(found['published_ahead'])}. "
+        f"{points(figures['ahead_median'])} points; the paper's is {points(figures['published_ahead'])}. "
         f"Over all five classifiers fixations are ahead in {ahead} of {cells} cases."
     )
     best = (
-        f"The published figure is reached by {found['variants_reaching']} of the {count} variants, if all "
+        f"The published figure is reached by {figures['variants_reaching']} of the {count} variants, if all "
         f"splits are averaged as here. A single split is sometimes lucky: "
-        f"{percent(found['splits_reaching'])} of all splits reach it, the best with "
-        f"{percent(found['highest_split'])}, and {found['variants_with_a_split_reaching']} variants have "
+        f"{percent(figures['splits_reaching'])} of all splits reach it, the best with "
+        f"{percent(figures['highest_split'])}, and {figures['variants_with_a_split_reaching']} variants have "
         f"such a split. Variants that reach the paper's figure, by classifier: {listed(reached)}."
     )
     return [spread, lead, best]

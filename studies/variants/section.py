@@ -1,4 +1,4 @@
-"""What the variants of the paper say together, of this run or as kept with the package."""
+"""The section of the report on all variants, of this run or as kept with the package."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from visuohaptic.report.section import ReportContext, Section, Values
 
 
 def variants_values(context: ReportContext) -> Values:
-    """Give what the variants say."""
+    """Return the summary of the variants for the template."""
     return {"variants": context.variants}
 
 

@@ -1,4 +1,4 @@
-"""The paper in all its variants: what it leaves open, and what each choice does to its results."""
+"""Study `variants`: how each choice that the paper leaves open changes its results."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What the report needs of all variants: the verdict, counts and sentences.
+"""Summarise all variants for the report: the verdict, counts and sentences.
 
-`python -m variants.summary` writes those of the kept tables into the package, where every report finds them.
+`python -m variants.summary` writes the summary of the kept tables into the package, where every report reads it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from visuohaptic.tables.schema import write_table
 
 
 def make_variants(step: StepInputs) -> None:
-    """Write `VARIANTS` from the study's blocks, and what they say together as JSON."""
+    """Write `VARIANTS` from the blocks of the study, and their summary as JSON."""
     output, summary = step.outputs
     table = variant_figures(step.inputs["blocks"], step.run.recognition.intervals)
     write_table(VARIANTS, table, output)
@@ -36,25 +36,25 @@ def make_variants(step: StepInputs) -> None:
 
 
 def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> VariantsSummary:
-    """Give what the variants on the paper's set and on objects outside it say together."""
+    """Return the summary of the variants on the paper's set, `measured`, and on objects outside of it."""
     tables = {"paper": measured.rows, **({"outside": outside.rows} if outside else {})}
     figures = variants_figures(measured, outside, (BEST_OF_PAPER,))
-    shown = [one for one in (figures, figures and figures["outside"]) if one]
+    shown = [block for block in (figures, figures and figures["outside"]) if block]
     return VariantsSummary(
         verdict=verdict(lead_evidence(tables, BEST_OF_PAPER)),
         spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
         leads=tuple(lead for rows in tables.values() for lead in _main_leads(rows)),
-        sentences=tuple(sentence for one in shown for sentence in one["sentences"]),
+        sentences=tuple(sentence for block in shown for sentence in block["sentences"]),
         literal=_literal(measured.rows),
         source=measured.source,
     )
 
 
 def _spread(rows: Sequence[Row]) -> list[Spread]:
-    found = of_papers_question(rows, BEST_OF_PAPER)
-    if not found:
+    compared = of_papers_question(rows, BEST_OF_PAPER)
+    if not compared:
         return []
-    lead, objects = sum_up(found), max(row["objects"] for row in found)
+    lead, objects = sum_up(compared), max(row["objects"] for row in compared)
     counts = (lead.cases, lead.ahead_significantly, lead.behind_significantly)
     names = ("variants", "ahead", "behind")
     return [Spread(objects=objects, **dict(zip(names, counts, strict=True)))]
@@ -66,15 +66,15 @@ def _main_leads(rows: Sequence[Row]) -> list[Lead]:
     return [
         Lead(
             objects=objects,
-            variant=one.variant,
+            variant=evidence.variant,
             opponent=opponent,
-            difference=one.difference,
-            low=one.low,
-            high=one.high,
+            difference=evidence.difference,
+            low=evidence.low,
+            high=evidence.high,
         )
         for opponent in get_args(Lead.model_fields["opponent"].annotation)
-        for one in lead_evidence({"": rows}, BEST_OF_PAPER, opponent)
-        if one.variant != "other"
+        for evidence in lead_evidence({"": rows}, BEST_OF_PAPER, opponent)
+        if evidence.variant != "other"
     ]
 
 
@@ -87,9 +87,9 @@ def _literal(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
 
 
 def keep(path: Path) -> None:
-    """Write the summary of the kept tables."""
-    found = summarise(kept_variants(PAPER_SET), kept_variants(OUTSIDE)).model_dump(mode="json")
-    path.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    """Write the summary of the kept tables as JSON."""
+    summary = summarise(kept_variants(PAPER_SET), kept_variants(OUTSIDE)).model_dump(mode="json")
+    path.write_text(json.dumps(summary, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

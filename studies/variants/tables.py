@@ -1,4 +1,4 @@
-"""The table of variants: a row a variant, a kind of random touches, and a classifier."""
+"""The table of variants: one row per variant, kind of random touches, and classifier."""
 
 from __future__ import annotations
 

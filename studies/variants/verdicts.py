@@ -1,18 +1,18 @@
-"""What measured differences say of a claim: the rule, written down before the tables that it judges.
+"""Judge a claim by measured differences; the rule was written down before the tables that it judges.
 
-A claim says that one way is better than another, such as touches by fixation than random ones. Its
-evidence is a paired difference in each variant and set of objects. The first that holds:
+A claim states that one method is better than another, such as touches by fixation than random touches. The evidence is a
+paired difference per variant and set of objects. Four differences count most: those of the default and of the most
+literal variant, on the paper's set and on the objects outside of it. The verdict is the first that holds:
 
-- **yes**: in the default and in the most literal variant, on the paper's set and on the objects
-  outside it, the interval of the difference lies above 0.
-- **no**: in the same four, the interval excludes a gain of `GAIN`.
-- **depends**: two of the four differ significantly from 0 in opposite directions, or on one set at
-  least `OPPOSED` of all variants are significantly ahead and as many significantly behind, twice what
-  chance gives on each side.
-- **not shown**: anything else, also where one of the four was not measured.
+- **yes**: the intervals of all four differences lie above 0.
+- **no**: the intervals of all four differences exclude a gain of `GAIN`.
+- **depends**: two of the four differ significantly from 0 in opposite directions. Also if on one set at least the share
+  `OPPOSED` of all variants is significantly ahead, and at least the same share significantly behind; chance gives half of
+  it on each side.
+- **not shown**: all other cases, also if one of the four was not measured.
 
-A difference is significant if its two-sided p value is below `leads.SIGNIFICANT`; p values are not
-adjusted, as each is that of one variant by itself.
+A difference is significant if its two-sided p value is below `leads.SIGNIFICANT`. P values are not adjusted, because each
+of them is about one variant.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from visuohaptic.studies.figures import Row
 Kind = Literal["default", "literal", "other"]
 
 SETS = ("paper", "outside")
-"""The paper's objects, and those of the catalogue that are not the paper's."""
+"""Objects of the paper, and objects of the catalogue that are not in the paper."""
 
 OPPOSED = 0.05
-"""Share of variants on either side at which variants count as opposed."""
+"""Least share of variants on each side for which the verdict is ``depends``."""
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A paired difference in one variant on one of `SETS`, with its interval: by how much the claimed way is better, as a share."""
+    """How much better the claimed method is in one variant on one of `SETS`: a paired difference, as a share, with interval."""
 
     objects: str
     variant: Kind
@@ -51,40 +51,43 @@ class Evidence:
 
     @property
     def side(self) -> int:
-        """1 where the claimed way is significantly better, -1 where significantly worse, else 0."""
+        """1 if the claimed method is significantly better, -1 if significantly worse, else 0."""
         if self.p_value >= SIGNIFICANT:
             return 0
         return (self.difference > 0) - (self.difference < 0)
 
 
 def verdict(evidence: Iterable[Evidence]) -> Verdict:
-    """Judge a claim by the rule above.
+    """Return the verdict on a claim by the rule of this module.
 
-    Of the evidence at most one is of each set for the default and for the literal variant; there
-    may be any others.
+    `evidence` has at most one entry per set for the default and for the literal variant, and any number of entries for
+    other variants.
     """
-    found = list(evidence)
-    main = [one for one in found if one.variant != "other"]
-    measured = {(one.objects, one.variant) for one in main}
+    entries = list(evidence)
+    main = [entry for entry in entries if entry.variant != "other"]
+    measured = {(entry.objects, entry.variant) for entry in main}
     if measured == set(product(SETS, ("default", "literal"))):
-        if all(one.low > 0 for one in main):
+        if all(entry.low > 0 for entry in main):
             return "yes"
-        if all(one.high < GAIN for one in main):
+        if all(entry.high < GAIN for entry in main):
             return "no"
-    opposed = {1, -1} <= {one.side for one in main}
-    return "depends" if opposed or any(_are_opposed(found, name) for name in SETS) else "not shown"
+    opposed = {1, -1} <= {entry.side for entry in main}
+    if opposed or any(_are_opposed(entries, name) for name in SETS):
+        return "depends"
+    return "not shown"
 
 
 def lead_evidence(
     tables: Mapping[str, Sequence[Row]], classifier: str, opponent: str = MAIN_OPPONENT
 ) -> list[Evidence]:
-    """Give the evidence for touches by fixation against one kind of random touches, an option of choice ``random_probing``.
+    """Return the evidence for touches by fixation against one kind of random touches.
 
-    `tables` has rows of `VARIANTS` by set. Only those that `of_papers_question` takes count.
+    `tables` has rows of `VARIANTS` by set. `opponent` is an option of choice ``random_probing``. Only rows of
+    `of_papers_question` count.
     """
     return [
         Evidence(
-            name, _kind(row), *(row[one] for one in ("ahead", "ahead_low", "ahead_high", "p_value"))
+            name, _kind(row), *(row[key] for key in ("ahead", "ahead_low", "ahead_high", "p_value"))
         )
         for name, rows in tables.items()
         for row in of_papers_question(rows, classifier, opponent)
@@ -94,9 +97,9 @@ def lead_evidence(
 def of_papers_question(
     rows: Sequence[Row], classifier: str, opponent: str = MAIN_OPPONENT
 ) -> list[Row]:
-    """Take the variants of a classifier and an opponent that were run and ask the paper's question.
+    """Return the rows of a classifier and an opponent that have a lead and ask the paper's question.
 
-    Part ``protocol`` and a shuffled order of touches ask another one.
+    Part ``protocol`` and a shuffled order of touches ask other questions.
     """
     return [
         row
@@ -109,7 +112,7 @@ def of_papers_question(
 
 
 def _kind(row: Row) -> Kind:
-    """Say which variant a row is of, whatever the random touches."""
+    """Return the kind of a row's variant, for any kind of random touches."""
     options = dict(row)
     if is_default(options | {"random_probing": BY_NAME["random_probing"].default}):
         return "default"
@@ -117,5 +120,5 @@ def _kind(row: Row) -> Kind:
 
 
 def _are_opposed(evidence: Sequence[Evidence], objects: str) -> bool:
-    sides = [one.side for one in evidence if one.objects == objects]
+    sides = [entry.side for entry in evidence if entry.objects == objects]
     return bool(sides) and min(sides.count(1), sides.count(-1)) >= OPPOSED * len(sides)

@@ -1,4 +1,4 @@
-"""From a study's blocks to the figures of each variant, and to what all variants say together."""
+"""Compute the figures of each variant from the blocks of the study, and summarise all variants."""
 
 from __future__ import annotations
 
@@ -40,19 +40,19 @@ from visuohaptic.tables.studies import STUDY
 
 
 def variant_figures(parts: Iterable[str | Path], intervals: IntervalParameters) -> pa.Table:
-    """Give `VARIANTS`, one block of the study in memory at a time.
+    """Return the table `VARIANTS` of the blocks `parts`, with one block in memory at a time.
 
-    A file of `tables.STUDY` holds all rows of its conditions.
+    Each block is a file of `tables.STUDY`, and holds all rows of its conditions.
     """
-    places = {variant.name: (place, variant) for place, variant in enumerate(all_variants())}
+    position_of = {variant.name: (index, variant) for index, variant in enumerate(all_variants())}
     rows: list[Row] = []
-    for part in parts:
-        table = read_table(STUDY, part)
+    for block in parts:
+        table = read_table(STUDY, block)
         cells, splits = cells_of(table), split_accuracies(table)
         for name, classifier in dict.fromkeys((key[0], key[3]) for key in cells):
             rows += [
                 {
-                    **_identity(*places[name], classifier, option),
+                    **_identity(*position_of[name], classifier, option),
                     **_figures(name, classifier, opponent, cells, splits, intervals),
                 }
                 for option, opponent in OPPONENTS.items()
@@ -69,11 +69,11 @@ def variant_figures(parts: Iterable[str | Path], intervals: IntervalParameters) 
 
 
 def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
-    """Give the share of each split's test sequences that is correctly classified.
+    """Compute the share of test sequences that are correctly classified, per split, by cell.
 
-    Rows of `tables.STUDY`; what could not be run is left out.
+    `rows` has the columns of `tables.STUDY`. Cells that could not be run are left out.
     """
-    found = {}
+    accuracies = {}
     for key, cell in rows_by(rows, CELL).items():
         if cell.column("error")[0].as_py() is not None:
             continue
@@ -82,8 +82,8 @@ def split_accuracies(rows: pa.Table) -> dict[CellKey, NDArray[np.float64]]:
         ).T
         _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
         correct = np.bincount(run, weights=np.rint(sequences * accuracy))
-        found[key] = correct / np.bincount(run, weights=sequences)
-    return found
+        accuracies[key] = correct / np.bincount(run, weights=sequences)
+    return accuracies
 
 
 def _identity(place: int, variant: Variant, classifier: str, opponent: str) -> Row:
@@ -107,11 +107,13 @@ def _figures(
 ) -> Row:
     row: Row = dict.fromkeys(column.name for column in VARIANTS.columns[4 + len(CHOICES) :])
     strategies = {"fixation": "fixation", "random": opponent}
-    found = {column: (name, "paper", own, classifier) for column, own in strategies.items()}
-    errors = [cells[key].error if key in cells else "no result" for key in found.values()]
+    keys = {
+        column: (name, "paper", strategy, classifier) for column, strategy in strategies.items()
+    }
+    errors = [cells[key].error if key in cells else "no result" for key in keys.values()]
     if reasons := [error for error in errors if error is not None]:
         return row | {"error": reasons[0]}
-    for strategy, key in found.items():
+    for strategy, key in keys.items():
         interval = condition_interval(cells[key], intervals)
         published = TABLE_1[classifier][strategy]
         row |= {
@@ -121,40 +123,40 @@ def _figures(
             f"{strategy}_best_split": float(splits[key].max()),
             f"{strategy}_splits_reaching": float((splits[key] >= published - SAME).mean()),
         }
-    fixation, random = (cells[key] for key in found.values())
+    fixation, random = (cells[key] for key in keys.values())
     row |= {
         "objects": len(fixation.objects),
-        "splits": len(splits[found["fixation"]]),
+        "splits": len(splits[keys["fixation"]]),
         "seconds": (fixation.seconds or 0.0) + (random.seconds or 0.0),
     }
     return row | paired("ahead", "p_value", compare(fixation, random, intervals))
 
 
 def summarise_variants(rows: Sequence[Row]) -> dict[str, Any]:
-    """Say what the variants of the paper's own question show together, classifier by classifier.
+    """Summarise the variants by classifier, with the main kind of random touches.
 
-    `rows` are those of `VARIANTS`; random touches are those of the main kind. The part ``protocol`` asks another question and is summed
-    up by itself.
+    `rows` has the columns of `VARIANTS`. The part ``protocol`` asks another question, and is summarised apart under
+    ``known_objects``.
     """
     rows = against_main(rows)
-    own = [row for row in rows if row["part"] != "protocol"]
-    other = [row for row in rows if row["part"] == "protocol"]
+    new_objects = [row for row in rows if row["part"] != "protocol"]
+    known_objects = [row for row in rows if row["part"] == "protocol"]
     return {
-        "variants": len({row["variant"] for row in own}),
+        "variants": len({row["variant"] for row in new_objects}),
         "random_probing": MAIN_OPPONENT if rows else None,
-        "failed": sorted({row["variant"] for row in own if row["error"] is not None}),
-        "classifiers": _by_classifier(own),
-        "known_objects": _by_classifier(other),
+        "failed": sorted({row["variant"] for row in new_objects if row["error"] is not None}),
+        "classifiers": _by_classifier(new_objects),
+        "known_objects": _by_classifier(known_objects),
     }
 
 
 def _by_classifier(rows: Sequence[Row]) -> dict[str, Any]:
-    found = {}
+    summaries = {}
     for name, published in TABLE_1.items():
         run = [row for row in rows if row["classifier"] == name and row["error"] is None]
         if run:
-            found[name] = {**_range(run, published), "choices": weigh_choices(run)}
-    return found
+            summaries[name] = {**_range(run, published), "choices": weigh_choices(run)}
+    return summaries
 
 
 def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any]:
@@ -189,45 +191,46 @@ def _range(rows: Sequence[Row], published: Mapping[str, float]) -> dict[str, Any
 
 
 def weigh_choices(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Say how much of the spread of one classifier's accuracy by fixation each choice or pair explains, the largest share first.
+    """Compute how much of the spread of accuracy by fixation each choice and each pair of choices explains.
 
-    Sums of squares of a balanced design: of the recognition choices over the part ``recognition``, of
-    all others over the part ``upstream`` with the base of the design. Gains are over the base option.
+    `rows` are of one classifier. Shares are sums of squares of a balanced design, and the largest share comes first.
+    Recognition choices are weighed over the part ``recognition``. All others are weighed over the part ``upstream``
+    together with the base of the design. A gain is the mean of an option minus the mean of the base option.
     """
     complete = [row for row in rows if row["part"] == "recognition"]
     fraction = [row for row in rows if row["part"] == "upstream"]
     if fraction:
         # The runs of the fraction with the base of every other choice belong to the full factorial.
         fraction += [row for row in complete if is_base_but_for(row, CROSSED_SINGLY)]
-    others = [
+    upstream = [
         choice.name
         for choice in CHOICES
         if choice.name not in FACTORIAL and len({row[choice.name] for row in fraction}) > 1
     ]
-    # Interactions are clear in the full factorial, and between the crossed choices and any other.
-    found = [
+    # Interactions are not confounded in the full factorial, nor between the crossed choices and any other choice.
+    shares = [
         *_shares(complete, FACTORIAL, FACTORIAL, "recognition"),
-        *_shares(fraction, (*others, *CROSSED_SINGLY), CROSSED_SINGLY, "upstream"),
+        *_shares(fraction, (*upstream, *CROSSED_SINGLY), CROSSED_SINGLY, "upstream"),
     ]
-    return sorted(found, key=lambda row: (row["part"], -row["share"]))
+    return sorted(shares, key=lambda row: (row["part"], -row["share"]))
 
 
 def _shares(
     rows: Sequence[Row], names: Sequence[str], crossed: Sequence[str], part: str
 ) -> list[dict[str, Any]]:
-    """Give the share of each choice, and of each pair with one of the `crossed` choices."""
+    """Compute the share of each choice, and of each pair that contains one of the `crossed` choices."""
     accuracy = np.array([row["fixation"] for row in rows])
     total = float(np.square(accuracy - accuracy.mean()).sum()) if len(rows) > 1 else 0.0
     if total == 0:
         return []
-    found = []
+    shares = []
     squares = {}
     for name in names:
         fitted, of_option = _group_means(accuracy, [row[name] for row in rows])
         squares[name] = float(np.square(fitted - accuracy.mean()).sum())
         base = of_option[BY_NAME[name].base]
         gains = {option: mean - base for option, mean in of_option.items()}
-        found.append(
+        shares.append(
             {"part": part, "choices": [name], "share": squares[name] / total, "gains": gains}
         )
     for first, second in itertools.combinations(names, 2):
@@ -235,16 +238,16 @@ def _shares(
             fitted, _ = _group_means(accuracy, [(row[first], row[second]) for row in rows])
             both = float(np.square(fitted - accuracy.mean()).sum())
             share = max(both - squares[first] - squares[second], 0.0) / total
-            found.append({"part": part, "choices": [first, second], "share": share, "gains": None})
-    return found
+            shares.append({"part": part, "choices": [first, second], "share": share, "gains": None})
+    return shares
 
 
 def _group_means(
     values: NDArray[np.float64], groups: Sequence[Any]
 ) -> tuple[NDArray[np.float64], dict[Any, float]]:
-    """Give the mean of each value's group, and the mean of each group."""
+    """Return the mean of each value's group, (n,), and the mean of each group by name."""
     names = list(dict.fromkeys(groups))
-    places = {name: place for place, name in enumerate(names)}
-    group = np.array([places[one] for one in groups])
+    index_of = {name: index for index, name in enumerate(names)}
+    group = np.array([index_of[name] for name in groups])
     means = np.bincount(group, weights=values) / np.bincount(group)
     return means[group], dict(zip(names, means.tolist(), strict=True))

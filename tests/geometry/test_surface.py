@@ -137,10 +137,10 @@ def test_other_tools_read_a_file_with_images_or_without_as_one_with_colours(
 def test_images_that_do_not_fit_are_refused_by_name(painted, tmp_path):
     path, good = tmp_path / "a.ply", painted.texture
     for bad, says in (
-        ({"image": good.image + np.int32(1)}, "none of the 3"),
-        ({"image": good.image - np.int32(1)}, "none of the 3"),
-        ({"wraps": good.wraps + np.uint8(1)}, "how it goes on"),
-        ({"corners": good.corners * np.inf}, "how it goes on"),
+        ({"image": good.image + np.int32(1)}, "an image index outside of -1 to 2"),
+        ({"image": good.image - np.int32(1)}, "an image index outside of -1 to 2"),
+        ({"wraps": good.wraps + np.uint8(1)}, "a wrap is above 2"),
+        ({"corners": good.corners * np.inf}, "coordinate is not finite"),
     ):
         write_surface(replace(painted, texture=replace(good, **bad)), path)
         with pytest.raises(MeshError, match=rf"a\.ply is no coloured triangle mesh.*{says}"):

@@ -66,7 +66,9 @@ def test_what_follows_two_hyphens_is_no_option():
 
 
 def test_the_old_folder_of_plug_ins_is_answered_with_the_new_one(tmp_path):
-    with pytest.raises(PlugInError, match="not there; folder plugins/ is now plug_ins/; a file"):
+    with pytest.raises(
+        PlugInError, match="not there; folder plugins/ is now plug_ins/; a Python file"
+    ):
         load_files(["plugins/mine.py"], tmp_path)
 
 

@@ -140,9 +140,9 @@ print(chosen.recognition.self_organising_map.output, [one.package for one in loa
 def test_a_process_loads_what_another_hands_on_or_ends_with_a_sentence(tmp_path):
     code = """
 import os, subprocess, sys
-from visuohaptic.io.plugins import hand_on, load_files
+from visuohaptic.io.plugins import load_files, load_in_child_processes
 load_files(["mine.py"])
-hand_on()
+load_in_child_processes()
 child = "from visuohaptic.recognition.maps import MAPS; print(*MAPS.names)"
 for content in (None, "1 / 0"):
     if content is not None:

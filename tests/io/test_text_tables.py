@@ -129,16 +129,19 @@ def test_a_header_names_the_columns(text, names, rows):
     ("text", "sentence"),
     [
         ("x\ty\n0.1\t\n", "line 2, column y is empty: a number is needed"),
-        ("\n1 2\n3 4 5\n", "line 3 has 3 cells, and 2 are needed as in the first row"),
+        ("\n1 2\n3 4 5\n", "line 3 has 3 cells; 2 are needed, as in the first row"),
         (
             "x,y\n0,5,1,2\n",
             "line 2 has 4 cells, .* header in line 1 2 names; if its commas are decimal",
         ),
         (
             "0,5,1,25\n",
-            "line 1: its commas may part 4 whole numbers, or be decimal signs of 2 numbers",
+            "line 1: its commas may separate 4 whole numbers, or be decimal signs of 2 numbers",
         ),
-        ("1,234;1,500\n", "column 1 is '1,234': its comma may be a decimal sign or part thousands"),
+        (
+            "1,234;1,500\n",
+            "column 1 is '1,234': its comma may be a decimal sign or separate thousands",
+        ),
         ("1,5;2.5\n", "column 1 is '1,5': other cells have points"),
         ("1.234,5;2\n", r"column 1 is '1\.234,5': a number with one decimal sign and no thousands"),
         ("1 2\n3 a\n", "line 2, column 2 is 'a'"),
@@ -161,5 +164,5 @@ def test_text_without_a_byte_order_mark_is_utf_8_or_latin_1():
     assert read("Größe\n1\n", encoding="latin-1") == (("Größe",), [[1]])
     with pytest.raises(TableError, match=r"UTF-16 without a byte order mark"):
         read("x y\n1 2\n", encoding="utf-16-le")
-    with pytest.raises(TableError, match="mark of UTF-16"):
+    with pytest.raises(TableError, match="byte order mark of UTF-16"):
         read_text_table("x".encode("utf-16") + b"x", "table.txt", 1)

@@ -20,8 +20,8 @@ from visuohaptic.io.yaml_files import check_config, check_spelling, read_yaml
         ("yes: 1", "name yes (line 1) is yes"),
         ("1:04: 1", "name 1:04 (line 1) is 1:04"),
         ("a: 2026-13-01", "can't be read: month must be"),
-        ("a: &a [1, *a]", "values more than 50 deep"),
-        ("[" * 5000, "more than 50 deep"),
+        ("a: &a [1, *a]", "values more than 50 levels deep"),
+        ("[" * 5000, "more than 50 levels deep"),
         (
             "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n"
             + "".join(

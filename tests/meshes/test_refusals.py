@@ -105,7 +105,7 @@ HOSTILE = {
     "elements.ply": (b"ply\nformat ascii 1.0\n" + b"element e 1\n" * 10_000, "no header that ends"),
     "short_text.ply": (TEXT_PLY[:-5], "truncated: .* 2 rows of 'face', and 1 are"),
     "index.ply": (TEXT_PLY.replace(b"\n3 0 2 3", b"\n3 0 2 9"), "names vertex 9; 0 to 3"),
-    "text.ply.gz": (gzip.compress(TEXT_PLY), "it is text, and binary is needed"),
+    "text.ply.gz": (gzip.compress(TEXT_PLY), "its rows are text, and binary rows are needed"),
     "bomb.ply.gz": (gzip.compress(bytes(60_000_000), 9), "unpacks to more than 50 MB"),
     "rows.off": (b"OFF\n1000000000 1000000000 0\n0 0 0\n", "truncated: .* 1000000000"),
     "rest.off": (OFF + b"3 0 1 2\n", "holds too much: .* 2 faces"),

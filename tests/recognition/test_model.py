@@ -72,12 +72,12 @@ class Mischief:
     [
         (
             skops.io.dumps({"format": Mischief()}),
-            "it needs .*Mischief, and such code is not run; train it again",
+            "it needs .*Mischief, and such code is not run; train the model again",
         ),
-        (pickle.dumps(Mischief()), "the file is damaged or of another kind; train it again"),
+        (pickle.dumps(Mischief()), "the file is damaged or of another kind; train the model again"),
         (skops.io.dumps({"format": "something else"}), "is a 'something else'"),
         (skops.io.dumps({"format": FORMAT}), "'description' is missing; train"),
-        (None, "there is no such file; train it again"),
+        (None, "there is no such file; train the model again"),
     ],
 )
 def test_foreign_broken_and_missing_files_are_refused_and_run_nothing(

@@ -138,7 +138,7 @@ def test_a_feature_that_does_not_vary_has_the_least_variance_and_no_correlation(
     ("features", "labels", "reason"),
     [
         (np.eye(3), [0, 0, 1], "the smallest class has 1 training sequence"),
-        (np.ones((4, 2)), [0, 0, 1, 1], "all 4 training sequences are alike"),
+        (np.ones((4, 2)), [0, 0, 1, 1], "all 4 training sequences are equal"),
     ],
 )
 def test_rows_without_a_covariance_are_refused(features, labels, reason):

@@ -28,7 +28,7 @@ from visuohaptic.parameters import (
     read_parameters,
 )
 from visuohaptic.phases import OF_OBJECT, inputs_needed_from, phase as phase_of
-from visuohaptic.io.plugins import hand_on, load_files, load_installed, loaded
+from visuohaptic.io.plugins import load_files, load_in_child_processes, load_installed, loaded
 from visuohaptic.io.yaml_files import check_config, check_spelling
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic_workflow.blocks import divide
@@ -142,7 +142,7 @@ if IS_MAIN and IS_PLANNER:
 # Before anything is checked by the names that they register; jobs load them as the package is imported.
 or_stop(load_installed)
 or_stop(load_files, config.get("plugins", []))
-hand_on()
+load_in_child_processes()
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
 CATALOGUED = {

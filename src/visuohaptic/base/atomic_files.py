@@ -14,10 +14,10 @@ _unfinished: set[Path] = set()
 
 @contextmanager
 def atomic_file(path: str | Path) -> Iterator[Path]:
-    """Give an empty file beside a path, which takes its place once it is written; its folder is made.
+    """Yield the path of an empty hidden file, and rename the file to `path` when the block ends.
 
-    A reader finds the old file or the new one; where writing fails, the old one stays. The hidden name has
-    no suffix that a reader of tables would take.
+    If the block raises, the hidden file is removed and an old file at `path` stays. Missing folders of `path` are
+    made. The hidden name ends in random characters, so that readers of ``*.parquet`` do not find the file.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -36,15 +36,18 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
 
 
 @contextmanager
-def unfinished_folder(place: Path) -> Iterator[Path]:
-    """Give a hidden folder in a place, for files that leave it once all are written; then it is removed."""
-    with TemporaryDirectory(dir=place, prefix=".visuohaptic-") as name:
+def unfinished_folder(parent: Path) -> Iterator[Path]:
+    """Yield a hidden folder in `parent`, and remove it with its content when the block ends.
+
+    The caller moves finished files out of the folder within the block.
+    """
+    with TemporaryDirectory(dir=parent, prefix=".visuohaptic-") as name:
         _unfinished.add(Path(name))
         yield Path(name)
 
 
 def remove_unfinished() -> None:
-    """Remove what is being written in this process, before it ends at once."""
+    """Remove the hidden files and folders that this process is writing; for a process that ends by ``os._exit``."""
     for unfinished in list(_unfinished):
         if unfinished.is_dir():
             shutil.rmtree(unfinished)
@@ -53,6 +56,6 @@ def remove_unfinished() -> None:
 
 
 def atomic_write_text(path: str | Path, text: str) -> None:
-    """Write a UTF-8 text file whole or not at all."""
+    """Write a text file as UTF-8 through `atomic_file`."""
     with atomic_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The errors that a caller can act on; each message is one sentence that names the way out."""
+"""Errors that a caller can act on; each message is one sentence that says what to do."""
 
 
 class VisuohapticError(Exception):
@@ -6,19 +6,19 @@ class VisuohapticError(Exception):
 
 
 class MeshError(VisuohapticError):
-    """A mesh file can't be read, or has nothing that can be touched."""
+    """A mesh file can't be read, or has no surface that can be touched."""
 
 
 class MeshWarning(UserWarning):
-    """A mesh file was read, and lacks what it refers to or may be meant in another way."""
+    """A mesh file was read, but a file that it refers to is missing, or its meaning is ambiguous."""
 
 
 class CatalogueError(VisuohapticError):
-    """The catalogue of objects, or a name in it, is not usable."""
+    """The catalogue of objects, or a name in it, is not allowed."""
 
 
 class DownloadError(VisuohapticError):
-    """A model can't be had, or what came is not what the catalogue pins."""
+    """A model can't be downloaded, or its digest differs from the digest in the catalogue."""
 
 
 class ParameterError(VisuohapticError):
@@ -26,7 +26,7 @@ class ParameterError(VisuohapticError):
 
 
 class RegistryError(VisuohapticError):
-    """A name is not registered, or what is declared and what is implemented differ."""
+    """A name is not registered, is registered already, or can't be registered."""
 
 
 class PlugInError(RegistryError):
@@ -42,7 +42,7 @@ class TableError(VisuohapticError):
 
 
 class RecognitionError(VisuohapticError):
-    """The features at hand don't allow the experiment that was asked for."""
+    """The features or a recognition parameter don't allow the requested recognition."""
 
 
 class MissingPackageError(VisuohapticError):
@@ -50,8 +50,8 @@ class MissingPackageError(VisuohapticError):
 
 
 class ReportError(VisuohapticError):
-    """The report can't be made from the tables at hand."""
+    """The report can't be made from the tables of the run."""
 
 
 class ExportError(VisuohapticError):
-    """The touches can't be exported, or the folder is not free for them."""
+    """The touches can't be exported, or the folder of the export is not empty."""

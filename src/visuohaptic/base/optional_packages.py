@@ -1,4 +1,4 @@
-"""Packages that only some commands need: each is in an extra of this package."""
+"""Packages that only some commands need; each belongs to an extra of this package."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from visuohaptic.base.errors import MissingPackageError
 
 
 def require(extra: str, *packages: str) -> None:
-    """Refuse, before any work, what needs packages of an extra that are not installed: `MissingPackageError`."""
+    """Raise `MissingPackageError` if any of `packages`, which `extra` installs, is missing."""
     if sentence := what_is_missing(extra, *packages):
         raise MissingPackageError(sentence)
 
 
 def what_is_missing(extra: str, *packages: str) -> str | None:
-    """Give the sentence that names the packages that are not installed; None where all are."""
+    """Return a sentence that names the missing packages and the extra that installs them; None if all are installed."""
     missing = [name for name in packages if find_spec(name) is None]
     if not missing:
         return None
@@ -28,7 +28,10 @@ def what_is_missing(extra: str, *packages: str) -> str | None:
 
 
 def keep_pandas_out() -> None:
-    """Keep pyarrow from importing pandas with its first array, which takes 0.2 s of a process; it can still do so later."""
+    """Make the first array of pyarrow without importing pandas, which saves 0.2 s per process.
+
+    Later imports of pandas work as usual.
+    """
     if "pandas" in sys.modules:
         return
     import pyarrow as pa
@@ -41,7 +44,7 @@ def keep_pandas_out() -> None:
 
 
 class _NoPandas:
-    """A finder for `sys.meta_path` that denies pandas."""
+    """A finder for `sys.meta_path` that raises `ModuleNotFoundError` for pandas."""
 
     @staticmethod
     def find_spec(name: str, *_: object) -> None:

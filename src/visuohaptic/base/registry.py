@@ -1,4 +1,4 @@
-"""Variants by their names: one entry holds all that there is to know of each."""
+"""Registries: named variants of one kind, such as probing strategies or classifiers."""
 
 from __future__ import annotations
 
@@ -16,18 +16,29 @@ class Named(Protocol):
 
     @property
     def name(self) -> str:
-        """What parameters and tables call it."""
+        """Name in parameters and tables."""
 
 
 Entry = TypeVar("Entry", bound=Named)
 
 
 class Registry(Generic[Entry]):
-    """All variants of one kind, in order; errors name the kind, such as ``probing strategy``.
+    """Entries of one kind by name, in order.
 
-    As metadata of a string, as in ``Annotated[str, STRATEGIES]``, it makes pydantic allow the registered
-    names alone, later ones too. Raises `RegistryError` if a name is there twice, or is not made of ``a`` to
-    ``z`` and ``_``, as it becomes a part of file names.
+    As metadata of a string, ``Annotated[str, STRATEGIES]``, a registry makes pydantic allow only registered names,
+    also names that are added later.
+
+    Parameters
+    ----------
+    kind : str
+        The kind in error messages, such as ``probing strategy``.
+    *entries : Named
+        The first entries, in order.
+
+    Raises
+    ------
+    RegistryError
+        If a name occurs twice, or has other characters than ``a`` to ``z`` and ``_``. Names become parts of file names.
     """
 
     def __init__(self, kind: str, *entries: Entry) -> None:
@@ -40,25 +51,29 @@ class Registry(Generic[Entry]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of all entries, in order."""
+        """Names of all entries, in order."""
         return tuple(self._entries)
 
     def add(self, entry: Entry, source: str, before: str | None = None) -> None:
-        """Add an entry of a plug-in, the last one or in front of another; its source may replace it.
+        """Add an entry of a plug-in: before the entry named `before`, or else as the last entry.
 
-        Raises `RegistryError` if the name is taken, or can't be one.
+        `source` names the plug-in. Only the same source may replace an entry of the same name.
+        Raises `RegistryError` if another entry has the name, or the name has other characters than a to z and _.
         """
         if self._sources.get(entry.name) != source:
             self._check_name(entry.name)
         following = self[before].name if before is not None else None
         self._entries.pop(entry.name, None)
         self._sources[entry.name] = source
-        found = list(self._entries.values())
-        place = next((at for at, one in enumerate(found) if one.name == following), len(found))
-        found.insert(place, entry)
-        # In place, for others may hold a view.
+        entries = list(self._entries.values())
+        index = next(
+            (position for position, other in enumerate(entries) if other.name == following),
+            len(entries),
+        )
+        entries.insert(index, entry)
+        # Update in place: callers may hold a view of this dict.
         self._entries.clear()
-        self._entries.update((one.name, one) for one in found)
+        self._entries.update((other.name, other) for other in entries)
 
     def __getitem__(self, name: str) -> Entry:
         if name not in self._entries:

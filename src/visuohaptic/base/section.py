@@ -1,4 +1,4 @@
-"""What all sections of parameters have in common."""
+"""The base class of all sections of parameters."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 
 class Section(BaseModel):
-    """A section of parameters: it can't be changed, has no other names, and takes no truth value for a number."""
+    """A section of parameters: frozen, without unknown names, and strict about booleans where numbers are needed."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -31,7 +31,7 @@ def _holds_truth_value(value: object) -> bool:
 
 
 def _is_number(annotation: Any) -> bool:
-    """Whether a field's type, or that of its items, is a number and nowhere a truth value."""
+    """Return whether the type of a field or of its items includes a number and no boolean."""
     kinds = {*_kinds(annotation)}
     return bool not in kinds and bool(kinds & {int, float})
 

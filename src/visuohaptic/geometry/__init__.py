@@ -1,1 +1,1 @@
-"""Surfaces, the images on them, rays that meet them, and how they bend."""
+"""Surfaces: meshes with textures, ray casting, normals and curvature."""

@@ -1,4 +1,4 @@
-"""What a scene answers, whichever package casts its rays: triangles, in float32."""
+"""The interface of scenes: triangles that rays are cast at in float32, by Open3D or embreex."""
 
 from __future__ import annotations
 
@@ -15,24 +15,33 @@ Crossings = tuple[IntArray, IntArray]
 
 
 class Scene(Protocol):
-    """Triangles that rays are cast at, in float32. It is made of corners, shape (v, 3), and faces, shape (f, 3)."""
+    """Triangles that rays are cast at, in float32; constructed from vertices (v, 3) and faces (f, 3)."""
 
     def first_faces(self, rays: Rays) -> FirstFaces:
-        """Give the face that each ray (n, 6), origin and direction, meets first, and where on it.
+        """Return the first face that each ray hits, and the position on the face.
 
-        The face is int64, -1 for a miss; then come the weights, float32, of its second and third
-        corner.
+        Parameters
+        ----------
+        rays : ndarray of shape (n, 6), float32
+            Origin and direction of each ray.
+
+        Returns
+        -------
+        faces : ndarray of shape (n,), int64
+            Index of the face; -1 for a miss.
+        second, third : ndarray of shape (n,), float32
+            Barycentric weights of the second and third corner.
         """
         ...
 
     def crossings(self, rays: Rays) -> Crossings:
-        """Give every face that rays, shape (n, 6), meet: a ray and a face for each, in any order."""
+        """Return all hits of rays (n, 6) as ray indices (h,) and face indices (h,), in any order."""
         ...
 
     def count_crossings(self, rays: Rays) -> IntArray:
-        """Count the faces that rays, shape (n, 6), meet: shape (n,)."""
+        """Count the faces that each ray hits: (n, 6) to (n,)."""
         ...
 
     def nearest_faces(self, points: FloatArray) -> IntArray:
-        """Give the faces, shape (n,), nearest to points, shape (n, 3)."""
+        """Return the index of the face nearest to each point: (n, 3) to (n,)."""
         ...

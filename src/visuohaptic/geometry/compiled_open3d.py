@@ -1,7 +1,7 @@
-"""Open3D's compiled part alone, with the USB library that its wheel needs and a bare machine lacks.
+"""Import only the compiled module of Open3D, with the USB library that its wheel needs and a bare machine lacks.
 
-The package ``open3d`` imports a web viewer along with it, which takes longer than all the rest and
-serves nothing here. A later ``import open3d`` finds the same compiled module.
+The package ``open3d`` also imports a web viewer, which takes most of the time of the import and is not used here. A
+later ``import open3d`` finds the same compiled module.
 """
 
 from __future__ import annotations
@@ -43,4 +43,4 @@ def _compiled_open3d() -> ModuleSpec | None:
 
 
 open3d = sys.modules.get("open3d.pybind") or _load_open3d()
-"""``open3d.pybind``, or ``open3d`` where its compiled part isn't where it is looked for."""
+"""``open3d.pybind``, or the package ``open3d`` if the compiled module is not found in it."""

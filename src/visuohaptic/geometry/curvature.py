@@ -1,9 +1,9 @@
-"""Normals and curvature of a triangle surface that may be open, folded and in many parts.
+"""Compute normals and curvature of a triangle surface that may be open, folded and in many parts.
 
-Faces that meet at less than the crease angle approximate one smooth surface, with a shape operator;
-faces that meet at more are folded there, with a curvature on the edge. Together these are the mean
-curvature measure of the normal cycle (Cohen-Steiner & Morvan 2003, "Restricted Delaunay
-triangulations and normal cycle"), which is finite on any triangulation.
+Faces that meet at less than the crease angle approximate one smooth surface, which has a shape operator. Faces that meet
+at a larger angle make a fold, which has a curvature on the edge. The sum is the mean curvature measure of the normal
+cycle, which is finite on any triangulation (Cohen-Steiner & Morvan 2003, "Restricted Delaunay triangulations and normal
+cycle").
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.elementary import arc_tangent
 from visuohaptic.geometry.surface import Surface
 
-# Twice the area of a triangle in object radii squared, below which its normal is rounding.
+# Twice the area of a triangle, object radii squared. Below, rounding decides the normal.
 SMALLEST_CROSS = 1e-12
-# Height of a triangle over its longest edge, object radii, below which the rounding of its corners to float32 (6e-8)
-# decides its normal: such a face is a sliver.
+# Height of a triangle over its longest edge, object radii. Below, the rounding of the corners to float32 (6e-8) decides
+# the normal, and the face is called a sliver.
 SMALLEST_HEIGHT = 1e-6
-# Faces that meet at a larger angle have a fold, not a rounding. Our choice: a cylinder of ten sides (36°) is round,
-# one of eight (45°) has edges.
+# Faces that meet at a larger angle make a fold. Our choice: a cylinder of ten sides (36°) is smooth, a cylinder of eight
+# sides (45°) has edges.
 CREASE_ANGLE_DEGREES = 40.0
-# Reach of a fold's curvature to either side, object radii: some two pixels of the eye's working image (0.017 radii
-# each at the default distance), so that no fold falls between pixels.
+# How far the curvature of a fold extends to either side, object radii. About two pixels of the eye's working image
+# (0.017 radii each at the default distance), so that no fold falls between pixels.
 CREASE_WIDTH = 0.03
 
 
@@ -34,9 +34,14 @@ CREASE_WIDTH = 0.03
 class FaceAdjacency:
     """Pairs of faces that share an edge.
 
-    `faces` (e, 2), int64, are the two faces, and `edges` (e, 2), int64, the number of the shared
-    edge within each, 0 to 2; edge k runs from corner k to corner k + 1. `aligned` (e,) says whether
-    the two are wound alike, as they run along the edge in opposite directions.
+    Attributes
+    ----------
+    faces : ndarray of shape (e, 2), int64
+        Indices of the two faces.
+    edges : ndarray of shape (e, 2), int64
+        Index of the shared edge in each of the two faces, 0 to 2. Edge k runs from corner k to corner k + 1.
+    aligned : ndarray of shape (e,), bool
+        Whether both faces have the same winding: they run along the edge in opposite directions.
     """
 
     faces: IntArray
@@ -46,13 +51,22 @@ class FaceAdjacency:
 
 @dataclass(frozen=True)
 class SurfaceShape:
-    """Normals and curvature of a surface, ready to be looked up at any point of it; float64.
+    """Normals and curvature of a surface, which can be evaluated at any point of the surface; float64.
 
-    `corner_normals` (f, 3, 3) are unit, on the side of the face's winding, and `corner_curvature` (f, 3)
-    the curvedness of the smooth surface, per object radius. `crease_angles` (f, 3) are the folds along
-    each edge, radians, and `crease_scales` (f, 3) the density of their curvature on the edge. `heights`
-    (f, 3) are the distances of each edge from the corner across, and `crease_width` is how far a
-    fold's curvature reaches to either side, object radii.
+    Attributes
+    ----------
+    corner_normals : ndarray of shape (f, 3, 3)
+        Unit normals at the corners of each face, on the side of the winding of the face.
+    corner_curvature : ndarray of shape (f, 3)
+        Curvedness of the smooth surface at the corners, per object radius.
+    crease_angles : ndarray of shape (f, 3)
+        Fold angle along each edge, radians; 0 where the surface is smooth.
+    crease_scales : ndarray of shape (f, 3)
+        Density of the fold's curvature on each edge, per object radius.
+    heights : ndarray of shape (f, 3)
+        Distance of each edge from the opposite corner, object radii.
+    crease_width : float
+        How far the curvature of a fold extends to either side, object radii.
     """
 
     corner_normals: FloatArray
@@ -64,22 +78,22 @@ class SurfaceShape:
 
     @property
     def largest(self) -> float:
-        """The curvedness at which the measure stops, per object radius: that of three folds by a right angle."""
+        """Upper limit of the curvedness, per object radius: about the curvedness of three right-angled folds."""
         return 3.0 / self.crease_width
 
     def normals(self, faces: IntArray, weights: FloatArray) -> FloatArray:
-        """Interpolate unit normals (n, 3), on the side of each face's winding, by barycentric weights (n, 3)."""
+        """Compute unit normals (n, 3) at barycentric weights (n, 3) of faces (n,), on the side of each face's winding."""
         blend = np.einsum("nk,nkd->nd", weights, self.corner_normals.take(faces, axis=0))
         return unit_vectors(blend)
 
     def curvature(self, faces: IntArray, weights: FloatArray) -> FloatArray:
-        """Give the curvedness (n,), folds included, at barycentric weights (n, 3) of faces (n,).
+        """Compute the curvedness (n,) at barycentric weights (n, 3) of faces (n,), folds included.
 
-        It is at least 0, per object radius: 1/R on a sphere of radius R.
+        The unit is 1 / object radius, and the range 0 to `largest`. A sphere of radius R has 1/R.
         """
         smooth = np.einsum("nk,nk->n", weights, self.corner_curvature.take(faces, axis=0))
-        # The corner across edge k is k + 2, and its weight is the distance from the edge
-        # in units of the triangle's height.
+        # Corner k + 2 is opposite to edge k. Its weight is the distance from the edge in
+        # units of the triangle's height.
         distances = weights[:, [2, 0, 1]] * self.heights.take(faces, axis=0)
         reach = np.maximum(1.0 - distances / self.crease_width, 0.0)
         folds = np.einsum("nk,nk->n", reach, self.crease_scales.take(faces, axis=0))
@@ -90,18 +104,18 @@ _MEASURED: WeakKeyDictionary[Surface, SurfaceShape] = WeakKeyDictionary()
 
 
 def shape_of(surface: Surface) -> SurfaceShape:
-    """Give what `measure_shape` gives, measured once for a surface, however often it is looked at."""
+    """Return `measure_shape(surface)`, computed once per surface."""
     if surface not in _MEASURED:
         _MEASURED[surface] = measure_shape(surface)
     return _MEASURED[surface]
 
 
 def measure_shape(surface: Surface, crease_width: float = CREASE_WIDTH) -> SurfaceShape:
-    """Measure the normals and the curvature of a surface.
+    """Compute the normals and the curvature of a surface in object radii.
 
-    Open sheets, loose parts, mixed windings and edges of more than two faces are allowed; a free
-    edge has no curvature across it. Vertices at the same place are taken as one. A sliver, lower than
-    `SMALLEST_HEIGHT`, has the normal of the face across its longest edge, and its folds lie on that edge.
+    Open sheets, loose parts, mixed windings and edges of more than two faces are allowed. A free edge has no curvature
+    across. Vertices at the same position are merged. A sliver, lower than `SMALLEST_HEIGHT`, takes the normal of the
+    face across its longest edge, and its folds are moved to that edge.
     """
     faces = weld_vertices(surface)
     adjacency = face_adjacency(faces)
@@ -137,22 +151,22 @@ def carry_normals(
     Parameters
     ----------
     normals : ndarray of shape (f, 3)
-        Unit normals of the faces; those of slivers are zero.
+        Unit normals of the faces; zero for slivers.
     slivers : ndarray of shape (f,), bool
-        The faces whose normals are rounding.
+        Whether each face is a sliver.
     adjacency : FaceAdjacency
-        The pairs of faces that share an edge.
+        Pairs of faces that share an edge.
     lengths : ndarray of shape (f, 3)
-        The lengths of the edges.
+        Lengths of the edges of each face.
 
     Returns
     -------
     normals : ndarray of shape (f, 3)
-        The normals by each face's winding. A sliver beside slivers only keeps the zero normal.
+        Unit normals on the side of each face's winding. A sliver with only slivers around keeps the zero normal.
     carriers : list of ndarray of shape (m, 3), int64
-        Sliver, the face that gave its normal, and the number of the shared edge in that face. The
-        first array has the slivers beside other faces, the second those beside slivers of the first,
-        and so on.
+        Index of the sliver, index of the face that gave the normal, and index of the shared edge in that face.
+        The first array has slivers beside other faces, the second has slivers beside slivers of the first array, and
+        so on.
     """
     faces = np.concatenate([adjacency.faces, adjacency.faces[:, ::-1]])
     edges = np.concatenate([adjacency.edges, adjacency.edges[:, ::-1]])
@@ -163,8 +177,8 @@ def carry_normals(
     normals = normals.copy()
     carriers: list[IntArray] = []
     while True:
-        known: BoolArray = np.any(normals != 0, axis=1)
-        ready = np.flatnonzero(~known[sliver] & known[face])
+        has_normal: BoolArray = np.any(normals != 0, axis=1)
+        ready = np.flatnonzero(~has_normal[sliver] & has_normal[face])
         if not len(ready):
             return normals, carriers
         ready = ready[np.unique(sliver[ready], return_index=True)[1]]
@@ -173,9 +187,10 @@ def carry_normals(
 
 
 def carry_folds(crease_angles: FloatArray, carriers: list[IntArray]) -> FloatArray:
-    """Move the folds of each sliver, crease angles (f, 3) in radians, to the edge of the face that gave its normal.
+    """Return crease angles (f, 3), radians, with the folds of slivers moved to the faces that gave their normals.
 
-    `carriers` are as `carry_normals` returns them. Folds of a sliver beside slivers move on from one to the next.
+    `carriers` is the second result of `carry_normals`. In a row of slivers the folds move from sliver to sliver. The
+    larger fold is kept where two folds meet on an edge.
     """
     crease_angles = crease_angles.copy()
     for sliver, face, edge in (carrier.T for carrier in reversed(carriers)):
@@ -185,21 +200,21 @@ def carry_folds(crease_angles: FloatArray, carriers: list[IntArray]) -> FloatArr
 
 
 def weld_vertices(surface: Surface) -> IntArray:
-    """Give each face's corners (f, 3) numbers by place, so that equal vertices are one.
+    """Return vertex indices (f, 3) of the corners, in which vertices at the same position have one index.
 
-    Places are compared in float32, as meshes are stored.
+    Positions are compared in float32, the precision of stored meshes.
     """
-    # Adding zero makes one of the two signs of zero.
-    places = np.ascontiguousarray(surface.vertices, dtype=np.float32) + np.float32(0.0)
-    keys = places.view(np.dtype((np.void, 12))).reshape(-1)
+    # Adding zero turns -0 into +0: the comparison is by bytes.
+    positions = np.ascontiguousarray(surface.vertices, dtype=np.float32) + np.float32(0.0)
+    keys = positions.view(np.dtype((np.void, 12))).reshape(-1)
     _, index = np.unique(keys, return_inverse=True)
     return index.reshape(-1)[surface.faces].astype(np.int64)
 
 
 def face_adjacency(faces: IntArray) -> FaceAdjacency:
-    """Find the pairs of faces that share an edge, from welded vertex numbers (f, 3).
+    """Find the pairs of faces that share an edge, from vertex indices (f, 3) of `weld_vertices`.
 
-    An edge of m faces gives m - 1 pairs; edges without length give none.
+    An edge of m faces gives m - 1 pairs; an edge without length gives none.
     """
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
     low, high = np.minimum(start, end), np.maximum(start, end)
@@ -215,11 +230,12 @@ def face_adjacency(faces: IntArray) -> FaceAdjacency:
 
 
 def consistent_sides(count: int, adjacency: FaceAdjacency) -> FloatArray:
-    """Find which of `count` faces to flip (-1) so that neighbours have the same winding; 1 is to keep.
+    """Return -1 for faces to flip and 1 for faces to keep, (count,), so that neighbours have the same winding.
 
-    The first face of each part is kept, and so is every face of a one-sided part.
+    The first face of each connected part is kept. In a part without two sides, such as a Möbius strip, all faces are
+    kept.
     """
-    # Each face is two nodes, one for each side; in an orientable part the two sides fall apart.
+    # Each face is two nodes, one per side. In an orientable part the two sides are not connected.
     first, second = adjacency.faces.T
     across = np.where(adjacency.aligned, 0, count)
     rows = np.concatenate([first, first + count])
@@ -232,9 +248,9 @@ def consistent_sides(count: int, adjacency: FaceAdjacency) -> FloatArray:
 
 
 def fold_angles(normals: FloatArray, adjacency: FaceAdjacency) -> FloatArray:
-    """Give the angle (e,) by which the surface turns along each shared edge, from unit normals (f, 3).
+    """Compute the fold angle (e,) across each shared edge from unit normals (f, 3).
 
-    Radians, 0 (flat) to pi (folded back); 0 beside a face without area, whose normal is zero.
+    The unit is radians: 0 is flat, pi is folded back. Beside a face with normal zero the angle is 0.
     """
     first, second = normals[adjacency.faces[:, 0]], normals[adjacency.faces[:, 1]]
     second = np.where(adjacency.aligned[:, None], second, -second)
@@ -243,15 +259,15 @@ def fold_angles(normals: FloatArray, adjacency: FaceAdjacency) -> FloatArray:
 
 
 def corner_groups(faces: IntArray, adjacency: FaceAdjacency, smooth: BoolArray) -> IntArray:
-    """Join the corners around each vertex that no fold parts: the number (f, 3), int64, of each corner's group.
+    """Group the corners around each vertex that no fold separates; return the group (f, 3), int64, of each corner.
 
-    `faces` (f, 3) are welded vertex numbers, and `smooth` (e,) says whether the surface runs on
-    smoothly across each pair.
+    `faces` (f, 3) are the indices of `weld_vertices`. `smooth` (e,) says whether each pair of faces meets without a
+    fold.
     """
     face_pairs, edge_pairs = adjacency.faces[smooth], adjacency.edges[smooth]
     starts = 3 * face_pairs + edge_pairs
     ends = 3 * face_pairs + (edge_pairs + 1) % 3
-    # Faces wound alike run along the edge in opposite directions: start meets end.
+    # Faces of the same winding run along the edge in opposite directions: start meets end.
     opposite = adjacency.aligned[smooth]
     rows = np.concatenate([starts[:, 0], ends[:, 0]])
     columns = np.concatenate(
@@ -264,8 +280,8 @@ def corner_groups(faces: IntArray, adjacency: FaceAdjacency, smooth: BoolArray) 
 
 
 def _components(starts: IntArray, ends: IntArray, count: int) -> IntArray:
-    """Give the number of each node's part, (count,), in a graph of links from starts to ends."""
-    # Parameters import this module, and SciPy's graphs take 0.3 s.
+    """Return the connected component of each of `count` nodes in a graph with edges from starts to ends."""
+    # Imported here: the parameters import this module, and SciPy's graphs take 0.3 s.
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -280,11 +296,26 @@ def smooth_normals(
     signs: FloatArray,
     groups: IntArray,
 ) -> FloatArray:
-    """Average face normals (f, 3) over each corner group, weighted by angle: (f, 3, 3), by each face's winding.
+    """Compute unit normals (f, 3, 3) at the corners: the mean of face normals over each corner group.
 
-    No triangulation of a flat corner changes the weighting (Thürmer & Wüthrich 1998). Slivers (f,) have no
-    weight. `signs` (f,) are -1 for faces wound against their part. The face's own normal stands in
-    where the average vanishes.
+    Parameters
+    ----------
+    surface : Surface
+        The surface, f faces.
+    face_normals : ndarray of shape (f, 3)
+        Unit normals of the faces.
+    slivers : ndarray of shape (f,), bool
+        Faces without weight in the mean.
+    signs : ndarray of shape (f,)
+        -1 for faces to flip, as from `consistent_sides`.
+    groups : ndarray of shape (f, 3), int64
+        Groups of corners, as from `corner_groups`.
+
+    Returns
+    -------
+    ndarray of shape (f, 3, 3)
+        Normals on the side of each face's winding. Weights are the angles at the corner, so that the triangulation of
+        a flat corner has no influence (Thürmer & Wüthrich 1998). Where the mean is zero, the normal of the face.
     """
     angles = np.where(slivers[:, None], 0.0, _corner_angles(surface))
     turned = (signs[:, None] * face_normals)[:, None, :] * angles[:, :, None]
@@ -305,13 +336,24 @@ def smooth_curvature(
     groups: IntArray,
     largest: float,
 ) -> FloatArray:
-    """Give the curvedness (f, 3) of the smooth surface at each corner, 0 to `largest`, per object radius.
+    """Compute the curvedness (f, 3) of the smooth surface at each corner, per object radius.
 
-    Each face's shape operator is the derivative of its interpolated normal (Rusinkiewicz 2004,
-    "Estimating curvatures and their derivatives on triangle meshes"); its curvedness is the root
-    mean square of the principal curvatures (Koenderink & van Doorn 1992), averaged over each corner
-    group by area. Faces whose cross products `crosses` (f, 3) are zero have no weight. The curvedness
-    stops at `largest`.
+    The shape operator of a face is the derivative of its interpolated normal (Rusinkiewicz 2004, "Estimating curvatures
+    and their derivatives on triangle meshes"). Curvedness is the root mean square of the two principal curvatures
+    (Koenderink & van Doorn 1992). The result is the mean over each corner group, weighted by area.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface, f faces, in object radii.
+    crosses : ndarray of shape (f, 3)
+        Cross products of two edges of each face. Faces with zero have no weight.
+    corner_normals : ndarray of shape (f, 3, 3)
+        Unit normals, as from `smooth_normals`.
+    groups : ndarray of shape (f, 3), int64
+        Groups of corners, as from `corner_groups`.
+    largest : float
+        Upper limit of the curvedness of a face.
     """
     double_area = _lengths(crosses)
     solid = double_area > SMALLEST_CROSS
@@ -332,7 +374,7 @@ def smooth_curvature(
 
 
 def _divide(turns: FloatArray, steps: FloatArray) -> FloatArray:
-    """Give the 2 x 2 matrices that take `steps` to `turns`; LAPACK's depend on the processor."""
+    """Compute the 2 x 2 matrices that map `steps` to `turns`, without LAPACK: its bits depend on the processor."""
     first, second, third, fourth = np.moveaxis(steps.reshape(-1, 4), 1, 0)
     inverse = np.stack([fourth, -second, -third, first], axis=1).reshape(-1, 2, 2)
     determinant = first * fourth - second * third
@@ -340,15 +382,15 @@ def _divide(turns: FloatArray, steps: FloatArray) -> FloatArray:
 
 
 def unit_vectors(vectors: FloatArray) -> FloatArray:
-    """Scale vectors along the last axis to length 1; one shorter than rounding becomes zero."""
+    """Scale vectors along the last axis to length 1; vectors not longer than `SMALLEST_CROSS` become zero."""
     lengths = _lengths(vectors)[..., None]
-    # What is divided by infinity is zero.
+    # Short vectors are divided by infinity, which gives zero.
     return vectors / np.where(lengths > SMALLEST_CROSS, lengths, np.inf)
 
 
 def _lengths(vectors: FloatArray) -> FloatArray:
-    """Give the lengths along the last axis; summed one by one, which is faster for so few."""
-    squares: FloatArray = sum(part * part for part in np.moveaxis(vectors, -1, 0))
+    """Compute lengths along the last axis, summed by Python: faster than NumPy for two or three components."""
+    squares: FloatArray = sum(component * component for component in np.moveaxis(vectors, -1, 0))
     return np.sqrt(squares)
 
 
@@ -368,10 +410,10 @@ def _corner_angles(surface: Surface) -> FloatArray:
 
 
 def _crease_scales(angles: FloatArray, heights: FloatArray, width: float) -> FloatArray:
-    # Half of the fold's mean curvature, angle / 2 for each unit of its length, belongs to
-    # either face. The tent max(1 - d / width, 0) over a triangle that narrows from its edge
-    # integrates to `share` for each unit of length, so the whole half lies on the face
-    # however small it is.
+    # A fold has the mean curvature angle / 2 per unit of length; half of it belongs to each
+    # face. The integral of the tent max(1 - d / width, 0) over a triangle that narrows from
+    # its edge is `share` per unit of length. Dividing by `share` puts the whole half on the
+    # face, also on a small face.
     reach = np.minimum(heights, width)
     share = reach - 0.5 * reach**2 * (1.0 / np.maximum(heights, 1e-12) + 1.0 / width)
     share += reach * reach * reach / (3.0 * np.maximum(heights, 1e-12) * width)

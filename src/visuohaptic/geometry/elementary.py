@@ -1,8 +1,8 @@
-"""Elementary functions that give the same bits on every processor.
+"""Compute elementary functions with the same bits on every processor.
 
-NumPy and the C library take other instructions for these on other processors, and their last
-digit differs. Here they are made of additions, multiplications, divisions, and square roots of
-float64, which IEEE 754 rounds in one way only. They are exact to some units of the last place.
+NumPy and the C library choose instructions by processor, so that last digits differ. The functions of this module use
+only additions, multiplications, divisions and square roots of float64, which IEEE 754 rounds in one way. Errors are some
+units in the last place.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 
 from visuohaptic.base.arrays import FloatArray
 
-# Two parts of pi / 2 and of ln 2: the first has so few digits that its multiples are exact.
+# Two addends of pi / 2 and of ln 2: the first has so few digits that its multiples are exact.
 _QUARTER_TURN = (1.5707963267341256, 6.077100506506192e-11)
 _LN_2 = (0.6931471803691238, 1.9082149292705877e-10)
-# The largest terms that are left out are below 1e-17 of the sum.
+# The first omitted term of each series is below 1e-17 of the sum.
 _SINE = [(-1.0) ** k / math.factorial(2 * k + 1) for k in range(10)]
 _COSINE = [(-1.0) ** k / math.factorial(2 * k) for k in range(10)]
 _EXPONENTIAL = [1.0 / math.factorial(k) for k in range(15)]
@@ -28,7 +28,7 @@ _BLOCK = 1 << 13
 
 
 def sin_cos(angles: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Give the sine and the cosine of angles of any shape, radians, of absolute values up to 1e5."""
+    """Compute sine and cosine of angles in radians, of any shape; absolute values up to 1e5."""
     turned = np.asarray(angles, dtype=np.float64)
     quarters = np.rint(turned / (0.5 * math.pi))
     rest = turned - quarters * _QUARTER_TURN[0] - quarters * _QUARTER_TURN[1]
@@ -44,21 +44,21 @@ def sin_cos(angles: ArrayLike) -> tuple[FloatArray, FloatArray]:
 
 
 def tangent(angle: float) -> float:
-    """Give the tangent of an angle in radians."""
+    """Compute the tangent of an angle in radians."""
     sine, cosine = sin_cos(angle)
     return float(sine / cosine)
 
 
 def arc_tangent(across: ArrayLike, along: ArrayLike) -> FloatArray:
-    """Give the angle of points of a half plane from its axis: radians, 0 to pi, and 0 at the origin.
+    """Compute the angle between points (along, across) and the axis `along`: radians, 0 to pi; 0 at the origin.
 
-    The shapes of the coordinates broadcast, and `across` is at least 0.
+    Shapes broadcast. `across` must be at least 0, as in ``np.arctan2(across, along)``.
     """
     return _by_blocks(_arc_tangent, across, along)
 
 
 def exponential(values: ArrayLike) -> FloatArray:
-    """Give e to the power of values, -700 to 700, of any shape."""
+    """Compute e to the power of values of any shape; values of -700 to 700."""
     power = np.asarray(values, dtype=np.float64)
     doublings = np.rint(power / _LN_2[0])
     rest = power - doublings * _LN_2[0] - doublings * _LN_2[1]
@@ -66,7 +66,7 @@ def exponential(values: ArrayLike) -> FloatArray:
 
 
 def logarithm(values: ArrayLike) -> FloatArray:
-    """Give the natural logarithm of positive values of any shape."""
+    """Compute the natural logarithm of positive values of any shape."""
     fraction, doublings = np.frexp(np.asarray(values, dtype=np.float64))
     small = fraction < math.sqrt(0.5)
     fraction = np.where(small, 2.0 * fraction, fraction)
@@ -77,18 +77,18 @@ def logarithm(values: ArrayLike) -> FloatArray:
 
 
 def power(values: ArrayLike, exponent: float) -> FloatArray:
-    """Raise values of at least 0, of any shape, to a positive exponent."""
+    """Compute the power of values of at least 0, of any shape, with a positive exponent."""
     return _by_blocks(lambda base: _power(base, exponent), values)
 
 
 def _by_blocks(function: Callable[..., FloatArray], *values: ArrayLike) -> FloatArray:
-    """Apply a function value by value, so many at a time that its arrays stay within the cache."""
-    arrays = np.broadcast_arrays(*(np.asarray(one, dtype=np.float64) for one in values))
+    """Apply a function element by element, in blocks, so that its arrays fit into the processor's cache."""
+    arrays = np.broadcast_arrays(*(np.asarray(value, dtype=np.float64) for value in values))
     flat = [array.reshape(-1) for array in arrays]
     result = np.empty(arrays[0].size)
     for start in range(0, len(result), _BLOCK):
-        part = slice(start, start + _BLOCK)
-        result[part] = function(*(one[part] for one in flat))
+        block = slice(start, start + _BLOCK)
+        result[block] = function(*(array[block] for array in flat))
     return result.reshape(arrays[0].shape)
 
 
@@ -102,20 +102,20 @@ def _arc_tangent(across: FloatArray, along: FloatArray) -> FloatArray:
     width = np.abs(along)
     longer = np.maximum(across, width)
     longer[longer == 0.0] = 1.0
-    part = np.minimum(across, width)
-    part /= longer
-    # The tangents of half the angle and of a quarter of it.
+    ratio = np.minimum(across, width)
+    ratio /= longer
+    # The tangent of half of the angle, then of a quarter.
     for _ in range(2):
-        part /= 1.0 + np.sqrt(1.0 + part * part)
-    angle = _series(_ARC_TANGENT, part * part)
-    angle *= 4.0 * part
+        ratio /= 1.0 + np.sqrt(1.0 + ratio * ratio)
+    angle = _series(_ARC_TANGENT, ratio * ratio)
+    angle *= 4.0 * ratio
     np.subtract(0.5 * math.pi, angle, out=angle, where=across > width)
     np.subtract(math.pi, angle, out=angle, where=along < 0.0)
     return angle
 
 
 def _series(coefficients: Sequence[float], values: FloatArray) -> FloatArray:
-    """Sum a power series by Horner's rule."""
+    """Compute a power series by Horner's rule."""
     total = np.full_like(values, coefficients[-1])
     for coefficient in reversed(coefficients[:-1]):
         total *= values

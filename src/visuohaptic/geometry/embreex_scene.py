@@ -1,4 +1,4 @@
-"""Embree's answers in float32 through embreex, which gives the first face of a ray alone; NumPy gives the rest."""
+"""Cast rays in float32 by Embree through embreex, which finds only first hits; NumPy computes the rest."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.overlaps import in_parts
 from visuohaptic.geometry.vectors import dot
 
-# Pairs of a ray or a point and a face that are compared at once, for the memory that they take.
+# Pairs of a ray or point and a face that are compared at once; limits the memory.
 _PAIRS = 1 << 18
 
 
@@ -22,7 +22,7 @@ class EmbreexScene:
     def __init__(self, corners: FloatArray, faces: IntArray) -> None:
         self._triangles = corners[faces]
         self._scene = EmbreeScene(robust=True)
-        # The scene reads these as long as it lives.
+        # The scene reads these arrays as long as it exists.
         self._mesh = TriangleMesh(
             self._scene,
             np.ascontiguousarray(corners, dtype=np.float32),
@@ -30,43 +30,43 @@ class EmbreexScene:
         )
 
     def first_faces(self, rays: Rays) -> FirstFaces:
-        """Give the face that each ray meets first, and where on it."""
-        origins, directions = (np.ascontiguousarray(part) for part in np.hsplit(rays, 2))
+        """Return the first face that each ray hits, and the position on the face."""
+        origins, directions = (np.ascontiguousarray(half) for half in np.hsplit(rays, 2))
         answer = self._scene.run(origins, directions, output=True)
         return answer["primID"].astype(np.int64), answer["u"], answer["v"]
 
     def crossings(self, rays: Rays) -> Crossings:
-        """Give every face that each ray meets; all faces are tried for a ray that meets one."""
-        met = np.flatnonzero(self.first_faces(rays)[0] >= 0)
-        found = [(met[:0], met[:0])]
-        for part in in_parts(met, np.full(len(met), len(self._triangles)), _PAIRS):
-            which, faces = np.nonzero(_meets(self._triangles, rays[part].astype(np.float64)))
-            found.append((part[which], faces))
-        rays_met, faces_met = zip(*found, strict=True)
-        return np.concatenate(rays_met), np.concatenate(faces_met)
+        """Return all hits of rays; rays with a first hit are compared with all faces."""
+        hitting = np.flatnonzero(self.first_faces(rays)[0] >= 0)
+        hits = [(hitting[:0], hitting[:0])]
+        for block in in_parts(hitting, np.full(len(hitting), len(self._triangles)), _PAIRS):
+            rows, faces = np.nonzero(_meets(self._triangles, rays[block].astype(np.float64)))
+            hits.append((block[rows], faces))
+        ray_indices, face_indices = zip(*hits, strict=True)
+        return np.concatenate(ray_indices), np.concatenate(face_indices)
 
     def count_crossings(self, rays: Rays) -> IntArray:
-        """Count the faces that each ray meets."""
+        """Count the faces that each ray hits."""
         return np.bincount(self.crossings(rays)[0], minlength=len(rays))
 
     def nearest_faces(self, points: FloatArray) -> IntArray:
-        """Give the face nearest to each point; all faces are tried."""
+        """Return the face nearest to each point, compared with all faces."""
         nearest = [np.zeros(0, np.int64)]
-        for part in in_parts(
+        for block in in_parts(
             np.arange(len(points)), np.full(len(points), len(self._triangles)), _PAIRS
         ):
-            pairs = (len(part), len(self._triangles), 3)
-            asked = np.broadcast_to(points[part, None], pairs).reshape(-1, 3)
-            apart = nearest_on(np.tile(self._triangles, (len(part), 1, 1)), asked) - asked
-            nearest.append(dot(apart, apart).reshape(pairs[:2]).argmin(axis=1))
+            pairs = (len(block), len(self._triangles), 3)
+            repeated = np.broadcast_to(points[block, None], pairs).reshape(-1, 3)
+            offsets = nearest_on(np.tile(self._triangles, (len(block), 1, 1)), repeated) - repeated
+            nearest.append(dot(offsets, offsets).reshape(pairs[:2]).argmin(axis=1))
         return np.concatenate(nearest)
 
 
 def _meets(triangles: FloatArray, rays: FloatArray) -> BoolArray:
-    """Whether each of n rays meets each of f triangles, shape (n, f), bool; in its plane it does not."""
+    """Return whether each of n rays hits each of f triangles, (n, f), bool; rays in the plane of a triangle do not."""
     origins, directions = np.split(rays[:, None], 2, axis=-1)
     edges = np.roll(triangles, -1, axis=1) - triangles
-    # The side of an edge on which a ray passes: direction · (corner - origin) × edge.
+    # The sign of direction · (corner - origin) × edge is the side on which a ray passes the edge.
     moments = np.cross(triangles, edges)
     turned = np.cross(origins, directions)
     sides = [

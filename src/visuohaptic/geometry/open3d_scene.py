@@ -1,4 +1,4 @@
-"""Embree's answers in float32 through Open3D."""
+"""Cast rays in float32 by Embree through Open3D."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Open3DScene:
         )
 
     def first_faces(self, rays: Rays) -> FirstFaces:
-        """Give the face that each ray meets first, and where on it."""
+        """Return the first face that each ray hits, and the position on the face."""
         answer = self._scene.cast_rays(self._tensor(rays))
         faces = answer["primitive_ids"].numpy()
         missed = faces == self._miss
@@ -32,20 +32,22 @@ class Open3DScene:
         return faces, second, third
 
     def crossings(self, rays: Rays) -> Crossings:
-        """Give every face that each ray meets."""
-        if not len(rays):  # Open3D would end the process
+        """Return all hits of rays, as ray indices and face indices."""
+        if not len(rays):  # Open3D ends the process for no rays
             return np.zeros(0, np.int64), np.zeros(0, np.int64)
-        found = self._scene.list_intersections(self._tensor(rays))
-        ray, face = (found[name].numpy().astype(np.int64) for name in ("ray_ids", "primitive_ids"))
-        return ray, face
+        answer = self._scene.list_intersections(self._tensor(rays))
+        rays_hit, faces_hit = (
+            answer[name].numpy().astype(np.int64) for name in ("ray_ids", "primitive_ids")
+        )
+        return rays_hit, faces_hit
 
     def count_crossings(self, rays: Rays) -> IntArray:
-        """Count the faces that each ray meets."""
+        """Count the faces that each ray hits."""
         counts: IntArray = self._scene.count_intersections(self._tensor(rays)).numpy()
         return counts
 
     def nearest_faces(self, points: FloatArray) -> IntArray:
-        """Give the face nearest to each point."""
+        """Return the face nearest to each point."""
         answer = self._scene.compute_closest_points(self._tensor(points.astype(np.float32)))
         faces: IntArray = answer["primitive_ids"].numpy().astype(np.int64)
         return faces

@@ -1,4 +1,4 @@
-"""Which side of a surface is outside."""
+"""Turn normals of a surface to the outside."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ _STAND_OFF = 1e-5
 
 
 def orient_outwards(caster: RayCaster, points: FloatArray, normals: FloatArray) -> FloatArray:
-    """Turn unit normals (n, 3) at points (n, 3) of the surface to the side from which a sensor can come.
+    """Return unit normals (n, 3) at points (n, 3) of the surface, turned to the side from which a sensor can approach.
 
-    The side with the longer free way is outside. Where both ways end, as in a gap, a side that lies
-    in no solid, by the winding of the faces that its ray crosses, is outside if the other lies in
-    one. Where both are equally free (a single sheet), it is the side away from the object's centre.
+    Rays along both directions of the normal decide. The direction with the longer free path is outside. If both rays
+    hit the surface, as in a gap, winding numbers decide: a side outside of all solids wins against a side inside a
+    solid. If both paths are equal, as on a single sheet, outside is away from the origin, the object's centre.
     """
     facing_away = np.einsum("ij,ij->i", points, normals) >= 0
     normals = np.where(facing_away[:, None], normals, -normals)
     before, behind = points + _STAND_OFF * normals, points - _STAND_OFF * normals
-    outside = caster.first_hits(before, normals).distance
-    inside = caster.first_hits(behind, -normals).distance
-    turned = inside > outside
-    # What lies across a gap may be nearer than the far side of the solid behind the point.
-    shut = np.flatnonzero(np.isfinite(outside) & np.isfinite(inside))
-    free = caster.winding_numbers(before[shut], normals[shut]) == 0
-    free_behind = caster.winding_numbers(behind[shut], -normals[shut]) == 0
-    turned[shut] = np.where(free == free_behind, turned[shut], free_behind)
-    return np.where(turned[:, None], -normals, normals)
+    distance_before = caster.first_hits(before, normals).distance
+    distance_behind = caster.first_hits(behind, -normals).distance
+    is_turned = distance_behind > distance_before
+    # Across a gap, the opposite wall may be nearer than the far side of the solid behind the point.
+    blocked = np.flatnonzero(np.isfinite(distance_before) & np.isfinite(distance_behind))
+    free_before = caster.winding_numbers(before[blocked], normals[blocked]) == 0
+    free_behind = caster.winding_numbers(behind[blocked], -normals[blocked]) == 0
+    is_turned[blocked] = np.where(free_before == free_behind, is_turned[blocked], free_behind)
+    return np.where(is_turned[:, None], -normals, normals)

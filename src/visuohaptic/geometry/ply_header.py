@@ -1,4 +1,4 @@
-"""What a PLY file says of itself, before anything of it is believed."""
+"""Read and check the header of a PLY file before any row is read."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 LONGEST = 1 << 16
-"""Bytes of the longest header that is looked at."""
+"""Length of the longest header that is read, bytes."""
 
 _SIZES = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
@@ -20,7 +20,19 @@ _END_OF_OLD_MAC = re.compile(rb"\rend_header[ \t]*(?:\r|$)")
 
 @dataclass(frozen=True)
 class PlyHeader:
-    """A header of `length` bytes: whether text follows, how many rows of all elements, and their least bytes."""
+    """A PLY header.
+
+    Attributes
+    ----------
+    ascii : bool
+        Whether rows are text.
+    rows : int
+        Rows of all elements together.
+    least_bytes : int
+        Smallest number of bytes that the rows can take.
+    length : int
+        Length of the header, bytes.
+    """
 
     ascii: bool
     rows: int
@@ -29,8 +41,11 @@ class PlyHeader:
 
 
 def read_ply_header(start: bytes) -> PlyHeader:
-    """Read a header from a file's first `LONGEST` bytes; raises `ValueError` if it is none."""
-    # Where lines end in a carriage return only, a line feed behind the header is data.
+    """Read the header from the first `LONGEST` bytes of a file.
+
+    Raises `ValueError` if the bytes hold no complete header, or the header has a count that is no number.
+    """
+    # If lines end in a carriage return only, a line feed after the header is data.
     old_mac = start[3:4] == b"\r" and start[4:5] != b"\n"
     end = (_END_OF_OLD_MAC if old_mac else _END).search(start)
     if not start.startswith(b"ply") or end is None:
@@ -55,8 +70,8 @@ def read_ply_header(start: bytes) -> PlyHeader:
 
 
 def check_ply_size(header: PlyHeader, size: int) -> None:
-    """Refuse, by `ValueError`, a file of fewer bytes, unpacked, than its header says."""
-    # The last line of a text may lack its end.
+    """Raise `ValueError` if a file of `size` bytes (unpacked) is shorter than its header claims."""
+    # The last line of a text may have no line end.
     if header.least_bytes > size - header.length + 1:
         raise ValueError(
             f"its header claims {header.rows} rows, which take {header.least_bytes} bytes at least, "
@@ -66,12 +81,12 @@ def check_ply_size(header: PlyHeader, size: int) -> None:
 
 def _count(words: list[str]) -> int:
     if len(words) != 3 or not words[2].isdecimal() or len(words[2]) > 18:
-        raise ValueError(f"{' '.join(words)[:80]!r} counts nothing")
+        raise ValueError(f"{' '.join(words)[:80]!r} has no count; 'element NAME COUNT' is needed")
     return int(words[2])
 
 
 def _property_bytes(words: list[str], text: bool) -> int:  # noqa: FBT001
-    """Give the fewest bytes of a property; a number and what follows it take two as text."""
+    """Return the smallest number of bytes of a property; as text, a digit and a separator."""
     if text:
         return 2
     if words[1:2] != ["list"]:

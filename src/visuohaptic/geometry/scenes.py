@@ -1,7 +1,7 @@
-"""What casts rays in float32: Embree through Open3D or embreex; `raycasting.RayCaster` settles what that leaves open.
+"""The packages that cast rays in float32: Embree through Open3D or through embreex.
 
-What float32 may take wrongly is found again in float64, so nearly always the same bits come out of both;
-docs/decisions.md says how often not.
+`raycasting.RayCaster` computes doubtful hits again in float64, so that both packages nearly always give the same bits;
+docs/decisions.md says how often they differ.
 """
 
 from __future__ import annotations
@@ -30,15 +30,18 @@ SCENES: Mapping[str, Callable[[FloatArray, IntArray], Scene]] = {
     "open3d": _open3d_scene,
     "embreex": _embreex_scene,
 }
-"""Packages that cast rays; the first that is installed does, unless another one is asked for."""
+"""Packages that cast rays; the first installed package is used, unless the caller chooses."""
 
 
 def installed_package() -> str:
-    """Name the package that casts rays; raises `MissingPackageError` if there is none."""
+    """Return the name of the first installed package of `SCENES`.
+
+    Raises `MissingPackageError` if none is installed.
+    """
     for package in SCENES:
         if find_spec(package) is not None:
             return package
     raise MissingPackageError(
-        "Neither open3d nor embreex is installed, and one of them must cast the rays; "
-        "`pip install embreex` or `pip install 'visuohaptic[open3d]'` brings one."
+        "Neither open3d nor embreex is installed; one of them is needed to cast rays: "
+        "`pip install embreex` or `pip install 'visuohaptic[open3d]'`."
     )

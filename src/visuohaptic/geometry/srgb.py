@@ -1,4 +1,4 @@
-"""Colours as they are stored (sRGB, IEC 61966-2-1) and as light."""
+"""Convert colours between sRGB (IEC 61966-2-1) and linear light."""
 
 from __future__ import annotations
 
@@ -10,36 +10,36 @@ from visuohaptic.geometry.elementary import power
 
 _POWER = 2.4
 _OFFSET = 0.055
-# Dark colours are on a line: its slope, and where it ends, as stored and as light.
+# Dark colours lie on a line: its slope, and its end in sRGB and in linear light.
 _SLOPE = 12.92
 _DARK = 0.04045
 _DARK_LIGHT = 0.0031308
 
 
 def encode_srgb(linear: FloatArray) -> FloatArray:
-    """Encode linear light, 0 to 1, as sRGB."""
+    """Convert linear light, 0 to 1, of any shape to sRGB, 0 to 1."""
     bright = (1.0 + _OFFSET) * power(linear, 1 / _POWER) - _OFFSET
     return np.where(linear <= _DARK_LIGHT, _SLOPE * linear, bright)
 
 
 def decode_srgb(encoded: FloatArray) -> FloatArray:
-    """Decode sRGB to linear light, 0 to 1."""
+    """Convert sRGB, 0 to 1, of any shape to linear light, 0 to 1."""
     bright = power((encoded + _OFFSET) / (1.0 + _OFFSET), _POWER)
     return np.where(encoded <= _DARK, encoded / _SLOPE, bright)
 
 
 def encode_bytes(linear: FloatArray) -> NDArray[np.uint8]:
-    """Encode linear light, 0 to 1, as the nearest of the 256 values of sRGB."""
+    """Convert linear light, 0 to 1, of any shape to the nearest sRGB byte, 0 to 255."""
     return np.searchsorted(_BETWEEN_BYTES, linear, side="right").astype(np.uint8)
 
 
 def dim_srgb(encoded: FloatArray, irradiance: FloatArray) -> FloatArray:
-    """Give sRGB colours (n, 3), 0 to 1, of surfaces in less than full light: of its share (n,), 0 to 1.
+    """Compute sRGB colours (n, 3), 0 to 1, under a share (n,), 0 to 1, of full light.
 
-    In full light they are exactly what was given.
+    Full light returns the same bits as `encoded`.
     """
     share = irradiance[:, None]
-    # The power that decodes is the inverse of the one that encodes, so the light needs one alone.
+    # Decoding is the inverse power of encoding, so only the share needs a power.
     dimmed = (encoded + _OFFSET) * power(share, 1 / _POWER) - _OFFSET
     dark = np.minimum(encoded, dimmed) <= _DARK
     light = decode_srgb(encoded[dark]) * np.broadcast_to(share, dark.shape)[dark]

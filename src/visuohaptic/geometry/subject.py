@@ -1,4 +1,4 @@
-"""An object of the experiment, as the phases take it."""
+"""An object of the experiment, the input of every phase."""
 
 from __future__ import annotations
 
@@ -15,9 +15,16 @@ from visuohaptic.geometry.turning import turn_surface
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """An object, `class/name`, and the viewpoints from which it is looked at.
+    """An object and the viewpoints from which it is seen.
 
-    `find_caster` gives its surface, prepared for rays.
+    Attributes
+    ----------
+    key : str
+        `class/name` of the object.
+    find_caster : callable
+        Returns the surface of the object, ready for ray casting; called when `caster` is first used.
+    viewpoints : sequence of int
+        Indices of the viewpoints.
     """
 
     key: str
@@ -32,7 +39,10 @@ class Subject:
         viewpoints: Sequence[int] = (),
         rotation: FloatArray | None = None,
     ) -> Subject:
-        """Take the object of a mesh file, turned by a rotation (3, 3) if given; read when a phase needs it."""
+        """Return the subject of a mesh file, rotated by `rotation` (3, 3) if not None.
+
+        The file is read when `caster` is first used.
+        """
 
         def find_caster() -> RayCaster:
             surface = read_surface(mesh)
@@ -42,11 +52,11 @@ class Subject:
 
     @cached_property
     def caster(self) -> RayCaster:
-        """The object's surface, prepared for rays."""
+        """Surface of the object, ready for ray casting."""
         return self.find_caster()
 
     def blocks(self, size: int) -> Iterator[Subject]:
-        """Divide the viewpoints into blocks of at most so many."""
+        """Yield subjects with at most `size` of the viewpoints each; all share one `caster`."""
         for start in range(0, len(self.viewpoints), size):
-            some = self.viewpoints[start : start + size]
-            yield replace(self, find_caster=lambda: self.caster, viewpoints=some)
+            viewpoints = self.viewpoints[start : start + size]
+            yield replace(self, find_caster=lambda: self.caster, viewpoints=viewpoints)

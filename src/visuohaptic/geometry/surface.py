@@ -1,4 +1,4 @@
-"""A triangle surface with colours, as every phase after the meshes takes it, and its file."""
+"""A triangle surface with colours, and its file; every phase after the meshes starts from it."""
 
 from __future__ import annotations
 
@@ -30,21 +30,30 @@ _NOTE = "note: "
 _LONGEST_HEADER = 1 << 14  # bytes
 
 _CHANNELS = ("red", "green", "blue")
-_PLACES = ("u0", "v0", "u1", "v1", "u2", "v2")
+_COORDINATES = ("u0", "v0", "u1", "v1", "u2", "v2")
 _COLOUR = [(name, "u1") for name in _CHANNELS]
 _IMAGE = [("width", "<i4"), ("height", "<i4"), ("wrap_u", "u1"), ("wrap_v", "u1")]
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A triangle mesh with colours and images on its faces; it is equal to itself alone.
+    """A triangle mesh with colours and images on its faces. Surfaces are compared by identity.
 
-    `vertices` (v, 3), float64, are right-handed, y up; in the object frame the bounding sphere's
-    centre is the origin and its radius 1. `faces` (f, 3), int64, are rows of them. `face_colours`
-    (f, 3), uint8, are sRGB; of a face that has an image, the mean. `texture` is None where no face
-    has an image. `notes` are sentences that a user should read about the file that it came from, such
-    as that an image was missing. `up_axis` is the axis that the file says points up, where it says so
-    and the surface is not turned yet.
+    Attributes
+    ----------
+    vertices : ndarray of shape (v, 3), float64
+        Right-handed coordinates, y up. In the object frame the bounding sphere has its centre at the origin and
+        radius 1.
+    faces : ndarray of shape (f, 3), int64
+        Indices of vertices.
+    face_colours : ndarray of shape (f, 3), uint8
+        sRGB colour of each face; the mean colour for a face with an image.
+    texture : Texture, optional
+        None if no face has an image.
+    notes : tuple of str
+        Sentences for the user about the file of the surface, such as that an image was missing.
+    up_axis : {"x", "y", "z"}, optional
+        Axis that points up according to the file; None if the file has no such axis or the surface has been turned.
     """
 
     vertices: FloatArray
@@ -58,7 +67,7 @@ class Surface:
         return f"<Surface: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
 
     def stored_colours(self) -> NDArray[np.uint8]:
-        """Give the colours of all faces and of all images, shape (n, 3)."""
+        """Return the colours of all faces and of all texels, shape (n, 3)."""
         if self.texture is None:
             return self.face_colours
         return np.concatenate([self.face_colours, self.texture.texels()])
@@ -81,36 +90,36 @@ class Surface:
 
     @cached_property
     def centroid(self) -> FloatArray:
-        """Mean of the surface's points, shape (3,)."""
+        """Mean of all points of the surface, weighted by area, shape (3,)."""
         return np.average(self.triangles.mean(axis=1), axis=0, weights=self.face_areas)
 
     @cached_property
     def face_normals(self) -> FloatArray:
-        """Unit normal of each face by its winding, shape (f, 3); zero for a face without area."""
+        """Unit normal of each face on the side of its winding, shape (f, 3); zero for a face without area."""
         crosses = self.face_crosses
         lengths = np.linalg.norm(crosses, axis=1, keepdims=True)
         return np.divide(crosses, lengths, out=np.zeros_like(crosses), where=lengths > 0)
 
 
 def as_stored(surface: Surface) -> Surface:
-    """Round a surface's vertices to the float32 numbers that its file would hold."""
+    """Return a surface with vertices rounded to float32, the precision of its file."""
     vertices = surface.vertices.astype(np.float32).astype(np.float64)
     return replace(surface, vertices=vertices)
 
 
 def write_set_aside(path: str | Path, reason: str) -> None:
-    """Write an empty surface, with the reason, in place of a model that can't be used."""
+    """Write an empty surface with the reason, one sentence, in place of a model that can't be used."""
     empty = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.uint8))
     _write(empty, path, [f"{_SET_ASIDE}{json.dumps(reason)}"])
 
 
 def set_aside_reason(path: str | Path) -> str | None:
-    """Give the sentence why an object was set aside; None for an object that takes part."""
+    """Return why the object of a mesh file was set aside; None for an object that takes part."""
     return next(_sentences(path, _SET_ASIDE), None)
 
 
 def notes_of(path: str | Path) -> list[str]:
-    """Read the notes of the surface in a mesh file, without the surface."""
+    """Read only the notes of a mesh file."""
     return list(_sentences(path, _NOTE))
 
 
@@ -124,7 +133,7 @@ def _sentences(path: str | Path, kind: str) -> Iterator[str]:
 
 
 def object_of(mesh: str | Path) -> str:
-    """Name the object, `class/name`, of a mesh file ``<class>/<name>.ply``."""
+    """Return the key `class/name` of a mesh file ``<class>/<name>.ply``."""
     mesh = Path(mesh)
     return f"{mesh.parent.name}/{mesh.stem}"
 
@@ -132,23 +141,27 @@ def object_of(mesh: str | Path) -> str:
 def meshes_in(
     folders: Iterable[str | Path], objects: Collection[str] | None = None
 ) -> dict[str, Path]:
-    """Find the mesh file of each object, `class/name`, in the folders of blocks; only of `objects` if given."""
-    files = (file for folder in folders for file in Path(folder).glob("*/*.ply"))
-    found = {object_of(file): file for file in files}
-    return {key: found[key] for key in sorted(found) if objects is None or key in objects}
+    """Return the mesh file of each object by key `class/name`, sorted.
+
+    Files are looked for in `folders`, as ``<folder>/<class>/<name>.ply``. If `objects` is not None, only these keys are
+    returned.
+    """
+    paths = (file for folder in folders for file in Path(folder).glob("*/*.ply"))
+    files = {object_of(path): path for path in paths}
+    return {key: files[key] for key in sorted(files) if objects is None or key in objects}
 
 
 def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:
-    """List the mesh files of objects that take part, in the given order."""
+    """Return the mesh files of objects that were not set aside, in the order of `paths`."""
     return [path for path in map(Path, paths) if set_aside_reason(path) is None]
 
 
 def write_surface(surface: Surface, path: str | Path) -> None:
-    """Write a surface as binary PLY, gzipped where the name ends in ``.gz``; its folder is made where missing.
+    """Write a surface as binary PLY, compressed with gzip if the name ends in ``.gz``. Missing folders are made.
 
-    Vertices are stored as float32, the precision of the ray caster. Each face has the number of its
-    image and its corners' places there, and elements `image` and `texel` follow, which other
-    programs pass over. Notes are comments of the header. The bytes depend only on the surface.
+    Vertices are stored as float32, the precision of the ray caster. With a texture, each face has the index of its
+    image and the texture coordinates of its corners. Elements `image` and `texel`, which other programs ignore, follow.
+    Notes are comments of the header. The bytes depend only on the surface.
     """
     _write(surface, path, [f"{_NOTE}{json.dumps(note)}" for note in surface.notes])
 
@@ -170,21 +183,21 @@ def _write(surface: Surface, path: str | Path, comments: list[str]) -> None:
         for name, rows in {"vertex": vertex, "face": face, **images}.items()
     ]
     header = PlyData(elements, byte_order="<", comments=comments).header
-    # The library writes lists one by one; lists of one length are an array, each after its length.
+    # plyfile writes lists one by one. All lists have three indices, so that one array holds all faces.
     lists = np.zeros(len(face), dtype=[("length", "u1"), ("face", face.dtype)])
     lists["length"], lists["face"] = 3, face
-    rows = (vertex, lists, *images.values())
-    data = f"{header}\n".encode() + b"".join(one.tobytes() for one in rows)
+    blocks = (vertex, lists, *images.values())
+    data = f"{header}\n".encode() + b"".join(block.tobytes() for block in blocks)
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(gzip.compress(data, 9, mtime=0) if path.suffix == ".gz" else data)
 
 
 def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
-    """Read a surface that `write_surface` wrote; float32 holds its vertices exactly.
+    """Read a surface that `write_surface` wrote.
 
-    Raises `MeshError` if the file is no coloured triangle mesh, holds less than its header says, or
-    unpacks to more than `largest_megabytes`, of 10⁶ bytes.
+    Raises `MeshError` if the file is no coloured triangle mesh, is shorter than its header claims, or unpacks to more
+    than `largest_megabytes`, in 10⁶ bytes.
     """
     try:
         with _plain_file(Path(path), largest_megabytes) as stream:
@@ -199,60 +212,64 @@ def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
         raise MeshError(
             f"{path} is no coloured triangle mesh of this workflow: {error}."
         ) from error
-    notes = [json.loads(one[len(_NOTE) :]) for one in data.comments if one.startswith(_NOTE)]
+    notes = [
+        json.loads(comment[len(_NOTE) :]) for comment in data.comments if comment.startswith(_NOTE)
+    ]
     return Surface(vertices, faces, colours, texture, tuple(notes))
 
 
 def _face_columns(texture: Texture | None) -> list[tuple[str, str]]:
-    return [] if texture is None else [("image", "<i4"), *((name, "<f4") for name in _PLACES)]
+    return [] if texture is None else [("image", "<i4"), *((name, "<f4") for name in _COORDINATES)]
 
 
 def _image_elements(texture: Texture, face: NDArray[Any]) -> dict[str, NDArray[Any]]:
-    """Fill in the faces' columns, and give the rows of the elements that hold the images."""
+    """Fill the texture columns of `face`, and return the rows of the elements `image` and `texel`."""
     face["image"] = texture.image
-    for place, name in enumerate(_PLACES):
-        face[name] = texture.corners.reshape(-1, 6)[:, place]
-    image = np.array(
+    for column, name in enumerate(_COORDINATES):
+        face[name] = texture.corners.reshape(-1, 6)[:, column]
+    rows = np.array(
         [
-            (*one.shape[1::-1], *wraps)
-            for one, wraps in zip(texture.images, texture.wraps, strict=True)
+            (*image.shape[1::-1], *wraps)
+            for image, wraps in zip(texture.images, texture.wraps, strict=True)
         ],
         dtype=_IMAGE,
     )
-    return {"image": image, "texel": texture.texels().view(_COLOUR)[:, 0]}
+    return {"image": rows, "texel": texture.texels().view(_COLOUR)[:, 0]}
 
 
 def _read_texture(data: Any) -> Texture:
-    """Give the images of a file; raises `ValueError` if they are none that `write_surface` writes."""
+    """Read the texture of a file; raise `ValueError` if `write_surface` can't have written it."""
     face, image, texel = data["face"], data["image"], data["texel"]
     sizes = np.column_stack([image[name] for name in ("height", "width")]).astype(np.int64)
     wraps = np.column_stack([image[name] for name in ("wrap_u", "wrap_v")]).astype(np.uint8)
     numbers = np.asarray(face["image"], dtype=np.int32)
-    corners = np.column_stack([face[name] for name in _PLACES]).astype(np.float32)
+    corners = np.column_stack([face[name] for name in _COORDINATES]).astype(np.float32)
     texels = np.column_stack([texel[name] for name in _CHANNELS]).astype(np.uint8)
     if numbers.min(initial=0) < NO_IMAGE or numbers.max(initial=NO_IMAGE) >= len(sizes):
-        raise ValueError(f"a face has an image that is none of the {len(sizes)}")
+        raise ValueError(f"a face has an image index outside of {NO_IMAGE} to {len(sizes) - 1}")
     if wraps.max(initial=0) >= len(WRAPS) or not np.isfinite(corners).all():
-        raise ValueError("a place in an image, or how it goes on there, is no number that is known")
+        raise ValueError(f"a texture coordinate is not finite, or a wrap is above {len(WRAPS) - 1}")
     ends = np.cumsum(sizes.prod(axis=1))[:-1]
     images = tuple(
-        part.reshape(*size, 3) for part, size in zip(np.split(texels, ends), sizes, strict=True)
+        block.reshape(*size, 3) for block, size in zip(np.split(texels, ends), sizes, strict=True)
     )
     return Texture(corners.reshape(-1, 3, 2), numbers, images, wraps)
 
 
 def _check_header(stream: BinaryIO) -> None:
-    """Refuse, before any row is read, what `write_surface` can't have written."""
+    """Raise `ValueError`, before any row is read, for a header that `write_surface` can't have written."""
     header = read_ply_header(stream.read(LONGEST))
     if header.ascii:
-        raise ValueError("it is text, and binary is needed; a PLY of your own is read without .gz")
+        raise ValueError(
+            "its rows are text, and binary rows are needed; your own PLY file must not end in .gz"
+        )
     check_ply_size(header, stream.seek(0, io.SEEK_END))
     stream.seek(0)
 
 
 @contextmanager
 def _plain_file(path: Path, largest_megabytes: float) -> Iterator[BinaryIO]:
-    """Open a file, or what it unpacks to: only what lies in a file is read as one array."""
+    """Open a file, or a temporary file with its unpacked content: plyfile reads arrays only from real files."""
     if path.suffix != ".gz":
         with path.open("rb") as plain:
             yield plain
@@ -262,7 +279,7 @@ def _plain_file(path: Path, largest_megabytes: float) -> Iterator[BinaryIO]:
             unpacked.write(block)
             if unpacked.tell() > largest_megabytes * 1e6:
                 raise MeshError(
-                    f"{path} unpacks to more than {largest_megabytes:g} MB, which are allowed "
+                    f"{path} unpacks to more than {largest_megabytes:g} MB; at most so much is allowed "
                     "(meshes.largest_megabytes)."
                 )
         unpacked.seek(0)

@@ -1,4 +1,4 @@
-"""Turning objects into poses that are drawn at random."""
+"""Rotate objects into random poses."""
 
 from __future__ import annotations
 
@@ -15,17 +15,16 @@ from visuohaptic.geometry.surface import Surface, as_stored
 from visuohaptic.geometry.vectors import product
 
 Turns = Literal["none", "vertical", "any"]
-"""How objects are turned: not at all, about the vertical, or in any way."""
+"""How objects are rotated: not at all, about the vertical axis, or about any axis."""
 
 
 def draw_rotation(turns: Turns, key: str, seed: int, draw: int = 0) -> FloatArray:
-    """Draw the rotation of an object.
+    """Return the random rotation of an object.
 
     Parameters
     ----------
     turns : {"none", "vertical", "any"}
-        ``vertical`` draws an angle about y uniformly, ``any`` a rotation uniformly over all rotations
-        (K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992).
+        ``vertical`` draws a uniform angle about y. ``any`` draws uniformly from all rotations (K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992).
     key : str
         The object, ``class/name``.
     seed, draw : int
@@ -34,13 +33,13 @@ def draw_rotation(turns: Turns, key: str, seed: int, draw: int = 0) -> FloatArra
     Returns
     -------
     ndarray of shape (3, 3)
-        Rotates column vectors; the same bits on every processor.
+        Matrix that rotates column vectors; the same bits on every processor.
     """
     if turns == "none":
         return np.eye(3)
     generator = spawn_generator(seed, "turns", turns, key, draw)
     if turns == "vertical":
-        sine, cosine = (float(one) for one in sin_cos(generator.uniform(0.0, 2.0 * math.pi)))
+        sine, cosine = (float(value) for value in sin_cos(generator.uniform(0.0, 2.0 * math.pi)))
         return np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
     share, *angles = generator.uniform(size=3) * [1.0, 2.0 * math.pi, 2.0 * math.pi]
     (sine, other_sine), (cosine, other_cosine) = sin_cos(angles)
@@ -50,16 +49,16 @@ def draw_rotation(turns: Turns, key: str, seed: int, draw: int = 0) -> FloatArra
 
 
 def turn_surface(surface: Surface, rotation: FloatArray) -> Surface:
-    """Turn a prepared surface about the origin by a rotation (3, 3), and round its vertices as its file does.
+    """Rotate a prepared surface about the origin by a matrix (3, 3), and round the vertices to float32.
 
-    Faces that the rounding leaves without area are dropped.
+    The rounding is that of stored meshes. Faces without area after rounding are dropped.
     """
     turned = as_stored(replace(surface, vertices=product(surface.vertices, rotation.T)))
     return take_faces(turned, turned.face_areas > 0)
 
 
 def take_faces(surface: Surface, keep: BoolArray) -> Surface:
-    """Take the faces for which `keep` (f,) is true, and the vertices of these faces."""
+    """Return the faces for which `keep` (f,) is true, with only the vertices of these faces."""
     used, renumbered = np.unique(surface.faces[keep], return_inverse=True)
     return Surface(
         surface.vertices[used],
@@ -71,7 +70,10 @@ def take_faces(surface: Surface, keep: BoolArray) -> Surface:
 
 
 def rotation_matrices(quaternions: FloatArray) -> FloatArray:
-    """Compute the matrices (n, 3, 3) of quaternions (n, 4), x, y, z, w, of any length; zero turns nothing."""
+    """Compute rotation matrices (n, 3, 3) of quaternions (n, 4) in the order x, y, z, w, of any length.
+
+    A quaternion of length 0 gives the identity.
+    """
     lengths = np.linalg.norm(quaternions, axis=1, keepdims=True)
     x, y, z, w = np.divide(
         quaternions, lengths, out=np.tile([0.0, 0, 0, 1], (len(quaternions), 1)), where=lengths > 0

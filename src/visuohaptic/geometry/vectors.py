@@ -1,4 +1,4 @@
-"""Products of vectors whose sums have one order, on every processor and whatever is in the batch."""
+"""Compute products of vectors with a fixed order of sums: the same bits on every processor and in every batch."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from visuohaptic.base.arrays import FloatArray
 
 
 def dot(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Give the dot products of vectors of three, along the last axis; a BLAS may order the sums by the batch."""
+    """Compute dot products of 3-vectors along the last axis: (..., 3) and (..., 3) to (...).
+
+    A BLAS may order the sums by the size of the batch; this function does not.
+    """
     return (
         first[..., 0] * second[..., 0]
         + first[..., 1] * second[..., 1]
@@ -17,6 +20,6 @@ def dot(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def product(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Give the product of matrices, (n, k) and (k, m): of points and frames, never of a size that needs a BLAS."""
-    found: FloatArray = np.einsum("nk,km->nm", first, second)
-    return found
+    """Compute the matrix product of (n, k) and (k, m) without a BLAS; for small k, such as points and frames."""
+    result: FloatArray = np.einsum("nk,km->nm", first, second)
+    return result

@@ -1,4 +1,4 @@
-"""What Ctrl-C does to commands and jobs."""
+"""How Ctrl-C ends commands and jobs."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import sys
 from collections.abc import Callable
 
 STOPPED = 130
-"""Status of a command that the user stopped, as shells have it: 128 + SIGINT."""
+"""Exit status of a command that the user stopped: 128 + SIGINT, as in shells."""
 
 _CLEAR_LINE = "\r\033[K"  # of a progress bar
 
 
 def end_at_interrupt(tidy_up: Callable[[], None]) -> None:
-    """Let Ctrl-C end this process at once, with one line and status `STOPPED`.
+    """Install a handler of Ctrl-C that calls `tidy_up`, prints one line, and ends the process with status `STOPPED`.
 
-    An exception may be swallowed, or printed where nothing can catch it; so there is none.
+    No KeyboardInterrupt is raised: libraries may catch it, and callbacks may print it without stopping.
     """
 
     def end(*_: object) -> None:

@@ -1,4 +1,4 @@
-"""The logs that jobs of a workflow leave: how long each job took."""
+"""Logs of the jobs of a workflow: how long each job took."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ SECONDS = "seconds:"
 
 @dataclass(frozen=True)
 class JobSeconds:
-    """What one job took: `imports` from the process's start to the work, and the `work`, in s."""
+    """Seconds of one job: `imports` from the start of the process to the start of the work, and `work`."""
 
     imports: float
     work: float
 
 
 def read_seconds(log: str | Path) -> JobSeconds | None:
-    """Read from a log what its job took; None where the job did not finish."""
+    """Read the seconds of a job from its log; None if the job did not finish."""
     for line in Path(log).read_text(encoding="utf-8").splitlines():
         if line.startswith(SECONDS):
             _, _, imports, _, work = line.split()

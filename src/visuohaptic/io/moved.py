@@ -1,4 +1,4 @@
-"""Where parameters, commands and targets that went are now: what the errors about old names add."""
+"""New names of parameters, commands and targets that were renamed or removed, for errors about the old names."""
 
 from __future__ import annotations
 
@@ -29,10 +29,13 @@ CONSTANTS = {
     "sensor.penetration_tolerance": "sensor.placing.PENETRATION_TOLERANCE",
     "viewpoints.field_of_view_degrees": "fixations.viewpoints.FIELD_OF_VIEW_DEGREES",
 }
-"""Parameters that are constants of modules of the package."""
+"""Former parameters that are now constants of a module."""
 
 PARAMETERS = {
-    **{name: f"it is now the constant visuohaptic.{place}" for name, place in CONSTANTS.items()},
+    **{
+        name: f"it is now the constant visuohaptic.{constant}"
+        for name, constant in CONSTANTS.items()
+    },
     "attention.terms": "strategy `human` has the terms, with fixed weights",
     "gaze": "it is now `make gaze FOLDER=... PEER=...`, and options of `python -m human_gaze`",
     "recognition.best": "pipeline best is now order_free, with section recognition.order_free and fixed settings",
@@ -44,12 +47,12 @@ PARAMETERS = {
     "viewpoints.first_azimuth_degrees": "it is gone, every ring begins at +z",
     "viewpoints.roll_degrees": "it is gone, all cameras are upright",
 }
-"""Parameters and sections by dotted names."""
+"""Former parameters and sections by dotted name."""
 
 VALUES = {
     ("recognition.order_free.cues", "azimuth_free"): "it is now recognition.frame: vertical",
 }
-"""Values of parameters, by the parameter's dotted name and the value."""
+"""Former values of parameters, by dotted name of the parameter and value."""
 
 COMMANDS = {
     "compare --out": "it is now `compare --csv FILE`",
@@ -59,7 +62,7 @@ COMMANDS = {
     "recognise --budget": "it is now `recognise --viewpoints N`",
     "touch --budget": "it is now `touch --viewpoints N`",
 }
-"""Commands of `visuohaptic` and their options."""
+"""Former commands of `visuohaptic` and their options."""
 
 STUDIES = {
     "certainty": "trust",
@@ -69,7 +72,7 @@ STUDIES = {
     "reading": "variant",
     "readings": "variants",
 }
-"""Words in the names of studies, their rules and their files."""
+"""Former words in the names of studies, of their rules and of their files, with the new words."""
 
 _EXPORT = "it is now `visuohaptic export FOLDER`"
 _GAZE = "it is now `make gaze FOLDER=...`"
@@ -86,20 +89,20 @@ TARGETS = {
     "reports/crate.zip": "docs/sharing.md says how to pack a run as an RO-Crate",
     "results/guards.parquet": _LEAKS,
 }
-"""Rules and files of the workflow, but for those of studies."""
+"""Former rules and files of the workflow, without rules and files of studies."""
 
 FOLDERS = {"plugins/": "plug_ins/"}
-"""Folders for the user's own files."""
+"""Former folders for the user's files, with the new folders."""
 
 
 def unknown_parameter(name: str) -> str:
-    """Say that there is no parameter of a dotted name, and where it is now if it went."""
+    """Return the clause that there is no parameter of this dotted name, and its new place if it was moved."""
     parts = name.split(".")
-    names = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
-    where = next((PARAMETERS[one] for one in names if one in PARAMETERS), None)
-    return f"{name} is no parameter" + (f": {where}" if where else "")
+    prefixes = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
+    new_place = next((PARAMETERS[prefix] for prefix in prefixes if prefix in PARAMETERS), None)
+    return f"{name} is no parameter" + (f": {new_place}" if new_place else "")
 
 
 def moved_value(name: str, value: object) -> str:
-    """Return where a value of the parameter with a dotted name is now; an empty text if the value never was one."""
+    """Return the new place of a former value of the parameter with this dotted name; "" for other values."""
     return VALUES.get((name, value), "") if isinstance(value, str) else ""

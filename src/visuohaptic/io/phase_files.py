@@ -1,6 +1,6 @@
-"""One phase from tables to tables, an object in memory at a time.
+"""Run one phase from table files to table files, with one object in memory at a time.
 
-It imports no phase: a job's script brings its own.
+This module imports no phase, so that editing one phase does not rerun the jobs of the others.
 """
 
 from __future__ import annotations
@@ -33,25 +33,43 @@ def run_phase_on_files(
     outputs: Files,
     viewpoints: Sequence[int] = (),
 ) -> None:
-    """Take the objects of some files through one phase.
+    """Run one phase on every object of the input tables, and write the output tables.
 
-    `work` takes a `Subject`, its rows of each input, and the arguments, of built-in types; it gives an object
-    with a table for each output. `meshes` are files by `class/name`; an object that was set aside has no rows. `viewpoints` are numbers, for a phase that looks.
+    Parameters
+    ----------
+    work : callable
+        ``work(subject, *input_tables, **arguments)`` returns an object with one attribute per output table.
+    arguments : mapping of str to object
+        Arguments of `work` as built-in types; `check_arguments` converts them.
+    meshes : mapping of str to path
+        Mesh file of each object, by `class/name`.
+    inputs, outputs : mapping of str to path
+        Parquet files by table name. With meshes the phase runs on every mesh that was not set aside.
+    viewpoints : sequence of int
+        Indices of the viewpoints, for a phase that looks at the object.
+
+    Raises
+    ------
+    TableError
+        If an input file can't be read, or breaks its schema.
     """
     arguments = check_arguments(work, arguments)
-    parts = {name: [SCHEMAS[name].arrow.empty_table()] for name in outputs}
-    read = {name: read_table(SCHEMAS[name], path) for name, path in inputs.items()}
-    for key, tables in objects_of(read, meshes):
+    tables_of = {name: [SCHEMAS[name].arrow.empty_table()] for name in outputs}
+    tables_read = {name: read_table(SCHEMAS[name], path) for name, path in inputs.items()}
+    for key, tables in objects_of(tables_read, meshes):
         subject = Subject.of_mesh(key, meshes.get(key, ""), viewpoints)
-        found = work(subject, *tables.values(), **arguments)
-        for name, part in parts.items():
-            part.append(getattr(found, name))
+        result = work(subject, *tables.values(), **arguments)
+        for name, blocks in tables_of.items():
+            blocks.append(getattr(result, name))
     for name, path in outputs.items():
-        write_table(SCHEMAS[name], pa.concat_tables(parts[name]), path)
+        write_table(SCHEMAS[name], pa.concat_tables(tables_of[name]), path)
 
 
 def check_arguments(work: Work, arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Turn arguments of built-in types into what the annotations of a function say."""
+    """Convert arguments of built-in types to the types in the annotations of `work`.
+
+    Raises pydantic's ``ValidationError`` if a value does not fit its annotation.
+    """
     return {name: _check(work, name).validate_python(value) for name, value in arguments.items()}
 
 
@@ -61,7 +79,10 @@ def _check(work: Work, name: str) -> TypeAdapter[Any]:
 
 
 def objects_of(tables: Tables, meshes: Files) -> Iterator[tuple[str, Tables]]:
-    """Give each object, `class/name`, and its rows: every mesh that takes part, or without meshes all of the first table."""
+    """Yield each object, `class/name`, with its rows of each table.
+
+    Objects are the meshes that were not set aside. Without meshes the objects are those of the first table.
+    """
     rows = {name: dict(by_object(table)) for name, table in tables.items()}
     if meshes or not tables:
         keys = [key for key, mesh in meshes.items() if not set_aside_reason(mesh)]

@@ -1,8 +1,8 @@
-"""Plug-ins: strategies, policies, channels, effects, classifiers, maps and descriptors of the user's own.
+"""Plug-ins: the user's own strategies, policies, channels, effects, classifiers, maps and descriptors.
 
-A plug-in is Python that calls `register`: a file that ``plugins`` in ``params.yaml`` names, a module
-of an installed package (entry points of the group ``visuohaptic.io.plugins``), or a cell of a
-notebook. It runs with all rights of the user, as any code that the user writes or installs.
+A plug-in is Python code that calls `register`. There are three kinds: a file that ``plugins`` in ``params.yaml`` names,
+a module of an installed package (entry points of the group ``visuohaptic.io.plugins``), and a cell of a notebook.
+A plug-in runs with all rights of the user, as any code that the user writes or installs.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
     from types import CodeType
 
 GROUP = "visuohaptic.io.plugins"
-"""The entry points of installed plug-ins: each names a module."""
+"""Group of the entry points of installed plug-ins; each entry point names a module."""
 
-GIVEN = "VISUOHAPTIC_PLUGINS"
-"""The variable of the environment by which a process hands its plug-ins to those that it starts."""
+ENVIRONMENT_VARIABLE = "VISUOHAPTIC_PLUGINS"
+"""Environment variable that tells child processes which plug-ins to load."""
 
-# By name: a job that loads a plug-in imports the registries that this registers with, and no others.
+# By import path: a job imports only the registries in which its plug-ins register entries.
 _KINDS = {
     "Strategy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
     "Policy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
@@ -44,43 +44,51 @@ _KINDS = {
     "Map": ("visuohaptic.recognition.maps", "MAPS.add"),
     "Classifier": ("visuohaptic.recognition.classifiers", "CLASSIFIERS.add"),
 }
-"""What holds the entries of each class, and adds one."""
+"""Module and function that add an entry of each class."""
 
 
 @dataclass(frozen=True)
 class PlugIn:
-    """A plug-in that was loaded; `source` is its file, as an absolute path, or its module.
+    """A plug-in that was loaded.
 
-    `homes` are the modules that hold what it registered, `package` the installed one that brings it, if any.
+    Attributes
+    ----------
+    source : str
+        Absolute path of the file, or name of the module.
+    registries : frozenset of str
+        Modules of the registries in which the plug-in registered entries.
+    package : str, optional
+        Installed package of the plug-in; None for a file.
     """
 
     source: str
-    homes: frozenset[str]
+    registries: frozenset[str]
     package: str | None = None
 
     @property
     def file(self) -> Path | None:
-        """Its file, if it is no installed module."""
+        """File of the plug-in; None for a module of an installed package."""
         return None if self.package else Path(self.source)
 
 
 _loaded: dict[str, PlugIn] = {}
-_at_work: list[tuple[str, set[str]]] = []
+_loading_now: list[tuple[str, set[str]]] = []
+"""Sources that are being loaded, innermost last, with the modules of their registries so far."""
 
 
 def register(entry: object) -> None:
-    """Add an entry of your own, which parameters can name from then on.
+    """Register an entry, so that parameters can name it.
 
     Parameters
     ----------
     entry : Strategy, Policy, LearningPolicy, Channel, Effect, Descriptor, Map or Classifier
-        The entry. Its name must be free; registering it again from the same file, or in the same
-        session, replaces it. Parameters that were made before do not know it.
+        The entry. Its name must be free; registering the same name again from the same file, or in the same
+        session, replaces the entry. Parameters that were read before do not allow the name.
 
     Raises
     ------
     RegistryError
-        If its name is taken or can't be one, or it is of another class.
+        If the name is taken or has other characters than a to z and _, or the entry is of another class.
 
     Examples
     --------
@@ -88,51 +96,57 @@ def register(entry: object) -> None:
     >>> import visuohaptic as vh
     >>> vh.register(vh.Classifier.of("extra_trees", ExtraTreesClassifier(random_state=0)))
     """
-    home, add = _home_of(entry)
-    source, homes = _at_work[-1] if _at_work else ("this session", set())
-    attrgetter(add)(importlib.import_module(home))(entry, source)
-    homes.add(home)
-    # Their schema holds a copy of those that they are made of.
+    registry, add = _registry_of(entry)
+    source, registries = _loading_now[-1] if _loading_now else ("this session", set())
+    attrgetter(add)(importlib.import_module(registry))(entry, source)
+    registries.add(registry)
+    # pydantic caches the schema with the old names, so rebuild it.
     parameters = sys.modules.get("visuohaptic.parameters")
     if parameters is not None and hasattr(parameters, "ExperimentParameters"):
         parameters.ExperimentParameters.model_rebuild(force=True)
 
 
 def load_files(files: object, folder: str | Path = ".") -> None:
-    """Run the files of plug-ins that ``plugins`` names, below a folder, each once in a process.
+    """Run the files of plug-ins, paths relative to `folder`; a file runs only once per process.
 
-    Raises `PlugInError` if they are no list, or one is missing, fails, or registers nothing.
+    `files` is the value of ``plugins`` in ``params.yaml``. Raises `PlugInError` if `files` is no list, or a file is
+    missing, fails or registers nothing.
     """
     if isinstance(files, str) or not isinstance(files, Sequence):
-        raise PlugInError(f"plugins is {files!r}; a list of files of Python is needed.")
+        raise PlugInError(f"plugins is {files!r}; a list of Python files is needed.")
     for file in files:
-        path = os.path.abspath(os.path.join(folder, str(file)))  # noqa: PTH100, PTH118 - links stay
+        path = os.path.abspath(os.path.join(folder, str(file)))  # noqa: PTH100, PTH118 - does not resolve links
         if path not in _loaded:
             _load_file(path, str(file))
 
 
 @cache
 def load_installed() -> None:
-    """Import the plug-ins of installed packages, once; a process that was handed its plug-ins has them."""
-    for one in () if GIVEN in os.environ else entry_points(group=GROUP):
-        if one.module not in _loaded:
-            _import_module(one.module, one.dist.name if one.dist else one.module)
+    """Import the plug-ins of installed packages, once per process.
+
+    A child process imports none here: `load_from_environment` has loaded the plug-ins of its parent.
+    """
+    if ENVIRONMENT_VARIABLE in os.environ:
+        return
+    for entry in entry_points(group=GROUP):
+        if entry.module not in _loaded:
+            _import_module(entry.module, entry.dist.name if entry.dist else entry.module)
 
 
 def loaded() -> tuple[PlugIn, ...]:
-    """Give the plug-ins that were loaded in this process."""
+    """Return the plug-ins that were loaded in this process, in order."""
     return tuple(_loaded.values())
 
 
-def hand_on() -> None:
-    """Let the processes that this one starts load the same plug-ins when they import visuohaptic."""
-    os.environ[GIVEN] = os.pathsep.join(_loaded)
+def load_in_child_processes() -> None:
+    """Make child processes load the plug-ins of this process when they import visuohaptic."""
+    os.environ[ENVIRONMENT_VARIABLE] = os.pathsep.join(_loaded)
 
 
-def load_given() -> None:
-    """Load what another process handed on, or end this one with a sentence, as no caller is there yet."""
+def load_from_environment() -> None:
+    """Load the plug-ins of the parent process; if one fails, print the error and exit, because no caller exists yet."""
     try:
-        for source in filter(None, os.environ[GIVEN].split(os.pathsep)):
+        for source in filter(None, os.environ[ENVIRONMENT_VARIABLE].split(os.pathsep)):
             if Path(source).is_absolute():
                 load_files([source])
             elif source not in _loaded:
@@ -141,10 +155,10 @@ def load_given() -> None:
         sys.exit(f"error: {error}")
 
 
-def _home_of(entry: object) -> tuple[str, str]:
-    for one in type(entry).__mro__:
-        if one.__name__ in _KINDS and one.__module__.startswith("visuohaptic."):
-            return _KINDS[one.__name__]
+def _registry_of(entry: object) -> tuple[str, str]:
+    for kind in type(entry).__mro__:
+        if kind.__name__ in _KINDS and kind.__module__.startswith("visuohaptic."):
+            return _KINDS[kind.__name__]
     raise PlugInError(
         f"{type(entry).__name__} can't be registered; an entry of {', '.join(_KINDS)} is needed."
     )
@@ -152,47 +166,47 @@ def _home_of(entry: object) -> tuple[str, str]:
 
 @contextmanager
 def _loading(source: str, name: str, package: str | None = None) -> Iterator[None]:
-    """Note what is registered, and turn whatever fails into one sentence."""
-    homes: set[str] = set()
-    _at_work.append((source, homes))
+    """Record the registries that a plug-in uses, and raise `PlugInError` in place of any error."""
+    registries: set[str] = set()
+    _loading_now.append((source, registries))
     try:
         yield
     except VisuohapticError as error:
         raise PlugInError(f"plug-in {name}: {error}") from error
     except Exception as error:
-        said = " ".join(str(error).split())
+        reason = " ".join(str(error).split())
         raise PlugInError(
-            f"plug-in {name} can't be loaded: {type(error).__name__}: {said}."
+            f"plug-in {name} can't be loaded: {type(error).__name__}: {reason}."
         ) from error
     finally:
-        _at_work.pop()
-    if not homes:
+        _loading_now.pop()
+    if not registries:
         raise PlugInError(f"plug-in {name} registers nothing; it must call visuohaptic.register.")
-    _loaded[source] = PlugIn(source, frozenset(homes), package)
+    _loaded[source] = PlugIn(source, frozenset(registries), package)
 
 
-class _Unkept(SourceFileLoader):
-    """Compiles a file each time: kept bytecode goes by times, and an edit within a second has none."""
+class _UncachedLoader(SourceFileLoader):
+    """Compiles a file at each load: cached bytecode is compared by seconds, and would miss a second edit in a second."""
 
     def get_code(self, fullname: str) -> CodeType:  # noqa: ARG002 - the import system's hook
-        """Compile what the file holds now."""
+        """Compile the current content of the file."""
         return self.source_to_code(self.get_data(self.path), self.path)
 
 
 def _load_file(path: str, name: str) -> None:
     if not Path(path).is_file():
-        moved = [
+        new_folders = [
             f"; folder {old} is now {new}" for old, new in FOLDERS.items() if name.startswith(old)
         ]
         raise PlugInError(
-            f"plugins names {name}, which is not there{''.join(moved)}; a file of Python is needed."
+            f"plugins names {name}, which is not there{''.join(new_folders)}; a Python file is needed."
         )
     with _loading(path, name):
         module = f"visuohaptic_plug_in_{len(_loaded)}_{Path(path).stem}"
-        spec = spec_from_file_location(module, path, loader=_Unkept(module, path))
+        spec = spec_from_file_location(module, path, loader=_UncachedLoader(module, path))
         if spec is None or spec.loader is None:
             raise ImportError(path)
-        # Data classes and pickles look it up there.
+        # Data classes and pickle look the module up in sys.modules.
         sys.modules[module] = module_from_spec(spec)
         spec.loader.exec_module(sys.modules[module])
 

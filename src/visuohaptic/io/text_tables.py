@@ -1,9 +1,9 @@
-"""Tables of numbers as text, as programs and spreadsheets of any locale write them.
+"""Read tables of numbers as text, as programs and spreadsheets of any locale write them.
 
-Encoding, separator, header and decimal sign are decided once, and every row is held to the decision: a
-decimal comma never becomes a separator, and an empty cell never shifts a row. pyarrow splits rows and parses
-numbers, but has no way to find the separator and the decimal sign. `pandas.read_csv(sep=None)` and
-`csv.Sniffer` guess both, and read ``0,1 0,2 0,3`` as four columns.
+Encoding, separator, header and decimal sign are decided once per file, and every row must follow. A decimal comma never
+becomes a separator, and an empty cell never shifts a row. pyarrow splits rows and parses numbers, but can't detect the
+separator and the decimal sign. `pandas.read_csv(sep=None)` and `csv.Sniffer` guess both, and read ``0,1 0,2 0,3`` as
+four columns.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from visuohaptic.base.errors import TableError
 MOST_COLUMNS = 1000
 MOST_COMMENTS = 100_000
 
-# UTF-32's mark begins as UTF-16's does.
+# UTF-32 before UTF-16: the little-endian mark of UTF-32 begins with that of UTF-16.
 _ENCODINGS = {
     codecs.BOM_UTF8: "utf-8-sig",
     codecs.BOM_UTF32_LE: "utf-32",
@@ -35,7 +35,7 @@ _ENCODINGS = {
     codecs.BOM_UTF16_BE: "utf-16",
 }
 _SEPARATORS = (";", "\t", "|", ",", " ")
-# Stands in no text file, so that each line is one cell.
+# A character that no text file holds, so that each line is one cell.
 _NO_SEPARATOR = "\x1f"
 _COMMENT_SIGNS = ("#", "%", "//")
 _BLANKS = " \v\f\u00a0"
@@ -50,10 +50,18 @@ _ADVICE = "; if its commas are decimal signs, write points, or ; between the col
 
 @dataclass(frozen=True, eq=False)
 class TextTable:
-    """Cells of a table, as text.
+    """A table of text cells.
 
-    `source` names the file in errors. `names` are those of the header, () without a header. `columns` hold
-    the cells of one column each, `lines` (n,) the line of each row in the file, from 1.
+    Attributes
+    ----------
+    source : str
+        Name of the file, for errors.
+    names : tuple of str
+        Names in the header; () without a header.
+    columns : tuple of pyarrow.ChunkedArray
+        Cells of each column, as text.
+    lines : ndarray of shape (n,)
+        Line of each row in the file, from 1.
     """
 
     source: str
@@ -62,25 +70,28 @@ class TextTable:
     lines: IntArray
 
     def numbers(self, chosen: Sequence[int]) -> FloatArray:
-        """Return the columns of some indices as finite numbers, shape (n, k), float64.
+        """Return the columns with the indices `chosen` as finite numbers, shape (n, k), float64.
 
-        Raises `TableError`, which names line and column, if a cell holds no finite number, or a comma may
-        be a decimal sign or a thousands separator.
+        Raises `TableError`, which names line and column, if a cell holds no finite number, or if a comma may be either
+        a decimal sign or a thousands separator.
         """
         cells = {index: pc.replace_substring(self.columns[index], "−", "-") for index in chosen}
         with_comma = {index: pc.match_substring(column, ",") for index, column in cells.items()}
         if any(pc.any(column).as_py() for column in with_comma.values()):
             self._check_commas(cells, with_comma)
-            cells = {index: pc.replace_substring(part, ",", ".") for index, part in cells.items()}
-        found = [self._parsed(index, cells[index]) for index in chosen]
-        return np.stack(found, axis=1) if found else np.empty((len(self.lines), 0))
+            cells = {
+                index: pc.replace_substring(column, ",", ".") for index, column in cells.items()
+            }
+        if not chosen:
+            return np.empty((len(self.lines), 0))
+        return np.stack([self._parsed(index, cells[index]) for index in chosen], axis=1)
 
     def place(self, row: int, column: int | None = None) -> str:
-        """Say where a row, or a cell of it, is: ``poses.csv, line 3, column x``."""
-        place = f"{self.source}, line {self.lines[row]}"
+        """Return the position of a row or cell in the file, for errors: ``poses.csv, line 3, column x``."""
+        line = f"{self.source}, line {self.lines[row]}"
         if column is None:
-            return place
-        return f"{place}, column {self.names[column] if self.names else column + 1}"
+            return line
+        return f"{line}, column {self.names[column] if self.names else column + 1}"
 
     def _parsed(self, index: int, cells: pa.ChunkedArray) -> FloatArray:
         try:
@@ -88,10 +99,10 @@ class TextTable:
         except pa.ArrowInvalid:
             texts = self.columns[index].to_pylist()
             row = next(row for row, text in enumerate(texts) if not _is_number(text))
-            raise self._refused(row, index, "a number is needed") from None
-        endless = np.flatnonzero(~np.isfinite(values))
-        if len(endless):
-            raise self._refused(int(endless[0]), index, "a finite number is needed")
+            raise self._error(row, index, "a number is needed") from None
+        infinite = np.flatnonzero(~np.isfinite(values))
+        if len(infinite):
+            raise self._error(int(infinite[0]), index, "a finite number is needed")
         return values
 
     def _check_commas(
@@ -100,18 +111,18 @@ class TextTable:
         index, rows = next(item for item in with_comma.items() if pc.any(item[1]).as_py())
         row = pc.index(rows, value=True).as_py()
         if not _is_number(self.columns[index][row].as_py()):
-            raise self._refused(row, index, f"a number {_PLAIN} is needed")
+            raise self._error(row, index, f"a number {_PLAIN} is needed")
         if any(pc.any(pc.match_substring(column, ".")).as_py() for column in cells.values()):
-            raise self._refused(row, index, f"other cells have points; numbers {_PLAIN} are needed")
+            raise self._error(row, index, f"other cells have points; numbers {_PLAIN} are needed")
         without_thousands = (
-            pc.and_not(rows, pc.match_substring_regex(cells[one], _THOUSANDS))
-            for one, rows in with_comma.items()
+            pc.and_not(rows, pc.match_substring_regex(cells[column], _THOUSANDS))
+            for column, rows in with_comma.items()
         )
         if not any(pc.any(column).as_py() for column in without_thousands):
-            reason = "its comma may be a decimal sign or part thousands; write decimal points"
-            raise self._refused(row, index, reason)
+            reason = "its comma may be a decimal sign or separate thousands; write decimal points"
+            raise self._error(row, index, reason)
 
-    def _refused(self, row: int, index: int, reason: str) -> TableError:
+    def _error(self, row: int, index: int, reason: str) -> TableError:
         text = self.columns[index][row].as_py()
         return TableError(f"{self.place(row, index)} is {_short(text)}: {reason}.")
 
@@ -123,34 +134,34 @@ def read_text_table(
     widths: Collection[int] = (),
     header: Collection[str] = (),
 ) -> TextTable:
-    """Read a table of text: a line per row, with or without a header.
+    """Read a table from the bytes of a text file: one row per line, with or without a header.
 
     Parameters
     ----------
     data : bytes
-        The file: UTF-8, or with a byte order mark UTF-16 or UTF-32. Other bytes count as Latin-1, as no
-        number has such. Empty lines, and those that begin with #, % or //, are no rows.
+        Content of the file: UTF-8, or UTF-16 or UTF-32 with a byte order mark. Other bytes are read as Latin-1.
+        Empty lines and lines that begin with #, % or // are skipped.
     source : str
-        The file's name, for errors.
+        Name of the file, for errors.
     most_rows : int
-        More rows are refused.
+        Largest number of rows that is allowed.
     widths : collection of int
-        The numbers of columns that a table without a header may have.
+        Numbers of columns that a table without a header may have.
     header : collection of str
-        A comment right above the first row is its header if it has as many names as the row has cells, and
-        these among them.
+        Lower-case names that mark a comment as a header. A comment right above the first row is the header if it has
+        all these names, and as many names as the row has cells.
 
     Returns
     -------
     TextTable
-        Cells without quotes and blanks at their ends. Columns are parted by semicolons, tabs, bars, commas
-        or blanks, whichever the first row has; blanks count as separators only where nothing else does.
+        Cells without quotes and without blanks at their ends. The separator is the first of semicolon, tab, bar,
+        comma and blank that the first row has.
 
     Raises
     ------
     TableError
-        If it is no text, has no or too many rows, a row has another number of cells than the first, or its
-        commas may be decimal signs or separators.
+        If the file is no text, or has no rows, too many rows or too many columns. Also if a row has another number of
+        cells than the first row, or if commas may be either decimal signs or separators.
     """
     lines = _split_lines(_decoded(data, source), source, most_rows)
     rows = [(number, line) for number, line in lines if not _is_comment(line)]
@@ -158,7 +169,7 @@ def read_text_table(
     if rows and re.fullmatch("sep=.", rows[0][1], re.IGNORECASE):  # Excel's own line
         separator = rows.pop(0)[1][-1]
     if not rows:
-        raise TableError(f"{source} holds no rows; a line of numbers is needed.")
+        raise TableError(f"{source} holds no rows; at least one line of numbers is needed.")
     names: list[str] = []
     if _is_header(rows[0][1], separator):
         names, separator = _read_header(rows, separator, source)
@@ -177,22 +188,24 @@ def _decoded(data: bytes, source: str) -> str:
     except UnicodeDecodeError as error:
         if encoding != "utf-8":
             raise TableError(
-                f"{source} begins with the mark of {encoding.upper()}, and byte {error.start} is none "
-                "of it; save it as UTF-8."
+                f"{source} begins with the byte order mark of {encoding.upper()}, but byte {error.start} is invalid "
+                "there; save the file as UTF-8."
             ) from None
         text = data.decode("latin-1")
     if "\0" in text:
         raise TableError(
-            f"{source} holds zero bytes, so it is no text, or UTF-16 without a byte order mark; save it as UTF-8."
+            f"{source} holds zero bytes: it is no text, or UTF-16 without a byte order mark; save it as UTF-8."
         )
     return text
 
 
 def _split_lines(text: str, source: str, most_rows: int) -> list[tuple[int, str]]:
-    """Return the lines that are not empty, with their numbers from 1."""
+    """Return (number from 1, line) of each line that is not empty."""
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if text.count("\n") > 2 * most_rows + MOST_COMMENTS:
-        raise TableError(f"{source} has more than {most_rows:,} rows, which is the most.")
+        raise TableError(
+            f"{source} has more than {most_rows:,} rows; at most {most_rows:,} are allowed."
+        )
     return [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
 
 
@@ -203,7 +216,7 @@ def _is_comment(line: str) -> bool:
 def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
         line = " ".join(line.split())
-    # A cell as long as the line is within the limits of the file.
+    # A cell may be as long as its line; the size of the file is limited elsewhere.
     csv.field_size_limit(max(csv.field_size_limit(), len(line) + 1))
     (cells,) = csv.reader([line], delimiter=separator, skipinitialspace=True)
     return [cell.strip() for cell in cells]
@@ -214,37 +227,40 @@ def _is_number(text: str) -> bool:
 
 
 def _is_header(line: str, separator: str | None) -> bool:
-    """Whether a line has names: some text, and no number in any cell."""
+    """Return whether a line is a header: no cell is a number."""
     return not any(map(_is_number, _cells(line.strip(), separator or _first_separator(line))))
 
 
 def _first_separator(line: str) -> str:
     bare = _unquoted(line)
-    return next((one for one in _SEPARATORS if one in bare), _NO_SEPARATOR)
+    return next((separator for separator in _SEPARATORS if separator in bare), _NO_SEPARATOR)
 
 
 def _unquoted(line: str) -> str:
-    """Return a line with a word in place of each cell in quotes."""
+    """Return a line with each cell in quotes replaced by a word."""
     return re.sub(r'"[^"]*"', "quoted", line).strip()
 
 
 def _read_header(
     rows: list[tuple[int, str]], separator: str | None, source: str
 ) -> tuple[list[str], str]:
-    """Return the names, and the separator by which the first row has as many cells as there are names."""
-    (number, line), *others = rows[:2]
-    if not others:
+    """Return the names, and the separator that divides the first row into as many cells as there are names."""
+    number, line = rows[0]
+    if len(rows) == 1:
         raise TableError(f"{source} has a header in line {number} and no row of numbers below.")
-    row_number, row = others[0]
-    for one in [separator] if separator else _SEPARATORS:
-        names, cells = _cells(line, one), _cells(row, one)
+    row_number, row = rows[1]
+    for candidate in [separator] if separator else _SEPARATORS:
+        names, cells = _cells(line, candidate), _cells(row, candidate)
         if len(names) == len(cells) > 1:
-            # Above decimal commas, commas and blanks may part the names.
-            return [name.rstrip(",") for name in names] if one == " " else names, one
-        # Programs end rows with a separator that the header lacks.
+            if candidate == " ":
+                # Above rows of decimal commas, names may be separated by a comma and a blank.
+                names = [name.rstrip(",") for name in names]
+            return names, candidate
+        # Some programs end rows, but not the header, with a separator.
         if len(names) + 1 == len(cells) > 2 and not cells[-1]:
-            return [*names, ""], one
-    if not any(one in f"{line.strip()}{row.strip()}" for one in ";\t|") and "," not in line:
+            return [*names, ""], candidate
+    both = f"{line.strip()}{row.strip()}"
+    if "," not in line and not any(candidate in both for candidate in ";\t|"):
         return [line.strip()], _NO_SEPARATOR
     common = separator or _first_separator(line)
     raise TableError(
@@ -254,7 +270,7 @@ def _read_header(
 
 
 def _separator_of_numbers(first: tuple[int, str], source: str, widths: Collection[int]) -> str:
-    """Return what parts the cells of a row of numbers without a header."""
+    """Return the separator of a table without a header, from its first row."""
     number, line = first
     bare = _unquoted(line.split("#")[0])
     for separator in _SEPARATORS[:3]:
@@ -279,7 +295,7 @@ def _separator_of_numbers(first: tuple[int, str], source: str, widths: Collectio
     if widths and len(cells) not in widths:
         return ","
     raise TableError(
-        f"{source}, line {number}: its commas may part {len(cells)} whole numbers, or be decimal signs of "
+        f"{source}, line {number}: its commas may separate {len(cells)} whole numbers, or be decimal signs of "
         f"{len(wholes)} numbers; write decimal points, or ; between the columns."
     )
 
@@ -287,49 +303,51 @@ def _separator_of_numbers(first: tuple[int, str], source: str, widths: Collectio
 def _commented_header(
     lines: list[tuple[int, str]], first: tuple[int, str], separator: str, needed: Collection[str]
 ) -> list[str]:
-    """Return the names of a comment right above the first row, [] if it is none that names columns."""
-    above = [line for number, line in lines if number < first[0]][-1:]
-    for line in above:
-        names = _cells(line.lstrip("#%/ \t"), separator)
-        known = {name.lower() for name in names}
-        if needed and known >= set(needed) and len(names) == len(_cells(first[1], separator)):
-            return names
-    return []
+    """Return the names in the comment right above the first row; [] if the comment is no header."""
+    row_number, row = first
+    above = [line for number, line in lines if number < row_number]
+    if not above or not needed:
+        return []
+    names = _cells(above[-1].lstrip("#%/ \t"), separator)
+    has_needed = {name.lower() for name in names} >= set(needed)
+    return names if has_needed and len(names) == len(_cells(row, separator)) else []
 
 
 def _split_cells(
     rows: list[tuple[int, str]], names: list[str], separator: str, source: str, most_rows: int
 ) -> TextTable:
     if len(rows) > most_rows:
-        raise TableError(f"{source} has more than {most_rows:,} rows, which is the most.")
-    # Below a header, a tab at an end may part an empty cell.
-    ends = _BLANKS if names else None
-    kept = [line.strip(ends) for _, line in rows]
+        raise TableError(
+            f"{source} has more than {most_rows:,} rows; at most {most_rows:,} are allowed."
+        )
+    # Below a header, a tab at the end of a line may separate an empty cell.
+    stripped = _BLANKS if names else None
+    lines = [line.strip(stripped) for _, line in rows]
     if separator == " ":
-        kept = [" ".join(line.split()) for line in kept]
-    width = len(names) or len(_cells(kept[0], separator))
+        lines = [" ".join(line.split()) for line in lines]
+    width = len(names) or len(_cells(lines[0], separator))
     if width > MOST_COLUMNS:
         raise TableError(f"{source} has {width:,} columns; at most {MOST_COLUMNS:,} are allowed.")
-    body = "\n".join([*kept, ""]).encode()
-    wrong: list[InvalidRow] = []
+    body = "\n".join([*lines, ""]).encode()
+    invalid_rows: list[InvalidRow] = []
 
     def keep(row: InvalidRow) -> str:
-        wrong.append(row)
+        invalid_rows.append(row)
         return "skip"
 
     labels = list(map(str, range(width)))
     cells = read_csv(
         io.BytesIO(body),
-        # One block, as a row must not be longer than that; one thread counts the rows.
+        # One block, because a row must fit into a block. One thread, so that rows are counted in order.
         ReadOptions(use_threads=False, column_names=labels, block_size=len(body) + 1),
         ParseOptions(delimiter=separator, invalid_row_handler=keep),
         ConvertOptions(column_types=dict.fromkeys(labels, pa.string()), strings_can_be_null=False),
     )
-    if wrong:
-        row = wrong[0]
+    if invalid_rows:
+        row = invalid_rows[0]
         raise TableError(
-            f"{source}, line {rows[row.number - 1][0]} has {row.actual_columns} cells, and "
-            f"{row.expected_columns} are needed as in {'the header' if names else 'the first row'}{_ADVICE}."
+            f"{source}, line {rows[row.number - 1][0]} has {row.actual_columns} cells; "
+            f"{row.expected_columns} are needed, as in {'the header' if names else 'the first row'}{_ADVICE}."
         )
     columns = [pc.utf8_trim_whitespace(column) for column in cells.columns]
     if (
@@ -337,10 +355,10 @@ def _split_cells(
         and not (names and names[-1])
         and not pc.any(pc.not_equal(columns[-1], "")).as_py()
     ):
-        # Each row ends with a separator.
+        # Every row ends with a separator, which makes an empty last column.
         del columns[-1], names[-1:]
-    lines = np.array([number for number, _ in rows], dtype=np.int64)
-    return TextTable(source, tuple(names), tuple(columns), lines)
+    line_numbers = np.array([number for number, _ in rows], dtype=np.int64)
+    return TextTable(source, tuple(names), tuple(columns), line_numbers)
 
 
 def _short(text: str) -> str:

@@ -1,4 +1,4 @@
-"""YAML that people write: read, and refused where YAML means something else than what is written."""
+"""Read YAML files that people write, and refuse values that YAML 1.1 reads differently than people do."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from visuohaptic.base.errors import ParameterError
 
 LARGEST_BYTES = 5 * 10**6
 MOST_VALUES = 1_000_000
-"""Values of a file, those of aliases counted wherever they stand."""
+"""Values of a file at most; values of an alias count at every use."""
 DEEPEST = 50
 
 
 def read_yaml(path: str | Path) -> Any:
-    """Read a YAML file, checked by `check_spelling`.
+    """Return the content of a YAML file that passes `check_spelling`.
 
-    Raises `ParameterError`, which names the file, if it can't be read.
+    Raises `ParameterError` as `check_spelling` does.
     """
     text = _checked_text(path)
     try:
@@ -31,19 +31,23 @@ def read_yaml(path: str | Path) -> Any:
 
 
 def check_spelling(path: str | Path) -> None:
-    """Refuse a YAML file with values that a parser reads as others than are written, or a name twice.
+    """Check a YAML file for values that YAML 1.1 reads differently than people do, and for repeated names.
 
-    ``yes`` would be a truth value, ``010`` be 8, ``1:30`` be 90, ``1e400`` be infinite, and the last of two
-    equal names would count. Raises `ParameterError`, which gives the line; also if the file can't be
-    read, or is too large with all its aliases.
+    ``yes`` would become true, ``010`` 8, ``1:30`` 90 and ``1e400`` infinity. Of two equal names the last would count.
+
+    Raises
+    ------
+    ParameterError
+        If a value or a name is of this kind; the message has the line. Also if the file can't be read, is larger than
+        `LARGEST_BYTES`, or has more than `MOST_VALUES` values or values more than `DEEPEST` levels deep.
     """
     _checked_text(path)
 
 
-def check_config(given: str) -> None:
-    """Refuse ``section=value``, as Snakemake's ``--config`` takes it, as `check_spelling` does."""
-    section, _, value = given.partition("=")
-    # What is no YAML is text for Snakemake, and refused as the section's value.
+def check_config(setting: str) -> None:
+    """Check a setting ``section=value`` of Snakemake's ``--config`` as `check_spelling` checks files."""
+    section, _, value = setting.partition("=")
+    # Snakemake reads invalid YAML as text; the check of the section refuses the text later.
     with suppress(yaml.YAMLError):
         _Spelling("--config").check(yaml.compose(value, Loader=yaml.SafeLoader), section)
 
@@ -60,7 +64,7 @@ def _checked_text(path: str | Path) -> str:
         _Spelling(str(path)).check(yaml.compose(text, Loader=yaml.SafeLoader))
     except RecursionError:
         raise ParameterError(
-            f"{path} can't be read: values lie more than {DEEPEST} deep."
+            f"{path} can't be read: it has values more than {DEEPEST} levels deep."
         ) from None
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise ParameterError(f"{path} can't be read: {_reason(error)}.") from error
@@ -68,18 +72,18 @@ def _checked_text(path: str | Path) -> str:
 
 
 class _Spelling:
-    """Checks of one file's values; `source` names the file in errors."""
+    """Checks the values of one file; `source` names the file in errors."""
 
     def __init__(self, source: str) -> None:
         self.source = source
         self.values = 0
 
     def check(self, node: Any, above: str = "", depth: int = 0) -> None:
-        """Raise `ParameterError` for a node of the file, and the nodes in it."""
+        """Raise `ParameterError` for a wrong value in a node or in the nodes below; `above` is the dotted name of the node."""
         self.values += 1
         if self.values > MOST_VALUES or depth > DEEPEST:
             raise ParameterError(
-                f"{self.source} has more than {MOST_VALUES:,} values, or values more than {DEEPEST} deep."
+                f"{self.source} has more than {MOST_VALUES:,} values, or values more than {DEEPEST} levels deep."
             )
         kind = getattr(node, "id", None)
         if kind == "scalar":
@@ -100,22 +104,24 @@ class _Spelling:
             self.check(value, name, depth + 1)
 
 
-def _check_scalar(node: Any, place: str) -> None:
-    """Refuse a plain value that YAML 1.1 reads in another way than people do."""
+def _check_scalar(node: Any, position: str) -> None:
+    """Refuse a plain value that YAML 1.1 reads differently than people do; `position` names the value in errors."""
     if node.style is not None:  # in quotes
         return
     text, kind = str(node.value), node.tag.rpartition(":")[2]
     if kind == "bool" and text.lower() not in {"true", "false"}:
         raise ParameterError(
-            f'{place} is {text}, which YAML takes for a truth value; write true or false, or "{text}".'
+            f'{position} is {text}, which YAML reads as a truth value; write true or false, or "{text}".'
         )
     if kind in {"int", "float"} and (":" in text or re.fullmatch(r"[-+]?0[0-9_]+", text)):
         raise ParameterError(
-            f"{place} is {text}, which YAML takes for another number; write it in decimal digits."
+            f"{position} is {text}, which YAML reads as another number; write it in decimal digits."
         )
     with suppress(ValueError):
         if math.isinf(float(text)) and "inf" not in text.lower():
-            raise ParameterError(f"{place} is {text}, which is too large for a number.")
+            raise ParameterError(
+                f"{position} is {text}, which is too large for a number; numbers below 1.8e308 are allowed."
+            )
 
 
 def _reason(error: Exception) -> str:

@@ -2,7 +2,7 @@
 
 import lazy_loader
 
-# Names of parameters are read without scikit-learn, which takes a second to import.
+# Loaded on first use: parameters are read without scikit-learn, which takes a second to import.
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={

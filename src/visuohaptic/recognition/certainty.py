@@ -1,4 +1,4 @@
-"""How sure an answer is: prediction sets, and whether an object is of a class that the model knows.
+"""Compute how sure an answer is: prediction sets, and whether the object belongs to a known class.
 
 Both compare a new object with the training objects. Each training object was classified by a model of the other folds,
 which did not learn it (cross-conformal prediction: V. Vovk, "Cross-conformal predictors", Annals of Mathematics and
@@ -30,14 +30,14 @@ FOLDS = 10
 
 @dataclass(frozen=True)
 class Assessment:
-    """What an answer says beside its probabilities.
+    """How sure an answer is.
 
     Attributes
     ----------
     candidates : ndarray of shape (c,), bool
         The prediction set.
     novelty : float
-        Distance of the object from the nearest training object, see `Reference`.
+        Distance of the object from the nearest training object, as computed by `Reference`.
     strangeness : float
         Share of the training objects with a lower novelty score, in [0, 1].
     unknown : bool
@@ -114,7 +114,7 @@ class Certainty:
         logs : ndarray of shape (c,)
             Log probabilities of the object's classes.
         coverage : float
-            Stated share of objects whose class is in the prediction set.
+            Stated share of objects with their class in the prediction set, in (0, 1).
         """
         index = self._index(len(rows))
         score = self.reference.novelty(rows)
@@ -129,14 +129,15 @@ class Certainty:
 
     def prediction_set(self, logs: FloatArray, views: int, coverage: float) -> BoolArray:
         """Return the classes whose conformal p value is above 1 - coverage: (c,) to (c,)."""
-        known = np.isin(np.arange(len(logs)), self.trained)
-        return known & (self.p_values(logs, views, coverage) > _least_share(coverage))
+        is_trained = np.isin(np.arange(len(logs)), self.trained)
+        return is_trained & (self.p_values(logs, views, coverage) > _least_share(coverage))
 
     def p_values(self, logs: FloatArray, views: int, coverage: float) -> FloatArray:
         """Compute the conformal p value of each class from log probabilities: (c,) to (c,).
 
-        The share of training objects, the new object counted among them, that conform no better to their class. Only
-        objects of the same class are compared where they are enough for the coverage.
+        The p value is the share of training objects that fit their class no better than the new object fits the
+        class; the new object counts as one of them. If a class has enough training objects for the coverage, only these
+        are compared.
         """
         same = self.labels[:, None] == np.arange(len(logs))
         compared = same | (same.sum(axis=0) < least_objects(coverage))
@@ -158,23 +159,27 @@ def fit_certainty(
     owners: IntArray,
     random_state: RandomState = 0,
 ) -> Certainty | None:
-    """Classify every training object whose class has another by models of other objects.
+    """Classify each training object by a model that was fitted without the object.
+
+    Training objects that are the only one of their class are left out.
 
     Parameters
     ----------
     fit : callable
-        ``fit(rows, labels, owners)`` returns a fitted scikit-learn pipeline whose last step classifies.
+        ``fit(rows, labels, owners)`` returns a fitted scikit-learn pipeline with a classifier as the last step.
     final : Pipeline
-        The pipeline that was fitted on all training sequences.
+        Pipeline that was fitted on all training sequences.
     rows : ndarray of shape (s, d)
         Descriptors of the training sequences.
     labels, owners : ndarray of shape (s,)
-        Their classes, numbers from 0, and objects.
+        Class (index from 0) and object of each training sequence.
+    random_state : int, Generator or None
+        Draws the folds.
 
     Returns
     -------
     Certainty or None
-        None if every class has one training object.
+        None if every class has only one training object.
     """
     folds = held_out_folds(labels, owners, FOLDS, random_state)
     if not folds:
@@ -189,11 +194,11 @@ def fit_certainty(
         reference = fit_reference(model[:-1].transform(rows[train]), owners[train])
         for owner in np.unique(owners[held_out]):
             index = int(np.searchsorted(objects, owner))
-            own = np.flatnonzero(owners[held_out] == owner)
-            for place, chosen in enumerate(_views_of(len(own), index)):
-                pooled = pooled_log_probabilities(logs[own], chosen[None])[0]
-                nonconformity[place, index] = 1 - np.exp(pooled[labels[first[index]]])
-                novelty[place, index] = reference.novelty(prepared[own][chosen])
+            views_of_object = np.flatnonzero(owners[held_out] == owner)
+            for number, chosen in enumerate(_views_of(len(views_of_object), index)):
+                pooled = pooled_log_probabilities(logs[views_of_object], chosen[None])[0]
+                nonconformity[number, index] = 1 - np.exp(pooled[labels[first[index]]])
+                novelty[number, index] = reference.novelty(prepared[views_of_object][chosen])
     reference = fit_reference(final[:-1].transform(rows), owners)
     compared = np.isin(objects, owners[np.concatenate([held_out for _, held_out in folds])])
     return Certainty(
@@ -207,9 +212,9 @@ def fit_certainty(
 
 
 def fit_reference(rows: FloatArray, owners: IntArray) -> Reference:
-    """Fit the reference of prepared descriptors (s, d) of training objects (s,).
+    """Fit the reference from prepared descriptors (s, d) of the training objects `owners` (s,).
 
-    With one view per object there is no covariance within objects, and distances are Euclidean.
+    If every object has one view, there is no covariance within objects, and distances are Euclidean.
     """
     _, index = np.unique(owners, return_inverse=True)
     means = np.stack([rows[index == number].mean(axis=0) for number in range(index.max() + 1)])
@@ -222,7 +227,7 @@ def fit_reference(rows: FloatArray, owners: IntArray) -> Reference:
 
 
 def _views_of(total: int, turn: int) -> Sequence[BoolArray]:
-    """Choose one evenly spaced group of each number of views; `turn` chooses among the groups."""
+    """Return one evenly spaced group of views, a mask (total,), per number of views; `turn` selects the group."""
     chosen = []
     for count in VIEWS:
         groups = evenly_spaced_subsets(total, min(count, total))

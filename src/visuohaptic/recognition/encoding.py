@@ -1,4 +1,4 @@
-"""The paper's way from touches to 60 features: scaling, map, wavelet statistics, scaling."""
+"""Encode sequences of touches by 60 features as the paper does: scaling, map, wavelet statistics, scaling."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from visuohaptic.recognition.parameters import RecognitionParameters, Scaling
 from visuohaptic.recognition.sequence_features import sequence_features
 
 ROUNDING = 1e-12
-"""Relative size of rounding errors: 2**-52, some thousand times over for the sums that computed a value."""
+"""Relative size of rounding errors: some thousand times 2**-52, for the sums in a value."""
 
 FEATURES_MADE_OF = 1.0
 """Typical size of the inputs of touch features: imprints in [0, 1], unit normals, object radii."""
@@ -23,13 +23,13 @@ FEATURES_MADE_OF = 1.0
 
 @dataclass(frozen=True)
 class Standardiser:
-    """Shift and scale of k columns. A constant column becomes 0, because its scale is infinite."""
+    """Mean and scale (k,) of k columns. A constant column has an infinite scale, so that it becomes 0."""
 
     mean: FloatArray
     scale: FloatArray
 
     def apply(self, rows: FloatArray) -> FloatArray:
-        """Standardise rows, shape (..., k)."""
+        """Subtract the mean and divide by the scale: (..., k) to (..., k)."""
         return (rows - self.mean) / self.scale
 
     def sizes(self, rows: FloatArray) -> FloatArray:
@@ -50,7 +50,7 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
     Attributes
     ----------
     touch_scaling_, feature_scaling_ : Standardiser
-        Of the features of touches, and of the features of sequences.
+        Scaling of the features of touches, and of the features of sequences.
     reduction_ : object
         The fitted map of `maps.MAPS`.
     """
@@ -66,24 +66,24 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
     def fit(self, X: FloatArray, y: object = None) -> Self:  # noqa: ARG002 - scikit-learn's signature
         """Fit on training sequences (s, t, k).
 
-        Raises `RecognitionError` if no feature varies over the touches, or a setting does not fit.
+        Raises `RecognitionError` if no feature varies over the touches, or if the map can't be fitted.
         """
         touches = X.reshape(-1, X.shape[-1])
         if not np.ptp(touches, axis=0).any():
             raise RecognitionError(
-                "Every feature has one and the same value at all training touches; "
-                "the classes can't be distinguished."
+                "Every feature has the same value at all training touches; at least one "
+                "feature that varies is needed to distinguish classes."
             )
-        own = self._parameters
-        entry = MAPS[own.self_organising_map.output]
+        parameters = self._parameters
+        entry = MAPS[parameters.self_organising_map.output]
         generator = self.random_state or np.random.default_rng(0)
-        self.touch_scaling_ = fit_standardiser(touches, own.touch_scaling, FEATURES_MADE_OF)
+        self.touch_scaling_ = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
         scaled = self.touch_scaling_.apply(touches)
-        self.reduction_: Any = entry.fit(scaled, own.self_organising_map, generator)
-        features = sequence_features(self.reduce(X), own.sequence)
-        # A skewness has no unit: a column of skewnesses near 0 is rounding. Deviation and rms have a unit.
+        self.reduction_: Any = entry.fit(scaled, parameters.self_organising_map, generator)
+        features = sequence_features(self.reduce(X), parameters.sequence)
+        # A skewness has no unit, so that skewnesses near 0 are rounding. Deviation and rms have a unit.
         made_of = np.tile([0.0, 0.0, 1.0], features.shape[1] // 3)
-        self.feature_scaling_ = fit_standardiser(features, own.sequence_scaling, made_of)
+        self.feature_scaling_ = fit_standardiser(features, parameters.sequence_scaling, made_of)
         return self
 
     def transform(self, X: FloatArray) -> FloatArray:
@@ -92,7 +92,7 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         return self.feature_scaling_.apply(features)
 
     def reduce(self, sequences: FloatArray) -> FloatArray:
-        """Reduce each touch to m numbers: (s, t, k) to (s, t, m). Sequences that differ by rounding become constant."""
+        """Reduce each touch to m numbers: (s, t, k) to (s, t, m). Sequences that vary only by rounding become constant."""
         touches = sequences.reshape(-1, sequences.shape[-1])
         entry = MAPS[self._parameters.self_organising_map.output]
         reduced = entry.reduce(self.reduction_, self.touch_scaling_.apply(touches))
@@ -110,10 +110,10 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
 def fit_standardiser(
     rows: FloatArray, scaling: Scaling, made_of: float | FloatArray = 0.0
 ) -> Standardiser:
-    """Fit the mean and standard deviation of columns, shape (n, k); with `none` rows stay as they are.
+    """Fit the mean and standard deviation of columns, shape (n, k); scaling ``none`` changes nothing.
 
-    A column counts as constant if its deviation is rounding noise relative to its largest value, or to `made_of`:
-    the typical size of the inputs of the column.
+    A column counts as constant if its deviation is rounding noise relative to its largest value or to `made_of`, the
+    typical size of the inputs from which the column was computed.
     """
     if scaling == "none":
         return Standardiser(np.zeros(rows.shape[1]), np.ones(rows.shape[1]))
@@ -123,7 +123,7 @@ def fit_standardiser(
 
 
 def _without_rounding(sequences: FloatArray, sizes: FloatArray) -> FloatArray:
-    """Replace sequences that vary by rounding of `sizes` only by their mean, or by 0 if the mean is rounding, too."""
+    """Replace sequences that vary only by rounding of `sizes` by their mean, or by 0 if the mean is rounding, too."""
     noise = ROUNDING * sizes.max(axis=1, keepdims=True)
     middle = sequences.mean(axis=1, keepdims=True)
     middle = np.where(np.abs(middle) > noise, middle, 0.0)

@@ -34,7 +34,7 @@ from visuohaptic.tables.schema import build_rows, build_table
 logger = logging.getLogger(__name__)
 
 UNFIT = (RecognitionError, ValueError, np.linalg.LinAlgError)
-"""Errors of a classifier that the training sequences do not suit."""
+"""Errors of classifiers that can't be fitted on some training sequences."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class SplitPrediction:
     predicted : ndarray of shape (n,)
         Index of the predicted class per test sequence.
     log_probabilities : ndarray of shape (n, c), optional
-        Only of pipelines that have probabilities.
+        Log probability of each class per test sequence; None for pipelines without probabilities.
     note : str, optional
         A remark on the fit, such as a regularised covariance.
     """
@@ -110,7 +110,7 @@ def predict_split(
     failure: Exception | None = None
     generator = spawn_generator(seed, "recognition", pipeline.name, split.repeat, split.number)
     preparation = seeded(clone(pipeline.preparation), generator).fit(rows[split.train])
-    train, test = (preparation.transform(rows[part]) for part in (split.train, split.test))
+    train, test = (preparation.transform(rows[indices]) for indices in (split.train, split.test))
     for name, own_seed in pipeline.seeds(generator).items():
         try:
             model = seeded(clone(pipeline.classifiers[name]), own_seed).fit(train, labels)
@@ -131,7 +131,7 @@ def predict_split(
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Fit on one thread, so that sums have one order, and without scikit-learn's checks of finite numbers."""
+    """Run the block on one thread, so that sums have one order, and without scikit-learn's checks of input."""
     checks = config_context(assume_finite=True, skip_parameter_validation=True)
     with threadpool_limits(limits=1), checks:
         yield
@@ -143,7 +143,10 @@ def prediction_tables(
     pipeline: str,
     strategy: str,
 ) -> tuple[pa.Table, pa.Table]:
-    """Return rows of `tables.SCORES` and `tables.PREDICTIONS` for the predictions of all splits."""
+    """Return rows of `tables.SCORES` and `tables.PREDICTIONS` for the predictions of all splits.
+
+    Classifiers that lack a split are left out. Raises `RecognitionError` if none is left.
+    """
     twins = _twins_note(sequences)
     results: list[tuple[dict[str, object], dict[str, NDArray[np.generic]]]] = []
     for prediction in predictions:
@@ -184,7 +187,7 @@ def seeded(estimator: Any, random_state: Any) -> Any:
 
 
 def _vote(sequences: TouchSequences, prediction: SplitPrediction) -> tuple[IntArray, FloatArray]:
-    """Return the class of each test sequence's object by all its sequences, -1 without probabilities, and credits."""
+    """Return the voted class of each test sequence's object (-1 without probabilities), and the credit of each object."""
     owners = sequences.object_index[prediction.split.test]
     true_class = sequences.class_of_object
     if prediction.log_probabilities is None:
@@ -217,14 +220,14 @@ def _prediction_columns(
 
 
 def _twins_note(sequences: TouchSequences) -> str | None:
-    """Name the pairs of objects whose touches are the same number for number."""
-    first: dict[bytes, str] = {}
+    """Return a note that names pairs of objects with identical touches; None if there is no pair."""
+    name_of_content: dict[bytes, str] = {}
     pairs = []
     for index, owner in enumerate(sequences.objects):
         name, content = "/".join(owner), sequences.features[sequences.object_index == index]
-        known = first.setdefault(content.tobytes(), name)
-        if known != name:
-            pairs.append(f"{known} and {name}")
+        first_name = name_of_content.setdefault(content.tobytes(), name)
+        if first_name != name:
+            pairs.append(f"{first_name} and {name}")
     if not pairs:
         return None
     return f"touches are identical for {', '.join(pairs)}, so a test may meet what training saw"

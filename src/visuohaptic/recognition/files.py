@@ -1,4 +1,4 @@
-"""From the feature table to the score and prediction tables."""
+"""Read the feature table, and write the score and prediction tables."""
 
 from __future__ import annotations
 
@@ -23,9 +23,25 @@ def make_scores(
     parameters: RecognitionParameters,
     seed: int,
 ) -> None:
-    """Make the score and prediction tables of one pipeline, a file per strategy.
+    """Write the score and prediction tables of one pipeline.
 
-    Raises `RecognitionError` if the features have no touch of a strategy, or do not allow the experiment.
+    Parameters
+    ----------
+    features : sequence of path
+        Parquet files of `tables.FEATURES`.
+    scores, predictions : mapping of str to path
+        Output file of each strategy.
+    pipeline : {"paper", "order_free"}
+        Pipeline to run.
+    parameters : RecognitionParameters
+        Settings of recognition.
+    seed : int
+        Seed of splits and fits.
+
+    Raises
+    ------
+    RecognitionError
+        If the features have no touch of a strategy, or not enough objects, viewpoints or touches.
     """
     touched = read_table(FEATURES, features)
     for strategy, output in scores.items():

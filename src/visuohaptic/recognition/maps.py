@@ -1,4 +1,4 @@
-"""Maps: how a touch's features are reduced to a few numbers, one entry per map."""
+"""Maps, which reduce the features of a touch to a few numbers: one registry entry per map."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from visuohaptic.recognition.self_organising_map import (
 
 @dataclass(frozen=True)
 class Map:
-    """A way to reduce a touch to a few numbers.
+    """A method to reduce a touch to a few numbers.
 
     Attributes
     ----------
     name : str
-        What parameters call it.
+        Name in parameters.
     description : str
-        What the numbers are.
+        Meaning of the numbers.
     fit : callable
-        Takes training touches, shape (n, k), float64, the section
-        `recognition.self_organising_map` and a random generator; returns the fitted map.
+        ``fit(touches, settings, generator)`` returns the fitted map. `touches` has the shape (n, k), float64; `settings`
+        is the section `recognition.self_organising_map`.
     reduce : callable
-        Takes the fitted map and touches, shape (n, k); returns their numbers, shape (n, m).
+        ``reduce(fitted, touches)`` returns the numbers of touches: (n, k) to (n, m).
     sizes : callable, optional
-        Takes the fitted map and the sizes, shape (n, k), of the numbers from which features were computed;
-        returns the sizes of the numbers from which the results are computed, shape (n, m). Results of a
-        sequence that differ by rounding of these sizes are made equal. Without `sizes` no result changes.
+        ``sizes(fitted, input_sizes)`` returns the size of the numbers from which each result is computed: (n, k) to
+        (n, m). `input_sizes` are the same for the features. If the results of a sequence differ only by rounding of
+        these sizes, they are made equal. Without `sizes` no result is changed.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Map:
 
 @dataclass(frozen=True)
 class FeatureGroups:
-    """Weighted sums of features: a column of `weights` (k, m) averages a group, or is zero."""
+    """Means of groups of features: each column of `weights` (k, m) averages one group, or is zero."""
 
     weights: FloatArray
 
@@ -69,7 +69,7 @@ def _fit_lattice(
 def _fit_groups(
     touches: FloatArray, settings: Any, generator: np.random.Generator
 ) -> FeatureGroups:
-    # A map orders the features, each described by its value at every touch.
+    # The map groups features: each feature is a row of its values at all touches.
     features = touches.T
     fitted = _fit_line(features, settings, generator)
     member = np.eye(len(fitted.weights))[fitted.nearest(features)]

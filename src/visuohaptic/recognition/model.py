@@ -43,7 +43,7 @@ from visuohaptic.tables.schema import known_columns
 
 @dataclass(frozen=True)
 class ModelAnswer:
-    """What a model says of one object.
+    """Answer of a model for one object.
 
     Attributes
     ----------
@@ -52,11 +52,12 @@ class ModelAnswer:
     candidates : tuple of str, optional
         The prediction set.
     strangeness : float, optional
-        Share of the training objects that are less novel.
+        Share of the training objects with a lower novelty score, in [0, 1].
     unknown : bool, optional
-        Whether the object is of no class that the model knows.
+        Whether the strangeness is above `coverage`, so that the object seems to be of no known class.
     coverage : float, optional
-        The stated coverage of `candidates` and `unknown`. The optional attributes need a calibrated model.
+        Stated coverage of `candidates` and `unknown`. Without `RecognitionModel.certainty` the optional attributes are
+        None.
     """
 
     probabilities: dict[str, float]
@@ -73,23 +74,23 @@ class RecognitionModel:
     Attributes
     ----------
     pipeline, strategy, classifier : str
-        What was fitted, and on touches of which strategy.
+        Pipeline and classifier of the fit, and strategy of the touches.
     classes, feature_names : tuple of str
-        Sorted classes, and the columns of a touch.
+        Sorted classes, and names of the features of a touch.
     touches : int
-        Touches of a sequence.
+        Number of touches of a sequence.
     objects : tuple of (class, name)
-        The objects that the model learnt.
+        Training objects.
     parameters : RecognitionParameters
-        The settings of the fit.
+        Settings of the fit.
     versions : mapping of str to str
-        Packages that fitted the model.
+        Versions of the packages that fitted the model.
     estimator : sklearn.pipeline.Pipeline
         Fitted on descriptors (``order_free``) or on sequences (``paper``).
     waves : WaveBasis, optional
-        Waves of the descriptors; None in pipeline ``paper``.
+        Random waves of the descriptors; None in pipeline ``paper``.
     certainty : Certainty, optional
-        None in pipeline ``paper``, and if every class has one object.
+        Held-out training objects; None in pipeline ``paper``, and if every class has only one object.
     touching : str, optional
         JSON of the parameters with which the touches were made, if known.
     """
@@ -118,7 +119,7 @@ class RecognitionModel:
         return self.answer(features).probabilities
 
     def answer(self, features: pa.Table) -> ModelAnswer:
-        """Classify one object as `recognise` does, and say how sure the answer is."""
+        """Return the answer for one object: the probabilities of `recognise`, and how sure they are."""
         try:
             features = known_columns(FEATURES, features)
         except TableError as error:
@@ -128,7 +129,7 @@ class RecognitionModel:
         probabilities = {self.classes[index]: float(np.exp(logs[index])) for index in order}
         if self.certainty is None:
             return ModelAnswer(probabilities)
-        # Training objects are known by the first touches of each view only.
+        # Training objects are described only by the first touches of each view.
         first = first_touches(features, self.touches)
         rows = self.estimator[:-1].transform(self._rows(first))
         coverage = self.parameters.order_free.coverage
@@ -142,7 +143,7 @@ class RecognitionModel:
         )
 
     def check(self) -> None:
-        """Classify a sequence of zeros. Raises `ValueError` if the parts don't belong together."""
+        """Classify a sequence of zeros, and raise `ValueError` if the parts of the model don't fit each other."""
         zeros = np.zeros((1, self.touches, len(self.feature_names)))
         logs = self._pooled(self._describe([zeros]))
         learnt = np.array_equal(self.estimator[-1].classes_, np.arange(len(self.classes)))
@@ -165,35 +166,38 @@ class RecognitionModel:
         """Return the input of the estimator, one row per sequence of one object."""
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is classified from one touch on.")
-        parts = gather_any(spread_contact_states(features), self.feature_names, self.touches)
+        groups = gather_any(spread_contact_states(features), self.feature_names, self.touches)
         if self._needs_directions:
             check_directions(len(filled_bands(features)))
         if self.pipeline == "paper":  # wavelet levels need whole sequences
-            parts = [part for part in parts if part.shape[1] == self.touches]
+            groups = [group for group in groups if group.shape[1] == self.touches]
         if self.parameters.order == "shuffled":
             order = spawn_generator(0, "order")
-            parts = [np.stack([order.permutation(one) for one in part]) for part in parts]
-        if not parts:
+            groups = [
+                np.stack([order.permutation(sequence) for sequence in group]) for group in groups
+            ]
+        if not groups:
             raise RecognitionError(
                 f"No viewpoint has {self.touches} touches, which the model needs: the object is too "
-                "slender in all views."
+                "slender in all views; touch it from other viewpoints."
             )
-        return self._describe(parts)
+        return self._describe(groups)
 
     @property
     def _needs_directions(self) -> bool:
-        """Whether a descriptor takes the bands of an imprint as directions, whose order a roll shifts."""
-        own = self.parameters
-        is_rolling = self.pipeline == "order_free" and own.frame in ROLLING_FRAMES
+        """Whether a descriptor needs all directional bands of an imprint, because a roll of the sensor shifts their order."""
+        parameters = self.parameters
+        is_rolling = self.pipeline == "order_free" and parameters.frame in ROLLING_FRAMES
         has_bands = CONTOURLET_FEATURES[0] in self.feature_names
-        return is_rolling and has_bands and "contourlet" in own.order_free.cues
+        return is_rolling and has_bands and "contourlet" in parameters.order_free.cues
 
-    def _describe(self, parts: Sequence[FloatArray]) -> FloatArray:
+    def _describe(self, groups: Sequence[FloatArray]) -> FloatArray:
+        """Return one row per sequence of groups of sequences (s, t, k), each group of one length."""
         if self.waves is None:
-            return np.concatenate(parts)
+            return np.concatenate(groups)
         described = [
-            describe_sequences(part, self.feature_names, self.waves, self.parameters)
-            for part in parts
+            describe_sequences(group, self.feature_names, self.waves, self.parameters)
+            for group in groups
         ]
         return np.concatenate(described)
 
@@ -205,9 +209,25 @@ def fit_model(
     parameters: RecognitionParameters,
     seed: int,
 ) -> RecognitionModel:
-    """Train pipeline ``paper`` or ``order_free`` on every object of a table of features of one strategy.
+    """Fit a model on all objects of a table.
 
-    Viewpoints with too few touches are left out. Raises `RecognitionError` if the features don't allow the fit.
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES` of one strategy. Viewpoints with too few touches are left out.
+    pipeline : {"paper", "order_free"}
+        Pipeline to fit.
+    classifier : str
+        Name of `CLASSIFIERS`.
+    parameters : RecognitionParameters
+        Settings of the fit.
+    seed : int
+        Seed of the fit, and of the random waves of pipeline ``order_free``.
+
+    Raises
+    ------
+    RecognitionError
+        If the table has fewer than two classes, no whole sequence, a missing column, or a value that is not finite.
     """
     sequences = gather_pipeline(features, parameters, pipeline, seed)
     check_two_classes(sequences)
@@ -222,15 +242,17 @@ def fit_model(
         model = seeded(clone(parts.classifiers[classifier]), own_seed)
         prepared = preparation.transform(rows)
         fitted = (
-            fit_calibrated(model, prepared, labels, owners) if own else model.fit(prepared, labels)
+            fit_calibrated(model, prepared, labels, owners)
+            if is_order_free
+            else model.fit(prepared, labels)
         )
         return Pipeline([("preparation", preparation), ("classifier", fitted)])
 
-    own = pipeline == "order_free"
+    is_order_free = pipeline == "order_free"
     with one_thread():
         estimator = fit(rows, labels, owners)
-        certainty = fit_certainty(fit, estimator, rows, labels, owners) if own else None
-    waves = draw_waves(parameters.order_free, seed) if own else None
+        certainty = fit_certainty(fit, estimator, rows, labels, owners) if is_order_free else None
+    waves = draw_waves(parameters.order_free, seed) if is_order_free else None
     return RecognitionModel(
         pipeline=pipeline,
         strategy=features.column("strategy")[0].as_py(),
@@ -252,5 +274,5 @@ def fit_model(
 
 
 def _with_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
-    own = parameters.order_free.model_copy(update={"classifiers": (classifier,)})
-    return parameters.model_copy(update={"order_free": own, "classifiers": (classifier,)})
+    order_free = parameters.order_free.model_copy(update={"classifiers": (classifier,)})
+    return parameters.model_copy(update={"order_free": order_free, "classifiers": (classifier,)})

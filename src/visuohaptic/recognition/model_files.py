@@ -1,4 +1,4 @@
-"""The recognition model that a run leaves behind, with how its touches were made."""
+"""Write the recognition model of a run, with the parameters that made its touches."""
 
 from __future__ import annotations
 
@@ -26,9 +26,27 @@ def make_model(
     touching: Mapping[str, object],
     seed: int,
 ) -> None:
-    """Fit a model on every object of a run, and write it with the parameters that made its touches.
+    """Fit a model on all objects of a run, and write the model.
 
-    Raises `RecognitionError` if the table has no touch of the strategy, or not what training needs.
+    Parameters
+    ----------
+    features : sequence of path
+        Parquet files of `tables.FEATURES`.
+    model : path
+        Output file.
+    pipeline, classifier, strategy : str
+        Pipeline and classifier to fit, and the strategy whose touches are used.
+    recognition : RecognitionParameters
+        Settings of the fit.
+    touching : mapping of str to object
+        Parameters that made the touches; stored as JSON.
+    seed : int
+        Seed of the fit.
+
+    Raises
+    ------
+    RecognitionError
+        If the table has no touch of the strategy, or `fit_model` can't fit the features.
     """
     table, _ = take_strategy(read_table(FEATURES, features), strategy, recognition.touches)
     fitted = fit_model(table, pipeline, classifier, recognition, seed)

@@ -1,4 +1,4 @@
-"""What the paper leaves open about recognition, each choice by its name."""
+"""Parameters of recognition: the choices that the paper leaves open."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.maps import MAPS
 
 Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding"]
-"""Groups of descriptors: what the skin tells, what the sensor does, where it is."""
+"""Groups of descriptors: imprint, size and contact of the sensor, and pose of the sensor."""
 
 Frame = Literal["none", "centre", "vertical", "full"]
-"""What is known of the object's frame, from nothing to everything."""
+"""How much of the object's frame is known, from nothing to the whole pose."""
 
 ROLLING_FRAMES: tuple[Frame, ...] = ("none", "centre")
 """Frames in which the roll of the sensor is unknown: the roll is upright, so it follows the vertical."""
@@ -33,7 +33,7 @@ ExtensionMode = Literal[
     "constant",
     "zero",
 ]
-"""How a sequence goes on beyond its ends, by PyWavelets' names."""
+"""How a sequence is extended beyond its ends, as PyWavelets names it."""
 
 Scaling = Literal["standardise", "none"]
 
@@ -228,5 +228,5 @@ class RecognitionParameters(Section):
 
 
 def least_objects(coverage: float) -> int:
-    """Return the number of objects from which a prediction set of this coverage can leave out a class."""
+    """Return the smallest number of training objects for which a prediction set of this coverage can exclude a class."""
     return math.ceil(round(coverage / (1 - coverage), 9))

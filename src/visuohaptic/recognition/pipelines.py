@@ -1,4 +1,4 @@
-"""The two pipelines of recognition: unfitted scikit-learn parts, and probabilities of what is fitted."""
+"""The two pipelines of recognition as unfitted scikit-learn parts, and class probabilities of fitted classifiers."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ LEAST_LOG_PROBABILITY = -60.0
 
 
 class RecognitionPipeline(Protocol):
-    """A way from sequences to predictions."""
+    """Interface of pipelines from sequences to predictions."""
 
     @property
     def name(self) -> str:
@@ -166,7 +166,7 @@ def fit_calibrated(classifier: Any, rows: FloatArray, labels: IntArray, owners: 
 
 
 def pipeline_of(name: str, parameters: RecognitionParameters, seed: int) -> RecognitionPipeline:
-    """Return a pipeline by its name. Raises `RecognitionError` if there is no such pipeline."""
+    """Return pipeline ``paper`` or ``order_free``. Raises `RecognitionError` for other names."""
     if name == "paper":
         return PaperPipeline.of(parameters)
     if name == "order_free":

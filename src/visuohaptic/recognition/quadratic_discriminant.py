@@ -1,6 +1,6 @@
-"""Quadratic discriminant analysis with shrinkage where a class's covariance is singular.
+"""Quadratic discriminant analysis with shrinkage if the covariance of a class is singular.
 
-scikit-learn's has no shrinkage by Ledoit and Wolf per class, and does not say where a covariance is singular.
+scikit-learn's class has no Ledoit-Wolf shrinkage per class, and does not report singular covariances.
 """
 
 from __future__ import annotations
@@ -45,13 +45,15 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
     Attributes
     ----------
     classes_ : ndarray of shape (k,)
+        Sorted classes.
     means_ : ndarray of shape (k, d)
+        Mean of each class.
     directions_ : ndarray of shape (k, d, d)
         Whitening matrices: the norm of ``(x - mean) @ directions`` is the Mahalanobis distance.
     offsets_ : ndarray of shape (k,)
         Log share of each class in training, minus half the log determinant of its covariance.
     note_ : str or None
-        Says that covariances were shrunk because one was singular.
+        States the shrinkage if covariances were shrunk because one was singular.
     """
 
     def __init__(
@@ -75,7 +77,9 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         _check_spread(rows, labels)
         self.note_: str | None = None
         if self.regularisation == "pseudo_inverse":
-            return self._fit_densities(rows, labels, lambda part: _principal(part, len(part) - 1))
+            return self._fit_densities(
+                rows, labels, lambda deviations: _principal(deviations, len(deviations) - 1)
+            )
         if self.regularisation == "where_singular":
             if self._fit_plain(rows, labels):
                 return self
@@ -89,7 +93,9 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         return self._fit_densities(
             rows,
             labels,
-            lambda part: _whiten(regularised_covariance(part, self.shrinkage, self.target, floor)),
+            lambda deviations: _whiten(
+                regularised_covariance(deviations, self.shrinkage, self.target, floor)
+            ),
         )
 
     def decision_function(self, X: Any) -> FloatArray:
@@ -128,7 +134,9 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
         """Fit covariances without shrinkage, and return whether all are far from singular."""
         if np.bincount(labels).min() <= rows.shape[1]:
             return False
-        self._fit_densities(rows, labels, lambda part: _principal(part, len(part)))
+        self._fit_densities(
+            rows, labels, lambda deviations: _principal(deviations, len(deviations))
+        )
         inverse_variances = np.square(self.directions_).sum(axis=1)
         return bool(
             np.all((inverse_variances > 0) & (inverse_variances < 1 / LEAST_PLAIN_VARIANCE))
@@ -137,9 +145,12 @@ class QuadraticDiscriminant(ClassifierMixin, BaseEstimator):  # type: ignore[mis
     def _fit_densities(
         self, rows: FloatArray, labels: IntArray, whiten: Callable[[FloatArray], Whitening]
     ) -> Self:
-        parts = [rows[labels == index] for index in range(len(self.classes_))]
-        self.means_ = np.stack([part.mean(axis=0) for part in parts])
-        fitted = [whiten(part - mean) for part, mean in zip(parts, self.means_, strict=True)]
+        """Fit the density of each class; `whiten` takes the deviations (n, d) of one class from its mean."""
+        by_class = [rows[labels == index] for index in range(len(self.classes_))]
+        self.means_ = np.stack([members.mean(axis=0) for members in by_class])
+        fitted = [
+            whiten(members - mean) for members, mean in zip(by_class, self.means_, strict=True)
+        ]
         directions, log_determinants = zip(*fitted, strict=True)
         self.directions_ = np.stack(directions)
         self.offsets_ = np.log(np.bincount(labels) / len(labels)) - np.array(log_determinants) / 2
@@ -214,11 +225,11 @@ def _check_spread(rows: FloatArray, labels: IntArray) -> None:
     fewest = np.bincount(labels).min()
     if fewest < 2:
         raise RecognitionError(
-            f"quadratic_discriminant takes covariances and the smallest class has {fewest} training sequence; "
+            f"quadratic_discriminant fits covariances, and the smallest class has {fewest} training sequence; "
             "at least 2 are needed."
         )
     if not np.ptp(rows, axis=0).any():
         raise RecognitionError(
-            f"quadratic_discriminant takes covariances and all {len(labels)} training sequences are alike; "
+            f"quadratic_discriminant fits covariances, and all {len(labels)} training sequences are equal; "
             "features that vary are needed."
         )

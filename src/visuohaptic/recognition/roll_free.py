@@ -1,7 +1,7 @@
-"""Descriptors of imprints that stay the same when the sensor rolls about its normal.
+"""Compute descriptors of imprints that do not change when the sensor rolls about its normal.
 
-A roll by a multiple of the angle between bands, or by a quarter turn, changes nothing; between these
-the magnitudes hold as far as the bands' shape and the square imprint allow.
+The descriptors are exactly equal after a roll by a multiple of the angle between bands, or by a quarter turn. Other rolls
+change them a little, because of the shape of the bands and the square imprint.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ROLL_FREE_IMPRINT = (
     "imprint_saddle",
     "imprint_roughness",
 )
-"""Statistics of the imprint without a direction."""
+"""Statistics of the imprint that have no direction."""
 
 DIRECTED_IMPRINT = (
     ("imprint_tilt_columns", "imprint_tilt_rows"),
@@ -38,9 +38,8 @@ DIRECTED_IMPRINT = (
 def roll_free_bands(bands: FloatArray) -> FloatArray:
     """Compute the magnitudes of the Fourier series over direction of 16 bands: (s, t, 16) to (s, t, 9).
 
-    A roll of the sensor shifts the bands, which cover half a turn, cyclically, and a shift changes only
-    phases. Without bands, (s, t, 0), there is no magnitude. Raises `RecognitionError` if there are other
-    than 0 or 16 bands.
+    The bands cover half a turn. A roll of the sensor shifts them cyclically, which changes only the phases of the
+    series. Without bands, (s, t, 0), the result is empty. Raises `RecognitionError` for other than 0 or 16 bands.
     """
     if not bands.shape[-1]:
         return bands
@@ -49,7 +48,7 @@ def roll_free_bands(bands: FloatArray) -> FloatArray:
 
 
 def check_directions(count: int) -> None:
-    """Raise `RecognitionError` if the number of bands is not that of all directions."""
+    """Raise `RecognitionError` if the number of bands is not `DIRECTIONS`."""
     if count != DIRECTIONS:
         raise RecognitionError(
             f"recognition.frame none and centre need the {DIRECTIONS} directional bands "
@@ -58,8 +57,12 @@ def check_directions(count: int) -> None:
 
 
 def roll_free_imprint(values: FloatArray, names: Sequence[str]) -> FloatArray:
-    """Compute the statistics of imprints that a roll leaves, of columns `names`: (s, t, k) to (s, t, m)."""
-    index = {name: place for place, name in enumerate(names)}
+    """Compute the statistics of imprints that do not change by a roll: (s, t, k) to (s, t, m).
+
+    `names` are the names of the k columns. Columns that are neither in `ROLL_FREE_IMPRINT` nor part of a pair in
+    `DIRECTED_IMPRINT` are left out.
+    """
+    index = {name: position for position, name in enumerate(names)}
     kept = [values[..., index[name]] for name in ROLL_FREE_IMPRINT if name in index]
     kept += [
         np.hypot(values[..., index[columns]], values[..., index[rows]])

@@ -1,6 +1,6 @@
-"""A self-organising map that reduces a touch's features to a few numbers.
+"""Fit a self-organising map that reduces the features of a touch to a few numbers.
 
-Batch training after T. Kohonen, "Essentials of the self-organizing map", Neural
+Batch training follows T. Kohonen, "Essentials of the self-organizing map", Neural
 Networks 37 (2013), section 3.3; online training is MiniSom's.
 """
 
@@ -16,42 +16,42 @@ from visuohaptic.base.errors import RecognitionError
 
 # The paper says nothing of how its map was trained; these are our choices.
 RADII = (2.0, 0.5)
-"""The neighbourhood's standard deviation at the start and at the end, units: from across five units to each alone."""
+"""Standard deviation of the neighbourhood at the start and at the end, in units: it spans five units, then one unit."""
 
 ORDERING_EPOCHS = 20
 """Passes over the touches while the neighbourhood shrinks (batch)."""
 
 SETTLING_EPOCHS = 200
-"""Most passes at the final radius (batch): training ends where no touch changes its nearest unit, long before."""
+"""Most passes at the final radius (batch). Training ends when no touch changes its nearest unit, in general long before."""
 
 ONLINE_EPOCHS = 10
 """Passes over the touches (online)."""
 
 LEARNING_RATE = 0.5
-"""The first learning rate (online), MiniSom's own default."""
+"""Learning rate at the start (online), MiniSom's default."""
 
 
 @dataclass(frozen=True)
 class SelfOrganisingMap:
-    """A fitted map of u units with weights (u, k) at positions (u, a) of a lattice of a axes."""
+    """A fitted map: weights (u, k) of u units, and their positions (u, a) on a lattice with a axes."""
 
     weights: FloatArray
     positions: FloatArray
 
     def distances(self, touches: FloatArray) -> FloatArray:
-        """Give the Euclidean distances of touches (n, k) to the units, (n, u)."""
+        """Compute the Euclidean distance of each touch (n, k) to each unit, (n, u)."""
         squares = np.square(touches[:, None, :] - self.weights[None, :, :])
         return np.sqrt(squares.sum(axis=-1))
 
     def nearest(self, touches: FloatArray) -> IntArray:
-        """Give the nearest unit of n touches, shape (n,); the first one where two are as near."""
+        """Return the index of the nearest unit of each touch: (n, k) to (n,). Ties go to the first unit."""
         return _nearest(touches, self.weights)
 
 
 def fit_map(
     rows: FloatArray, positions: FloatArray, training: str, generator: np.random.Generator
 ) -> SelfOrganisingMap:
-    """Fit a map on rows (n, k), by ``batch`` or ``online`` training; `positions` (u, a) are the lattice."""
+    """Fit a map on rows (n, k) by ``batch`` or ``online`` training; `positions` (u, a) are the units on the lattice."""
     if training == "batch":
         return fit_batch_map(rows, positions)
     return fit_online_map(rows, positions, generator)
@@ -63,10 +63,11 @@ def fit_batch_map(
     radii: tuple[float, float] = RADII,
     settling_epochs: int = SETTLING_EPOCHS,
 ) -> SelfOrganisingMap:
-    """Fit a map on touches (n, k), all at once in each pass; `positions` (u, a) are the lattice.
+    """Fit a map on touches (n, k) with all touches in each pass; `positions` (u, a) are the units on the lattice.
 
-    Each unit becomes the mean of the touches, weighted by a Gaussian of the lattice distance to the
-    touch's nearest unit, until no touch changes its nearest unit.
+    In each pass a unit becomes a weighted mean of the touches. The weight is a Gaussian of the lattice distance between
+    the unit and the nearest unit of the touch. Its deviation falls from the first to the second of `radii`, in lattice
+    units. Training ends when no touch changes its nearest unit, or after `settling_epochs` passes at the final radius.
     """
     weights = _principal_weights(touches, positions)
     squares = np.square(positions[:, None, :] - positions[None, :, :]).sum(axis=-1)
@@ -86,7 +87,7 @@ def fit_batch_map(
 def fit_online_map(
     touches: FloatArray, positions: FloatArray, generator: np.random.Generator
 ) -> SelfOrganisingMap:
-    """Fit a map touch by touch, (n, k), with MiniSom, in random order.
+    """Fit a map on touches (n, k) one by one, in random order, with MiniSom.
 
     Raises `RecognitionError` if the lattice has more than two axes.
     """
@@ -113,22 +114,22 @@ def fit_online_map(
 
 
 def line(units: int) -> FloatArray:
-    """Give the places of units in a row, shape (units, 1)."""
+    """Return the positions of units in a row, shape (units, 1)."""
     return np.arange(units, dtype=np.float64)[:, None]
 
 
 def lattice(axes: int, levels: int) -> FloatArray:
-    """Give the places of a lattice's units, shape (levels ** axes, axes)."""
+    """Return the positions of the units of a lattice, shape (levels ** axes, axes)."""
     return np.array(list(itertools.product(range(levels), repeat=axes)), dtype=np.float64)
 
 
 def _principal_weights(touches: FloatArray, positions: FloatArray) -> FloatArray:
-    """Lay the lattice's axes along the touches' principal components, ± 1 sd long."""
+    """Return first weights: axes of the lattice along the principal components of the touches, ± 1 deviation long."""
     centre = touches.mean(axis=0)
     _, scales, directions = np.linalg.svd(touches - centre, full_matrices=False)
     axes = min(positions.shape[1], len(scales))
     directions, scales = directions[:axes], scales[:axes] / np.sqrt(len(touches))
-    # SVD signs are arbitrary; make the largest loading positive.
+    # The signs of an SVD are arbitrary; make the largest loading positive.
     largest = np.argmax(np.abs(directions), axis=1)
     directions = directions * np.sign(directions[np.arange(axes), largest])[:, None]
     span = positions.max(axis=0)[:axes] / 2
@@ -137,7 +138,7 @@ def _principal_weights(touches: FloatArray, positions: FloatArray) -> FloatArray
 
 
 def _nearest(touches: FloatArray, weights: FloatArray) -> IntArray:
-    # |x - w|² without |x|², which is the same for every unit.
+    # |x - w|² without |x|², which is equal for all units.
     scores = np.square(weights).sum(axis=1) - 2 * (touches @ weights.T)
     return np.argmin(scores, axis=1)
 
@@ -148,5 +149,5 @@ def _weighted_means(
     won = np.eye(len(neighbourhood))[winners]
     sums, counts = won.T @ touches, won.sum(axis=0)
     share = (neighbourhood @ counts)[:, None]
-    # A unit that no touch reaches stays where it was.
+    # A unit without any weight keeps its previous weights.
     return np.where(share > 0, (neighbourhood @ sums) / np.where(share > 0, share, 1), previous)

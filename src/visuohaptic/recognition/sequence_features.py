@@ -1,4 +1,4 @@
-"""A sequence's statistics: of itself and of its wavelet levels."""
+"""Compute statistics of sequences and of their wavelet levels."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ CONSTANT_TOLERANCE = 1e-12
 
 
 def sequence_features(sequences: FloatArray, parameters: SequenceParameters) -> FloatArray:
-    """Summarise sequences (s, t, m) by themselves and by the levels of their wavelet transform.
+    """Compute the statistics of sequences and of their wavelet levels: (s, t, m) to (s, m * (1 + levels) * 3).
 
-    Gives (s, m * (1 + levels) * 3) numbers, by output, then level, then statistic: with the paper's
-    settings 5 x (1 + 3) x 3 = 60 features. Raises `RecognitionError` if the wavelet is unknown.
+    Columns are ordered by output of the map, then level, then statistic. The paper's settings give
+    5 x (1 + 3) x 3 = 60 features. Raises `RecognitionError` if the wavelet is unknown.
     """
     along_time = np.moveaxis(sequences, 1, -1)
     levels = wavelet_levels(along_time, parameters)
@@ -27,7 +27,7 @@ def sequence_features(sequences: FloatArray, parameters: SequenceParameters) -> 
 
 
 def wavelet_levels(signals: FloatArray, parameters: SequenceParameters) -> list[FloatArray]:
-    """Decompose signals (..., t) along their last axis, one array a level, the finest first.
+    """Decompose signals (..., t) along the last axis; return one array per level, the finest first.
 
     Raises `RecognitionError` if the wavelet is not one of PyWavelets' discrete ones.
     """
@@ -49,21 +49,21 @@ def wavelet_levels(signals: FloatArray, parameters: SequenceParameters) -> list[
 
 
 def _without_rounding(levels: FloatArray, signals: FloatArray) -> FloatArray:
-    """Set a level's coefficients (..., k) to 0 where all are rounding beside their signal (..., t)."""
-    # Details of a constant sequence are 0 but for rounding, whose skewness is as large as any.
+    """Set the coefficients (..., k) of a level to 0 if all are rounding relative to their signal (..., t)."""
+    # Details of a constant sequence are rounding; the skewness of rounding may be large.
     largest = np.abs(signals).max(axis=-1, keepdims=True)
     rounding = np.abs(levels).max(axis=-1, keepdims=True) <= CONSTANT_TOLERANCE * largest
     return np.where(rounding, 0.0, levels)
 
 
 def summarise_signals(signals: FloatArray, correction: int) -> FloatArray:
-    """Give standard deviation, rms and skewness along the last axis: (..., t) to (..., 3), finite.
+    """Compute standard deviation, rms and skewness along the last axis: (..., t) to (..., 3), finite.
 
-    The standard deviation divides by t - correction (by t where t is 1). Skewness is m3 / m2 ** 1.5
-    with population moments (Matlab's default), and 0 of a signal that is constant up to rounding.
+    The variance divides by t - correction, at least by 1. Skewness is m3 / m2 ** 1.5 with population moments, as in
+    Matlab by default. A signal that is constant up to rounding has skewness 0.
     """
     length = signals.shape[-1]
-    # Scaled to its largest value, no power over- or underflows.
+    # Scaled to the largest value, so that powers neither overflow nor underflow.
     largest = np.abs(signals).max(axis=-1, keepdims=True)
     scaled = signals / np.where(largest > 0, largest, 1)
     deviations = scaled - scaled.mean(axis=-1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Sequences of touches: a table of features, gathered for training and testing."""
+"""Gather a table of features into sequences of touches for training and testing."""
 
 from __future__ import annotations
 
@@ -29,10 +29,22 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class TouchSequences:
-    """s sequences of t touches with k features each, (s, t, k), of o objects in c classes.
+    """Sequences of touches with their objects and classes.
 
-    `objects`, as (class, name), and `classes` are sorted; `object_index` (s,) is each sequence's
-    place in `objects`.
+    Attributes
+    ----------
+    features : ndarray of shape (s, t, k)
+        k features of the t touches of s sequences.
+    feature_names : tuple of str
+        Names of the k features.
+    objects : tuple of (class, name)
+        Objects, sorted.
+    classes : tuple of str
+        Classes, sorted.
+    object_index : ndarray of shape (s,)
+        Index in `objects` of each sequence.
+    viewpoint : ndarray of shape (s,)
+        Viewpoint of each sequence.
     """
 
     features: FloatArray
@@ -44,16 +56,16 @@ class TouchSequences:
 
     @property
     def class_of_object(self) -> IntArray:
-        """Each object's place in `classes`, shape (o,)."""
+        """Index in `classes` of each object, shape (o,)."""
         return np.array([self.classes.index(name) for name, _ in self.objects], dtype=np.int64)
 
     @property
     def labels(self) -> IntArray:
-        """Each sequence's class as its place in `classes`, shape (s,)."""
+        """Index in `classes` of each sequence, shape (s,)."""
         return self.class_of_object[self.object_index]
 
     def take(self, sequences: BoolArray) -> TouchSequences:
-        """Take some sequences, of which shape (s,) is true; objects and classes keep their places."""
+        """Return the sequences for which a mask (s,) is true; all objects and classes keep their indices."""
         return replace(
             self,
             features=self.features[sequences],
@@ -95,7 +107,7 @@ def gather_pipeline(
 
 
 def filled_bands(features: pa.Table) -> list[str]:
-    """Return the columns ``contourlet_…`` that the descriptor of the imprint fills; the others are 0."""
+    """Return the columns ``contourlet_…`` that the descriptor of the imprint fills; all other bands are 0."""
     present = [name for name in CONTOURLET_FEATURES if name in features.column_names]
     # A band can be 0 by chance; only the bands after the last filled band do not belong to the descriptor.
     filled = [
@@ -109,11 +121,10 @@ def filled_bands(features: pa.Table) -> list[str]:
 def gather_sequences(
     features: pa.Table, feature_names: Sequence[str], touches: int | None
 ) -> TouchSequences:
-    """Gather the first so many touches, or all, of one strategy into sequences.
+    """Gather the first `touches` touches of each viewpoint into sequences; all touches if None.
 
-    These are sorted by class, object and viewpoint. Raises `RecognitionError` if there are no rows
-    or more than one strategy, a column is missing, a sequence lacks a touch, or a feature is not
-    finite.
+    Sequences are sorted by class, object and viewpoint. Raises `RecognitionError` if the table has no rows, more than
+    one strategy, a missing column, or a value that is not finite, or if a sequence lacks a touch.
     """
     _check_columns(features, feature_names)
     keys = [(name, "ascending") for name in ("class", "object", "viewpoint", "touch")]
@@ -121,27 +132,29 @@ def gather_sequences(
     if touches is not None:
         features = features.filter(pc.less(features.column("touch"), touches))
     if not features.num_rows:
-        raise RecognitionError("The features hold no touches; at least two objects are needed.")
+        raise RecognitionError(
+            "The features hold no touches; touches of at least two objects are needed."
+        )
     length = pc.max(features.column("touch")).as_py() + 1 if touches is None else touches
     of_sequence = features.group_by([name for name, _ in keys[:3]], use_threads=False)
-    found = of_sequence.aggregate([("touch", "list")]).sort_by(keys[:3])
-    _check_touches(found, length)
+    grouped = of_sequence.aggregate([("touch", "list")]).sort_by(keys[:3])
+    _check_touches(grouped, length)
     values = _finite_matrix(features, feature_names)
-    owners = owners_of(found)
+    owners = owners_of(grouped)
     objects = tuple(sorted(set(owners)))
-    places = {owner: place for place, owner in enumerate(objects)}
+    index_of = {owner: index for index, owner in enumerate(objects)}
     return TouchSequences(
         features=values.reshape(-1, length, len(feature_names)),
         feature_names=tuple(feature_names),
         objects=objects,
         classes=tuple(sorted({name for name, _ in objects})),
-        object_index=np.array([places[owner] for owner in owners], dtype=np.int64),
-        viewpoint=found.column("viewpoint").to_numpy().astype(np.int64),
+        object_index=np.array([index_of[owner] for owner in owners], dtype=np.int64),
+        viewpoint=grouped.column("viewpoint").to_numpy().astype(np.int64),
     )
 
 
 def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
-    """Draw a new order of each sequence's touches by the seed, its object and its viewpoint alone."""
+    """Shuffle the touches of each sequence; the order depends only on the seed, the object and the viewpoint."""
     of_sequence = (sequences.object_index, sequences.viewpoint, sequences.features)
     features = [
         spawn_generator(seed, "order", *sequences.objects[owner], viewpoint).permutation(touches)
@@ -151,11 +164,11 @@ def shuffle_touches(sequences: TouchSequences, seed: int) -> TouchSequences:
 
 
 def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -> list[FloatArray]:
-    """Gather all touches of one object and strategy into sequences of at most so many touches.
+    """Gather all touches of one object and strategy into sequences of at most `touches` touches.
 
-    Gives all sequences of one length together, (s, t, k), the longest first. A viewpoint with more
-    touches gives several whole ones, which overlap where needed. Raises `RecognitionError` if there
-    is more than one object or strategy, a column is missing, or a feature is not finite.
+    Returns one array (s, t, k) per length t, the longest first. A viewpoint with more touches gives several sequences of
+    `touches` touches; the last may overlap the sequence before. Raises `RecognitionError` if the table has more than
+    one object or strategy, a missing column, or a value that is not finite.
     """
     _check_columns(features, feature_names)
     features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
@@ -167,25 +180,25 @@ def gather_any(features: pa.Table, feature_names: Sequence[str], touches: int) -
     values = _finite_matrix(features, feature_names)
     _, starts = np.unique(features.column("viewpoint").to_numpy(), return_index=True)
     by_length: dict[int, list[FloatArray]] = {}
-    for part in np.split(values, starts[1:]):
-        for place in range(0, len(part), touches):
-            first = max(min(place, len(part) - touches), 0)
-            sequence = part[first : first + touches]
+    for view in np.split(values, starts[1:]):
+        for start in range(0, len(view), touches):
+            first = max(min(start, len(view) - touches), 0)
+            sequence = view[first : first + touches]
             by_length.setdefault(len(sequence), []).append(sequence)
     return [np.stack(by_length[length]) for length in sorted(by_length, reverse=True)]
 
 
 def first_touches(features: pa.Table, touches: int) -> pa.Table:
-    """Take at most so many touches of each viewpoint of one object and strategy, the first ones."""
+    """Return at most the first `touches` touches of each viewpoint of one object and strategy."""
     features = features.sort_by([("viewpoint", "ascending"), ("touch", "ascending")])
     viewpoint = features.column("viewpoint").to_numpy()
     _, starts, counts = np.unique(viewpoint, return_index=True, return_counts=True)
-    places = np.arange(len(viewpoint)) - np.repeat(starts, counts)
-    return features.filter(pa.array(places < touches))
+    index_in_view = np.arange(len(viewpoint)) - np.repeat(starts, counts)
+    return features.filter(pa.array(index_in_view < touches))
 
 
 def spread_contact_states(features: pa.Table) -> pa.Table:
-    """Turn column ``contact_state``, if there, into ``contact_full``, ``contact_shrunk``, … of 0, 1."""
+    """Replace column ``contact_state``, if present, by columns ``contact_full``, ``contact_shrunk``, … of 0 and 1."""
     if "contact_state" not in features.column_names:
         return features
     for state in CONTACT_STATES:
@@ -206,7 +219,7 @@ def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:
 
 
 def _check_touches(sequences: pa.Table, length: int) -> None:
-    """Refuse a sequence whose touches are not 0, 1 … length - 1, each once."""
+    """Raise `RecognitionError` if the touches of a sequence are not 0, 1 … length - 1, each once."""
     for row in sequences.to_pylist():
         if row["touch_list"] != list(range(length)):
             raise RecognitionError(
@@ -216,7 +229,7 @@ def _check_touches(sequences: pa.Table, length: int) -> None:
 
 
 def _finite_matrix(features: pa.Table, names: Sequence[str]) -> FloatArray:
-    """Give columns side by side, (n, k), and refuse what is no finite number."""
+    """Return the columns `names` as one array (n, k); raise `RecognitionError` if a value is not finite."""
     values = matrix(features, names)
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
@@ -230,7 +243,7 @@ def _finite_matrix(features: pa.Table, names: Sequence[str]) -> FloatArray:
 
 
 def classes_of_two(features: pa.Table) -> pa.Table:
-    """Leave out the classes that have a single object: nothing could train while it is tested."""
+    """Return the rows of classes with at least two objects: one object can't train and be tested."""
     objects = features.group_by(["class", "object"]).aggregate([])
     counts = objects.group_by("class").aggregate([("object", "count")])
     enough = counts.filter(pc.greater_equal(counts.column("object_count"), 2)).column("class")
@@ -240,13 +253,16 @@ def classes_of_two(features: pa.Table) -> pa.Table:
 def take_strategy(
     features: pa.Table, strategy: str, touches: int | None
 ) -> tuple[pa.Table, tuple[str, ...]]:
-    """Take a strategy's touches as `whole_sequences` and `classes_of_two` leave them.
+    """Return the rows of a strategy after `whole_sequences` and `classes_of_two`, and the sentences of the first.
 
-    Other strategies in the table change nothing. Raises `RecognitionError` if nothing is left.
+    Other strategies in the table have no influence. Raises `RecognitionError` if the strategy has no touches, or no
+    viewpoint has enough.
     """
-    found = sorted(pc.unique(features.column("strategy")).to_pylist())
-    if strategy not in found:
-        raise RecognitionError(f"no touch was made by {strategy}; there are touches by {found}.")
+    strategies = sorted(pc.unique(features.column("strategy")).to_pylist())
+    if strategy not in strategies:
+        raise RecognitionError(
+            f"The features have no touch by {strategy}; touches by {', '.join(strategies)} can be used."
+        )
     made = features.filter(pc.equal(features.column("strategy"), strategy))
     whole, left_out = whole_sequences(made, touches)
     if not whole.num_rows:
@@ -257,10 +273,9 @@ def take_strategy(
 
 
 def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:
-    """Leave out the sequences that lack touches, each strategy by itself.
+    """Return the rows of sequences with enough touches, and one sentence per object and strategy that lost sequences.
 
-    Without a number of touches a whole sequence has as many as the longest of its strategy. Also returns a
-    sentence for each object and strategy with such sequences.
+    A whole sequence has `touches` touches. If `touches` is None, it has as many as the longest sequence of its strategy.
     """
     owner = ["class", "object", "strategy", "viewpoint"]
     counts = features.group_by(owner).aggregate([("touch", "count")])
@@ -279,21 +294,21 @@ def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, 
     if not short.num_rows:
         return features, ()
     kept = features.join(short, owner, join_type="left anti").select(features.column_names)
-    left: dict[tuple[str, str], list[int]] = {}
+    left_out: dict[tuple[str, str], list[int]] = {}
     for row in short.sort_by([(name, "ascending") for name in owner]).to_pylist():
-        left.setdefault((key_of(row), row["strategy"]), []).append(row["viewpoint"])
+        left_out.setdefault((key_of(row), row["strategy"]), []).append(row["viewpoint"])
     return kept, tuple(
         f"{key} has fewer than {needed[strategy]} touches by {strategy} from viewpoints "
-        f"{', '.join(map(str, places))}, which are left out."
-        for (key, strategy), places in left.items()
+        f"{', '.join(map(str, viewpoints))}, which are left out."
+        for (key, strategy), viewpoints in left_out.items()
     )
 
 
 def viewpoints_of_all(features: pa.Table) -> pa.Table:
-    """Keep the viewpoints from which every strategy of the table has touches."""
+    """Return the rows of viewpoints from which every strategy of the table has touches."""
     owner = ["class", "object", "viewpoint"]
-    found = features.group_by([*owner, "strategy"]).aggregate([]).group_by(owner)
-    counts = found.aggregate([("strategy", "count")])
+    pairs = features.group_by([*owner, "strategy"]).aggregate([])
+    counts = pairs.group_by(owner).aggregate([("strategy", "count")])
     strategies = pc.count_distinct(features.column("strategy")).as_py()
     shared = counts.filter(pc.equal(counts.column("strategy_count"), strategies))
     return features.join(shared, owner, join_type="left semi").select(features.column_names)

@@ -1,4 +1,4 @@
-"""Splitters of scikit-learn's kind that keep all sequences of an object, or of a viewpoint, together."""
+"""Split sequences into training and test sequences by splitters of scikit-learn's kind that keep objects whole."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Split:
 
 
 class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
-    """Tests whole groups. `y` (n,) is the class and `groups` (n,) the object of each row."""
+    """Base of splitters that test whole groups: `y` (n,) is the class of each row, `groups` (n,) the object."""
 
     def get_n_splits(self, X: Any = None, y: Any = None, groups: Any = None) -> int:  # noqa: ARG002
         """Return the number of splits for these classes and objects."""
@@ -52,7 +52,7 @@ class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
 
     @abstractmethod
     def _test_groups(self, y: Any, groups: Any) -> Sequence[Sequence[Any]]:
-        """Return the groups that each split tests."""
+        """Return the tested groups of each split."""
 
 
 class LeaveOneObjectPerClassOut(_ObjectSplitter):
@@ -140,8 +140,7 @@ def check_two_classes(sequences: TouchSequences) -> None:
     """Raise `RecognitionError` if there are fewer than two classes."""
     if len(sequences.classes) < 2:
         raise RecognitionError(
-            f"There is one class ({', '.join(sequences.classes)}); at least two are needed to "
-            f"distinguish them."
+            f"There is one class ({', '.join(sequences.classes)}); at least two classes are needed."
         )
 
 
@@ -175,7 +174,7 @@ def leave_one_out_per_class(
     """
     if math.prod(len(objects) for objects in members) <= maximum:
         return list(itertools.product(*members))
-    # The objects of a class take turns in a shuffled order; of few left out some may meet twice.
+    # The objects of a class take turns in shuffled order. If few combinations are left out, some may repeat.
     turns = [_turns(objects, maximum, generator) for objects in members]
     drawn = list(zip(*turns, strict=True))
     if len(set(drawn)) == maximum:
@@ -187,27 +186,30 @@ def _distinct_combinations(
     members: Sequence[Sequence[int]], count: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
     """Draw distinct combinations of one object per class; objects of a class are drawn equally often, or once more."""
-    # From a drawn combination all classes go on to their next object together, until it would come
-    # again: a cycle that has the objects of a class equally often, and no combination of another.
+    # All classes advance to their next object together, until the first combination would repeat. Such a cycle has
+    # the objects of a class equally often, and shares no combination with another cycle.
     sizes = [len(objects) for objects in members]
     chosen: dict[tuple[int, ...], None] = {}
     while len(chosen) < count:
         orders = [generator.permutation(size).tolist() for size in sizes]
-        start = next(places for places in itertools.product(*orders) if places not in chosen)
+        start = next(indices for indices in itertools.product(*orders) if indices not in chosen)
         for turn in range(min(math.lcm(*sizes), count - len(chosen))):
             chosen[
-                tuple((place + turn) % size for place, size in zip(start, sizes, strict=True))
+                tuple((index + turn) % size for index, size in zip(start, sizes, strict=True))
             ] = None
     return [
-        tuple(objects[place] for objects, place in zip(members, places, strict=True))
-        for places in chosen
+        tuple(objects[index] for objects, index in zip(members, indices, strict=True))
+        for indices in chosen
     ]
 
 
 def grouped_folds(
     members: Sequence[Sequence[int]], folds: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Deal the objects of each class over folds; there are at most as many folds as objects in the largest class."""
+    """Return folds of whole objects, stratified by class.
+
+    `members` are the objects of each class. There are at most as many folds as objects in the largest class.
+    """
     return _deal(members, min(folds, max(len(objects) for objects in members)), generator)
 
 
@@ -216,10 +218,10 @@ def _deal(
 ) -> list[tuple[int, ...]]:
     dealt: list[list[int]] = [[] for _ in range(folds)]
     for objects in members:
-        # The fullest folds come last, so sizes differ by one object at most.
+        # The largest folds come last, so that sizes differ by at most one object.
         order = sorted(range(folds), key=lambda fold: len(dealt[fold]))
-        for turn, place in enumerate(generator.permutation(len(objects))):
-            dealt[order[turn % folds]].append(objects[place])
+        for turn, index in enumerate(generator.permutation(len(objects))):
+            dealt[order[turn % folds]].append(objects[index])
     return [tuple(sorted(objects)) for objects in dealt]
 
 
@@ -249,4 +251,4 @@ def held_out_folds(
 def _turns(objects: Sequence[int], count: int, generator: np.random.Generator) -> list[int]:
     rounds = math.ceil(count / len(objects))
     order = [generator.permutation(len(objects)) for _ in range(rounds)]
-    return [objects[place] for place in np.concatenate(order)[:count]]
+    return [objects[index] for index in np.concatenate(order)[:count]]

@@ -1,4 +1,4 @@
-"""A trained recogniser as a file: scikit-learn's objects, arrays and text, so that loading runs no code."""
+"""Write and read trained recognisers as files of scikit-learn objects, arrays and text, so that reading runs no code."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from visuohaptic.recognition.parameters import RecognitionParameters
 FORMAT = "visuohaptic recogniser 10"
 
 LARGEST_BYTES = 2**30
-"""A model file that unpacks to more is refused; a model of 142 objects has some megabytes."""
+"""Largest unpacked size of a model file that is read; a model of 142 objects has some megabytes."""
 
 TRUSTED = (
     "sklearn.calibration._CalibratedClassifier",
@@ -36,13 +36,15 @@ _TEXTS = ("pipeline", "strategy", "classifier", "touches", "touching")
 
 
 def save_model(model: RecognitionModel, path: str | Path) -> None:
-    """Write a model of pipeline ``order_free`` with skops; its folder is made where missing.
+    """Write a model of pipeline ``order_free`` with skops. Missing folders are made.
 
-    The file is replaced only when the new file is complete. Raises `RecognitionError` if the model can't be saved so
-    that loading is safe: scikit-learn follows the stored indices of a decision tree unchecked.
+    An old file is replaced only when the new file is complete. Raises `RecognitionError` for a model that is not safe to
+    load, such as a decision tree: scikit-learn follows the indices in its file unchecked.
     """
     if model.waves is None:
-        raise RecognitionError("A model of pipeline paper can't be saved; order_free can.")
+        raise RecognitionError(
+            "A model of pipeline paper can't be saved; train pipeline order_free."
+        )
     content = skops.io.dumps(
         {
             "format": FORMAT,
@@ -72,10 +74,10 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
 
 
 def load_model(path: str | Path) -> RecognitionModel:
-    """Read a model that `save_model` wrote; a file that would bring code of its own is refused.
+    """Read a model that `save_model` wrote, without running code of the file.
 
-    Raises `RecognitionError` if the file can't be read, is larger than `LARGEST_BYTES`, holds other types than NumPy's,
-    scikit-learn's and `TRUSTED`, or is no complete model that gives probabilities.
+    Raises `RecognitionError` if the file can't be read, unpacks to more than `LARGEST_BYTES`, or is no complete model
+    with probabilities. Also if it holds other types than those of NumPy, scikit-learn and `TRUSTED`.
     """
     try:
         model = _read(Path(path))
@@ -83,13 +85,13 @@ def load_model(path: str | Path) -> RecognitionModel:
     except Exception as error:
         raise RecognitionError(
             f"{path} is no complete {FORMAT!r}, or its parts don't belong together: {_reason_of(error)}; "
-            "train it again."
+            "train the model again."
         ) from error
     return model
 
 
 def _reason_of(error: Exception) -> str:
-    """Return in plain words why a file is no model."""
+    """Return why a file is no model, in words."""
     match error:
         case FileNotFoundError():
             return "there is no such file"
@@ -105,7 +107,7 @@ def _reason_of(error: Exception) -> str:
 
 def _read(path: Path) -> RecognitionModel:
     with zipfile.ZipFile(path) as archive:
-        unpacked = sum(part.file_size for part in archive.infolist())
+        unpacked = sum(member.file_size for member in archive.infolist())
     if unpacked > LARGEST_BYTES:
         raise RecognitionError(
             f"it unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are allowed"
@@ -139,7 +141,7 @@ def _certainty(state: dict[str, Any]) -> Certainty:
 
 
 def _arrays(kind: type, state: dict[str, Any]) -> dict[str, Any]:
-    """Return the arrays of a part, and raise `ValueError` if one is missing, no array or not finite."""
+    """Return the arrays of a data class, and raise `ValueError` if one is no array or not finite."""
     arrays = {field.name: state[field.name] for field in fields(kind)}
     for name, values in arrays.items():
         if not isinstance(values, np.ndarray) or not np.isfinite(values).all():
@@ -148,7 +150,7 @@ def _arrays(kind: type, state: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check_estimator(estimator: Any) -> None:
-    """Refuse support vector machines whose arrays do not fit each other: libsvm reads them unchecked."""
+    """Raise `ValueError` if the arrays of a support vector machine don't fit each other: libsvm reads them unchecked."""
     if not isinstance(estimator, Pipeline):
         raise TypeError("the estimator is no pipeline")
     (inner, *_) = getattr(estimator[-1], "calibrated_classifiers_", [estimator[-1]])

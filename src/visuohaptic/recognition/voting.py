@@ -1,4 +1,4 @@
-"""One prediction for an object from the predictions for its sequences."""
+"""Combine the predictions for the sequences of an object to one prediction."""
 
 from __future__ import annotations
 
@@ -12,21 +12,30 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 def vote_credit(
     owners: IntArray, predicted: IntArray, true_class: IntArray
 ) -> tuple[IntArray, FloatArray]:
-    """Give the objects' credits in a majority vote of their sequences.
+    """Compute the credit of each object in a majority vote of its sequences.
 
-    First come the objects that have sequences, (m,), ascending, then their credits (m,). An object
-    has credit 1 if its class alone has the most votes, 1/k if k classes share the most and its own
-    is among them (the mean of a random choice), 0 otherwise. `owners` (n,) and `predicted` (n,) are
-    the object and the predicted class of each sequence, `true_class` (o,) is the class of each
-    object.
+    Parameters
+    ----------
+    owners, predicted : ndarray of shape (n,)
+        Object and predicted class of each sequence.
+    true_class : ndarray of shape (o,)
+        Class of each object.
+
+    Returns
+    -------
+    objects : ndarray of shape (m,)
+        Objects that have sequences, ascending.
+    credits : ndarray of shape (m,)
+        1 if only the true class has the most votes, 1/k if k classes including the true one share the most (the mean
+        of a random choice), and 0 otherwise.
     """
     present, row = np.unique(owners, return_inverse=True)
     classes = int(max(predicted.max(), true_class.max())) + 1
     votes = np.zeros((len(present), classes), dtype=np.int64)
     np.add.at(votes, (row, predicted), 1)
     most = votes == votes.max(axis=1, keepdims=True)
-    own = most[np.arange(len(present)), true_class[present]]
-    return present, own / most.sum(axis=1)
+    true_is_most = most[np.arange(len(present)), true_class[present]]
+    return present, true_is_most / most.sum(axis=1)
 
 
 def evenly_spaced_subsets(total: int, count: int) -> IntArray:

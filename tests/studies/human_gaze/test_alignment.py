@@ -37,7 +37,7 @@ def test_other_axes_and_points_at_one_place_are_refused():
     points = points_on(SURFACE, 2000)[:, [1, 2, 0]]
     with pytest.raises(GazeError, match=r"box: .* 0\.\d+ .* axes"):
         align(points, RayCaster(SURFACE), "box", 0.03)
-    with pytest.raises(GazeError, match="at one place"):
+    with pytest.raises(GazeError, match="recorded points are equal"):
         align(np.ones((5, 3)), RayCaster(SURFACE), "box", 0.03)
 
 

@@ -117,5 +117,5 @@ def test_a_recording_of_other_length_than_the_mesh_is_refused(egg, tmp_path):
 
 
 def test_too_few_objects_are_refused():
-    with pytest.raises(GazeError, match=r"1 different objects .* for 2 folds"):
+    with pytest.raises(GazeError, match=r"1 different objects .* 2 folds need"):
         measure_all([made_up_object("egg", "edge", 0)], SETTINGS)

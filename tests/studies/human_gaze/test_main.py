@@ -34,9 +34,9 @@ def test_a_folder_without_recordings_is_refused_in_a_sentence(run, tmp_path):
     (tmp_path / "gaze").mkdir()
     status, out, err = run("gaze")
     assert (status, out) == (1, "")
-    assert err == "error: gaze has no recording of gaze; files ending in .txt or .npz are.\n"
+    assert err == "error: gaze has no recording of gaze; files ending in .txt or .npz are needed.\n"
     write_object(tmp_path / "gaze", "pole", "test", (0.5, 1, 0.5), mesh=False)
-    assert "recordings for tests alone" in run("gaze")[2]
+    assert "has only recordings for tests" in run("gaze")[2]
 
 
 def test_no_name_of_a_folder_and_a_setting_out_of_range_are_refused(run):

@@ -36,7 +36,7 @@ def test_a_prediction_is_found_by_the_object_s_name(tmp_path):
     assert find_peer(tmp_path, "egg") == tmp_path / "egg_pred.ply"
     assert find_peer(tmp_path, "cat") is None
 
-    with pytest.raises(GazeError, match="none is no folder; one with a peer"):
+    with pytest.raises(GazeError, match="none is no folder; a folder with a peer"):
         find_peer(tmp_path / "none", "egg")
 
 

@@ -84,7 +84,7 @@ def test_what_people_look_at_is_chosen_and_little_else():
 
 @pytest.mark.parametrize(
     ("count", "tested", "sentence"),
-    [(3, {"thinga"}, "thinga would be in both parts"), (0, (), "0 objects")],
+    [(3, {"thinga"}, "thinga would be in training and test"), (0, (), "0 objects")],
 )
 def test_no_object_and_an_object_in_both_parts_are_refused(count, tested, sentence):
     with pytest.raises(GazeError, match=sentence):

@@ -54,9 +54,9 @@ def test_an_archive_says_the_same_as_a_text(tmp_path):
         ("0 0 0 1\n0 0 0 nan\n", "line 2, column 4 is 'nan': a finite number is needed"),
         ("0 0 inf 1\n", "line 1, column 3 is 'inf'"),
         ("time,x,y,z\n1,2,3,4\n", "0 columns seconds in its header"),
-        ("0,1,0,2,0,3,1,5\n", "commas may part 8 whole numbers, or be decimal signs of 4"),
+        ("0,1,0,2,0,3,1,5\n", "commas may separate 8 whole numbers, or be decimal signs of 4"),
         ("0 0 0 -1\n", "below 0"),
-        ("0 0 0 0\n", "none above"),
+        ("0 0 0 0\n", "or only zeros"),
         ("1\n" * 10_000, r"larger than 0\.01 MB"),
         ({"points": POINTS}, "no array `seconds`"),
         ({"seconds": SECONDS, "points": POINTS[:2]}, r"points of shape \(2, 3\)"),
@@ -112,7 +112,7 @@ def test_an_array_larger_than_its_bytes_is_refused_before_memory_is_taken(tmp_pa
     )
     with ZipFile(tmp_path / "cup.npz", "w") as archive:
         archive.writestr("seconds.npy", content.getvalue())
-    with pytest.raises(GazeError, match=r"other than the \(1000000000000,\) numbers"):
+    with pytest.raises(GazeError, match=r"does not hold the \(1000000000000,\) numbers"):
         read_recording(tmp_path / "cup.npz")
 
 
@@ -166,7 +166,7 @@ def test_recordings_are_found_with_their_meshes_and_parts(tmp_path):
     assert (cup.name, cup.is_test, cup.mesh.name) == ("cup", True, "cup.obj")
     assert (mug.name, mug.is_test, mug.mesh) == ("mug", False, None)
     write(tmp_path / "training" / "cup.txt", POINTS, SECONDS)
-    with pytest.raises(GazeError, match="must not be in two parts"):
+    with pytest.raises(GazeError, match="must not be in training and test"):
         find_recordings(tmp_path)
 
 

@@ -84,7 +84,7 @@ def test_a_point_cut_in_two_of_half_the_area_changes_nothing_and_points_left_out
     expected = MEASURES[name](predicted, gazed)
     tolerance = 0.01 if name == "auc_top" else 1e-9  # the fifth may end within a pair
     assert MEASURES[name](np.tile(predicted, 2), halves) == pytest.approx(expected, abs=tolerance)
-    with pytest.raises(GazeError, match="the prediction has shape"):
+    with pytest.raises(GazeError, match="The prediction has shape"):
         MEASURES[name](predicted, halves)
 
 
@@ -94,7 +94,7 @@ def test_a_point_cut_in_two_of_half_the_area_changes_nothing_and_points_left_out
         ([1.0, 2.0], [1.0], [True, True], "shapes"),
         ([1.0, -1.0], [1.0, 1.0], [True, True], "density"),
         ([1.0, 1.0], [1.0, np.nan], [True, True], "area"),
-        ([0.0, 1.0], [1.0, 1.0], [True, False], "no seen point was looked at"),
+        ([0.0, 1.0], [1.0, 1.0], [True, False], "No seen point was looked at"),
     ],
 )
 def test_a_surface_that_can_not_be_measured_is_refused(density, area, seen, culprit):

@@ -135,7 +135,7 @@ def code_of(
     it registered with a module of the job's places: a file with what it imports, an installed one by its version.
     """
     places = {*ALWAYS, *runs.places}
-    plug_ins = [one for one in plug_ins if any(_is_within(home, places) for home in one.homes)]
+    plug_ins = [one for one in plug_ins if any(_is_within(home, places) for home in one.registries)]
     own = [*runs.own, *(one.file for one in plug_ins if one.file is not None)]
     files, imported = _outside(own, studies, read)
     own_names = {file.stem for file in files}
