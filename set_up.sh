@@ -72,7 +72,7 @@ case $1 in
   package)
     run_pip --quiet --no-build-isolation --editable ./packages/contourlets --editable .
     compile "snakemake.cli, snakemake.report, snakemake.script, snakemake.workflow, nbformat, yaml" &
-    compile "cv2, grimp, jinja2, matplotlib.pyplot, pandas, pyarrow.parquet, pywt, scipy.stats, sklearn.tree, skops.io, trimesh"
+    compile "cv2, jinja2, matplotlib.pyplot, pandas, pyarrow.parquet, pywt, scipy.stats, sklearn.tree, skops.io, trimesh"
     wait
     compile visuohaptic.geometry.compiled_open3d ||
       stop "Open3D can't be loaded: install the libraries that the line above names (Debian, Ubuntu: apt install libegl1 libgl1 libgomp1)."
