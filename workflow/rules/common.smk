@@ -28,7 +28,12 @@ from visuohaptic.parameters import (
     read_parameters,
 )
 from visuohaptic.phases import OF_OBJECT, inputs_needed_from, phase as phase_of
-from visuohaptic.io.plugins import load_files, load_in_child_processes, load_installed, loaded
+from visuohaptic.io.plugins import (
+    load_files,
+    load_in_child_processes,
+    load_installed,
+    loaded,
+)
 from visuohaptic.io.yaml_files import check_config, check_spelling
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic_workflow.blocks import divide
