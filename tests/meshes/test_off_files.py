@@ -87,6 +87,7 @@ def test_colours_of_vertices_and_faces_are_read(text, expected):
             r"line 5 holds '1,5', which is no number; decimal points",
         ),
         (off().replace("1 1 0", "1 one 0"), "line 5 holds 'one'"),
+        (off().replace("1 1 0", "1 1-2 0"), "line 5 holds '1-2'"),
         (off().replace("3 0 1 2", "3 0 1 2.5"), "a face holds 2.5; whole numbers"),
         (off().replace("3 0 1 2", "-3 0 1 2"), "face 0 promises -3 corners"),
         (off().replace("3 0 1 2", "nan 0 1 2"), "a face holds nan"),
@@ -101,6 +102,23 @@ def test_colours_of_vertices_and_faces_are_read(text, expected):
 def test_what_is_no_off_is_refused_with_the_place(text, says):
     with pytest.raises(MeshError, match=says):
         read(text)
+
+
+@pytest.mark.parametrize("whole_lines", [0, 9_000])
+@pytest.mark.parametrize("most", [1, 7, 10**6])
+def test_lines_may_break_anywhere_in_a_file_of_many_blocks(most, whole_lines):
+    random = np.random.default_rng(most)
+    points = random.normal(size=(9_000, 3))
+    counts = [3, *random.integers(3, 5, 29_998), 3]
+    faces = [random.integers(0, 9_000, count) for count in counts]
+    text = generated.as_off(points, faces).decode()
+    head, *rows = text.split("\n")[1:]
+    words = " ".join(rows[whole_lines:]).split()
+    ends = np.cumsum(random.integers(1, most + 1, len(words)))
+    lines = [" ".join(line) for line in np.split(words, ends[ends < len(words)])]
+    wrapped = read("\n".join(["OFF", head, *rows[:whole_lines], *lines, ""]))
+    np.testing.assert_array_equal(wrapped.triangles, read(text).triangles)
+    np.testing.assert_array_equal(wrapped.triangles[[0, -1]], points[[faces[0], faces[-1]]])
 
 
 @settings(max_examples=40, deadline=None)

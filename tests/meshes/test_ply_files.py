@@ -233,6 +233,11 @@ def test_any_coloured_polygons_are_those_that_plyfile_wrote(mesh, form, of_verti
 @pytest.mark.parametrize(
     ("data", "says"),
     [
+        (text([], [], rows()).replace("1 1 0", "1 1-2 0"), "row 2: property 'y': malformed"),
+        (
+            text([], [], rows()).replace("3 0 1 2 \n3 0", "3 0 1 \n2 3 0"),
+            "'face', and 0 are there whole",
+        ),
         (text([], [], rows()).replace("float x", "float a"), "no numbers x, y and z"),
         (
             text([], [], rows())

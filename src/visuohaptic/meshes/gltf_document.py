@@ -66,6 +66,7 @@ _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _GLB_HEADER = struct.Struct("<4sII")
 _CHUNK_HEADER = struct.Struct("<I4s")
+_INLINE = "data:"
 _LONGEST_SHOWN = 80
 
 
@@ -165,12 +166,12 @@ class GltfDocument:
 
     def _opened(self, described: dict[str, Any], index: int) -> PackedImage | None:
         name = described.get("uri")
-        if name is not None and not name.startswith("data:"):
-            return self.companions.image(name)
-        if name is not None:
-            data = _inline(name)
-        else:
+        if name is None:
             data = bytes(self._view(described.get("bufferView"), f"image {index}"))
+        elif name.startswith(_INLINE):
+            data = _decoded_address(name)
+        else:
+            return self.companions.image(name)
         self._image_bytes += len(data)
         if self._image_bytes > MOST_IMAGE_BYTES:
             raise MeshError(
@@ -231,12 +232,10 @@ class GltfDocument:
     def _buffer(self, index: Any, place: str) -> memoryview:
         described = self.entry("buffers", index, place)
         refuse_unknown(described, f"buffer {index}", ())
+        if (described.get("uri") or "").startswith(_INLINE):
+            # The address is as long as its bytes and is not needed beside them.
+            self._buffers[index] = memoryview(_decoded_address(described.pop("uri")))
         name = described.get("uri")
-        if name is not None and name.startswith("data:"):
-            # The text is not needed beside its bytes.
-            del name
-            self._buffers[index] = memoryview(_inline(described.pop("uri")))
-            name = None
         # Many buffers may name one file.
         key = index if name is None else name
         if key not in self._buffers:
@@ -323,8 +322,8 @@ def _parsed(text: str) -> dict[str, Any]:
     return tree
 
 
-def _inline(address: str) -> bytes:
-    """Return the bytes of a ``data:`` address (RFC 2397)."""
+def _decoded_address(address: str) -> bytes:
+    """Return the bytes that a ``data:`` address holds (RFC 2397)."""
     kind, _, data = address.partition(",")
     if kind.endswith(";base64"):
         # `base64.b64decode` would copy the text.

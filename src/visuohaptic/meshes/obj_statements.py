@@ -1,4 +1,4 @@
-"""The statements of an OBJ file, line after line, as arrays.
+"""The statements of an OBJ file as arrays.
 
 The format is described in appendix B1 of the manual of Wavefront's Advanced Visualizer.
 """
@@ -39,15 +39,19 @@ def _integers() -> array[int]:
 
 @dataclass
 class Polygons:
-    """Polygons of one material, as they are read.
+    """Polygons of one material.
 
     Attributes
     ----------
-    corners, places : array of int
-        Numbers of vertices and of image coordinates, from 1, polygon after polygon; a place is 0 where
-        a corner has none, and there are none for polygons behind the last one with a place.
-    counts, lines : array of int
-        Number of corners, and line in the file, per polygon.
+    corners : array of int
+        Vertex, counted from 1, per corner, polygon after polygon.
+    places : array of int
+        Image coordinates, counted from 1, per corner; 0 where a corner has none. The array ends with
+        the last polygon that has image coordinates.
+    counts : array of int
+        Number of corners per polygon.
+    lines : array of int
+        Line in the file per polygon.
     """
 
     corners: array[int] = field(default_factory=_integers)
@@ -58,19 +62,27 @@ class Polygons:
 
 @dataclass
 class ObjStatements:
-    """What an OBJ file says, in arrays that grow without a second copy.
+    """The statements of an OBJ file, in arrays that grow without a second copy.
 
     Attributes
     ----------
-    points, colours, places : array of float
-        Three numbers per vertex, three per vertex up to the last one with a colour (NaN where a vertex
-        has none), and two per image coordinates.
+    points : array of float
+        Three coordinates per vertex.
+    colours : array of float
+        Three numbers per vertex, NaN where a vertex has no colour. The array ends with the last vertex
+        that has a colour.
+    places : array of float
+        Two numbers per image coordinates (``vt``).
     polygons : dict
-        By the name of their material, "" for none, in the order in which materials are first used.
+        `Polygons` per name of a material, "" for none, in the order in which materials are first used.
     libraries : dict
-        What ``mtllib`` lines say.
-    without_area, unknown : dict
-        How many elements without a surface there are, and the first lines of words that are not known.
+        The texts behind ``mtllib``, as keys in the file's order.
+    without_area : dict
+        Number of elements per kind that has no surface.
+    unknown : dict
+        First line per word that is not known, up to `MOST_SHOWN` words.
+    material : str
+        Name of the material of the next polygon.
     """
 
     points: array[float] = field(default_factory=lambda: array("d"))
@@ -82,10 +94,10 @@ class ObjStatements:
     unknown: dict[str, int] = field(default_factory=dict)
     material: str = ""
 
-    def add(self, number: int, line: bytes) -> None:
-        """Add the statement of a line.
+    def add(self, line: bytes, number: int) -> None:
+        """Add the statement of a line, by the line's number in the file.
 
-        Raises `MeshError` with the reason; `ValueError` or `OverflowError` where a number is wrong.
+        Raises `MeshError`, with the reason only; `ValueError` or `OverflowError` where a number is wrong.
         """
         words = line.split(None, 1)
         word = words[0] if words else b"#"
@@ -96,7 +108,7 @@ class ObjStatements:
         elif word == b"vt":
             self._add_place(numbers_of(line))
         elif word not in _PASSED_OVER and not word.startswith(b"#"):
-            self._add_rare(word, number, line)
+            self._add_rare(word, line, number)
 
     def _add_vertex(self, numbers: list[bytes]) -> None:
         self.points.extend(map(float, numbers[:3]))
@@ -124,12 +136,13 @@ class ObjStatements:
         places = [row[1] if len(row) > 1 else 0 for row in rows]
         if any(places):
             polygons.places.extend(repeat(0, len(polygons.corners) - len(polygons.places)))
-            polygons.places.extend(_from_the_first(places, len(self.places) // 2))
-        polygons.corners.extend(_from_the_first(corners, len(self.points) // 3))
+            polygons.places.extend(_counted_from_1(places, len(self.places) // 2))
+        polygons.corners.extend(_counted_from_1(corners, len(self.points) // 3))
         polygons.counts.append(len(rows))
         polygons.lines.append(line)
 
-    def _add_rare(self, word: bytes, number: int, line: bytes) -> None:
+    def _add_rare(self, word: bytes, line: bytes, number: int) -> None:
+        """Add a statement other than a vertex, image coordinates or a polygon."""
         lower = word.lower()
         if lower == b"usemtl":
             self.material = rest_of(line)
@@ -141,7 +154,7 @@ class ObjStatements:
             what = _WITHOUT_AREA[lower]
             self.without_area[what] = self.without_area.get(what, 0) + 1
         elif lower != word:
-            self.add(number, line.replace(word, lower, 1))
+            self.add(line.replace(word, lower, 1), number)
         elif _is_number(word):
             raise MeshError(f"the line begins with the number {shown(word)}; a word is needed")
         elif len(self.unknown) < MOST_SHOWN:
@@ -149,15 +162,15 @@ class ObjStatements:
 
 
 def read_statements(data: bytes) -> ObjStatements:
-    """Read the statements of a file in UTF-8 or an encoding that holds ASCII.
+    """Read the statements of an OBJ file in UTF-8 or another encoding that contains ASCII.
 
-    Raises `MeshError` with the line and the word, where a word is no number, a row has too few numbers,
-    or a statement shows a surface that is no polygon.
+    Raises `MeshError`, with the line and the word, where a word is no number, a row has too few numbers,
+    or a statement describes a surface that is no polygon.
     """
     said = ObjStatements()
     for number, line in statements(data):
         try:
-            said.add(number, line)
+            said.add(line, number)
         except MeshError as error:
             raise MeshError(f"line {number}: {error}") from None
         except (ValueError, OverflowError):
@@ -167,8 +180,8 @@ def read_statements(data: bytes) -> ObjStatements:
     return said
 
 
-def _from_the_first(numbers: list[int], count: int) -> list[int]:
-    """Return numbers with those below 0, which count backwards from the last of so many, made plain."""
+def _counted_from_1(numbers: list[int], count: int) -> list[int]:
+    """Return indices counted from 1; negative ones count backwards, -1 names the last of `count` rows."""
     if min(numbers) >= 0:
         return numbers
     return [count + 1 + number if number < 0 else number for number in numbers]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from array import array
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,21 +15,30 @@ from visuohaptic.meshes.colours import as_bytes, mean_of_corners
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines
 from visuohaptic.meshes.parts import GREY, Part
-from visuohaptic.meshes.polygons import check_corners, named_triangles
-from visuohaptic.meshes.text_numbers import blocks_of_lines, numbers_of, plain_lines
+from visuohaptic.meshes.polygons import check_corners, index_runs, named_triangles
+from visuohaptic.meshes.text_numbers import (
+    blocks_of_lines,
+    blocks_of_words,
+    numbers_by_line,
+    plain_lines,
+)
 
 # ModelNet has files whose counts follow the keyword without a blank.
 _KEYWORD = re.compile(rb"\s*(ST)?(C?N?|NC)(4?)OFF(?=[\s\d]|$)", re.IGNORECASE)
-# Two or three counts on a line, or three that white space of any kind parts.
+# Two or three counts on a line, or three with any white space between them.
 _COUNTS = re.compile(
     rb"\s*(?:(\d+)[ \t]+(\d+)(?:[ \t]+\d+)?[ \t]*(?:\n|$)|(\d+)\s+(\d+)\s+\d+(?=\s|$))"
 )
 _COMMENT = re.compile(rb"#[^\n]*")
+_AT_ONCE = 1 << 14  # faces
 
 
 @dataclass(frozen=True)
 class _Header:
-    """What a header says: extras of each vertex, numbers of rows, and where they begin."""
+    """A header of `length` bytes.
+
+    `places`, `colours` and `normals` say whether a vertex has them; `vertices` and `faces` count rows.
+    """
 
     places: bool
     colours: bool
@@ -40,7 +50,19 @@ class _Header:
 
 @dataclass(frozen=True)
 class _Faces:
-    """Corners, their number per face, the numbers behind the corners of coloured faces, (c, 3), and which are coloured."""
+    """Faces as they are written.
+
+    Attributes
+    ----------
+    corners : numpy.ndarray
+        Shape (n,): vertices of all faces, face after face.
+    counts : numpy.ndarray
+        Shape (f,): number of corners per face.
+    colours : numpy.ndarray
+        Shape (c, 3): the three numbers behind the corners of each coloured face.
+    coloured : numpy.ndarray
+        Shape (f,): whether a face is coloured.
+    """
 
     corners: IntArray
     counts: IntArray
@@ -51,7 +73,7 @@ class _Faces:
 def read_off(data: bytes, companions: Companions) -> list[Part]:
     """Read an OFF file as one part, polygons cut into triangles.
 
-    White space of any kind parts numbers; colours of faces need a line per face. Colours are numbers
+    White space of any kind divides numbers; colours of faces need a line per face. Colours are numbers
     to 255 or, where none is above 1, shares.
 
     Raises `MeshError`, with the reason only, if rows are other than the header promises, a word is no
@@ -65,24 +87,20 @@ def read_off(data: bytes, companions: Companions) -> list[Part]:
     header = _read_header(text)
     blocks = _read_by_lines(header, text)
     if blocks is None:
-        rows, faces = _read_flowing(header, text)
-    else:
-        # What has been read takes the memory of the text.
+        numbers, widths = _read_numbers(header, text)
+        # The numbers take the memory of the text.
         del text
-        rows, faces = _join_blocks(*blocks)
+        blocks = _divide_numbers(header, numbers, widths)
+        del numbers, widths
+    else:
+        del text
+    rows, faces = _join_blocks(*blocks)
     points = np.ascontiguousarray(rows[:, :3])
     check_corners(faces.corners, len(points))
     named, pieces = named_triangles(points, faces.corners, faces.counts)
-    colours = mean_of_corners(_vertex_colours(header, rows), named)
-    if faces.coloured.any():
-        of_faces = np.zeros((len(faces.counts), 3), np.uint8)
-        of_faces[faces.coloured] = as_bytes(faces.colours)
-        others = np.array(GREY, np.uint8) if colours is None else colours
-        coloured = np.repeat(faces.coloured, pieces)[:, None]
-        colours = np.where(coloured, np.repeat(of_faces, pieces, axis=0), others)
     if header.places:
         companions.notes.append("has coordinates on an image that OFF can't name")
-    return [Part(points, named, colours)]
+    return [Part(points, named, _colours(faces, pieces, _vertex_colours(header, rows), named))]
 
 
 def _read_header(text: bytes) -> _Header:
@@ -110,13 +128,16 @@ def _read_header(text: bytes) -> _Header:
 
 
 def _read_by_lines(header: _Header, text: bytes) -> tuple[list[FloatArray], list[_Faces]] | None:
-    """Read vertices and faces that have a line each, block after block; None where others are there."""
+    """Read vertices and faces in blocks; None where some row does not have a line of its own."""
+    if text.count(b"\n", header.length) + 1 < header.vertices + header.faces:
+        return None
     line = 1 + text.count(b"\n", 0, header.length)
     rows: list[FloatArray] = []
     faces: list[_Faces] = []
     waiting, first = header.vertices, 0
     for block in blocks_of_lines(text, header.length):
-        numbers, widths = numbers_of(block, line), _widths(block)
+        numbers, widths = numbers_by_line(block, line)
+        widths = widths[widths > 0]
         line += block.count(b"\n")
         if waiting and len(widths):
             columns = rows[0].shape[1] if rows else int(widths[0])
@@ -128,7 +149,11 @@ def _read_by_lines(header: _Header, text: bytes) -> tuple[list[FloatArray], list
             waiting -= here
         if first + len(widths) > header.faces:
             return None
-        faces.append(_faces_of_lines(numbers, widths, first))
+        try:
+            faces.append(_faces_of_rows(numbers, widths, first))
+        except MeshError:
+            # Lines may break within faces. If the file is broken, `_divide_numbers` says where.
+            return None
         first += len(widths)
     if waiting or first < header.faces or not rows:
         return None
@@ -147,26 +172,49 @@ def _join_blocks(rows: list[FloatArray], faces: list[_Faces]) -> tuple[FloatArra
     )
 
 
-def _read_flowing(header: _Header, text: bytes) -> tuple[FloatArray, _Faces]:
-    """Read numbers that white space of any kind parts; all are in memory at once."""
-    body = text[header.length :]
-    numbers = numbers_of(body, 1 + text.count(b"\n", 0, header.length))
-    widths = _widths(body)
+def _read_numbers(header: _Header, text: bytes) -> tuple[FloatArray, NDArray[np.int32]]:
+    """Return all numbers (n,) behind the header, and how many each line has that has any."""
+    numbers, widths = bytearray(), bytearray()
+    line, unfinished = 1 + text.count(b"\n", 0, header.length), 0
+    for block in blocks_of_words(text, header.length):
+        here, of_lines = numbers_by_line(block, line)
+        numbers += here.tobytes()
+        line += block.count(b"\n")
+        of_lines[0] += unfinished
+        unfinished = 0
+        if not block.endswith(b"\n"):
+            unfinished, of_lines = int(of_lines[-1]), of_lines[:-1]
+        widths += of_lines[of_lines > 0].astype(np.int32).tobytes()
+    widths += np.array([unfinished] if unfinished else [], dtype=np.int32).tobytes()
+    return np.frombuffer(numbers), np.frombuffer(widths, np.int32)
+
+
+def _divide_numbers(
+    header: _Header, numbers: FloatArray, widths: NDArray[np.int32]
+) -> tuple[list[FloatArray], list[_Faces]]:
+    """Divide numbers that lines do not divide into rows of vertices and blocks of faces."""
     columns = _columns(header, widths)
     if header.vertices * columns > len(numbers):
         raise _wrong("it is truncated", header, widths)
     rows = numbers[: header.vertices * columns].reshape(-1, columns)
-    return rows, _read_faces(header, numbers[rows.size :], _behind(widths, rows.size))
+    of_faces, lines = numbers[rows.size :], _lines_behind(widths, rows.size)
+    if lines is None or len(lines) != header.faces:
+        lines = _widths_by_counts(header, of_faces, lines)
+    blocks, end = [_no_faces()], 0
+    for first in range(0, len(lines), _AT_ONCE):
+        here = lines[first : first + _AT_ONCE].astype(np.int64)
+        start, end = end, end + int(here.sum())
+        blocks.append(_faces_of_rows(of_faces[start:end], here, first))
+    # A copy: a view would keep the numbers of faces in memory.
+    return [rows.copy()], blocks
 
 
-def _widths(text: bytes) -> IntArray:
-    """Return how many words each line has that has any."""
-    counts = (len(line.split()) for line in text.split(b"\n"))
-    return np.fromiter(filter(None, counts), dtype=np.int64)
+def _columns(header: _Header, widths: NDArray[np.int32]) -> int:
+    """Return how many numbers a vertex has.
 
-
-def _columns(header: _Header, widths: IntArray) -> int:
-    """Return how many numbers a vertex has: those of its line where each has one, else as the keyword says."""
+    These are the numbers of its line, if all vertices have a line of one length; else the keyword
+    says how many.
+    """
     of_vertices = widths[: header.vertices]
     lines = len(widths) >= header.vertices + header.faces
     if len(of_vertices) and lines and (of_vertices == of_vertices[0]).all() and of_vertices[0] >= 3:
@@ -174,57 +222,62 @@ def _columns(header: _Header, widths: IntArray) -> int:
     return 3 + 3 * header.normals + 4 * header.colours + 2 * header.places
 
 
-def _behind(widths: IntArray, count: int) -> IntArray | None:
-    """Return the widths of the lines behind some numbers; None where these end within a line."""
-    ends = np.cumsum(widths)
+def _lines_behind(widths: NDArray[np.int32], count: int) -> NDArray[np.int32] | None:
+    """Return the widths of the lines behind the first `count` numbers; None where a line holds both."""
+    ends = np.cumsum(widths, dtype=np.int64)
     lines = int(np.searchsorted(ends, count, side="right"))
     whole = count == 0 or (lines > 0 and ends[lines - 1] == count)
     return widths[lines:] if whole else None
 
 
-def _read_faces(header: _Header, numbers: FloatArray, widths: IntArray | None) -> _Faces:
-    if widths is None or len(widths) != header.faces:
-        return _parted_by_counts(header, numbers, widths)
-    return _faces_of_lines(numbers, widths, 0)
+def _widths_by_counts(
+    header: _Header, numbers: FloatArray, lines: NDArray[np.int32] | None
+) -> NDArray[np.int32]:
+    """Return how many numbers (f,) each face has, by the counts of corners that faces begin with.
+
+    Faces that lines do not divide have no colours. `lines` are the widths of the faces' lines, for
+    sentences.
+    """
+    widths, place = array("i"), 0
+    for face in range(header.faces):
+        count = numbers.item(place) if place < len(numbers) else np.inf
+        end = place + 1 + count
+        if count < 0 or end > len(numbers):
+            raise _wrong("it is truncated", header, lines, face)
+        if not count.is_integer():
+            raise MeshError(f"a face holds {count:g}; whole numbers are needed")
+        widths.append(1 + int(count))
+        place = int(end)
+    if place < len(numbers):
+        raise _wrong("it holds too much", header, lines)
+    return np.frombuffer(widths, np.int32)
 
 
-def _faces_of_lines(numbers: FloatArray, widths: IntArray, first: int) -> _Faces:
-    """Read faces of a line each, the first of which has a number in sentences."""
+def _no_faces() -> _Faces:
+    none = np.empty(0, np.int64)
+    return _Faces(none, none, np.empty((0, 3)), np.empty(0, bool))
+
+
+def _faces_of_rows(numbers: FloatArray, widths: IntArray, first: int) -> _Faces:
+    """Read faces from their rows.
+
+    `numbers` (n,) holds row after row, `widths` (f,) how many numbers each row has, 1 or more. Each
+    row is a count of corners, the corners, and a colour or nothing. `first` is the first face's number
+    in sentences.
+    """
     starts = np.cumsum(widths) - widths
     counts = _whole(numbers[starts])
     wrong = np.flatnonzero((counts < 0) | (counts >= widths))
     if len(wrong):
-        place = wrong[0]
+        face = wrong[0]
         raise MeshError(
-            f"face {first + place} promises {counts[place]} corners, and {widths[place] - 1} numbers follow"
+            f"face {first + face} promises {counts[face]} corners, and {widths[face] - 1} numbers follow"
         )
-    within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    corners = numbers[np.repeat(starts + 1, counts) + within]
-    # A single number is a place in a table of colours that Geomview has.
+    corners = _whole(numbers[index_runs(starts + 1, counts)])
+    # A single number is an index into a table of colours that Geomview has.
     coloured = widths - 1 - counts >= 3
     behind = (starts + 1 + counts)[coloured]
-    colours = numbers[behind[:, None] + np.arange(3)]
-    return _Faces(_whole(corners), counts, colours, coloured)
-
-
-def _parted_by_counts(header: _Header, numbers: FloatArray, widths: IntArray | None) -> _Faces:
-    """Read faces that do not have a line each, hence no colours."""
-    place, counts, corners = 0, [], [np.empty(0)]
-    for face in range(header.faces):
-        count = int(_whole(numbers[place : place + 1]).sum())  # 0 behind the last
-        if count < 0 or place + count >= len(numbers):
-            raise _wrong("it is truncated", header, widths, face)
-        counts.append(count)
-        corners.append(numbers[place + 1 : place + 1 + count])
-        place += 1 + count
-    if place < len(numbers):
-        raise _wrong("it holds too much", header, widths)
-    return _Faces(
-        _whole(np.concatenate(corners)),
-        np.array(counts, dtype=np.int64),
-        np.zeros((0, 3)),
-        np.zeros(header.faces, dtype=bool),
-    )
+    return _Faces(corners, counts, numbers[behind[:, None] + np.arange(3)], coloured)
 
 
 def _whole(numbers: FloatArray) -> IntArray:
@@ -232,6 +285,24 @@ def _whole(numbers: FloatArray) -> IntArray:
     if len(wrong):
         raise MeshError(f"a face holds {numbers[wrong[0]]:g}; whole numbers are needed")
     return numbers.astype(np.int64)
+
+
+def _colours(
+    faces: _Faces, pieces: NDArray[np.int32], of_vertices: NDArray[np.uint8] | None, named: IntArray
+) -> NDArray[np.uint8] | None:
+    """Return the colours (t, 3) of triangles: of their face, else of their vertices, else grey.
+
+    `pieces` (f,) says how many triangles each face has, `named` (t, 3) which vertices. Returns None
+    where the file has no colours.
+    """
+    colours = mean_of_corners(of_vertices, named)
+    if not faces.coloured.any():
+        return colours
+    of_faces = np.zeros((len(faces.counts), 3), np.uint8)
+    of_faces[faces.coloured] = as_bytes(faces.colours)
+    others = np.array(GREY, np.uint8) if colours is None else colours
+    coloured = np.repeat(faces.coloured, pieces)[:, None]
+    return np.where(coloured, np.repeat(of_faces, pieces, axis=0), others)
 
 
 def _vertex_colours(header: _Header, rows: FloatArray) -> NDArray[np.uint8] | None:
@@ -249,7 +320,7 @@ def _vertex_colours(header: _Header, rows: FloatArray) -> NDArray[np.uint8] | No
 
 
 def _wrong(
-    what: str, header: _Header, widths: IntArray | None, face: int | None = None
+    what: str, header: _Header, widths: NDArray[np.int32] | None, face: int | None = None
 ) -> MeshError:
     lines = "" if widths is None else f", and {len(widths)} lines follow"
     at = "" if face is None else f" (at face {face})"

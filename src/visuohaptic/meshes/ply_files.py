@@ -17,7 +17,8 @@ from visuohaptic.meshes.colours import as_bytes, mean_of_corners
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines, check_parts
 from visuohaptic.meshes.parts import GREY, Paint, Part
-from visuohaptic.meshes.ply_tables import Lists, Table, decoded, read_tables
+from visuohaptic.meshes.ply_columns import Lists, Table
+from visuohaptic.meshes.ply_tables import decoded, read_tables
 from visuohaptic.meshes.polygons import check_corners, named_triangles, triangulate
 from visuohaptic.meshes.text_numbers import plain_lines
 

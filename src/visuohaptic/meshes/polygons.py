@@ -1,7 +1,7 @@
-"""Polygons that are not convex, cut into triangles that cover them and no more.
+"""Polygons as triangles that cover them and no more.
 
-trimesh cuts a polygon into a fan from its first corner, which is right for a convex one. Where a fan
-covers more than the polygon, a file's reader puts the triangles of `cuts` in its place.
+A convex polygon becomes a fan: its first corner joined with each of its other edges. The fan of a
+polygon that is not convex may cover more than the polygon; ear clipping cuts such a polygon.
 """
 
 from __future__ import annotations
@@ -24,15 +24,31 @@ _BLOCK_POLYGONS = 1 << 12
 def cuts(
     points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
 ) -> dict[int, IntArray]:
-    """Cut each polygon that its fan does not cover exactly, by ear clipping (``mapbox_earcut``).
+    """Cut polygons whose fan covers more than the polygon, by ear clipping (``mapbox_earcut``).
 
-    A polygon is seen along its area vector (Newell's normal), so one that is not flat is cut as its
-    projection. One without an area vector, or that crosses itself so that ear clipping comes no
-    nearer to its area, stays a fan.
+    A polygon is projected along its area vector (Newell's normal) before it is cut. A polygon without
+    an area vector stays a fan, and so does a polygon that crosses itself, where ear clipping comes no
+    nearer to its area.
 
-    `corners` (c,) are rows of the points (v, 3), polygon after polygon, and `counts` (p,) how many each
-    has. Gives by the number of each polygon that needs it triangles (t, 3): places among its own
-    corners, in its own winding.
+    Parameters
+    ----------
+    points : numpy.ndarray
+        Shape (v, 3), in any unit.
+    corners : numpy.ndarray
+        Shape (c,): rows of `points`, polygon after polygon.
+    counts : numpy.ndarray
+        Shape (p,): number of corners per polygon.
+
+    Returns
+    -------
+    dict
+        Per index of a polygon that is cut its triangles (t, 3): indices into the polygon's own corners,
+        wound as the polygon. Other polygons are no keys.
+
+    Raises
+    ------
+    MeshError
+        If a polygon to be cut has more than `MOST_CORNERS_CUT` corners.
     """
     found: dict[int, IntArray] = {}
     corner = 0
@@ -51,23 +67,34 @@ def _cuts_of_block(
     counts: NDArray[np.integer],
     starts: IntArray,
 ) -> dict[int, IntArray]:
+    """Return what `cuts` does for polygons whose corners begin at `starts` (p,)."""
     found: dict[int, IntArray] = {}
     for count in map(int, np.unique(counts[counts > 3])):
         alike = np.flatnonzero(counts == count)
-        for places in np.array_split(alike, -(-len(alike) * count // _BLOCK_CORNERS)):
-            polygons = points[corners[starts[places, None] + np.arange(count)]]
+        blocks = -(-len(alike) * count // _BLOCK_CORNERS)
+        for indices in np.array_split(alike, blocks):
+            polygons = points[corners[starts[indices, None] + np.arange(count)]]
             cut = _cut_polygons(polygons.astype(np.float64, copy=False))
-            found |= {int(places[place]): triangles for place, triangles in cut.items()}
+            found |= {int(indices[index]): triangles for index, triangles in cut.items()}
     return found
 
 
 def triangulate(
     points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
 ) -> tuple[IntArray, NDArray[np.int32]]:
-    """Cut polygons into triangles, in their order: each by its fan, or as `cuts` does where that is wrong.
+    """Cut polygons into triangles, polygon after polygon.
 
-    `points`, `corners` and `counts` are those of `cuts`. Returns triangles (t, 3), indices into
-    `corners`, and how many triangles (p,) each polygon has: none if it has fewer than three corners.
+    Parameters
+    ----------
+    points, corners, counts : numpy.ndarray
+        Polygons as `cuts` takes them.
+
+    Returns
+    -------
+    triangles : numpy.ndarray
+        Shape (t, 3): indices into `corners`.
+    pieces : numpy.ndarray
+        Shape (p,), int32: number of triangles per polygon, 0 if it has fewer than three corners.
     """
     if (counts == 3).all():
         return np.arange(len(corners)).reshape(-1, 3), np.ones(len(counts), dtype=np.int32)
@@ -76,24 +103,32 @@ def triangulate(
     pieces -= 2
     for polygon, triangles in cut.items():
         pieces[polygon] = len(triangles)
+    return _all_triangles(counts, pieces, cut), pieces
+
+
+def _all_triangles(
+    counts: NDArray[np.integer], pieces: NDArray[np.int32], cut: dict[int, IntArray]
+) -> IntArray:
+    """Return triangles (t, 3) of all polygons, indices into their corners."""
     found = np.empty((pieces.sum(dtype=np.int64), 3), dtype=np.int64)
-    corner = triangle = 0
     numbers = np.array(sorted(cut), dtype=np.int64)
-    # Several arrays as large as `found` would be needed at once.
+    corner = triangle = 0
+    # Without blocks, several arrays as large as `found` would be needed at once.
     for first in range(0, len(counts), _BLOCK_POLYGONS):
-        block = slice(first, first + _BLOCK_POLYGONS)
-        of_block = slice(*np.searchsorted(numbers, [first, first + _BLOCK_POLYGONS]))
-        inside = {int(number) - first: cut[int(number)] for number in numbers[of_block]}
-        fans = _fans(counts[block], pieces[block], inside)
+        last = first + _BLOCK_POLYGONS
+        here = numbers[slice(*np.searchsorted(numbers, [first, last]))].tolist()
+        inside = {number - first: cut[number] for number in here}
+        fans = _fans(counts[first:last], pieces[first:last], inside)
         np.add(fans, corner, out=found[triangle : triangle + len(fans)])
-        triangle, corner = triangle + len(fans), corner + int(counts[block].sum(dtype=np.int64))
-    return found, pieces
+        triangle += len(fans)
+        corner += int(counts[first:last].sum(dtype=np.int64))
+    return found
 
 
 def _fans(
     counts: NDArray[np.integer], pieces: NDArray[np.int32], cut: dict[int, IntArray]
 ) -> IntArray:
-    """Return triangles (t, 3), indices into the polygons' corners: those of `cut`, else fans."""
+    """Return triangles (t, 3), indices into the polygons' corners: of `cut` where it has them, else fans."""
     owners = np.repeat(np.arange(len(counts)), pieces)
     starts = np.cumsum(counts, dtype=np.int64) - counts
     begins = np.cumsum(pieces, dtype=np.int64) - pieces
@@ -107,15 +142,15 @@ def _fans(
 def named_triangles(
     points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
 ) -> tuple[IntArray, NDArray[np.int32]]:
-    """Cut polygons as `triangulate` does, into triangles (t, 3) of rows of `points`.
+    """Cut polygons as `triangulate` does; the triangles (t, 3), int64, are rows of `points`.
 
-    Also returns how many triangles (p,) each polygon has.
+    Also returns the number of triangles (p,) per polygon.
     """
     if (counts == 3).all():
         ones = np.broadcast_to(np.int32(1), len(counts))
         return corners.reshape(-1, 3).astype(np.int64, copy=False), ones
     triangles, pieces = triangulate(points, corners, counts)
-    # A second array of as many triangles would be needed without blocks.
+    # Without blocks, a second array as large as `triangles` would be needed.
     for start in range(0, len(triangles), _BLOCK_CORNERS):
         block = triangles[start : start + _BLOCK_CORNERS]
         block[:] = corners[block]
@@ -123,24 +158,25 @@ def named_triangles(
 
 
 def index_runs(starts: IntArray, counts: IntArray, step: int = 1) -> IntArray:
-    """Return indices (sum of `counts`,) that go up from each start (n,) in steps, as many as its count."""
+    """Return runs of indices, one after another.
+
+    Run i begins at `starts[i]` and has `counts[i]` indices, each `step` above the one before it. Of
+    starts (n,) and counts (n,) the result has the shape (sum of counts,).
+    """
     ends = np.cumsum(counts)
     firsts = np.repeat(starts - step * (ends - counts), counts)
     return firsts + step * np.arange(len(firsts))
 
 
-def fan(count: int) -> IntArray:
-    """Give the triangles, shape (count - 2, 3), of a polygon that is cut from its first corner."""
-    second = np.arange(1, max(count - 1, 1))
-    return np.column_stack([np.zeros_like(second), second, second + 1])
-
-
 def check_corners(corners: NDArray[np.integer], vertices: int, first: int = 0) -> None:
-    """Refuse, with the reason alone, corners that name no vertex; vertices are counted from `first`."""
+    """Check that corners, of any shape, name vertices; these are counted from `first`.
+
+    Raises `MeshError`, with the reason only, that names the first corner that is wrong.
+    """
     if not len(corners):
         return
     last = first + vertices - 1
-    # Masks of all corners take memory, and hardly any file needs them.
+    # Masks of all corners take memory, and only a broken file needs them.
     if corners.min() >= first and corners.max() <= last:
         return
     if not vertices:
@@ -150,8 +186,8 @@ def check_corners(corners: NDArray[np.integer], vertices: int, first: int = 0) -
 
 
 def _cut_polygons(polygons: FloatArray) -> dict[int, IntArray]:
-    """Cut those of polygons (p, n, 3), in any unit, that their fans do not cover exactly."""
-    # A polygon of one point, or with a NaN, has no unit and fails no comparison.
+    """Cut polygons (p, n, 3), in any unit, whose fan covers more than the polygon; return as `cuts` does."""
+    # A polygon of one point, or with a NaN, becomes NaN throughout: no comparison below is true of it.
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         units = np.abs(polygons).max(axis=(1, 2), keepdims=True)
         polygons = polygons / units - polygons[:, :1] / units
@@ -160,16 +196,25 @@ def _cut_polygons(polygons: FloatArray) -> dict[int, IntArray]:
         areas = np.linalg.norm(vectors, axis=1)
         normals = vectors / areas[:, None]
         covered = np.abs(np.einsum("ptk,pk->pt", crosses, normals)).sum(axis=1)
-        bad = np.flatnonzero(covered - areas > _AREA_TOLERANCE * areas)
-    if not len(bad):
+        wrong = np.flatnonzero(covered - areas > _AREA_TOLERANCE * areas)
+    if not len(wrong):
         return {}
-    projected = _projected(polygons[bad], normals[bad])
-    found = {int(place): _ear_clipped(flat) for place, flat in zip(bad, projected, strict=True)}
-    return {place: triangles for place, triangles in found.items() if triangles is not None}
+    found = {}
+    for index, flat in zip(
+        wrong.tolist(), _projected(polygons[wrong], normals[wrong]), strict=True
+    ):
+        triangles = _ear_clipped(flat)
+        if triangles is not None:
+            found[index] = triangles
+    return found
 
 
 def _projected(polygons: FloatArray, normals: FloatArray) -> FloatArray:
-    """Project (p, n, 3) along normals, then leave out their largest axes; counter-clockwise stays so."""
+    """Project polygons (p, n, 3) along their normals (p, 3) to the plane, (p, n, 2).
+
+    The axis along which the normal is longest is dropped. Polygons that are counter-clockwise around
+    their normal are counter-clockwise in the plane.
+    """
     along = np.einsum("pnk,pk->pn", polygons, normals)
     flat = polygons - along[..., None] * normals[:, None]
     axes = np.abs(normals).argmax(axis=1)
@@ -180,7 +225,10 @@ def _projected(polygons: FloatArray, normals: FloatArray) -> FloatArray:
 
 
 def _ear_clipped(flat: FloatArray) -> IntArray | None:
-    """Give triangles, if they cover a polygon (n, 2), whose first corner is 0, better than its fan does."""
+    """Cut a polygon (n, 2), counter-clockwise, its first corner at 0, into triangles (t, 3).
+
+    Returns None where its fan comes at least as near to its area.
+    """
     if len(flat) > MOST_CORNERS_CUT:
         raise MeshError(
             f"a polygon that is not convex has {len(flat)} corners; {MOST_CORNERS_CUT} are allowed: cut "

@@ -1,16 +1,20 @@
-"""Numbers of text formats, parted by any white space."""
+"""Numbers of text formats, divided by any white space."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
 
-from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 
 _LONGEST_SHOWN = 40
 _BLOCK_BYTES = 1 << 18
+_LINE_FEED = ord("\n")
+_BLANK = re.compile(rb"\s")
+_IS_BLANK = np.isin(np.arange(256), list(b" \t\n\v\f\r"))  # by the value of a byte
 
 
 def plain_lines(data: bytes) -> bytes:
@@ -19,26 +23,82 @@ def plain_lines(data: bytes) -> bytes:
 
 
 def blocks_of_lines(data: bytes, start: int = 0) -> Iterator[bytes]:
-    """Yield a text from a place on in blocks of whole lines, each of some 260 kB."""
+    """Yield the rest of a text, from byte `start`, in blocks of whole lines of about 260 kB."""
     while start < len(data):
         stop = data.find(b"\n", start + _BLOCK_BYTES) + 1 or len(data)
         yield data[start:stop]
         start = stop
 
 
-def numbers_of(text: bytes, first_line: int) -> FloatArray:
-    """Return the numbers of a text, shape (n,), whose first line is line `first_line` of its file.
+def blocks_of_words(data: bytes, start: int = 0) -> Iterator[bytes]:
+    """Yield the rest of a text, from byte `start`, in blocks of whole words of about 260 kB.
 
-    Raises `MeshError` with the reason, which names the line and the word that is no number.
+    A block ends with the first blank character behind its size, so that a line may continue in the
+    next block.
     """
-    try:
+    while start < len(data):
+        blank = _BLANK.search(data, start + _BLOCK_BYTES)
+        stop = len(data) if blank is None else blank.end()
+        yield data[start:stop]
+        start = stop
+
+
+def numbers_by_line(text: bytes, first_line: int) -> tuple[FloatArray, IntArray]:
+    """Read the numbers of a text and count them per line.
+
+    Parameters
+    ----------
+    text : bytes
+        Whole words; lines end in a line feed.
+    first_line : int
+        Number of the text's first line in its file.
+
+    Returns
+    -------
+    numbers : numpy.ndarray
+        Shape (n,), float64.
+    widths : numpy.ndarray
+        Shape (lines,), int64: how many numbers each line has.
+
+    Raises
+    ------
+    MeshError
+        If a word is no number; the reason names the line and the word.
+    """
+    widths = _words_by_line(text)
+    if not widths.any():
         # NumPy reads a number from white space without any.
-        return np.fromstring(text, dtype=np.float64, sep=" ") if text.strip() else np.empty(0)
+        return np.empty(0), widths
+    try:
+        numbers = np.fromstring(text, dtype=np.float64, sep=" ")
     except ValueError:
-        for line, words in enumerate(map(bytes.split, text.split(b"\n")), first_line):
-            for word in words:
-                check_number(word, f"line {line}")
+        _refuse_wrong_word(text, first_line)
         raise
+    # NumPy reads "1-2" as two numbers.
+    if len(numbers) != widths.sum():
+        _refuse_wrong_word(text, first_line)
+        raise MeshError(f"numbers from line {first_line} on are not divided by blanks")
+    return numbers, widths
+
+
+def _words_by_line(text: bytes) -> IntArray:
+    """Count the words of each line, shape (lines,)."""
+    characters = np.frombuffer(text, np.uint8)
+    blank = _IS_BLANK[characters]
+    begins = ~blank
+    begins[1:] &= blank[:-1]
+    words = np.flatnonzero(begins)
+    ends = np.flatnonzero(characters == _LINE_FEED)
+    above = np.searchsorted(words, ends)
+    if not text.endswith(b"\n"):
+        above = np.append(above, len(words))
+    return np.diff(above, prepend=0)
+
+
+def _refuse_wrong_word(text: bytes, first_line: int) -> None:
+    for line, words in enumerate(map(bytes.split, text.split(b"\n")), first_line):
+        for word in words:
+            check_number(word, f"line {line}")
 
 
 def check_number(word: bytes, place: str) -> None:
