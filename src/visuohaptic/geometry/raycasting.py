@@ -271,12 +271,17 @@ class RayCaster:
         pairs = overlapping_faces(self.surface, _DEPTH_ERROR)
         return np.searchsorted(pairs[:, 0], np.arange(len(self.surface.faces) + 1)), pairs[:, 1]
 
+    @cached_property
+    def _twin_counts(self) -> IntArray:
+        """How many twins each face has, shape (f + 1,); the last number is that of `MISS`."""
+        return np.append(np.diff(self._twins[0]), 0)
+
     def _twin_pairs(self, met: IntArray) -> Pairs:
         """Give rays and the twins of the faces that they met, some pairs at a time."""
         starts, twins = self._twins
         if not len(twins):
             return
-        counts = np.where(met == MISS, 0, starts[met + 1] - starts[met])
+        counts = self._twin_counts.take(met)
         rays = np.flatnonzero(counts)
         for part in in_parts(rays, counts[rays], _PAIRS):
             again, places = paired(part, starts[met[part]], counts[part])
