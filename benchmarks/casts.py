@@ -44,4 +44,5 @@ def embreex_cast(surface: Surface) -> Cast:
 
 def rays_of(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
     """Join origins and directions, shape (n, 3) each, as both packages take them."""
-    return np.concatenate([origins, directions], axis=1).astype(np.float32)
+    # In rows: a package would copy another order in every cast.
+    return np.concatenate([origins, directions], axis=1).astype(np.float32, order="C")

@@ -70,7 +70,7 @@ def _measure(path: Path, rounds: int) -> dict[str, float]:
     points = np.concatenate([path.points for path in paths])
     normals = np.concatenate([path.normals for path in paths])
     of_views = [rays_of(*camera.rays(RENDERING.resolution)) for camera in CAMERAS]
-    of_imprints = rays_of(*_sensing_rays(caster, points, normals))
+    of_imprints = rays_of(*sensing_rays(caster, points, normals))
     contestants: dict[str, tuple[Callable[[], object], int]] = {
         "first view": (lambda: render_views(RayCaster(surface), CAMERAS[:1], RENDERING), 1),
         "rendering": (lambda: render_views(caster, CAMERAS, RENDERING), len(CAMERAS)),
@@ -83,7 +83,7 @@ def _measure(path: Path, rounds: int) -> dict[str, float]:
     return {name: 1e3 * taken / contestants[name][1] for name, taken in medians(seconds).items()}
 
 
-def _sensing_rays(
+def sensing_rays(
     caster: RayCaster, points: np.ndarray, normals: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Give the rays of the largest sensor at each point."""

@@ -169,8 +169,10 @@ def _promoted(
     # two sides, and each is a map of its own, as a red spot among green ones is alone on its side.
     total = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)[window]
     strongest = 0.0
+    # Every scale has the same centre.
+    centre = pyramid[0] * scales[0].centre_mean
     for scale in scales:
-        difference = _difference(pyramid, scale)[window]
+        difference = _difference(centre, pyramid[scale.offset], scale)[window]
         sides = [difference, -difference] if CHANNELS[name].two_sided else [difference]
         for side in sides:
             promoted = promote(_scaled(_rectified(side - NOISE)), parameters)
@@ -179,10 +181,11 @@ def _promoted(
     return total, strongest
 
 
-def _difference(pyramid: list[Plane], scale: _Scale) -> Plane:
-    centre = pyramid[0] * scale.centre_mean
-    surround = enlarge(pyramid[scale.offset], len(centre)) * scale.surround_mean
-    return _at_map_size((centre - surround) * scale.support)
+def _difference(centre: Plane, coarse: Plane, scale: _Scale) -> Plane:
+    difference = enlarge(coarse, len(centre)) * scale.surround_mean
+    np.subtract(centre, difference, out=difference)
+    difference *= scale.support
+    return _at_map_size(difference)
 
 
 def _at_map_size(plane: Plane) -> Plane:
@@ -192,7 +195,7 @@ def _at_map_size(plane: Plane) -> Plane:
 
 
 def _peak(plane: Plane) -> float:
-    return float(plane.max(initial=0.0))
+    return float(np.maximum.reduce(plane, axis=None, initial=0.0))
 
 
 def _rectified(plane: Plane) -> Plane:
@@ -208,16 +211,27 @@ def _promote_by_local_maxima(plane: Plane) -> Plane:
     # Which pixel is a maximum, and whether it is high enough to count, change gradually over a small
     # range, and a peak between pixels counts once: on a symmetric object rounding would otherwise
     # decide between one peak and two.
-    below = cv2.dilate(plane, _NEIGHBOURS) - plane
-    topmost = _rectified(1.0 - below * np.float32(1.0 / PLATEAU))
+    below = cv2.dilate(plane, _NEIGHBOURS)
+    below -= plane
+    below *= np.float32(1.0 / PLATEAU)
+    topmost = _rectified(np.subtract(np.float32(1.0), below, out=below))
     crowd = cv2.boxFilter(topmost, -1, (3, 3), normalize=False, borderType=cv2.BORDER_CONSTANT)
-    level = np.clip((plane - LOWEST_MAXIMUM) * np.float32(1.0 / COUNTED_RANGE), 0.0, 1.0)
-    votes = topmost / np.maximum(crowd, np.float32(1.0)) * level
-    # One after the other, in float64: OpenCV's own sum hangs on the processor's instructions.
-    count, total = (np.cumsum(one, dtype=np.float64)[-1] for one in (votes, votes * plane))
+    # All other pixels have no vote.
+    voters = np.flatnonzero((topmost > 0.0) & (plane > LOWEST_MAXIMUM))
+    heights, tops, crowds = (one.take(voters) for one in (plane, topmost, crowd))
+    level = np.minimum(
+        (heights - LOWEST_MAXIMUM) * np.float32(1.0 / COUNTED_RANGE), np.float32(1.0)
+    )
+    votes = tops / np.maximum(crowds, np.float32(1.0)) * level
+    count, total = _sum_in_order(votes), _sum_in_order(votes * heights)
     largest = _peak(plane)
     others = max(total - largest, 0.0) / max(count - 1.0, 1.0)
     return cv2.multiply(plane, max((largest - others) ** 2, REMNANT))
+
+
+def _sum_in_order(values: Plane) -> float:
+    """Sum one after the other, in float64: OpenCV's and NumPy's own order hangs on the processor's instructions."""
+    return float(np.cumsum(values, dtype=np.float64)[-1]) if len(values) else 0.0
 
 
 def _promote_iteratively(plane: Plane) -> Plane:

@@ -18,7 +18,7 @@ from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.srgb import dim_srgb, encode_srgb
 from visuohaptic.geometry.texture import Texture
-from visuohaptic.geometry.vectors import dot
+from visuohaptic.geometry.vectors import dot, dot_rows
 from visuohaptic.scene.parameters import VisualModes
 from visuohaptic.scene.records import EffectRecord
 
@@ -102,12 +102,14 @@ def meet_surface(
         origins, directions = camera.rays(parameters.resolution, pixels)
         hits = caster.first_hits(origins, directions)
         seen = np.flatnonzero(hits.hit)
-        faces, towards = hits.face.take(seen), directions[seen]
-        points = origins[seen] + hits.distance.take(seen)[:, None] * towards
+        faces = hits.face.take(seen)
+        # Component by component here and below, so that NumPy's inner loops run along the pixels.
+        towards = directions.T.take(seen, axis=1).T
+        points = (origins.T.take(seen, axis=1) + hits.distance.take(seen) * towards.T).T
         weights = caster.weights(points, faces)
         normals = _normals_towards(shape, caster, faces, weights, towards)
         curvature = shape.curvature(faces, weights)
-        yield PixelHits(pixels[seen], towards, faces, points, weights, normals, curvature)
+        yield PixelHits(pixels.take(seen), towards, faces, points, weights, normals, curvature)
 
 
 def colour_views(
@@ -122,15 +124,16 @@ def colour_views(
     surface = caster.surface
     plans = plan_visual(modes, surface.stored_colours(), parameters.ambient)
     with plans["texture" if modes.texture == "never" else "colour"].clock():
-        colours = seen_colours(surface.face_colours, surface.face_areas, modes) / 255.0
+        colours = seen_colours(surface.face_colours, surface.face_areas, modes).T / 255.0
         texture = surface.texture if plans["texture"].simulated else None
         texture = None if texture is None else seen_texture(texture, modes)
     views = _background(len(cameras), parameters)
     for number, (camera, one) in enumerate(zip(cameras, met, strict=True)):
         seen = _seen_surface(caster, one, colours, texture, camera, parameters, plans)
         for name, values in seen.items():
-            view = views[name][number]
-            view.reshape(-1, *view.shape[2:])[one.pixels] = values
+            view = views[name][number].reshape(parameters.resolution**2, -1).T
+            for shown, component in zip(view, np.atleast_2d(values.T), strict=True):
+                shown[one.pixels] = component
     return Views(**views, effects=tuple(plan.record(len(cameras)) for plan in plans.values()))
 
 
@@ -167,7 +170,7 @@ def _seen_surface(
     """Give what the pixels see that see the surface, by the names of `Views`."""
     faces, points, weights, normals = met.faces, met.points, met.weights, met.normals
     light = light_direction(camera)
-    colours = face_colours.take(faces, axis=0)
+    colours = face_colours.take(faces, axis=1).T
     if texture is not None:
         with plans["texture"].clock():
             on = np.flatnonzero(texture.textured.take(faces))
@@ -185,7 +188,7 @@ def _seen_surface(
     return {
         "colour": colours,
         "mask": np.ones(len(faces), dtype=bool),
-        "depth": np.einsum("nd,d->n", camera.eye - points, camera.axes[2]),
+        "depth": dot_rows(camera.eye[:, None] - points.T, camera.axes[2][:, None]),
         "point": points,
         "normal": normals,
         "face": faces,
@@ -201,13 +204,13 @@ def _normals_towards(
     weights: FloatArray,
     directions: FloatArray,
 ) -> FloatArray:
-    flat = caster.surface.face_normals.take(faces, axis=0)
-    away = np.where(np.einsum("nd,nd->n", flat, directions) > 0.0, -1.0, 1.0)[:, None]
-    normals = away * shape.normals(faces, weights)
+    flat = caster.face_normal_rows.take(faces, axis=1)
+    away = np.where(dot_rows(flat, directions.T) > 0.0, -1.0, 1.0)
+    normals = away * shape.normals(faces, weights).T
     # Close to its outline a facet can be seen while the rounding that it stands for turns away.
-    beyond = np.einsum("nd,nd->n", normals, directions) >= 0.0
-    normals[beyond] = away[beyond] * flat[beyond]
-    return normals
+    beyond = np.flatnonzero(dot_rows(normals, directions.T) >= 0.0)
+    normals[:, beyond] = away[beyond] * flat[:, beyond]
+    return normals.T
 
 
 def _weight_steps(
@@ -231,8 +234,9 @@ def _weight_steps(
 def _lit(
     caster: RayCaster, points: FloatArray, normals: FloatArray, light: FloatArray
 ) -> BoolArray:
-    towards = np.einsum("nd,d->n", normals, light) > 0.0
-    origins = points[towards] + SHADOW_OFFSET * normals[towards]
+    towards = np.flatnonzero(dot_rows(normals.T, light[:, None]) > 0.0)
+    origins = SHADOW_OFFSET * normals.T.take(towards, axis=1)
+    origins = (points.T.take(towards, axis=1) + origins).T
     blocked = caster.first_hits(origins, np.broadcast_to(light, origins.shape)).hit
     lit = np.ones(len(points), dtype=bool)
     lit[towards] = ~blocked
@@ -242,5 +246,5 @@ def _lit(
 def _shade(
     colours: FloatArray, normals: FloatArray, lit: BoolArray, light: FloatArray, ambient: float
 ) -> FloatArray:
-    lambert = np.maximum(np.einsum("nd,d->n", normals, light), 0.0) * lit
+    lambert = np.maximum(dot_rows(normals.T, light[:, None]), 0.0) * lit
     return dim_srgb(colours, ambient + (1.0 - ambient) * lambert)

@@ -27,7 +27,7 @@ from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.overlaps import in_parts, overlapping_faces, paired
 from visuohaptic.geometry.scenes import SCENES, installed_package
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.geometry.vectors import dot
+from visuohaptic.geometry.vectors import cross, dot
 
 MISS = -1
 
@@ -96,6 +96,8 @@ class RayCaster:
         self._corners = surface.triangles
         self._planes = _face_planes(surface)
         heights = LATERAL_ERROR * np.linalg.norm(surface.face_crosses, axis=1)
+        # Transposed for casts: NumPy gathers single numbers fastest.
+        self._plane_rows = np.ascontiguousarray(self._planes.T)
         longest = self._planes[:, 4]
         self._narrow = np.flatnonzero((heights < _NARROW * longest) & (heights > _LINE * longest))
         make_scene = SCENES[package or installed_package()]
@@ -145,11 +147,24 @@ class RayCaster:
 
         They are at least 0, and a point's sum is 1.
         """
-        slopes = self.slopes.take(faces, axis=0)
-        offsets = points - self._corners[:, 0].take(faces, axis=0)
-        second, third = (dot(slopes[:, edge], offsets) for edge in range(2))
-        weights = np.maximum(np.stack([1.0 - second - third, second, third], axis=1), 0.0)
-        return weights / weights.sum(axis=1, keepdims=True)
+        tables = self._weight_rows.take(faces, axis=1)
+        offsets = points.T - tables[6:]
+        second, third = dot(tables[:3].T, offsets.T), dot(tables[3:6].T, offsets.T)
+        weights = np.stack([1.0 - second - third, second, third])
+        np.maximum(weights, 0.0, out=weights)
+        weights /= weights[0] + weights[1] + weights[2]
+        return weights.T
+
+    @cached_property
+    def _weight_rows(self) -> FloatArray:
+        """Both slopes and the first corner of each face, shape (9, f): NumPy gathers single numbers fastest."""
+        slopes = self.slopes.reshape(-1, 6).T
+        return np.ascontiguousarray(np.concatenate([slopes, self._corners[:, 0].T]))
+
+    @cached_property
+    def face_normal_rows(self) -> FloatArray:
+        """Components of the unit normal of each face by its winding, shape (3, f)."""
+        return np.ascontiguousarray(self.surface.face_normals.T)
 
     @cached_property
     def slopes(self) -> FloatArray:
@@ -157,7 +172,7 @@ class RayCaster:
         crosses = self.surface.face_crosses
         squares = dot(crosses, crosses)
         edges = self._corners[:, 1:] - self._corners[:, :1]
-        slopes = np.stack([np.cross(edges[:, 1], crosses), np.cross(crosses, edges[:, 0])], axis=1)
+        slopes = np.stack([cross(edges[:, 1], crosses), cross(crosses, edges[:, 0])], axis=1)
         return np.divide(
             slopes,
             squares[:, None, None],
@@ -185,14 +200,14 @@ class RayCaster:
         """Cast rays once: their hits, and which of them float32 may have given the wrong face."""
         faces, second, third = self._scene.first_faces(_as_float32(origins, directions))
         hit = faces != MISS
-        planes = self._planes.take(faces, axis=0)
-        along = dot(planes, directions)
+        planes = self._plane_rows.take(faces, axis=1)
+        along = dot(planes.T, directions)
         distance = np.full(len(faces), np.inf)
         met = hit & (along != 0)
-        np.divide(planes[:, 3] - dot(planes, origins), along, out=distance, where=met)
+        np.divide(planes[3] - dot(planes.T, origins), along, out=distance, where=met)
         least_weight = np.minimum(np.minimum(second, third), 1 - second - third)
         length = np.sqrt(dot(directions, directions))
-        doubtful = hit & (least_weight * np.abs(along) < planes[:, 4] * length)
+        doubtful = hit & (least_weight * np.abs(along) < planes[4] * length)
         return Hits(distance, faces), doubtful
 
     def _settle(self, origins: FloatArray, directions: FloatArray, first: Hits) -> Hits:
@@ -236,7 +251,7 @@ class RayCaster:
         self, candidates: IntArray, origins: FloatArray, directions: FloatArray
     ) -> Pairs:
         """Give rays that pass a corner of a candidate, and all faces there, of which a bundle may have missed some."""
-        offsets = np.cross(
+        offsets = cross(
             self._corners[candidates] - origins[:, None, None], directions[:, None, None]
         )
         reach = (LATERAL_ERROR + _BUNDLE_RADIUS) ** 2 * dot(directions, directions)
@@ -256,12 +271,17 @@ class RayCaster:
         pairs = overlapping_faces(self.surface, _DEPTH_ERROR)
         return np.searchsorted(pairs[:, 0], np.arange(len(self.surface.faces) + 1)), pairs[:, 1]
 
+    @cached_property
+    def _twin_counts(self) -> IntArray:
+        """How many twins each face has, shape (f + 1,); the last number is that of `MISS`."""
+        return np.append(np.diff(self._twins[0]), 0)
+
     def _twin_pairs(self, met: IntArray) -> Pairs:
         """Give rays and the twins of the faces that they met, some pairs at a time."""
         starts, twins = self._twins
         if not len(twins):
             return
-        counts = np.where(met == MISS, 0, starts[met + 1] - starts[met])
+        counts = self._twin_counts.take(met)
         rays = np.flatnonzero(counts)
         for part in in_parts(rays, counts[rays], _PAIRS):
             again, places = paired(part, starts[met[part]], counts[part])
@@ -288,7 +308,7 @@ class RayCaster:
         corners = self._corners[candidates] - origins[:, None, None, :]
         # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
         # at a vertex rounding alone decides, and every face that it may have cut off counts.
-        sides = np.cross(corners, np.roll(corners, -1, axis=2))
+        sides = cross(corners, corners[:, :, [1, 2, 0]])
         sides = dot(sides, directions[:, None, None])
         farthest = dot(corners, corners).max(axis=2, keepdims=True)
         slack = _ROUNDING * farthest * np.sqrt(dot(directions, directions))[:, None, None]
@@ -308,8 +328,8 @@ class RayCaster:
 
     def _faces_around(self, origins: FloatArray, directions: FloatArray) -> IntArray:
         least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
-        first = _unit(np.cross(directions, least))
-        second = _unit(np.cross(directions, first))
+        first = _unit(cross(directions, least))
+        second = _unit(cross(directions, first))
         spread = _BUNDLE_RADIUS * (
             _BUNDLE[:, 0, None] * first[:, None, :] + _BUNDLE[:, 1, None] * second[:, None, :]
         )
@@ -344,9 +364,9 @@ def _boxes_around(triangles: FloatArray) -> tuple[FloatArray, IntArray]:
     longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
     edge = edges[rows, longest]
     along = _unit(edge)
-    aside = _unit(np.cross(along, np.eye(3)[np.argmin(np.abs(along), axis=1)]))
+    aside = _unit(cross(along, np.eye(3)[np.argmin(np.abs(along), axis=1)]))
     axes = np.stack(
-        [edge + 2 * _ROOM * along, 2 * _ROOM * aside, 2 * _ROOM * np.cross(along, aside)], axis=1
+        [edge + 2 * _ROOM * along, 2 * _ROOM * aside, 2 * _ROOM * cross(along, aside)], axis=1
     )
     centres = triangles[rows, longest] + 0.5 * edge
     vertices = centres[:, None] + np.einsum("ca,nad->ncd", _BOX_CORNERS, axes)

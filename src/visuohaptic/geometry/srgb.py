@@ -38,13 +38,20 @@ def dim_srgb(encoded: FloatArray, irradiance: FloatArray) -> FloatArray:
 
     Full light returns the same bits as `encoded`.
     """
-    share = irradiance[:, None]
+    # Channel by channel, so that NumPy's inner loops run along the colours.
+    encoded = np.ascontiguousarray(encoded.T)
     # Decoding is the inverse power of encoding, so only the share needs a power.
-    dimmed = (encoded + _OFFSET) * power(share, 1 / _POWER) - _OFFSET
-    dark = np.minimum(encoded, dimmed) <= _DARK
-    light = decode_srgb(encoded[dark]) * np.broadcast_to(share, dark.shape)[dark]
-    dimmed[dark] = _SLOPE * light
-    return np.where(share == 1.0, encoded, dimmed)
+    dimmed = (encoded + _OFFSET) * power(irradiance, 1 / _POWER)
+    dimmed -= _OFFSET
+    dark = np.flatnonzero(np.minimum(encoded, dimmed) <= _DARK)
+    stored = encoded.take(dark)
+    light = stored / _SLOPE
+    # Only bright colours are decoded by a power.
+    bright = np.flatnonzero(stored > _DARK)
+    light[bright] = decode_srgb(stored.take(bright))
+    light *= irradiance.take(dark % len(irradiance))
+    dimmed.reshape(-1)[dark] = _SLOPE * light
+    return np.where(irradiance == 1.0, encoded, dimmed).T
 
 
 _BETWEEN_BYTES = decode_srgb(np.arange(0.5, 255.0) / 255.0)

@@ -24,21 +24,20 @@ def _convolve(x: FloatArray, taps: tuple[float, ...], axis: int) -> FloatArray:
     span = x.shape[axis] - length + 1
     head: tuple[slice, ...] = (slice(None),) * axis
 
-    def window(k: int) -> FloatArray:
-        return x[(*head, slice(length - 1 - k, length - 1 - k + span))]
-
-    def weighted_pair(k: int, out: FloatArray | None = None) -> FloatArray:
-        join = np.add if taps[k] == taps[-1 - k] else np.subtract
-        pair = join(window(k), window(length - 1 - k), out=out)
-        pair *= x.dtype.type(taps[k])
-        return pair
-
-    total = weighted_pair(0)
+    windows = [x[(*head, slice(start, start + span))] for start in range(length)]
+    joins = [
+        np.add if tap == mirrored else np.subtract
+        for tap, mirrored in zip(taps, taps[::-1], strict=True)
+    ]
+    total = joins[0](windows[-1], windows[0])
+    total *= taps[0]
     term = np.empty_like(total)
     for k in range(1, length // 2):
-        total += weighted_pair(k, term)
+        joins[k](windows[-1 - k], windows[k], out=term)
+        term *= taps[k]
+        total += term
     if length % 2:
-        total += np.multiply(window(length // 2), x.dtype.type(taps[length // 2]), out=term)
+        total += np.multiply(windows[length // 2], taps[length // 2], out=term)
     return total
 
 
@@ -76,8 +75,13 @@ def analyse_directions(pixels: FloatArray, tables: DirectionalTables) -> list[Fl
     """Split images, (rows × columns, images), which are overwritten, into bands (rows, columns, images)."""
     for stage in tables.stages:
         gain, weight = _gains(stage.step, pixels.dtype)
-        pixels[stage.target] = gain * pixels[stage.target] + weight * _filter(pixels, stage)
-    return [pixels[band] for band in tables.bands]
+        values = pixels.take(stage.target, axis=0)
+        values *= gain
+        filtered = _filter(pixels, stage)
+        filtered *= weight
+        values += filtered
+        pixels[stage.target] = values
+    return [pixels.take(band, axis=0) for band in tables.bands]
 
 
 def synthesise_directions(bands: list[FloatArray], tables: DirectionalTables) -> FloatArray:
