@@ -48,7 +48,7 @@ def test_each_fault_is_named(values, sentence):
 @pytest.mark.parametrize("module", ["visuohaptic", "visuohaptic.parameters"])
 def test_the_package_and_its_parameters_are_imported_without_heavy_libraries(module):
     # NumPy, Arrow and OpenCV take 0.1 s each, the others more than 0.3 s.
-    heavy = {"pandas", "open3d", "trimesh", "scipy", "sklearn", "matplotlib", "pyarrow", "cv2"}
+    heavy = {"pandas", "open3d", "trimesh", "scipy", "sklearn", "matplotlib", "pyarrow"}
     if module == "visuohaptic":
         heavy |= {"numpy", "pydantic", "typer"}
     program = (

@@ -25,4 +25,4 @@ def test_each_column_of_a_table_has_type_unit_range_and_meaning(visuohaptic):
 def test_a_table_that_is_not_there_is_wrong_use(visuohaptic):
     ended = visuohaptic("tables", "touch")
     assert ended.code == 2
-    assert "there is no table 'touch'; views, fixations, touches" in ended.err
+    assert "there is no table 'touch'; views, fixations, policy_fixations, touches" in ended.err

@@ -35,10 +35,7 @@ _AT_ONCE = 1 << 14  # faces
 
 @dataclass(frozen=True)
 class _Header:
-    """A header of `length` bytes.
-
-    `places`, `colours` and `normals` say whether a vertex has them; `vertices` and `faces` count rows.
-    """
+    """A header of `length` bytes: numbers of vertices and faces, and whether vertices have locations, colours and normals."""
 
     places: bool
     colours: bool
@@ -50,19 +47,7 @@ class _Header:
 
 @dataclass(frozen=True)
 class _Faces:
-    """Faces as they are written.
-
-    Attributes
-    ----------
-    corners : numpy.ndarray
-        Shape (n,): vertices of all faces, face after face.
-    counts : numpy.ndarray
-        Shape (f,): number of corners per face.
-    colours : numpy.ndarray
-        Shape (c, 3): the three numbers behind the corners of each coloured face.
-    coloured : numpy.ndarray
-        Shape (f,): whether a face is coloured.
-    """
+    """Corners of all faces (n,), corners per face (f,), whether a face is coloured (f,), and the colours of these (c, 3)."""
 
     corners: IntArray
     counts: IntArray
@@ -210,11 +195,7 @@ def _divide_numbers(
 
 
 def _columns(header: _Header, widths: NDArray[np.int32]) -> int:
-    """Return how many numbers a vertex has.
-
-    These are the numbers of its line, if all vertices have a line of one length; else the keyword
-    says how many.
-    """
+    """Return how many numbers a vertex has: by its line, if all vertices have lines of one length, else by the keyword."""
     of_vertices = widths[: header.vertices]
     lines = len(widths) >= header.vertices + header.faces
     if len(of_vertices) and lines and (of_vertices == of_vertices[0]).all() and of_vertices[0] >= 3:
@@ -233,11 +214,7 @@ def _lines_behind(widths: NDArray[np.int32], count: int) -> NDArray[np.int32] | 
 def _widths_by_counts(
     header: _Header, numbers: FloatArray, lines: NDArray[np.int32] | None
 ) -> NDArray[np.int32]:
-    """Return how many numbers (f,) each face has, by the counts of corners that faces begin with.
-
-    Faces that lines do not divide have no colours. `lines` are the widths of the faces' lines, for
-    sentences.
-    """
+    """Return how many numbers (f,) each face has, by the counts of corners; faces that no lines divide have no colours."""
     widths, place = array("i"), 0
     for face in range(header.faces):
         count = numbers.item(place) if place < len(numbers) else np.inf
@@ -259,12 +236,7 @@ def _no_faces() -> _Faces:
 
 
 def _faces_of_rows(numbers: FloatArray, widths: IntArray, first: int) -> _Faces:
-    """Read faces from their rows.
-
-    `numbers` (n,) holds row after row, `widths` (f,) how many numbers each row has, 1 or more. Each
-    row is a count of corners, the corners, and a colour or nothing. `first` is the first face's number
-    in sentences.
-    """
+    """Read faces from `numbers` (n,), row after row, with `widths` (f,) numbers each: a count, corners, and maybe a colour."""
     starts = np.cumsum(widths) - widths
     counts = _whole(numbers[starts])
     wrong = np.flatnonzero((counts < 0) | (counts >= widths))
@@ -290,11 +262,7 @@ def _whole(numbers: FloatArray) -> IntArray:
 def _colours(
     faces: _Faces, pieces: NDArray[np.int32], of_vertices: NDArray[np.uint8] | None, named: IntArray
 ) -> NDArray[np.uint8] | None:
-    """Return the colours (t, 3) of triangles: of their face, else of their vertices, else grey.
-
-    `pieces` (f,) says how many triangles each face has, `named` (t, 3) which vertices. Returns None
-    where the file has no colours.
-    """
+    """Return the colours (t, 3) of triangles: of their face, else of their vertices, else grey; None without colours."""
     colours = mean_of_corners(of_vertices, named)
     if not faces.coloured.any():
         return colours

@@ -76,10 +76,7 @@ def _read_even(
 def _type_of_first_row(
     data: bytes, start: int, element: PlyElement, count: int, order: str
 ) -> np.dtype[Any] | None:
-    """Return a structured type of rows as long as the first one; lists are empty where `count` is 0.
-
-    Returns None where a length is no whole number, is negative, or leads behind the end of `data`.
-    """
+    """Return a structured type of rows as long as the first one; None where a length is impossible."""
     dtype = np.dtype([])
     for one in element.properties:
         of_length, kind = _kinds(one, order)
@@ -177,11 +174,7 @@ def _row_starts(data: bytes, start: int, kinds: Sequence[_Kinds], most: int) -> 
 def _claimed(
     data: bytes, starts: IntArray, kinds: Sequence[_Kinds]
 ) -> tuple[list[IntArray], list[IntArray], IntArray]:
-    """Return what rows that began at `starts` (r,) would claim.
-
-    Returns per property the bytes (r,) where its numbers would begin and how many (r,) there would be,
-    and the bytes (r,) where the rows would end.
-    """
+    """Return per property where its numbers would begin (r,) and how many (r,), and where the rows would end (r,)."""
     # A length that lies behind the end of the data puts the end of its row there, too.
     places, lengths, place = [], [], starts
     for of_length, kind in kinds:

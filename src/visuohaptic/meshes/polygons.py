@@ -210,11 +210,7 @@ def _cut_polygons(polygons: FloatArray) -> dict[int, IntArray]:
 
 
 def _projected(polygons: FloatArray, normals: FloatArray) -> FloatArray:
-    """Project polygons (p, n, 3) along their normals (p, 3) to the plane, (p, n, 2).
-
-    The axis along which the normal is longest is dropped. Polygons that are counter-clockwise around
-    their normal are counter-clockwise in the plane.
-    """
+    """Project polygons (p, n, 3) along the longest axis of their normals (p, 3), keeping their sense: (p, n, 2)."""
     along = np.einsum("pnk,pk->pn", polygons, normals)
     flat = polygons - along[..., None] * normals[:, None]
     axes = np.abs(normals).argmax(axis=1)
@@ -225,10 +221,7 @@ def _projected(polygons: FloatArray, normals: FloatArray) -> FloatArray:
 
 
 def _ear_clipped(flat: FloatArray) -> IntArray | None:
-    """Cut a polygon (n, 2), counter-clockwise, its first corner at 0, into triangles (t, 3).
-
-    Returns None where its fan comes at least as near to its area.
-    """
+    """Cut a counter-clockwise polygon (n, 2) into triangles (t, 3); None where its fan is at least as near to its area."""
     if len(flat) > MOST_CORNERS_CUT:
         raise MeshError(
             f"a polygon that is not convex has {len(flat)} corners; {MOST_CORNERS_CUT} are allowed: cut "
