@@ -40,6 +40,7 @@ _READ = tuple(
     f"{_NAMESPACES}{name}/" for name in ("core", "production", "material", "trianglesets", "slice")
 )
 _MANY = {"vertex", "triangle"}
+_MOST_HELD = 256  # of them, in the tree
 _INSIDE_OBJECT = {"mesh", "components", "metadatagroup"}
 _INSIDE_MESH = {"vertices", "triangles", "trianglesets"}
 _WRAPS = {"wrap": REPEAT, "mirror": MIRROR, "clamp": CLAMP, "none": CLAMP}
@@ -189,6 +190,7 @@ class _Reader:
             remove_comments=True, remove_pis=True,
         )  # fmt: skip
         names: dict[str, str] = {}
+        held = 0
         for _, element in parsed:
             name = names.get(element.tag) or names.setdefault(element.tag, _tag(element))
             if name not in ends:
@@ -198,9 +200,13 @@ class _Reader:
             except (TypeError, ValueError) as error:
                 found = str(dict(element.attrib))[:_LONGEST_SHOWN]
                 raise MeshError(f"{self._file}: {name} {found} can't be read") from error
-            # The elements before it are read; without them the tree stays small.
-            if name in _MANY and element.getprevious() is not None:
-                del element.getparent()[0]
+            if name in _MANY:
+                held += 1
+                if held == _MOST_HELD:
+                    # The elements before it are read; without them the tree stays small.
+                    parent = element.getparent()
+                    del parent[: parent.index(element)]
+                    held = 0
         root = parsed.root
         if root.getroottree().docinfo.internalDTD is not None:
             raise MeshError("it has a DOCTYPE, which could name other files; none is allowed")
