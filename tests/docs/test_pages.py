@@ -25,10 +25,12 @@ from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
 from visuohaptic.cli.commands import app
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.studies.evaluation.models import read_evaluation, summarise_evaluation
+from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 from visuohaptic.studies.registry import find_studies
 
 ROOT = Path(__file__).parents[2]
@@ -166,6 +168,10 @@ def finished(tmp_path_factory):
 )
 def test_python_of_the_pages_runs(page, finished, monkeypatch):
     monkeypatch.chdir(finished)
+    # What a page registers is forgotten after it.
+    for registry in (STRATEGIES, LEARNING_POLICIES):
+        for held in ("_entries", "_sources"):
+            monkeypatch.setattr(registry, held, dict(getattr(registry, held)))
     table = features_table(objects=(2, 2), viewpoints=2)
     of_one = (pc.field("class") == "class0") & (pc.field("object") == "object0")
     given = {
