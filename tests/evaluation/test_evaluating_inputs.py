@@ -291,7 +291,7 @@ class Naming(Keeping):
         (LinearDiscriminantAnalysis(), 5, r"can't be fitted or tested on a structured array"),
     ],
 )
-@pytest.mark.parametrize("n_jobs", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n_jobs", [1])
 def test_estimators_that_do_not_fit_are_refused_with_the_reason(
     touches, estimator, touches_each, sentence, n_jobs
 ):

@@ -40,7 +40,7 @@ MUTATIONS = (
     Mutation("float32 in the distances of the re-cast", "visuohaptic.geometry.raycasting:_put",
              "= others.distance", "= others.distance.astype(np.float32)", ("vertices_and_edges", "random_triangles")),
     Mutation("distances as Embree's float32 has them", "visuohaptic.geometry.raycasting:RayCaster._cast",
-             "np.divide(planes[:, 3] - dot(planes, origins), along, out=distance, where=met)",
+             "np.divide(planes[3] - dot(planes.T, origins), along, out=distance, where=met)",
              'distance[met] = answer["t_hit"].numpy()[met]', ("random_triangles",)),
     Mutation("no slack at vertices in the re-cast", "visuohaptic.geometry.raycasting:RayCaster._nearest_of",
              "(sides >= -slack).all(axis=2) | (sides <= slack)", "(sides > slack).all(axis=2) | (sides < -slack)",

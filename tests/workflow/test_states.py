@@ -58,7 +58,7 @@ def test_a_value_that_changes_three_times_is_seen_each_time_and_verify_names_it(
         before = digests(stand_in.folder)
         stand_in.snakemake("--config", f'sensor={{"largest_size": {size}}}', "--", "touches_all")
         changed = {name for name in before if digests(stand_in.folder)[name] != before[name]}
-        assert len(changed) == 2 * 2
+        assert len(changed) == 2 * 3
     verified = ask(stand_in, "verify")
     assert verified.returncode == 1
     assert "parameters: sensor.largest_size" in verified.stdout

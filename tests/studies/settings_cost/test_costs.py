@@ -34,7 +34,12 @@ def test_every_setting_has_a_row_in_the_order_of_its_line(tmp_path, monkeypatch)
     # One model serves all numbers of viewpoints, and the sizes that are the run's own.
     assert fitting.call_count == 3
     make_costs(
-        StepInputs("settings_cost", {"blocks": made[:1], "tables": made[1:2]}, made[2:], RUN)
+        StepInputs(
+            "settings_cost",
+            {"blocks": made[:1], "predictions": [], "tables": made[1:2]},
+            made[2:],
+            RUN,
+        )
     )
     rows = read_costs(made[2], tuple(kept))
     assert [(row["family"], row["setting"], row["looks"]) for row in rows] == [
