@@ -11,6 +11,7 @@ from workflow.conftest import SMALL, Experiment
 pytestmark = [pytest.mark.workflow, pytest.mark.long]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+PLUG_INS = [path for path in EXAMPLES.glob("*.py") if "register(" in path.read_text()]
 OURS = {
     **SMALL,
     "plugins": ["plug_ins/closest.py", "plug_ins/grid_means.py"],
@@ -56,10 +57,10 @@ def test_a_run_with_plug_ins_is_done_once_and_again_from_the_phase_whose_plug_in
 def test_a_whole_run_is_planned_with_a_plug_in_of_each_kind(experiment, tmp_path):
     every = Experiment(tmp_path / "every")
     copy_experiment(every.folder, COPIED, SMALL_OBJECTS, SMALL)
-    for path in EXAMPLES.glob("*.py"):
+    for path in PLUG_INS:
         shutil.copy(path, every.folder / "plug_ins")
     every.set(
-        plugins=[f"plug_ins/{path.name}" for path in EXAMPLES.glob("*.py")],
+        plugins=[f"plug_ins/{path.name}" for path in PLUG_INS],
         attention={"weights": {"redness": 2.0}},
         scene={"zero_offset": 0.05},
         probing={"strategies": ["fixation", "closest"]},
