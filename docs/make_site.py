@@ -15,13 +15,13 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 SETTINGS = DOCS / "site"
-SOURCE = ROOT / "build" / "site_source"
-SITE = ROOT / "build" / "site"
+BUILD = ROOT / "build"
 REPORT = ROOT / "reports" / "report.html"
 PLACEHOLDER = "https://example.org/visuohaptic"
 FIRST, NAVIGATION = "README.md", "docs/README.md"
@@ -88,9 +88,9 @@ def table_of_contents(names: Iterable[str]) -> str:
     return f"\n```{{toctree}}\n:hidden:\n\n{entries}\n```\n" if entries else ""
 
 
-def write(name: str, text: str) -> None:
+def write(source: Path, name: str, text: str) -> None:
     """Write a page of the site's source."""
-    path = SOURCE / name
+    path = source / name
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, encoding="utf-8")
 
@@ -101,49 +101,49 @@ def sections() -> dict[str, str]:
     return dict(zip(parts[::2], parts[1::2], strict=True))
 
 
-def collect(made: Mapping[str, Mapping[str, str]], address: str) -> None:
-    """Copy all pages and pictures to `SOURCE`, with the navigation that docs/README.md lays down.
+def collect(source: Path, made: Mapping[str, Mapping[str, str]], address: str) -> None:
+    """Copy all pages and pictures to a folder, with the navigation that docs/README.md lays down.
 
     Parameters
     ----------
+    source : path
+        Folder of the site's source.
     made : mapping
         Of each section, the rows of pages made from code: page to what its reader wants to know.
     address : str
         Address of the repository.
     """
-    pages, sections_listed, listed = site_pages(), [], {FIRST, NAVIGATION}
+    pages, headed, listed = site_pages(), [], {FIRST, NAVIGATION}
     for heading, text in sections().items():
         links = dict.fromkeys(target_of(NAVIGATION, link["target"]) for link in LINK.finditer(text))
         links = [f"{path}/README.md" if (ROOT / path).is_dir() else path for path in links]
-        entries = [*(path for path in links if path in pages and path not in listed)]
+        entries = [path for path in links if path in pages and path not in listed]
         listed |= set(entries)
         of_code = made.get(heading, {})
         rows = "".join(f"| {asked} | [](/{name}.md) |\n" for name, asked in of_code.items())
         body = RULE.sub(rf"\g<0>{rows}", titled(relink(text, NAVIGATION, pages, address)), count=1)
         names = [*(f"{name}.md" for name in of_code), *(pages[path] for path in entries)]
-        sections_listed.append(f"docs/{re.sub(r'[^a-z]+', '_', heading.lower())}.md")
-        write(sections_listed[-1], f"# {heading}\n\n{body.strip()}\n{table_of_contents(names)}")
+        headed.append(f"docs/{re.sub(r'[^a-z]+', '_', heading.lower())}.md")
+        write(
+            source,
+            headed[-1],
+            f"# {heading}\n\n{body.strip()}\n{table_of_contents(names)}",
+        )
     # A page that no section lists stands below the README of its folder.
     unlisted = [path for path in pages if path not in listed]
     for path, name in pages.items():
-        folder = Path(path).parent
-        below = [
-            pages[one]
-            for one in unlisted
-            if path.endswith("README.md") and Path(one).parent == folder
-        ]
-        if path == FIRST:
-            below = sections_listed
         text = relink((ROOT / path).read_text(encoding="utf-8"), path, pages, address)
-        write(
-            name,
-            ("---\norphan: true\n---\n" if path == NAVIGATION else "")
-            + text
-            + table_of_contents(below),
-        )
+        below = [pages[one] for one in unlisted if Path(one).parent == Path(path).parent]
+        if path == FIRST:
+            text += table_of_contents(headed)
+        elif path == NAVIGATION:
+            text = f"---\norphan: true\n---\n{text}"
+        elif path.endswith("README.md"):
+            text += table_of_contents(below)
+        write(source, name, text)
     for name in listed_files(*PICTURES):
-        (SOURCE / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / name, SOURCE / name)
+        (source / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, source / name)
 
 
 def build(source: Path, site: Path) -> int:
@@ -155,22 +155,23 @@ def build(source: Path, site: Path) -> int:
     return run_sphinx([*options, *extra, str(source), str(site)])
 
 
-def main() -> int:
-    """Build the site; return the status of Sphinx."""
+def main(folder: Path) -> int:
+    """Build the site in a folder; return the status of Sphinx."""
     sys.path.insert(0, str(SETTINGS))
     from made_pages import MADE, make_pages
 
-    for folder in (SOURCE, SITE):
-        shutil.rmtree(folder, ignore_errors=True)
+    source, site = folder / "site_source", folder / "site"
+    for one in (source, site):
+        shutil.rmtree(one, ignore_errors=True)
     address = repository_address()
-    collect(MADE, address)
-    make_pages(write, SOURCE, REPORT, address)
-    status = build(SOURCE, SITE)
+    collect(source, MADE, address)
+    make_pages(partial(write, source), source, REPORT, address)
+    status = build(source, site)
     if status == 0:
-        (SITE / ".nojekyll").touch()  # GitHub Pages leaves out folders such as _static otherwise
-        print(f"The site is at {(SITE / 'index.html').relative_to(ROOT)}.")
+        (site / ".nojekyll").touch()  # GitHub Pages leaves out folders such as _static otherwise
+        print(f"The site is at {site / 'index.html'}.")
     return status
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(Path(sys.argv[1]) if sys.argv[1:] else BUILD))
