@@ -25,8 +25,8 @@ BUILD = ROOT / "build"
 REPORT = ROOT / "reports" / "report.html"
 PLACEHOLDER = "https://example.org/visuohaptic"
 FIRST, NAVIGATION = "README.md", "docs/README.md"
-# Notes for a clone, which are no pages of the site.
-LEFT_OUT = ("meshes/", "plug_ins/", "tests/")
+# All pages of these folders are on the site, and of others the pages that docs/README.md lists.
+FOLDERS = ("docs/", "packages/", "studies/")
 PICTURES = ("docs/*.png", "packages/*.png", "studies/*.png")
 RULE = re.compile(r"^\|(---\|)+\n", re.M)
 LINK = re.compile(r"(?P<start>!?\[[^\]]*\]\()(?P<target>[^)\s#:]+)(?P<anchor>#[^)\s]*)?\)")
@@ -49,7 +49,9 @@ def listed_files(*patterns: str) -> list[str]:
 
 def site_pages() -> dict[str, str]:
     """Map each page of the repository to its name on the site: a README is the index of its folder."""
-    names = [name for name in listed_files("*.md") if not name.startswith(LEFT_OUT)]
+    links = LINK.finditer((ROOT / NAVIGATION).read_text(encoding="utf-8"))
+    listed = {FIRST, *(target_of(NAVIGATION, link["target"]) for link in links)}
+    names = [name for name in listed_files("*.md") if name.startswith(FOLDERS) or name in listed]
     return {name: re.sub(r"README\.md$", "index.md", name) for name in names}
 
 

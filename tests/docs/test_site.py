@@ -11,6 +11,7 @@ from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
 import pytest
+import yaml
 from source_folders import PYTHONPATH
 
 ROOT = Path(__file__).parents[2]
@@ -82,6 +83,17 @@ def test_the_tables_of_parameters_name_defaults_and_bounds(made_pages):
     assert "| `sensor.resolution` | `32` | ≥ 2, ≤ 256 |" in text
     assert "`scene.cover_modulus_pa`" in text
     assert "0.5" in next(line for line in text.splitlines() if "`scene.hysteresis`" in line)
+
+
+def test_what_publishes_the_site_runs_targets_that_there_are():
+    text = (ROOT / ".github" / "workflows" / "site.yml").read_text()
+    steps = yaml.safe_load(text)["jobs"]["build"]["steps"]
+    targets = [step["run"].split()[1] for step in steps if "make" in step.get("run", "")[:4]]
+    assert targets == ["report", "site"]
+    makefile = (ROOT / "Makefile").read_text()
+    assert all(re.search(rf"^{target}:", makefile, re.M) for target in targets)
+    [path] = [step["with"]["path"] for step in steps if "path" in step.get("with", {})]
+    assert path == "build/site"
 
 
 class Links(HTMLParser):
