@@ -118,8 +118,8 @@ def collect(source: Path, made: Mapping[str, Mapping[str, str]], address: str) -
     pages, headed, listed = site_pages(), [], {FIRST, NAVIGATION}
     for heading, text in sections().items():
         links = dict.fromkeys(target_of(NAVIGATION, link["target"]) for link in LINK.finditer(text))
-        links = [f"{path}/README.md" if (ROOT / path).is_dir() else path for path in links]
-        entries = [path for path in links if path in pages and path not in listed]
+        files = [f"{path}/README.md" if (ROOT / path).is_dir() else path for path in links]
+        entries = [path for path in files if path in pages and path not in listed]
         listed |= set(entries)
         of_code = made.get(heading, {})
         rows = "".join(f"| {asked} | [](/{name}.md) |\n" for name, asked in of_code.items())

@@ -19,9 +19,9 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 Draw = Callable[[Path], None]
 
 
-def draw_touches(name: str, **chosen: object) -> Draw:
+def draw_touches(name: str, strategy: str) -> Draw:
     """Return a function that draws the touches of one view of an object that the package brings."""
-    return lambda path: vh.example(name).touch(viewpoints=1, **chosen).picture().save(path)
+    return lambda path: vh.example(name).touch(viewpoints=1, strategy=strategy).picture().save(path)
 
 
 def draw_redness(path: Path) -> None:
@@ -35,7 +35,7 @@ def draw_redness(path: Path) -> None:
 
 def draw_zero_offset(path: Path) -> None:
     """Draw two imprints without and with an offset of all cells."""
-    images = {}
+    images: dict[str, object] = {}
     for offset in (0.0, 0.3):
         scene = {"scene.zero_offset": offset, "sensor.normalisation": "absolute"}
         touched = vh.example("chair").touch(viewpoints=1, parameters=scene)
@@ -98,7 +98,7 @@ def draw_points(
     axes = figure.subplots()
     axes.set(xlabel=across, ylabel=up)
     for name, chosen in (groups or {"": np.full(len(points), fill_value=True)}).items():
-        axes.scatter(*points[chosen].T, s=8, label=name)
+        axes.scatter(points[chosen, 0], points[chosen, 1], s=8, label=name)
     if groups:
         axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
     figure.savefig(path, dpi=100)

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from filling import table
 from gallery import EXAMPLES, gallery_page
-from make_params import _choices, _summary, _with_choices
+from make_params import allowed_texts, first_sentence, with_choices
 from pydantic import BaseModel
 
 import contourlets
 import visuohaptic
-from visuohaptic.cli.tables import _row
+from visuohaptic.cli.tables import describe_column
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables.schemas import SCHEMAS
 
@@ -97,8 +97,8 @@ def _sections(model: BaseModel, name: str) -> Iterator[str]:
         if isinstance(value, BaseModel):
             nested.append((value, path))
             continue
-        about = _with_choices(
-            field.description or "", _choices(schema["properties"][key]), _summary(model)
+        about = with_choices(
+            field.description or "", allowed_texts(schema["properties"][key]), first_sentence(model)
         )
         limits = [
             f"{sign} {getattr(bound, kind):g}"
@@ -108,7 +108,7 @@ def _sections(model: BaseModel, name: str) -> Iterator[str]:
         ]
         default = list(value) if isinstance(value, tuple) else value
         rows.append((f"`{path}`", f"`{_escaped(default)}`", ", ".join(limits), _escaped(about)))
-    yield f"## {name or 'The run'}\n\n{_escaped(_summary(model))}.\n"
+    yield f"## {name or 'The run'}\n\n{_escaped(first_sentence(model))}.\n"
     if rows:
         yield table(("parameter", "default", "bounds", "meaning"), rows) + "\n"
     for value, path in nested:
@@ -119,7 +119,10 @@ def tables_page() -> str:
     """Return the columns of all tables, from the schemas that their files are checked against."""
     parts = ["# Tables", "", "Lengths are in object radii; y points up."]
     for schema in SCHEMAS.values():
-        rows = [map(_escaped, (f"`{name}`", *rest)) for name, *rest in map(_row, schema.columns)]
+        rows = [
+            map(_escaped, (f"`{name}`", *rest))
+            for name, *rest in map(describe_column, schema.columns)
+        ]
         parts += ["", f"## {schema.name}", "", f"One row per {', '.join(schema.keys)}.", ""]
         parts.append(table(("column", "type", "unit and range", "meaning"), rows))
     return "\n".join(parts) + "\n"
