@@ -153,7 +153,7 @@ wheels: $(DEVELOP)
 	for project in dist/unpacked/*; do (cd $$project && hatchling build -t wheel -d $(CURDIR)/dist); done
 	pip install --quiet --no-deps --no-index --target dist/installed dist/*.whl
 	PYTHONPATH=$(CURDIR)/dist/installed python -m pytest -o "pythonpath=tests packages/contourlets/tests" \
-	  -m "not slow and not long" tests/exploration tests/recognition/test_evaluating.py packages/contourlets/tests
+	  -m "not slow and not long" tests/exploration tests/evaluation/test_evaluating.py packages/contourlets/tests
 	PYTHONPATH=$(CURDIR)/dist/installed python -m pytest -o pythonpath=tests --confcutdir tests/installed tests/installed/tour_from_wheels.py
 
 # Copies version, date, address and authors of release/facts.yaml to every file that has them, and keeps the stable

@@ -76,6 +76,12 @@ def test_the_changelog_begins_with_the_release():
     assert released[0] == f"{FACTS.version} ({FACTS.date.isoformat()})"
 
 
+def test_tests_that_the_makefile_names_are_there():
+    named = re.findall(r"(?<![\w/])(?:tests|packages)/[\w/.-]+", (ROOT / "Makefile").read_text())
+    assert len(named) > 5
+    assert [name for name in named if not (ROOT / name).exists()] == []
+
+
 def test_another_version_reaches_every_place():
     for name, text in filled(version="7.8.9").items():
         if name not in {"README.md", "CONTRIBUTING.md", "SUPPORT.md", "CODE_OF_CONDUCT.md"}:
