@@ -18,12 +18,12 @@ FILES = [
 
 # How often each phrase stands today. Lower the number with the phrase; CONTRIBUTING.md says what to write instead.
 PHRASES = {
-    r"\bGives? ": 108,
-    r" alone\b": 36,
+    r"\bGives? ": 99,
+    r" alone\b": 35,
     r"\bthose that\b": 14,
-    r"\bwhat is\b": 32,
-    r"\bof which\b": 13,
-    r", whose ": 18,
+    r"\bwhat is\b": 30,
+    r"\bof which\b": 12,
+    r", whose ": 16,
     r"\bas it is\b": 7,
     r"\bis none of\b": 3,
     r"\b(?:row|column|line|job|file|number|time|value|name)s? an? (?:view|object|touch|row|job|classifier|strategy)\b": 3,
