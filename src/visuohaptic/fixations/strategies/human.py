@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from visuohaptic.attention.model import attend
-from visuohaptic.attention.parameters import AttentionParameters, read_learnt
+from visuohaptic.attention.parameters import AttentionParameters, read_fitted_weights
 from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.fixations.attended_views import AttendedView
 
@@ -17,6 +17,6 @@ def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Sca
         **one.seen.arrays(slice(one.place, one.place + 1)),
         parameters=attention.model_copy(update={"weights": fitted}),
         eye=np.array([one.camera.eye]),
-        terms=read_learnt()["terms"],
+        terms=read_fitted_weights()["terms"],
     )
     return found.scanpath
