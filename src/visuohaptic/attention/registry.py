@@ -125,22 +125,22 @@ CHANNELS = {entry.name: entry for entry in (
 """Every channel by its name, in the order of summation."""
 
 TERMS = {entry.name: entry for entry in (
-    Term("centre", "Nearness to the middle of what is seen", _TATLER, _of_surface("nearness_to_centre", 0.2), "view"),
-    Term("middle", "The same, over a wider range", _TATLER, _of_surface("nearness_to_centre", 0.5), "view"),
+    Term("centre", "Nearness to the middle of the visible part", _TATLER, _of_surface("nearness_to_centre", 0.2), "view"),
+    Term("middle", "Nearness to the middle of the visible part, over a wider range", _TATLER, _of_surface("nearness_to_centre", 0.5), "view"),
     Term("facing", "How much the surface faces the eye", _WANG, attrgetter("facing"), "view"),
     Term("height", "Height above the object's middle", _CERF, _of_surface("coordinate_product", 1), "place"),
     Term("height_squared", "Height, squared", _CERF, _of_surface("coordinate_product", 1, 1), "place"),
-    Term("front", "Place towards the object's front", _WANG, _of_surface("coordinate_product", 2), "place"),
-    Term("front_squared", "Place along front and back, squared", _LEIFMAN, _of_surface("coordinate_product", 2, 2), "place"),
-    Term("front_height", "Place towards the front, times height", _CERF, _of_surface("coordinate_product", 2, 1), "place"),
-    Term("side_squared", "Place to either side, squared", _LEIFMAN, _of_surface("coordinate_product", 0, 0), "place"),
+    Term("front", "Position towards the object's front", _WANG, _of_surface("coordinate_product", 2), "place"),
+    Term("front_squared", "Position between back and front, squared", _LEIFMAN, _of_surface("coordinate_product", 2, 2), "place"),
+    Term("front_height", "Position towards the front, times height", _CERF, _of_surface("coordinate_product", 2, 1), "place"),
+    Term("side_squared", "Position to the side, squared", _LEIFMAN, _of_surface("coordinate_product", 0, 0), "place"),
     Term("extremity", "Distance from the object's middle", _LEIFMAN, _of_surface("distance_from_origin"), "place"),
     Term("protrusion_fine", "How far the surface stands out of its surroundings, 0.05 radii", _LEE, _of_surface("protrusion", 0.05), "shape"),
-    Term("protrusion_middle", "The same, 0.1 radii", _LEE, _of_surface("protrusion", 0.1), "shape"),
-    Term("protrusion_coarse", "The same, 0.2 radii", _LEE, _of_surface("protrusion", 0.2), "shape"),
-    Term("relief_fine", "How far it lies out of or in its surroundings, 0.05 radii", _LEE, _of_surface("relief", 0.05), "shape"),
-    Term("relief_middle", "The same, 0.1 radii", _LEE, _of_surface("relief", 0.1), "shape"),
-    Term("relief_coarse", "The same, 0.2 radii", _LEE, _of_surface("relief", 0.2), "shape"),
+    Term("protrusion_middle", "How far the surface stands out of its surroundings, 0.1 radii", _LEE, _of_surface("protrusion", 0.1), "shape"),
+    Term("protrusion_coarse", "How far the surface stands out of its surroundings, 0.2 radii", _LEE, _of_surface("protrusion", 0.2), "shape"),
+    Term("relief_fine", "How far the surface lies above or below its surroundings, 0.05 radii", _LEE, _of_surface("relief", 0.05), "shape"),
+    Term("relief_middle", "How far the surface lies above or below its surroundings, 0.1 radii", _LEE, _of_surface("relief", 0.1), "shape"),
+    Term("relief_coarse", "How far the surface lies above or below its surroundings, 0.2 radii", _LEE, _of_surface("relief", 0.2), "shape"),
     Term("crowding", "Share of the surroundings that the object fills, 0.3 radii", _LEIFMAN, _of_surface("visible_share", 0.3), "shape"),
 )}  # fmt: skip
 """Every term by its name, in the order of summation."""

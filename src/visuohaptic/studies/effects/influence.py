@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from visuohaptic.fixations.parameters import RenderingParameters
-from visuohaptic.fixations.rendering import Views, colour_views, meet_surface
+from visuohaptic.fixations.rendering import Views, cast_pixel_rays, colour_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import object_of, read_surface
@@ -84,7 +84,7 @@ def view_influence(
     modes: EffectModes,
 ) -> list[Row]:
     """Measure the effects of the view from at least one camera, all from one cast of its rays."""
-    met = list(meet_surface(caster, cameras, rendering))
+    met = list(cast_pixel_rays(caster, cameras, rendering))
 
     def seen(modes: EffectModes) -> Views:
         return colour_views(caster, cameras, met, rendering, modes)
