@@ -23,7 +23,7 @@ from visuohaptic.parameters import as_parameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.effect_pipeline import TouchBatch
 from visuohaptic.sensor.effects import simulate
-from visuohaptic.sensor.imprints import Poses, cast_heights, sensing_offsets, stand_on
+from visuohaptic.sensor.imprints import Poses, cast_heights, make_poses, sensing_offsets
 from visuohaptic.sensor.parameters import Orientation
 from visuohaptic.sensor.random_fields import RandomFields
 
@@ -272,7 +272,7 @@ def _stand(
         columns, upwards, outward = (found[:, :3, axis] for axis in range(3))
         return Poses(found[:, :3, 3], outward, columns, -upwards)
     where = point_rows(points, "points")
-    return stand_on(where, unit_rows(normals, "normals", len(where)), orientation)
+    return make_poses(where, unit_rows(normals, "normals", len(where)), orientation)
 
 
 def _check_poses(poses: FloatArray) -> None:
