@@ -199,9 +199,14 @@ def _repetitions(parameters: ExperimentParameters) -> Iterator[str]:
 def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
     """Raise `ParameterError` for parameters with which a run would fail; the message names each of them.
 
-    A run allows no draws among its strategies, no resolution without contourlet bands, no sequence with more touches
-    than fixations, and no frame without the sensor's roll for imprints without directional bands. Studies allow these
-    parameters, and their tables say which conditions failed.
+    A run refuses:
+
+    - draws among its strategies;
+    - a resolution of imprints without contourlet bands;
+    - sequences with more touches than fixations;
+    - a frame with an unknown roll of the sensor for imprints without directional bands.
+
+    Studies allow these parameters, and their tables say which conditions failed.
     """
     faults = [
         f"probing.strategies has {name}, which is a draw; a run takes strategies without a number, and "

@@ -150,7 +150,7 @@ class _Scale:
 
 
 def _window(certainties: list[Plane], parameters: AttentionParameters) -> tuple[slice, slice]:
-    """Return the rows and columns of the object in the maps, with a margin of one for N."""
+    """Return the rows and columns of the object in the maps, with a margin of a pixel for N."""
     if parameters.normalisation == "iterative":
         # Its filters spread values beyond the object, which later rounds carry back.
         return slice(None), slice(None)

@@ -16,7 +16,7 @@ from .planes import Plane
 TIE = 1e-4
 # Values this close to the maximum differ by rounding only. The first of them in row order counts as the maximum.
 ROUNDING = 1e-6
-# Weight of the distance from the outline; so small that it decides only where saliency is even.
+# Weight of the distance from the outline. The weight is small, so that distance decides only where saliency is even.
 INWARD = 1e-3
 # Least distance of a fixation from the outline, as a fraction of the view's longer edge.
 OUTLINE_MARGIN = 0.016

@@ -69,8 +69,7 @@ def prepare_surface(
     towards = eye.astype(np.float32) - points
     towards /= np.maximum(np.linalg.norm(towards, axis=2, keepdims=True), SMALLEST_LENGTH)
     seen = certainty > SEEN
-    middle = points[seen].mean(axis=0) if seen.any() else np.zeros(3, np.float32)
-    offset = middle - eye.astype(np.float32)
+    offset = _middle(points, seen) - eye.astype(np.float32)
     sight = (offset / max(float(np.linalg.norm(offset)), SMALLEST_LENGTH)).astype(np.float32)
     facing = np.abs(np.einsum("ijk,ijk->ij", normals, towards))
     return SeenSurface(points, normals, certainty, facing, sight, _cell_width(points, seen, sight))
@@ -78,9 +77,7 @@ def prepare_surface(
 
 def nearness_to_centre(seen: SeenSurface, reach: float) -> Plane:
     """Compute a Gaussian, of deviation `reach`, of the distance across the line of sight from the visible middle."""
-    shown = seen.certainty > SEEN
-    middle = seen.point[shown].mean(axis=0) if shown.any() else np.zeros(3, np.float32)
-    offset = seen.point - middle
+    offset = seen.point - _middle(seen.point, seen.certainty > SEEN)
     along = np.einsum("ijk,k->ij", offset, seen.sight)
     across = np.einsum("ijk,ijk->ij", offset, offset) - along**2
     return cv2.exp(-across / np.float32(2 * reach**2))
@@ -115,13 +112,18 @@ def coordinate_product(seen: SeenSurface, *axes: int) -> Plane:
 
 
 def distance_from_origin(seen: SeenSurface) -> Plane:
-    """Return each point's distance from the origin, which is the object's middle."""
+    """Return each point's distance from the origin, the object's middle."""
     return np.linalg.norm(seen.point, axis=2)
 
 
 def visible_share(seen: SeenSurface, reach: float) -> Plane:
     """Compute the share of a Gaussian window that the object fills, 0 to 1."""
     return _smooth(seen.certainty, reach / 1.5 / seen.cell)
+
+
+def _middle(points: Plane, seen: NDArray[np.bool_]) -> Plane:
+    """Return the mean (3,) of the points of seen cells, and 0 without seen cells."""
+    return points[seen].mean(axis=0) if seen.any() else np.zeros(3, np.float32)
 
 
 def _smooth(planes: Plane, deviation: float) -> Plane:
@@ -131,9 +133,9 @@ def _smooth(planes: Plane, deviation: float) -> Plane:
 
 def _cell_width(points: Plane, seen: NDArray[np.bool_], sight: Plane) -> float:
     """Compute the median distance, across the line of sight, of horizontally adjacent cells."""
-    both = seen[:, 1:] & seen[:, :-1]
-    step = (points[:, 1:] - points[:, :-1])[both]
-    if not len(step):
+    both_seen = seen[:, 1:] & seen[:, :-1]
+    steps = (points[:, 1:] - points[:, :-1])[both_seen]
+    if not len(steps):
         return 1.0 / len(points)
-    across = step - np.einsum("nk,k->n", step, sight)[:, None] * sight
+    across = steps - np.einsum("nk,k->n", steps, sight)[:, None] * sight
     return max(float(np.median(np.linalg.norm(across, axis=1))), SMALLEST_LENGTH)

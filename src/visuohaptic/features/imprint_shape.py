@@ -41,7 +41,7 @@ def describe_imprint_shape(imprints: NDArray[np.floating]) -> NDArray[np.float64
     varies = deviation > 1e-9
     skewness = np.where(varies, third / _cube(np.where(varies, deviation, 1)), 0)
     terms = _quadric_terms(side)
-    # Not BLAS, whose sums depend on the number of rows and on the processor.
+    # No BLAS: its sums depend on the number of rows and on the processor.
     quadric = np.einsum("np,tp->nt", flat, terms) / np.square(terms).sum(axis=1)
     residual = flat - np.einsum("nt,tp->np", quadric, terms)
     along, across, mixed = quadric[:, 3], quadric[:, 5], quadric[:, 4]

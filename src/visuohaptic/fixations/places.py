@@ -16,7 +16,7 @@ SEEN_TOLERANCE = 1e-5
 """A point is hidden if a surface is nearer to the camera by more than this share of the point's distance."""
 
 BATCH = 256
-"""Points per draw where some are rejected. It is constant so that fewer locations are a prefix of more."""
+"""Points per draw where points may be rejected. The number is constant, so that fewer locations are a prefix of more."""
 
 FRUITLESS_BATCHES = 64
 """Rejected batches in a row after which drawing ends."""

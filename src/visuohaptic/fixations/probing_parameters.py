@@ -1,6 +1,6 @@
 """Section `probing` of `params.yaml`.
 
-It is a module of its own because it imports the strategies, which import `fixations.parameters`.
+It is not in `fixations.parameters`, because the strategies import that module.
 """
 
 from __future__ import annotations

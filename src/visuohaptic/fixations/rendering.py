@@ -149,15 +149,15 @@ def cast_pixel_rays(
         pixels = camera.window(caster.surface.vertices, parameters.resolution)
         origins, directions = camera.rays(parameters.resolution, pixels)
         hits = caster.first_hits(origins, directions)
-        seen = np.flatnonzero(hits.hit)
-        faces = hits.face.take(seen)
+        rows = np.flatnonzero(hits.hit)
+        faces = hits.face.take(rows)
         # Components are separate arrays here and below, so that NumPy's inner loops run along the pixels.
-        towards = directions.T.take(seen, axis=1).T
-        points = (origins.T.take(seen, axis=1) + hits.distance.take(seen) * towards.T).T
+        towards = directions.T.take(rows, axis=1).T
+        points = (origins.T.take(rows, axis=1) + hits.distance.take(rows) * towards.T).T
         weights = caster.weights(points, faces)
         normals = _normals_towards(shape, caster, faces, weights, towards)
         curvature = shape.curvature(faces, weights)
-        yield PixelHits(pixels.take(seen), towards, faces, points, weights, normals, curvature)
+        yield PixelHits(pixels.take(rows), towards, faces, points, weights, normals, curvature)
 
 
 def colour_views(

@@ -154,7 +154,7 @@ def _fibonacci_angles(count: int) -> list[tuple[float, float]]:
 
 
 def _pixels_between(positions: FloatArray, steps: FloatArray) -> IntArray:
-    """Return the pixels along an edge that cover some positions, with a margin of one at each end."""
+    """Return the pixels along an edge that cover some positions, with a margin of a pixel at each end."""
     if not len(positions):
         return np.arange(0)
     first, end = np.searchsorted(steps, [positions.min(), positions.max()])

@@ -49,8 +49,8 @@ def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> FloatArra
 def unobstructed_half_sizes(heights: FloatArray, sizes: FloatArray, tolerance: float) -> FloatArray:
     """Compute the half edge (n,) of the square without sensing points above `tolerance`, object radii.
 
-    The result is the distance, in the maximum norm, from the centre to the nearest sensing point above the
-    tolerance, and infinite if there is none. `heights` (n, r, r) are results of `cast_heights` for squares with edges
+    The result is the distance in the maximum norm from the centre to the nearest sensing point above the tolerance.
+    Without such a point it is infinite. `heights` (n, r, r) are results of `cast_heights` for squares with edges
     `sizes` (n,), object radii.
     """
     offsets = np.abs(sensing_offsets(heights.shape[-1]))

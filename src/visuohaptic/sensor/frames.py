@@ -23,8 +23,8 @@ def column_axes(normals: FloatArray, orientation: Orientation = "upright") -> Fl
     over all normals (hairy ball theorem):
 
     - ``upright``: ``y × n + n_y² x / 4``, projected to the tangent plane. Columns are horizontal on vertical walls,
-      and along +x on horizontal faces. The discontinuities are at normals 14 degrees from the poles towards -z (near
-      ``(0, ±0.97, -0.24)``), so that slight tilts of a table top do not turn its imprints.
+      and along +x on horizontal faces. The discontinuities are at normals 14 degrees from the poles towards -z, near
+      ``(0, ±0.97, -0.24)``. So slight tilts of a table top do not turn its imprints.
     - ``transported``: the x axis, turned by the smallest rotation from +y to the normal. The discontinuity is at -y.
     """
     axes = _transported_x(normals) if orientation == "transported" else _upright_x(normals)

@@ -10,9 +10,9 @@ from visuohaptic.base.arrays import FloatArray
 def read_grounded(conductances: FloatArray, line_resistance: float) -> FloatArray:
     """Read each cell with all other lines held at 0 V through their line resistance.
 
-    Row i is driven, the current of each column is measured, and Kirchhoff's laws hold at all 2r line nodes. With
-    ``A = 1 + R diag(row sums of G)`` and ``B = 1 + R diag(column sums of G)`` the currents per volt are
-    ``(A - R² G B⁻¹ Gᵀ)⁻¹ G B⁻¹``. Without resistance they equal G.
+    Row i is driven, and the current of each column is measured. Kirchhoff's laws at all 2r line nodes give the
+    currents per volt ``(A - R² G B⁻¹ Gᵀ)⁻¹ G B⁻¹``, with ``A = 1 + R diag(row sums of G)`` and
+    ``B = 1 + R diag(column sums of G)``. Without resistance they equal G.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def read_grounded(conductances: FloatArray, line_resistance: float) -> FloatArra
 def read_floating(conductances: FloatArray, stand_off: float) -> FloatArray:
     """Read each cell with all other lines open, which gives the most crosstalk.
 
-    The reading of row i and column j is the effective conductance of the network, ``1 / (L⁺ii + L⁺jj - 2 L⁺ij)`` for
-    the Laplacian L of the 2r line nodes.
+    The reading of row i and column j is the effective conductance of the network between both lines:
+    ``1 / (L⁺ii + L⁺jj - 2 L⁺ij)``, where L is the Laplacian of the 2r line nodes.
 
     Parameters
     ----------

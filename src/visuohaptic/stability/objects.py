@@ -35,7 +35,7 @@ TOUCHED_AGAIN = 4
 
 
 class SensedObject(NamedTuple):
-    """An object of the run with its tables and the parameters that made them.
+    """An object of the run with its tables and parameters.
 
     Attributes
     ----------
