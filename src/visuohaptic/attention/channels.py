@@ -278,7 +278,7 @@ def _box(planes: Plane) -> Plane:
 def _cast_votes(
     positions: NDArray[np.int64], steps: Plane, votes: tuple[Plane, Plane], shape: tuple[int, ...]
 ) -> list[Plane]:
-    """Sum votes for the points a step ahead, subtract votes for the points a step behind, and return absolute values."""
+    """Return the sums of votes for points a step ahead of `positions` minus points a step behind, as absolute values."""
     # The margin takes votes for points outside the image.
     margin = int(np.ceil(np.abs(steps).max(initial=0.0))) + 1
     rows, columns = shape[0] + 2 * margin, shape[1] + 2 * margin

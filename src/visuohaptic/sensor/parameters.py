@@ -29,7 +29,7 @@ class SensorParameters(Section):
         0.1,
         gt=0,
         le=2,
-        description="Depth below the sensor's plane that it measures (object radii); 2, the diameter of an object, is no limit",
+        description="Largest gap below the sensor's plane that it measures (object radii); 2, the diameter of an object, is no limit",
     )
     normal: Normal = Field(
         "face",

@@ -88,7 +88,7 @@ def acquire_touches(
         parts.append(touch_part(subject.caster, locations, sensor, scene, seed, ranks))
     if not policies:
         return _join(subject.key, parts, scene)
-    # Imported here because the strategies cost import time, which runs without policies save.
+    # Imported here, so that runs without policies do not import the strategies.
     from visuohaptic.touches.policies import follow_policies
 
     by_policy = follow_policies(subject, policies, viewpoints, sensor, scene, seed, wanted)
