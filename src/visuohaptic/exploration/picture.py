@@ -10,7 +10,7 @@ import pyarrow as pa
 from PIL import Image, ImageDraw, ImageFont
 
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.fixations.places import sees
+from visuohaptic.fixations.places import is_visible
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
@@ -55,7 +55,7 @@ def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches:
     points = matrix(touches, POINT_NAMES)
     outlines = squares_in_view(camera, touches, VIEW_PIXELS)
     places = project(camera, points, VIEW_PIXELS)
-    visible = sees(caster, camera, points)
+    visible = is_visible(caster, camera, points)
     draw = ImageDraw.Draw(view)
     for outline in outlines[visible]:
         draw.polygon([tuple(corner) for corner in outline], outline=_SQUARE, width=2)

@@ -14,7 +14,7 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError, TableError
 from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
 from visuohaptic.io.text_tables import TextTable, read_text_table
-from visuohaptic.sensor.imprints import Poses, stand_on
+from visuohaptic.sensor.imprints import Poses, make_poses
 
 PLACE = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
@@ -74,7 +74,7 @@ def read_poses(path: str | Path) -> FloatArray:
     directions /= lengths
     if not is_quaternion:
         roll = _numbers(table, (ROLL,))[:, 0] if ROLL in table.names else 0.0
-        return matrices(turned(stand_on(places, directions), roll))
+        return matrices(turned(make_poses(places, directions), roll))
     poses = np.tile(np.eye(4), (len(places), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(directions, scalar_first=True).as_matrix()
     poses[:, :3, 3] = places

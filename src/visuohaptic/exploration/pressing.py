@@ -23,7 +23,7 @@ from visuohaptic.parameters import as_parameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.effect_pipeline import TouchBatch
 from visuohaptic.sensor.effects import simulate
-from visuohaptic.sensor.imprints import Poses, cast_heights, sensing_offsets, stand_on
+from visuohaptic.sensor.imprints import Poses, cast_heights, make_poses, sensing_offsets
 from visuohaptic.sensor.parameters import Orientation
 from visuohaptic.sensor.random_fields import RandomFields
 
@@ -272,7 +272,7 @@ def _stand(
         columns, upwards, outward = (given[:, :3, axis] for axis in range(3))
         return Poses(given[:, :3, 3], outward, columns, -upwards)
     centres = point_rows(points, "points")
-    return stand_on(centres, unit_rows(normals, "normals", len(centres)), orientation)
+    return make_poses(centres, unit_rows(normals, "normals", len(centres)), orientation)
 
 
 def _check_poses(poses: FloatArray) -> None:
