@@ -144,7 +144,7 @@ class PolicySession:
 
     @property
     def random_key(self) -> tuple[object, ...]:
-        """The key of the next touch for `RandomFields`: class, name, viewpoint, column ``chance``, index of the touch."""
+        """The key of the next touch for `RandomFields`: class, name, viewpoint, ``chance``, index of the touch."""
         return (
             *self.key.split("/"),
             self.viewpoint,
