@@ -1,4 +1,4 @@
-"""Placing sensors on the object: the approach, the size, and the heights under the square."""
+"""Placing sensors on the object: obstacles of the approach, the size of the square, and the heights under it."""
 
 from __future__ import annotations
 
@@ -23,10 +23,17 @@ from visuohaptic.sensor.imprints import Poses, cast_heights
 from visuohaptic.sensor.parameters import SensorParameters
 
 PENETRATION_TOLERANCE = 0.002
-"""Allowed height of the object above the sensor's plane, object radii: 2 % of the default depth range. Our choice."""
+"""Largest height of the object above the tangent plane, object radii, that is no penetration.
+
+2 % of the default depth range. Our choice.
+"""
 
 CLEARANCE = 0.1
-"""Height of the sensor's body, object radii. Our choice. Under an obstacle farther out, sensors start at this height."""
+"""Height of the sensor's body above its plane, object radii. Our choice.
+
+Under an obstacle, rays start at most this high above the tangent plane. Surfaces within the square that stand higher
+block the touch.
+"""
 
 
 @dataclass(frozen=True)
@@ -38,13 +45,14 @@ class Placed:
     poses : Poses
         Frames of the n sensors.
     heights : ndarray of shape (n, r, r)
-        Heights of the surface above the tangent plane.
+        Heights of the surface above the tangent plane, negative below it, minus infinity without a hit. Under an
+        obstacle the surface below the obstacle counts.
     sizes : ndarray of shape (n,)
         Edges of the squares.
     blocked : ndarray of shape (n,), bool
-        Whether the approach is obstructed.
+        Whether an obstacle is above the centre, or the surface within the square is higher than `CLEARANCE`.
     record : EffectRecord
-        Record of the adaptive size.
+        Record of effect ``adaptive_size``.
     """
 
     poses: Poses
@@ -57,12 +65,17 @@ class Placed:
 def place_batch(
     caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode
 ) -> Placed:
-    """Place sensors on the object, each as large as the object allows and independent of the others.
+    """Place sensors on the object and measure the surface under them; each placement depends only on its own pose.
 
-    Rays start outside the object, or within `CLEARANCE` if an obstacle is on the way of the sensor's centre. A touch
-    needs an adaptive size if the object's bounding box reaches above its tangent plane. Then rays in the plane bound
-    the square before it is cast. Surfaces that penetrate without crossing the plane, such as overhangs, shrink the
-    square afterwards.
+    A square whose size adapts is as large as the object allows, from `parameters.smallest_size` to
+    `parameters.largest_size`: no height within the square exceeds `PENETRATION_TOLERANCE`. The smallest square is
+    taken even if the object penetrates it. A square whose size does not adapt has the largest size.
+
+    An adaptive size has two steps. First, rays parallel to the tangent plane find walls, even walls without thickness.
+    Then the measured heights find surfaces above these rays, such as overhangs.
+
+    Heights are measured by rays from outside the object. If an obstacle is above the sensor's centre, the rays start
+    below this obstacle, at most `CLEARANCE` above the tangent plane.
 
     Parameters
     ----------
@@ -71,14 +84,15 @@ def place_batch(
     poses : Poses
         Frames of the sensors.
     parameters : SensorParameters
-        Resolution and sizes.
+        Resolution, and the smallest and largest size.
     mode : {"auto", "always", "never"}
-        When the size adapts.
+        When the size adapts: ``auto`` only where the object's bounding box reaches above the tangent plane. Sizes
+        and heights are the same as with ``always``.
 
     Returns
     -------
     Placed
-        The placed sensors.
+        The poses, heights and sizes of the sensors, whether they are blocked, and the record of the effect.
     """
     tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
     obstacles = approach_distances(caster, poses, tolerance)
@@ -88,7 +102,8 @@ def place_batch(
     sizes = np.full(len(poses), parameters.largest_size)
 
     started = time.process_time()
-    # Half the tolerance is far above rounding, so the effect changes no bit of touches that don't need it.
+    # The limit is half the tolerance: below it no surface exceeds the tolerance, even after rounding. So `auto`
+    # gives the same bits as `always`.
     needing = box_heights(caster, poses) > 0.5 * tolerance
     adapting = needing if mode == "auto" else np.full(len(poses), mode == "always")
     rows = np.flatnonzero(adapting)
@@ -101,7 +116,7 @@ def place_batch(
 
     heights = cast_heights(caster, poses, sizes, lifts, resolution)
     started = time.process_time()
-    _shrink_further(caster, poses, parameters, lifts, rows, sizes, heights)
+    _shrink_by_heights(caster, poses, parameters, lifts, rows, sizes, heights)
     sizing += time.process_time() - started
 
     tall = (heights > CLEARANCE).any(axis=(1, 2))
@@ -117,7 +132,7 @@ def place_batch(
     return Placed(poses, heights, sizes, obstructed | tall, record)
 
 
-def _shrink_further(
+def _shrink_by_heights(
     caster: RayCaster,
     poses: Poses,
     parameters: SensorParameters,
@@ -126,12 +141,12 @@ def _shrink_further(
     sizes: FloatArray,
     heights: FloatArray,
 ) -> None:
-    """Shrink the squares at `rows` until no sensing point is penetrated; changes `sizes` and `heights`."""
+    """Shrink squares `rows` in place until no height exceeds the tolerance, or to the smallest size."""
     tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
     while len(rows):
         free = unobstructed_half_sizes(heights[rows], sizes[rows], tolerance)
         smaller = admissible_sizes(free, parameters.smallest_size, parameters.largest_size)
-        # Each pass removes at least a ring of sensing points, so the loop ends at the smallest allowed square.
+        # Each pass shrinks a square by at least the width of one sensing point's cell, so the loop ends.
         shrinks = smaller < sizes[rows]
         rows = rows[shrinks]
         sizes[rows] = smaller[shrinks]

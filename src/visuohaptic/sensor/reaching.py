@@ -1,4 +1,4 @@
-"""The sensor's reach: locations of an object that the smallest sensor can touch."""
+"""The sensor's reach: locations of an object that the smallest square can touch."""
 
 from __future__ import annotations
 
@@ -20,11 +20,13 @@ def reachable(
     parameters: SensorParameters,
     faces: IntArray | None = None,
 ) -> BoolArray:
-    """Return whether the sensor can reach each location, independent of the others.
+    """Return whether the sensor can reach each location; each result depends only on its own location.
 
-    A location is in reach if the smallest sensor can approach along the outward normal without an obstacle before
-    its centre touches. The object may stand above the tangent plane by the penetration tolerance. If the size adapts,
-    only touches out of reach are ``blocked`` or ``at_minimum``.
+    The smallest square comes from outside the object, straight along the sensor's normal, until its centre meets the
+    location. The location is in reach if no part of the object within the square is higher above the tangent plane
+    than `PENETRATION_TOLERANCE`. Rays at the centre and at the sensing points find such parts.
+
+    If mode `adaptive_size` is ``auto`` or ``always``, touches in reach are never ``blocked`` or ``at_minimum``.
 
     Parameters
     ----------
@@ -33,23 +35,24 @@ def reachable(
     points, normals : ndarray of shape (n, 3)
         Locations and outward unit normals, object frame.
     parameters : SensorParameters
-        The sensor.
+        The sensor. The normal is that of `parameters.normal`, the size always `parameters.smallest_size`.
     faces : ndarray of shape (n,), int64, optional
-        Faces under the locations, as for `touching.touch`.
+        Faces under the locations. If `parameters.normal` is ``face``, the sensor takes their normals; without `faces`
+        it takes `normals`.
 
     Returns
     -------
     ndarray of shape (n,), bool
-        True in reach.
+        True for locations in reach.
     """
     poses = sensor_poses(caster, points, normals, parameters, faces)
-    parts = [_reachable_part(caster, poses[rows], parameters) for rows in batches(len(poses))]
+    parts = [_reachable_batch(caster, poses[rows], parameters) for rows in batches(len(poses))]
     return np.concatenate(parts)
 
 
-def _reachable_part(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> BoolArray:
+def _reachable_batch(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> BoolArray:
     tolerance = PENETRATION_TOLERANCE
-    # Tangent planes above the object's bounding box need no rays. Half the tolerance, as in `place_batch`.
+    # No rays are needed if the bounding box stays below the tangent plane. The limit is that of `place_batch`.
     in_reach = box_heights(caster, poses) <= 0.5 * tolerance
     unsure = np.flatnonzero(~in_reach)
     unsure = unsure[np.isinf(approach_distances(caster, poses[unsure], tolerance))]

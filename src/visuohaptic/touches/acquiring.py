@@ -89,9 +89,9 @@ def acquire_touches(
     if not policies:
         return _join(subject.key, parts, scene)
     # Imported here, so that runs without policies do not import the strategies.
-    from visuohaptic.touches.policies import follow_policies
+    from visuohaptic.touches.policies import touch_by_policies
 
-    by_policy = follow_policies(subject, policies, viewpoints, sensor, scene, seed, wanted)
+    by_policy = touch_by_policies(subject, policies, viewpoints, sensor, scene, seed, wanted)
     acquired = _join(subject.key, [*parts, by_policy.part], scene)
     return replace(
         acquired, policy_fixations=by_policy.fixations, seconds={"choose": by_policy.seconds}

@@ -1,4 +1,9 @@
-"""Touching by policies: every viewpoint chooses its next location, then one batch of rays touches all of them."""
+"""Touching by policies: in each round every policy chooses one location per viewpoint, and all are touched together.
+
+A try is one location that a policy chooses. The tries of one policy at one viewpoint are a sequence. A location in
+reach is touched. A location out of reach is passed over, or touched if ``unreachable`` is ``keep``; in both cases the
+policy gets a `Felt` with `acquired` False.
+"""
 
 from __future__ import annotations
 
@@ -41,14 +46,14 @@ from visuohaptic.tables.schema import build_rows, join_parts
 from visuohaptic.touches.choosing import Wanted, choose_locations, with_touch_numbers
 from visuohaptic.touches.touching import Part, touch_part, touch_table
 
-FARTHEST = 0.1
+MAX_SURFACE_DISTANCE = 0.1
 """Largest allowed distance of a chosen point from the surface, object radii."""
 
 SAME_LOCATION = 1e-6
 """Points within this distance of each other, object radii, are the same location."""
 
 SLOW_SECONDS = 1.0
-"""Mean seconds per choice above which a policy's time is logged."""
+"""Mean seconds per choice on an object above which a policy is logged as slow."""
 
 logger = logging.getLogger(__name__)
 
@@ -66,15 +71,15 @@ class PolicySession:
     policy : Policy
         The policy.
     view : PolicyView
-        The knowledge of the policy before the first touch.
+        First argument of the policy: the surface, the camera and a random generator.
     felt : list of Felt
-        The tries so far.
+        The results of all tries so far, touched or passed over.
     touches : int
-        The number of touches; tries that are passed over do not count.
+        The number of tries that were touched.
     stopped : bool
         Whether the policy returned None.
     seconds : float
-        Time of the policy's choices.
+        Wall time of all choices of the policy so far.
     """
 
     key: str
@@ -87,12 +92,24 @@ class PolicySession:
     seconds: float = 0.0
 
     def needs_try(self, wanted: int) -> bool:
-        """Return whether `choosing.choose_locations` would take another location for `wanted` touches."""
+        """Return whether the sequence makes another try.
+
+        A sequence ends with `wanted` touches, if its policy has stopped, or if more than `SPARE` tries are passed over,
+        as in `choosing.choose_locations`.
+        """
         passed_over = len(self.felt) - self.touches
         return not self.stopped and self.touches < wanted and passed_over <= SPARE
 
     def choose(self) -> FloatArray | None:
-        """Return the policy's next point (3,), object frame; None if the policy stops."""
+        """Ask the policy for its next point (3,), object frame, or None if the policy stops.
+
+        The call updates `seconds` and `stopped`. The caller appends the result of the try to `felt`.
+
+        Raises
+        ------
+        PolicyError
+            If the policy raises an error, or returns anything but three finite numbers or None.
+        """
         started = time.perf_counter()
         try:
             chosen = self.policy.next_location(self.view, tuple(self.felt))
@@ -104,26 +121,30 @@ class PolicySession:
         if chosen is None:
             self.stopped = True
             return None
-        return self._checked(chosen)
+        return self._as_point(chosen)
 
     def check_location(self, chosen: FloatArray, on_surface: FloatArray) -> None:
-        """Raise `PolicyError` if `chosen` is too far from `on_surface`, or `on_surface` was chosen before."""
+        """Raise `PolicyError` if a chosen point is far off the surface, or an earlier try has its location.
+
+        `chosen` (3,) is the policy's point and `on_surface` (3,) the nearest point of the surface, object frame.
+        The limits are `MAX_SURFACE_DISTANCE` and `SAME_LOCATION`.
+        """
         distance = float(np.linalg.norm(chosen - on_surface))
-        if distance > FARTHEST:
+        if distance > MAX_SURFACE_DISTANCE:
             raise self._error(
-                f"chose {_written(chosen)}, {distance:.2g} object radii off the surface; at most {FARTHEST} is "
-                "allowed, in the object frame"
+                f"chose {_format_point(chosen)}, {distance:.2g} object radii off the surface; at most "
+                f"{MAX_SURFACE_DISTANCE} is allowed, in the object frame"
             )
         for number, earlier in enumerate(self.felt):
             if np.linalg.norm(earlier.point - on_surface) <= SAME_LOCATION:
                 raise self._error(
-                    f"chose {_written(on_surface)}, the location of try {number}; a new location, or None to stop, "
-                    "is needed"
+                    f"chose {_format_point(on_surface)}, the location of try {number}; a new location, or None to "
+                    "stop, is needed"
                 )
 
     @property
-    def touch_key(self) -> tuple[object, ...]:
-        """The key of the next touch's random numbers, as in `touching.random_fields`."""
+    def random_key(self) -> tuple[object, ...]:
+        """The key of the next touch for `RandomFields`: class, name, viewpoint, ``chance``, index of the touch."""
         return (
             *self.key.split("/"),
             self.viewpoint,
@@ -131,8 +152,11 @@ class PolicySession:
             self.touches,
         )
 
-    def row(self, point: FloatArray, normal: FloatArray, face: int) -> dict[str, object]:
-        """Return the next try at a point (3,) with a unit normal (3,) and a face, as a row of `tables.FIXATIONS`."""
+    def fixation_row(self, point: FloatArray, normal: FloatArray, face: int) -> dict[str, object]:
+        """Return the next try as a row of `tables.FIXATIONS`; column ``touch`` is the index of the try.
+
+        `point` (3,) on the surface and its outward unit `normal` (3,) are in the object frame.
+        """
         return {
             **owner_columns(self.key),
             "viewpoint": self.viewpoint,
@@ -145,7 +169,7 @@ class PolicySession:
             "chance": self.policy.chance or self.policy.name,
         }
 
-    def _checked(self, chosen: object) -> FloatArray:
+    def _as_point(self, chosen: object) -> FloatArray:
         try:
             point = np.asarray(chosen, dtype=np.float64)
         except (TypeError, ValueError):
@@ -155,7 +179,7 @@ class PolicySession:
         if point.shape != (3,):
             raise self._error(f"chose an array of shape {point.shape}; (3,) is needed")
         if not np.isfinite(point).all():
-            raise self._error(f"chose {_written(point)}; finite numbers are needed")
+            raise self._error(f"chose {_format_point(point)}; finite numbers are needed")
         return point
 
     def _error(self, fault: str) -> PolicyError:
@@ -166,18 +190,18 @@ class PolicySession:
 
 @dataclass(eq=False)
 class Tries:
-    """All tries of an object, and the m touches among them.
+    """All tries of an object, round after round, and the m tries that were touched.
 
     Attributes
     ----------
     rows : list of dict
-        The tries, rows of `tables.FIXATIONS`.
+        All tries, rows of `tables.FIXATIONS`.
     touched : list of int
-        The indices of the m touches in `rows`.
+        The m indices in `rows` of the tries that were touched.
     numbers : list of int
-        The number of each touch in its sequence.
+        The index of each of the m touches among the touches of its sequence.
     batches : list of Touches
-        The m touches, in batches.
+        The m touches in the order of `touched`, one batch per round with a touch.
     """
 
     rows: list[dict[str, object]] = field(default_factory=list)
@@ -186,7 +210,10 @@ class Tries:
     batches: list[Touches] = field(default_factory=list)
 
     def tables(self) -> tuple[pa.Table, Part]:
-        """Return the tries as `tables.FIXATIONS`, and the touches, both sorted by their keys."""
+        """Return the tries as `tables.FIXATIONS`, and the touches, both sorted by their keys.
+
+        Without any touch the tries keep the order of the rounds.
+        """
         fixations = build_rows(FIXATIONS, self.rows)
         if not self.batches:
             return fixations, Part(TOUCHES.arrow.empty_table(), ())
@@ -198,14 +225,24 @@ class Tries:
 
 
 class PolicyTouches(NamedTuple):
-    """The locations that policies chose, rows of `tables.FIXATIONS`, the touches, and the seconds of the choices."""
+    """Results of all policies on one object.
+
+    Attributes
+    ----------
+    fixations : pyarrow.Table
+        One row per try, rows of `tables.FIXATIONS`.
+    part : Part
+        The touches and the records of their effects.
+    seconds : float
+        Wall time of all choices.
+    """
 
     fixations: pa.Table
     part: Part
     seconds: float
 
 
-def follow_policies(
+def touch_by_policies(
     subject: Subject,
     policies: Sequence[str],
     viewpoints: ViewpointParameters,
@@ -214,17 +251,40 @@ def follow_policies(
     seed: int,
     wanted: Wanted,
 ) -> PolicyTouches:
-    """Touch an object by policies.
+    """Touch an object at locations that policies choose by their earlier touches.
 
-    In each round every policy at every viewpoint makes one try, until no sequence needs another try. A location out
-    of reach is touched or not, as parameter ``unreachable`` says; the policy sees it as a try that was not acquired.
-    A sequence ends after more than `SPARE` locations without a touch, or if the policy stops. The arguments are as
-    for `acquiring.acquire_touches`.
+    Each sequence makes one try per round, at the surface's nearest point to the point that the policy chose. A
+    sequence ends with `wanted.touches` touches, if its policy stops, or if more than `SPARE` tries are passed over.
+    If `wanted.when_exhausted` is ``begin_again``, the locations of a sequence that ended early are then touched again
+    in their order, up to `wanted.touches` touches. A sequence without a touch stays empty.
+
+    Parameters
+    ----------
+    subject : Subject
+        The object and its viewpoints.
+    policies : sequence of str
+        Names of policies.
+    viewpoints : ViewpointParameters
+        The arrangement of the viewpoints.
+    sensor : SensorParameters
+        The sensor.
+    scene : Scene
+        The simulated effects.
+    seed : int
+        Seed of the run.
+    wanted : Wanted
+        The most touches of a sequence. A policy's own ``unreachable`` overrides `wanted.unreachable`.
+
+    Returns
+    -------
+    PolicyTouches
+        All tries, the touches, and the time of the choices.
 
     Raises
     ------
     PolicyError
-        If a policy raises an error, chooses a location off the surface, or chooses a location twice.
+        If a policy raises an error, returns anything but three finite numbers or None, chooses a point more than
+        `MAX_SURFACE_DISTANCE` off the surface, or chooses a location twice.
     """
     caster = subject.caster
     sessions = start_sessions(subject, [policy_of(name) for name in policies], viewpoints, seed)
@@ -234,7 +294,7 @@ def follow_policies(
         points = {session: point for session, point in choices.items() if point is not None}
         if points:
             _try_locations(caster, points, sensor, scene, seed, wanted, tries)
-    _log(sessions, wanted.touches)
+    _log_stopped_and_slow(sessions, wanted.touches)
     fixations, part = tries.tables()
     is_short = any(0 < session.touches < wanted.touches for session in sessions)
     if is_short and wanted.when_exhausted == "begin_again":
@@ -246,13 +306,13 @@ def follow_policies(
 def start_sessions(
     subject: Subject, policies: Sequence[Policy], viewpoints: ViewpointParameters, seed: int
 ) -> list[PolicySession]:
-    """Return a session without tries for each policy and each viewpoint of an object."""
+    """Return one session without tries per policy and viewpoint of an object, policy after policy."""
     caster, cameras = subject.caster, place_cameras(viewpoints)
     sessions = []
     for policy in policies:
         chance = policy.chance or policy.name
         spread = spawn_generator(seed, "places", chance, subject.key)
-        # The viewpoints of an object share these locations, which are computed on first use.
+        # All viewpoints of the object share these locations. They are computed when a policy first reads them.
         find_places = cache(partial(spread_far, caster.surface, PLACES, spread))
         for number in subject.viewpoints:
             generator = spawn_generator(seed, chance, subject.key, number)
@@ -270,7 +330,7 @@ def _try_locations(
     wanted: Wanted,
     tries: Tries,
 ) -> None:
-    """Touch the surface nearest to the chosen points, and add the results to the sessions and to `tries`."""
+    """Make one try per session at the surface's nearest point, and record it in the session and in `tries`."""
     sessions, points = [*chosen], np.stack([*chosen.values()])
     locations, faces = caster.nearest(points)
     for session, point, location in zip(sessions, points, locations, strict=True):
@@ -282,11 +342,11 @@ def _try_locations(
     tries.touched += (len(tries.rows) + rows).tolist()
     tries.numbers += [sessions[row].touches for row in rows]
     for session, location, normal, face in zip(sessions, locations, normals, faces, strict=True):
-        tries.rows.append(session.row(location, normal, face))
+        tries.rows.append(session.fixation_row(location, normal, face))
         session.felt.append(Felt(location, normal, acquired=False))
     if not len(rows):
         return
-    fields = RandomFields(seed, [sessions[row].touch_key for row in rows])
+    fields = RandomFields(seed, [sessions[row].random_key for row in rows])
     touches = touch(caster, locations[rows], normals[rows], sensor, scene, fields, faces[rows])
     tries.batches.append(touches)
     for index, row in enumerate(rows):
@@ -301,8 +361,8 @@ def _try_locations(
         sessions[row].touches += 1
 
 
-def _log(sessions: Sequence[PolicySession], wanted: int) -> None:
-    """Log the policies that stopped early, and the policies that took long to choose."""
+def _log_stopped_and_slow(sessions: Sequence[PolicySession], wanted: int) -> None:
+    """Log policies that stopped before `wanted` touches, and policies slower than `SLOW_SECONDS` per choice."""
     for name, group in groupby(sessions, key=lambda session: session.policy.name):
         of_policy = list(group)
         stopped = ", ".join(str(session.viewpoint) for session in of_policy if session.stopped)
@@ -320,5 +380,5 @@ def _log(sessions: Sequence[PolicySession], wanted: int) -> None:
             )  # fmt: skip
 
 
-def _written(point: FloatArray) -> str:
+def _format_point(point: FloatArray) -> str:
     return f"({', '.join(f'{value:.3g}' for value in point)})"
