@@ -210,18 +210,16 @@ class Tries:
     batches: list[Touches] = field(default_factory=list)
 
     def tables(self) -> tuple[pa.Table, Part]:
-        """Return the tries as `tables.FIXATIONS`, and the touches, both sorted by their keys.
-
-        Without any touch the tries keep the order of the rounds.
-        """
-        fixations = build_rows(FIXATIONS, self.rows)
+        """Return the tries as `tables.FIXATIONS`, and the touches, both sorted by their keys."""
+        by_round = build_rows(FIXATIONS, self.rows)
+        fixations = join_parts(FIXATIONS, [by_round])
         if not self.batches:
             return fixations, Part(TOUCHES.arrow.empty_table(), ())
-        touched = fixations.take(self.touched)
+        touched = by_round.take(self.touched)
         ranks, felt = touched.column("touch").to_numpy(), join_touches(self.batches)
         numbered = with_touch_numbers(touched, np.array(self.numbers))
         touches = join_parts(TOUCHES, [touch_table(numbered, felt, ranks)])
-        return join_parts(FIXATIONS, [fixations]), Part(touches, felt.effects)
+        return fixations, Part(touches, felt.effects)
 
 
 class PolicyTouches(NamedTuple):
