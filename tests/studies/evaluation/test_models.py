@@ -57,6 +57,18 @@ def test_the_answers_are_those_that_the_model_gives(model, evaluated):
     assert row["unknown"] == answer.unknown
 
 
+def test_a_model_of_several_strategies_is_evaluated_on_the_touches_by_each(model):
+    random = features_table("random", objects=(5, 5, 5), viewpoints=4, separation=2.0, seed=3)
+    other = features_table("contour", objects=(5, 5, 5), viewpoints=4, separation=2.0, seed=3)
+    learnt = random.filter(pc.is_in(random["object"], pa.array(["object0", "object1", "object2"])))
+    both = fit_model(
+        pa.concat_tables([LEARNT, learnt]), "order_free", "naive_bayes", RecognitionParameters(), 1
+    )
+    found = evaluate_model(both, pa.concat_tables([ALL, random, other]))
+    counts = found.group_by("strategy").aggregate([([], "count_all")]).to_pylist()
+    assert counts == [{"strategy": name, "count_all": 30} for name in ("fixation", "random")]
+
+
 def test_the_summary_is_of_shares_over_objects(evaluated):
     one, every = summarise_evaluation(evaluated, IntervalParameters())
     assert (one["views"], every["views"], every["stated"]) == (1, 4, 0.9)
@@ -81,7 +93,7 @@ def test_a_model_that_knows_all_objects_or_has_no_prediction_sets_is_not_evaluat
     with pytest.raises(RecognitionError, match="Of 9 objects touched by fixation none is of a"):
         evaluate_model(model, LEARNT)
     with pytest.raises(RecognitionError, match="no prediction sets"):
-        evaluate_model(dataclasses.replace(model, certainty=None), ALL)
+        evaluate_model(dataclasses.replace(model, certainties={}), ALL)
 
 
 def test_what_was_measured_is_read_before_what_is_kept(evaluated, tmp_path):
