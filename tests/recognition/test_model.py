@@ -13,6 +13,8 @@ import pyarrow.compute as pc
 import pytest
 import skops.io
 from recognition.synthetic import clusters, features_table, with_column
+from sklearn.naive_bayes import GaussianNB
+from sklearn.pipeline import Pipeline
 
 from visuohaptic import recognition
 from visuohaptic.base.errors import RecognitionError
@@ -20,7 +22,6 @@ from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition import certainty, pipelines, stored_models
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.recognition.pipelines import make_order_free
 from visuohaptic.recognition.splits import held_out_folds
 from visuohaptic.recognition.stored_models import FORMAT, FORMER_FORMAT
 
@@ -254,25 +255,26 @@ def test_a_model_learns_from_several_strategies_and_compares_touches_with_those_
     assert of_two.answer(unseen) == alone.answer(unseen)
 
 
-def test_an_object_is_compared_by_a_model_that_learnt_it_by_no_strategy():
-    """The touches by the strategies are the same, so that a model that knew some would be surer."""
+def test_an_object_is_compared_by_models_that_learnt_it_by_no_strategy_with_touches_of_its_own():
     rows, labels, owners = clusters(objects=(6, 6), separation=0.3, sequences=4)
     learnt = []
 
     def fit_fold(rows, labels, owners):
         learnt.append(set(owners))
-        return make_order_free("naive_bayes").fit(rows, labels)
+        return Pipeline([("preparation", "passthrough"), ("classifier", GaussianNB())]).fit(
+            rows, labels
+        )
 
-    twice = [np.concatenate([part, part]) for part in (rows, labels, owners)]
-    final = fit_fold(*twice)
+    both = (np.concatenate([rows, rows + 5]), np.tile(labels, 2), np.tile(owners, 2))
+    final = fit_fold(*both)
     touched = np.arange(2 * len(rows)) < len(rows)
-    folds = held_out_folds(twice[1], twice[2], certainty.FOLDS)
-    found = certainty.fit_certainty(fit_fold, final, *twice, touched=touched)
-    assert learnt[1:] == [set(owners) - set(twice[2][held_out]) for _, held_out in folds]
-    again = certainty.fit_certainty(fit_fold, final, *twice, touched=~touched)
-    np.testing.assert_array_equal(found.nonconformity, again.nonconformity)
-    np.testing.assert_allclose(found.reference.centres, again.reference.centres)
-    assert len(found.labels) == len(found.reference.centres) == 12
+    folds = held_out_folds(both[1], both[2], certainty.FOLDS)
+    found = certainty.fit_certainty(fit_fold, final, *both, touched=touched)
+    assert learnt[1:] == [set(owners) - set(both[2][held_out]) for _, held_out in folds]
+    alone = certainty.fit_certainty(fit_fold, final, rows, labels, owners)
+    np.testing.assert_array_equal(found.novelty, alone.novelty)
+    np.testing.assert_array_equal(found.reference.centres, alone.reference.centres)
+    assert (found.nonconformity != alone.nonconformity).any()
 
 
 def test_touches_by_another_strategy_get_probabilities_without_a_prediction_set():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from itertools import groupby
@@ -55,7 +55,11 @@ logger = logging.getLogger(__name__)
 
 @dataclass(eq=False)
 class Hand:
-    """A policy at one viewpoint of an object, `class/name`, and what it felt so far."""
+    """A policy at one viewpoint of an object, `class/name`, and what it felt so far.
+
+    `clock` returns seconds. Wall time, because a policy that waits for a device, a server or a lock needs no
+    processor time.
+    """
 
     key: str
     viewpoint: int
@@ -65,6 +69,7 @@ class Hand:
     touches: int = 0
     stopped: bool = False
     seconds: float = 0.0
+    clock: Callable[[], float] = time.perf_counter
 
     def goes_on(self, wanted: int) -> bool:
         """Return whether another place is asked for: as long as `choosing.choose_places` would take it."""
@@ -72,15 +77,24 @@ class Hand:
         return not self.stopped and self.touches < wanted and passed_over <= SPARE
 
     def choose(self) -> FloatArray | None:
-        """Ask the policy for its next point (3,), object frame; None if it stops."""
-        started = time.perf_counter()
+        """Ask the policy for its next point (3,), object frame; None if it stops.
+
+        Raises `PolicyError` if the policy raises, takes longer than its bound, or chooses no point.
+        """
+        started = self.clock()
         try:
             chosen = self.policy.next_location(self.view, tuple(self.felt))
         except Exception as error:
             said = " ".join(str(error).split()).rstrip(".")
             raise self._error(f"raised {type(error).__name__}: {said}") from error
         finally:
-            self.seconds += time.perf_counter() - started
+            taken = self.clock() - started
+            self.seconds += taken
+        if taken > self.policy.longest_seconds:
+            raise self._error(
+                f"took {taken:.3g} s to choose; at most {self.policy.longest_seconds:.3g} s are allowed "
+                "(Policy.longest_seconds)"
+            )
         if chosen is None:
             self.stopped = True
             return None
@@ -191,7 +205,8 @@ def follow_policies(
     Raises
     ------
     PolicyError
-        If a policy raises, or chooses a place off the surface or one that it chose before.
+        If a policy raises, takes longer than its bound, or chooses a place off the surface or one that it
+        chose before.
     """
     caster = subject.caster
     hands = make_hands(subject, [policy_of(name) for name in policies], viewpoints, seed)
