@@ -127,7 +127,7 @@ class RecognitionModel:
     def answer(self, features: pa.Table) -> ModelAnswer:
         """Return the answer for one object: the probabilities of `recognise`, and how sure they are.
 
-        Touches by a strategy that is none of `strategies` get probabilities only.
+        Touches by a strategy outside `strategies` get probabilities only.
         """
         try:
             features = known_columns(FEATURES, features)
