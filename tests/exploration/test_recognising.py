@@ -4,10 +4,16 @@ import numpy as np
 import pytest
 import trimesh
 from cli.models import fit_on_nonsense
+from recognition.synthetic import features_table
 
 import visuohaptic as vh
 from visuohaptic.base.errors import MeshError, ParameterError, RecognitionError
 from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.recognition.model_files import make_model
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.stored_models import load_model
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import join_parts, write_table
 
 SENTENCE = (
     "The model learnt from touches by fixation and these touches were made {}, so its probabilities are not "
@@ -80,6 +86,18 @@ def test_a_model_that_learnt_from_several_strategies_names_all(tmp_path, ball):
     assert found.caution.startswith(
         "The model learnt from touches by fixation and random and these"
     )
+
+
+def test_a_model_learns_from_several_strategies_though_one_lacks_touches_from_a_view(tmp_path):
+    whole = features_table(objects=(2, 2), viewpoints=3)
+    random = features_table("random", objects=(2, 2), viewpoints=3)
+    table = join_parts(FEATURES, [whole, random.slice(1)])
+    write_table(FEATURES, table, tmp_path / "features.parquet")
+    make_model(
+        [tmp_path / "features.parquet"], tmp_path / "m.skops", "order_free", "naive_bayes",
+        ("random", "fixation"), RecognitionParameters(), {}, 1,
+    )  # fmt: skip
+    assert load_model(tmp_path / "m.skops").strategies == ("random", "fixation")
 
 
 def test_one_touch_is_enough_and_a_point_off_the_surface_is_refused(ball, recogniser):

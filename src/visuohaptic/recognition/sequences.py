@@ -319,6 +319,7 @@ def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, 
     if not short.num_rows:
         return features, ()
     kept = features.join(short, owner, join_type="left anti").select(features.column_names)
+    kept = kept.cast(features.schema)  # the join makes every column nullable
     left_out: dict[tuple[str, str], list[int]] = {}
     for row in short.sort_by([(name, "ascending") for name in owner]).to_pylist():
         left_out.setdefault((key_of(row), row["strategy"]), []).append(row["viewpoint"])
