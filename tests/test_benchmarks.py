@@ -4,6 +4,7 @@ import importlib
 from pathlib import Path
 
 import pytest
+from recognition.synthetic import features_table
 
 ROOT = Path(__file__).parents[1]
 SMALLEST = {
@@ -22,6 +23,29 @@ def least(figures):
     if isinstance(figures, list):
         return min(map(least, figures), default=0)
     return figures if isinstance(figures, float | int) else 0
+
+
+@pytest.mark.slow
+def test_objects_are_classified_by_models_of_the_others_as_if_their_strategy_was_learnt(
+    monkeypatch,
+):
+    monkeypatch.syspath_prepend(str(ROOT))
+    module = importlib.import_module("benchmarks.other_strategies")
+    tables = {
+        name: features_table(name, objects=(6, 6), viewpoints=2, separation=separation)
+        for name, separation in (("fixation", 3.0), ("random", 0.1))
+    }
+    found = module.measure(tables, ["fixation"])
+    assert {key: rows.shape for key, rows in found.items()} == {
+        (name, views): (12, 4) for name in tables for views in module.VIEWS
+    }
+    correct, _, held, unknown = found["fixation", 1].mean(axis=0)
+    assert correct > 0.9
+    elsewhere = found["random", 1].mean(axis=0)
+    assert elsewhere[0] < correct
+    # A set is stated for these touches, too: without one it would hold no class, and nothing were unknown.
+    assert held > 0
+    assert elsewhere[2] > 0 or elsewhere[3] > unknown
 
 
 @pytest.mark.long

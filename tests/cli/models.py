@@ -6,21 +6,22 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.model_files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.tables.phases import FEATURES
-from visuohaptic.tables.schema import write_table
+from visuohaptic.tables.schema import join_parts, write_table
 
 SMALL = {"rendering": {"resolution": 64}, "viewpoints": {"count": 2}}
 
 
-def fit_on_nonsense(folder):
+def fit_on_nonsense(folder, strategies=("fixation",)):
     """Leave a model that learnt numbers without sense, with parameters that have some."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_table(FEATURES, features_table(objects=(2, 2), viewpoints=3), folder / "features.parquet")
+    tables = [features_table(name, objects=(2, 2), viewpoints=3) for name in strategies]
+    write_table(FEATURES, join_parts(FEATURES, tables), folder / "features.parquet")
     make_model(
         features=[folder / "features.parquet"],
         model=folder / "recogniser.skops",
         pipeline="order_free",
         classifier="linear_discriminant",
-        strategy="fixation",
+        strategies=strategies,
         recognition=RecognitionParameters(),
         touching=ExperimentParameters.from_mapping(SMALL).model_dump(
             mode="json", exclude={"recognition", "workflow"}

@@ -83,6 +83,29 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert "an object that is stranger than nearly all of these is called unknown" in said.out
 
 
+def test_recognise_says_by_which_strategies_the_model_learnt_if_not_by_this_one(
+    visuohaptic, tmp_path, model
+):
+    asked = ("recognise", ring(tmp_path / "ring.obj"), "--model", model, "--viewpoints", 1)
+    sentence = (
+        "The model learnt from touches by fixation and these touches were made by seek_relief, so"
+    )
+    ended = visuohaptic(*asked, "--strategy", "seek_relief")
+    assert (ended.code, ended.err) == (0, "")
+    assert f"  caution: {sentence}" in ended.out
+    assert "5 touches from 1 viewpoints by seek_relief" in ended.out
+    assert "an object of another class is classified as one of these all the same" in ended.out
+    values = json.loads(visuohaptic(*asked, "--strategy", "seek_relief", "--json").out)
+    assert values["caution"].startswith(sentence)
+    assert (values["strategy"], values["learnt_strategies"]) == ("seek_relief", ["fixation"])
+    assert values["candidates"] is values["coverage"] is values["unknown"] is None
+    values = json.loads(visuohaptic(*asked, "--json").out)
+    assert (values["strategy"], values["caution"]) == ("fixation", None)
+    ended = visuohaptic(*asked, "--strategy", "nowhere")
+    assert ended.code == 2
+    assert "'nowhere' is no strategy of touch" in ended.err
+
+
 def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):
     ended = visuohaptic("recognise", ring(tmp_path / "ring.obj"), "--viewpoints", 1, "--json")
     values = json.loads(ended.out)

@@ -61,22 +61,20 @@ def test_one_line_from_a_file_to_a_table(ring_file):
         vh.load(ring_file, key="ring")
 
 
-def test_touches_of_another_kind_than_the_model_learnt_are_refused(ring_file):
+def test_touches_with_other_parameters_than_the_models_are_refused_whatever_the_strategy(ring_file):
     there = ExperimentParameters.from_mapping({"sensor": {"resolution": 16}})
-    recogniser = vh.Recogniser(SimpleNamespace(strategy="fixation"), there)
-    by_chance = vh.load(ring_file).touch(1, "random", SMALL)
-    with pytest.raises(RecognitionError, match=r"touched by random .* learnt from touches by fix"):
-        by_chance.recognise(recogniser)
-    looked = vh.load(ring_file).touch(1, "fixation", SMALL)
-    with pytest.raises(RecognitionError, match=r"sensor.resolution 32 \(the model's is 16\)"):
-        looked.recognise(recogniser)
+    recogniser = vh.Recogniser(SimpleNamespace(strategies=("fixation",)), there)
+    ring = vh.load(ring_file)
+    places = ring.surface.vertices[:1]
+    for made in (ring.touch(1, "random", SMALL), ring.touch(at=places, parameters=SMALL)):
+        with pytest.raises(RecognitionError, match=r"sensor.resolution 32 \(the model's is 16\)"):
+            made.recognise(recogniser)
 
 
 def test_a_frame_that_is_not_the_models_is_refused_where_it_was_asked_for(tmp_path):
     fit_on_nonsense(tmp_path)
     recogniser = vh.read_recogniser(tmp_path / "recogniser.skops")
     touched = recogniser.parameters
-    strategy = recogniser.model.strategy
     own = RecognitionParameters(frame="none")
     of_none = replace(recogniser, model=replace(recogniser.model, parameters=own))
 
@@ -85,12 +83,12 @@ def test_a_frame_that_is_not_the_models_is_refused_where_it_was_asked_for(tmp_pa
 
     sentence = r"^recognition\.frame is none, and the model was fitted for full; "
     with pytest.raises(RecognitionError, match=sentence):
-        check_alike(strategy, asked("none"), recogniser)
+        check_alike(asked("none"), recogniser)
     with pytest.raises(RecognitionError, match="is full, and the model was fitted for none"):
-        check_alike(strategy, asked("full"), of_none)
-    check_alike(strategy, asked("none"), of_none)
+        check_alike(asked("full"), of_none)
+    check_alike(asked("none"), of_none)
     # A frame that nobody asked for is the model's.
-    check_alike(strategy, touched, of_none)
+    check_alike(touched, of_none)
 
 
 def test_the_frame_that_was_asked_for_reaches_the_model(tmp_path, ring_file):
@@ -99,7 +97,7 @@ def test_the_frame_that_was_asked_for_reaches_the_model(tmp_path, ring_file):
     learnt = recogniser.parameters.model_dump(exclude={"recognition"}, exclude_unset=True)
     asked = {**learnt, "recognition": {"frame": "none"}}
     made = vh.load(ring_file, parameters={"meshes.own_up_axis": "y"}).touch(
-        1, recogniser.model.strategy, asked
+        1, recogniser.model.strategies[0], asked
     )
     with pytest.raises(RecognitionError, match="frame is none, and the model was fitted for full"):
         made.recognise(recogniser)

@@ -1,15 +1,20 @@
 """Models that are saved, read, and refused."""
 
+import dataclasses
 import functools
+import json
 import pickle
 import re
 import zipfile
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pytest
 import skops.io
-from recognition.synthetic import features_table, with_column
+from recognition.synthetic import clusters, features_table, with_column
+from sklearn.naive_bayes import GaussianNB
+from sklearn.pipeline import Pipeline
 
 from visuohaptic import recognition
 from visuohaptic.base.errors import RecognitionError
@@ -18,7 +23,7 @@ from visuohaptic.recognition import certainty, pipelines, stored_models
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.splits import held_out_folds
-from visuohaptic.recognition.stored_models import FORMAT
+from visuohaptic.recognition.stored_models import FORMAT, FORMER_FORMAT
 
 TABLE = features_table(objects=(3, 3), separation=3.0)
 OTHER = features_table(objects=(4, 4), separation=3.0, seed=7)
@@ -57,7 +62,7 @@ def test_a_model_is_saved_and_answers_the_same_bit_for_bit_or_is_refused(classif
     loaded = recognition.load_model(path)
     unseen = rows_of(OTHER, "class1", "object3")
     assert loaded.answer(unseen) == model.answer(unseen)
-    for name in ("objects", "feature_names", "versions", "parameters"):
+    for name in ("strategies", "objects", "feature_names", "versions", "parameters"):
         assert getattr(loaded, name) == getattr(model, name)
     assert set(loaded.versions) >= {"visuohaptic", "numpy", "scikit-learn", "python"}
 
@@ -124,7 +129,7 @@ def test_temperature_and_certainty_are_fitted_on_folds_of_whole_objects(monkeypa
     # The final model and its certainty see all objects, the models of certainty's folds fewer.
     assert [len(counts) for counts in sequences_of_object[:2]] == [7, 7]
     assert {*np.concatenate(sequences_of_object)} == {4}
-    assert len(model.certainty.labels) == 7
+    assert len(model.certainties["fixation"].labels) == 7
 
 
 def test_contact_states_and_sensor_sizes_are_used_where_a_table_has_them():
@@ -167,7 +172,21 @@ def test_a_model_of_the_papers_pipeline_answers_and_is_not_saved(tmp_path):
     ("part", "change", "reason"),
     [
         (("waves", "phases"), lambda rows: rows[:-1], "broadcast"),
-        (("certainty", "novelty"), lambda rows: rows * np.nan, "no array of finite numbers"),
+        (
+            ("certainties", "fixation", "novelty"),
+            lambda rows: rows * np.nan,
+            "no array of finite numbers",
+        ),
+        (
+            ("certainties",),
+            lambda found: {"random": found["fixation"]},
+            "strategies and the certainties do not fit each other",
+        ),
+        (
+            ("description",),
+            lambda text: text.replace('["fixation"]', "[]", 1),
+            "strategies and the certainties do not fit each other",
+        ),
         (("estimator",), lambda pipeline: pipeline[-1], "is no pipeline"),
         (
             ("description",),
@@ -186,6 +205,108 @@ def test_a_model_whose_parts_do_not_belong_together_is_refused_in_a_sentence(
     path.write_bytes(skops.io.dumps(state))
     with pytest.raises(RecognitionError, match=f"is no complete .*({reason})"):
         recognition.load_model(path)
+
+
+@pytest.mark.parametrize("has_certainty", [True, False])
+def test_a_file_of_the_former_format_with_one_strategy_is_read(tmp_path, has_certainty):
+    state, path = saved_state(tmp_path)
+    expected = recognition.load_model(path)
+    description = json.loads(state["description"])
+    (description["strategy"],) = description.pop("strategies")
+    state["certainty"] = state.pop("certainties")["fixation"] if has_certainty else None
+    state |= {"format": FORMER_FORMAT, "description": json.dumps(description)}
+    path.write_bytes(skops.io.dumps(state))
+    found = recognition.load_model(path)
+    assert found.strategies == ("fixation",)
+    unseen = rows_of(OTHER, "class1", "object3")
+    assert found.recognise(unseen) == expected.recognise(unseen)
+    if has_certainty:
+        assert found.answer(unseen) == expected.answer(unseen)
+    else:
+        assert found.answer(unseen).candidates is None
+
+
+BY_CHANCE = features_table("random", objects=(8, 8), separation=3.0, seed=3)
+
+
+@pytest.fixture(scope="module")
+def of_two():
+    """A model of twice as many objects touched by fixation as by random."""
+    fewer = BY_CHANCE.filter(pc.less(BY_CHANCE["object"], "object4"))
+    return fit(pa.concat_tables([LARGER, fewer]), "linear_discriminant")
+
+
+def test_a_model_learns_from_several_strategies_and_compares_touches_with_those_of_their_strategy(
+    of_two,
+):
+    assert of_two.strategies == ("fixation", "random")
+    assert len(of_two.objects) == 16
+    counts = {name: len(found.labels) for name, found in of_two.certainties.items()}
+    assert counts == {"fixation": 16, "random": 8}
+    for table in (OTHER, BY_CHANCE):
+        unseen = rows_of(table, "class1", "object3")
+        assert next(iter(of_two.recognise(unseen))) == "class1"
+    alone = dataclasses.replace(
+        of_two,
+        strategies=("random",),
+        certainties={"random": of_two.certainties["random"]},
+    )
+    unseen = rows_of(BY_CHANCE, "class1", "object3")
+    assert of_two.answer(unseen) == alone.answer(unseen)
+
+
+def test_an_object_is_compared_by_models_that_learnt_it_by_no_strategy_with_touches_of_its_own():
+    rows, labels, owners = clusters(objects=(6, 6), separation=0.3, sequences=4)
+    learnt = []
+
+    def fit_fold(rows, labels, owners):
+        learnt.append(set(owners))
+        return Pipeline([("preparation", "passthrough"), ("classifier", GaussianNB())]).fit(
+            rows, labels
+        )
+
+    both = (np.concatenate([rows, rows + 5]), np.tile(labels, 2), np.tile(owners, 2))
+    final = fit_fold(*both)
+    touched = np.arange(2 * len(rows)) < len(rows)
+    folds = held_out_folds(both[1], both[2], certainty.FOLDS)
+    found = certainty.fit_certainty(fit_fold, final, *both, touched=touched)
+    assert learnt[1:] == [set(owners) - set(both[2][held_out]) for _, held_out in folds]
+    alone = certainty.fit_certainty(fit_fold, final, rows, labels, owners)
+    np.testing.assert_array_equal(found.novelty, alone.novelty)
+    np.testing.assert_array_equal(found.reference.centres, alone.reference.centres)
+    assert (found.nonconformity != alone.nonconformity).any()
+
+
+def test_touches_by_another_strategy_get_probabilities_without_a_prediction_set():
+    model = fit(TABLE, "linear_discriminant")
+    unseen = rows_of(OTHER, "class1", "object3")
+    known = model.answer(unseen)
+    found = model.answer(with_column(unseen, "strategy", ["random"] * unseen.num_rows))
+    assert found == recognition.model.ModelAnswer(known.probabilities)
+    assert known.candidates is not None
+
+
+def test_draws_of_a_random_strategy_touch_as_the_strategy_does():
+    model = fit(BY_CHANCE, "linear_discriminant")
+    assert model.learnt("random#2") == model.learnt("random") == "random"
+    assert model.learnt("random_anywhere") is None
+    again = features_table("random#1", objects=(8, 8), separation=3.0, seed=3)
+    assert fit(again, "naive_bayes").learnt("random") == "random#1"
+
+
+def test_strategies_with_other_numbers_of_touches_are_not_learnt_together():
+    all_touches = RecognitionParameters(touches=None)
+    longer = features_table("random", touches=7)
+    with pytest.raises(RecognitionError, match="different features or numbers of touches per"):
+        recognition.fit_model(
+            pa.concat_tables([features_table(), longer]),
+            "order_free",
+            "naive_bayes",
+            all_touches,
+            1,
+        )
+    with pytest.raises(RecognitionError, match="The features hold no touches"):
+        fit(TABLE.slice(0, 0), "naive_bayes")
 
 
 def saved_state(folder, classifier="support_vector_machine"):

@@ -269,6 +269,63 @@ def test_a_slow_policy_is_logged_and_its_time_is_no_time_of_touching(
     assert found.seconds["choose"] > 0
 
 
+@pytest.mark.parametrize("stops", [False, True])
+def test_a_choice_slower_than_the_policys_bound_is_one_sentence(caster, stops):
+    def next_location(*_):
+        now[0] += seconds
+        return None if stops else np.array([1.0, 0, 0])
+
+    now = [100.0]
+    policy = Policy("slow", "slow", next_location, longest_seconds=30.0)
+    (view,) = [
+        session.view
+        for session in driving.start_sessions(
+            Subject("ring/torus", lambda: caster, (2,)), [policy], VIEWPOINTS, SEED
+        )
+    ]
+    session = driving.PolicySession("ring/torus", 2, policy, view, clock=lambda: now[0])
+    seconds = 30.0
+    session.choose()
+    session.choose()
+    seconds = 30.25
+    sentence = (
+        r"^policy slow, ring/torus, viewpoint 2, try 0: it took 30\.2 s to choose; at most 30 s are allowed "
+        r"\(Policy\.longest_seconds\)\.$"
+    )
+    with pytest.raises(PolicyError, match=sentence):
+        session.choose()
+    assert session.seconds == 90.25
+
+
+def test_a_run_ends_where_a_policy_is_slower_than_its_bound(caster, with_policy):
+    """No call takes less than a billionth of a second."""
+    name = with_policy("walk", walk, longest_seconds=1e-9)
+    with pytest.raises(PolicyError, match=r"viewpoint 0, try 0: it took .* s to choose; at most"):
+        acquire(caster, name)
+    assert acquire(caster, with_policy("walk", walk)).touches.num_rows == 12
+
+
+def test_a_slow_policy_that_raises_is_named_by_its_error(caster):
+    now = [0.0]
+
+    def next_location(*_):
+        now[0] += 1000.0
+        raise ValueError("no place left.")
+
+    policy = Policy("slow", "slow", next_location)
+    session = driving.PolicySession("ring/torus", 0, policy, None, clock=lambda: now[0])
+    with pytest.raises(PolicyError, match=r"it raised ValueError: no place left\.$"):
+        session.choose()
+
+
+@pytest.mark.parametrize("bound", [0, -1.0, float("nan"), "long", None, True])
+def test_a_bound_that_is_no_positive_number_is_one_sentence(bound):
+    with pytest.raises(
+        RegistryError, match=r"policy walk: longest_seconds is .*; a positive number"
+    ):
+        Policy("walk", "walk", walk, longest_seconds=bound)
+
+
 def fail(*_):
     raise ValueError("no\nplace left.")
 

@@ -10,6 +10,7 @@ import trimesh
 from small_experiment import SMALL_OBJECTS
 
 from visuohaptic.geometry.surface import object_of
+from visuohaptic.recognition.stored_models import load_model
 from visuohaptic.report.run import find_run
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 from visuohaptic.tables.schema import read_table
@@ -68,7 +69,9 @@ def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_
     # The page is of another state then, and no word is said of it.
     quick = {"cues": ["pose"]}
     experiment.set(recognition={"order_free": quick})
-    assert "The report is at" not in experiment.snakemake("--", *models).stdout
+    of_all = "results/models/all_strategies.skops"
+    assert "The report is at" not in experiment.snakemake("--", *models, of_all).stdout
+    assert load_model(experiment.folder / of_all).strategies == ("fixation", "random")
     own = experiment.folder / "meshes/own/chair"
     own.mkdir()
     trimesh.creation.box((1, 2, 1)).export(own / "stool.stl")

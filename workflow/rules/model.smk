@@ -2,15 +2,16 @@
 
 Takes results/features/; gives results/models/recogniser.skops, which holds no code, but the parameters with
 which its touches were made. A model of other touches than those of the first strategy is made by its name, such as
-results/models/recogniser_random.skops. Study `trust` measures how far the answers of such models can be relied on.
+results/models/recogniser_random.skops; results/models/all_strategies.skops learns from all touches of the run. Study `trust` measures how far the answers of such models can be relied on.
 """
 
 MODELS = {
-    "recogniser": PARAMETERS.probing.strategies[0],
+    "recogniser": PARAMETERS.probing.strategies[:1],
     **{
-        f"recogniser_{strategy}": strategy
+        f"recogniser_{strategy}": (strategy,)
         for strategy in PARAMETERS.probing.strategies[1:]
     },
+    "all_strategies": PARAMETERS.probing.strategies,
 }
 VALUES_OF_RULES["model"] = [{"model": name} for name in MODELS]
 
@@ -39,7 +40,7 @@ rule model:
         key=key_of_job,
         pipeline="order_free",
         classifier="linear_discriminant",
-        strategy=lambda wildcards: MODELS[wildcards.model],
+        strategies=lambda wildcards: list(MODELS[wildcards.model]),
         recognition=PARAMETERS.recognition.model_dump(
             exclude={"pipelines", "protocol", "intervals"}
         ),

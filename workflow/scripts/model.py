@@ -10,7 +10,7 @@ with job(snakemake):
         model=snakemake.output.model,
         pipeline=snakemake.params.pipeline,
         classifier=snakemake.params.classifier,
-        strategy=snakemake.params.strategy,
+        strategies=snakemake.params.strategies,
         recognition=RecognitionParameters(**snakemake.params.recognition),
         touching=snakemake.params.touching,
         seed=snakemake.params.seed,

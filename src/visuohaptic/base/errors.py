@@ -34,7 +34,7 @@ class PlugInError(RegistryError):
 
 
 class PolicyError(VisuohapticError):
-    """A policy raised, or chose a place that can't be touched."""
+    """A policy raised, took longer than its bound, or chose a place that can't be touched."""
 
 
 class TableError(VisuohapticError):

@@ -109,11 +109,12 @@ def evaluate(
         say_json(rows)
         return
     for one in recognisers:
-        learnt, strategy = len(one.model.objects), one.model.strategy
-        say(f"Touches by {strategy}, a model that learnt {learnt} objects:")
-        for row in rows:
-            if row["strategy"] == strategy:
-                say(_line(row))
+        learnt = len(one.model.objects)
+        for name in one.model.strategies:
+            say(f"Touches by {name}, a model that learnt {learnt} objects:")
+            for row in rows:
+                if row["strategy"] == name:
+                    say(_line(row))
     say(f"{run / TABLE}")
 
 

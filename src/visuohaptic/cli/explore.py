@@ -135,19 +135,33 @@ def recognise(
         ),
     ] = None,
     viewpoints: ViewpointsOption = None,
+    strategy: Annotated[
+        str | None,
+        typer.Option(
+            metavar=f"[{'|'.join(STRATEGIES.names)}]",
+            autocompletion=lambda: list(STRATEGIES.names),
+            help="How to choose where to touch.",
+            show_default="the first that the model learnt from",
+        ),
+    ] = None,
     up: UpOption = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Classify objects from touch alone, with a model that `snakemake model_all` fitted.
 
-    They are touched as the objects were from which the model learnt. Where no run has fitted one, the
-    model that comes with the package is taken: bottle, car, chair or quadruped.
+    They are touched as the objects were from which the model learnt; with another --strategy a line says
+    so, and no prediction set is stated. Where no run has fitted one, the model that comes with the package
+    is taken: bottle, car, chair or quadruped.
 
     Example: visuohaptic recognise mug.obj --model results/models/recogniser.skops
     """
     chosen_model = model or default_model()
     recogniser = read_recogniser(chosen_model)
-    strategy, chosen = recogniser.model.strategy, recogniser.parameters
+    if strategy is None:
+        strategy = recogniser.model.strategies[0]
+    else:
+        _check_strategy(strategy)
+    chosen = recogniser.parameters
     # Which axis points up is a matter of the file, whatever the model learnt from.
     up = up or "file"
 
@@ -165,6 +179,8 @@ def recognise(
             "unknown": found.unknown,
             "strangeness": found.strangeness,
             "strategy": made.strategy,
+            "learnt_strategies": recogniser.model.strategies,
+            "caution": found.caution,
             "viewpoints": views,
             "touches": found.touches,
             "touched": made.touches.select(_TOUCH_COLUMNS).to_pylist(),
@@ -173,6 +189,7 @@ def recognise(
         return values, [
             _answer_line(mesh, found),
             *(f"  {name:<20} {100 * value:5.1f} %" for name, value in found.probabilities.items()),
+            *([] if found.caution is None else [f"  caution: {found.caution}"]),
             *_lines_on_file(up, made),
             f"  {found.touches} touches from {views} viewpoints by {strategy}",
         ]
@@ -181,9 +198,8 @@ def recognise(
     classifier = recogniser.model.classifier.replace("_", " ")
     limits = (
         "an object of another class is classified as one of these all the same"
-        if recogniser.model.certainty is None
-        else "an object that is stranger than nearly all of these is called unknown, and sets "
-        "hold the class as often as stated for objects like these"
+        if recogniser.model.learnt(strategy) not in recogniser.model.certainties
+        else "an object that is stranger than nearly all of these is called unknown"
     )
     of_model = f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; {limits}"
     _each(meshes, recognise_one, of_model, as_json=as_json)

@@ -22,7 +22,15 @@ from visuohaptic.exploration.file_frame import FileFrame
 from visuohaptic.exploration.next_touch import FeltTouch, touch_next_point
 from visuohaptic.exploration.picture import draw_exploration
 from visuohaptic.exploration.pose_files import write_poses
-from visuohaptic.exploration.recognising import UNKNOWN, Recogniser, check_alike, read_recogniser
+from visuohaptic.exploration.recognising import (
+    GIVEN,
+    UNKNOWN,
+    Recogniser,
+    caution_about,
+    check_acquired,
+    check_alike,
+    read_recogniser,
+)
 from visuohaptic.exploration.showing import (
     VIEWS_SHOWN,
     png_of,
@@ -32,12 +40,12 @@ from visuohaptic.exploration.showing import (
 )
 from visuohaptic.exploration.sources import is_one_source, mesh_parameters, read_source
 from visuohaptic.exploration.touching import (
-    GIVEN,
     SCHEMAS,
     Track,
     touch_given_points,
     touch_seen_points,
 )
+from visuohaptic.fixations.probing import is_policy
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters, as_parameters, check_run
@@ -119,7 +127,7 @@ class TouchableObject:
         ParameterError
             If a parameter, the strategy or a point is not allowed.
         MeshError
-            If no viewpoint sees a place to touch.
+            If no viewpoint sees a place to touch, or a policy makes no touch.
         """
         chosen = self._sized(parameters)
         if at is None and normals is None:
@@ -129,6 +137,11 @@ class TouchableObject:
             check_run(chosen, "touch")
             tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
             if not tables["touches"].num_rows:
+                if is_policy(strategy):
+                    raise MeshError(
+                        f"policy {strategy} made no touch of {self.key}: it stopped before the first, or no "
+                        "sensor comes to its places."
+                    )
                 raise MeshError(
                     f"{self.key} shows no viewpoint a place to touch: it is thinner than a pixel of the "
                     "view, or no sensor comes there; a larger rendering.resolution or strategy random touches it."
@@ -284,7 +297,7 @@ class Exploration:
         return made, felt
 
     def recognise(self, model: str | Path | Recogniser | None = None) -> Recognition:
-        """Classify the object from its touches.
+        """Classify the object from its touches, by any strategy or at given points.
 
         Parameters
         ----------
@@ -294,15 +307,20 @@ class Exploration:
         Returns
         -------
         Recognition
-            The likeliest class, how likely each is, and how sure that is.
+            The likeliest class, how likely each is, and how sure that is. For touches by a strategy that
+            the model did not learn from, a sentence (`Recognition.caution`) takes the place of prediction
+            set and strangeness.
 
         Raises
         ------
         RecognitionError
-            If there is no such model, or it learnt from touches that were made in another way.
+            If there is no such model, it learnt from touches with other parameters, or the object has no
+            touch in the sensor's reach.
         """
         recogniser = model if isinstance(model, Recogniser) else read_recogniser(model)
-        check_alike(self.strategy, self.parameters, recogniser)
+        check_alike(self.parameters, recogniser)
+        if self.strategy == GIVEN:
+            check_acquired(self.features, self.parameters)
         started = time.perf_counter()
         found = recogniser.model.answer(self.features)
         seconds = {**self.seconds, "recognise": time.perf_counter() - started}
@@ -317,6 +335,7 @@ class Exploration:
             found.strangeness,
             found.unknown,
             found.coverage,
+            caution_about(self.strategy, recogniser),
         )
 
     def picture(self) -> Image:
@@ -378,13 +397,16 @@ class Recognition:
     candidates : tuple of str or None
         The prediction set, the likeliest first, made so that of objects of known classes the share
         `coverage` has its class in it, which is measured and not guaranteed (docs/recognition.md). None, as
-        all that follows, where the model is not calibrated.
+        the three attributes that follow, where the model is not calibrated for such touches.
     strangeness : float or None
         The share of known objects, this one counted among them, that are less strange than it.
     unknown : bool or None
         Whether that is more than `coverage`.
     coverage : float or None
         The stated share.
+    caution : str or None
+        A sentence with the strategies that the model learnt from and the strategy of these touches, where
+        the model did not learn from it.
     """
 
     name: str
@@ -396,17 +418,21 @@ class Recognition:
     strangeness: float | None = None
     unknown: bool | None = None
     coverage: float | None = None
+    caution: str | None = None
 
     def __repr__(self) -> str:
         line = probability_line(self.probabilities)
         if self.unknown:
             line = f"{UNKNOWN} ({line})"
-        return f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches>"
+        caution = "" if self.caution is None else f". {self.caution}"
+        return (
+            f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches{caution}>"
+        )
 
     def _repr_html_(self) -> str:
         key = self.exploration.key
         named = f"{key}: {UNKNOWN}" if self.unknown else key
-        return probability_table(named, self.probabilities, self.touches)
+        return probability_table(named, self.probabilities, self.touches, self.caution)
 
 
 def load(

@@ -12,7 +12,8 @@ import pyarrow as pa
 from numpy.typing import ArrayLike
 
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.exploration.touching import GIVEN, SCHEMAS, Explored, given_places
+from visuohaptic.exploration.recognising import GIVEN
+from visuohaptic.exploration.touching import SCHEMAS, Explored, given_places
 from visuohaptic.features.describing import describe_touches
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.fixations.policies import Felt

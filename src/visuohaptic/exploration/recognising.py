@@ -10,11 +10,16 @@ from typing import TYPE_CHECKING
 from visuohaptic.base.errors import RecognitionError
 
 if TYPE_CHECKING:
+    import pyarrow as pa
+
     from visuohaptic.parameters import ExperimentParameters
     from visuohaptic.recognition.model import RecognitionModel
 
 UNKNOWN = "unknown"
 """The name of an object that is of no class that the model knows."""
+
+GIVEN = "given"
+"""The strategy of points that the caller chose."""
 
 DEFAULT_MODEL = Path("results/models/recogniser.skops")
 """Where the workflow leaves its recognition model."""
@@ -37,7 +42,7 @@ class Recogniser:
         classes = ", ".join(self.model.classes)
         return (
             f"<Recogniser: {classifier}, which learnt {len(self.model.objects)} objects touched by "
-            f"{self.model.strategy}: {classes}>"
+            f"{', '.join(self.model.strategies)}: {classes}>"
         )
 
 
@@ -88,20 +93,40 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
     return Recogniser(model, found)
 
 
-def check_alike(strategy: str, touched: ExperimentParameters, recogniser: Recogniser) -> None:
-    """Refuse touches that were made in another way than those that the model learnt from.
+def caution_about(strategy: str, recogniser: Recogniser) -> str | None:
+    """Return a sentence if the model did not learn from touches by this strategy, otherwise None."""
+    if recogniser.model.learnt(strategy) is not None:
+        return None
+    touched = "at given points" if strategy == GIVEN else f"by {strategy}"
+    return (
+        f"The model learnt from touches by {' and '.join(recogniser.model.strategies)} and these touches were "
+        f"made {touched}, so its probabilities are not calibrated for them and it states no prediction set."
+    )
 
-    Raises `RecognitionError` if the strategy, a parameter of touching, or a frame that `touched` sets
-    (`recognition.frame`) is not that of the model.
+
+def check_acquired(features: pa.Table, touched: ExperimentParameters) -> None:
+    """Raise `RecognitionError` if the sensor could reach none of the places of `features`."""
+    from visuohaptic.tables.phases import OUT_OF_REACH
+
+    # A sensor of fixed size may have these contact states at places in reach.
+    if touched.scene.effects.adaptive_size == "never" or not features.num_rows:
+        return
+    if set(features.column("contact_state").unique().to_pylist()) <= {*OUT_OF_REACH}:
+        raise RecognitionError(
+            f"The sensor could reach none of the {features.num_rows} places that it was set down on; touch "
+            "one place in reach at least."
+        )
+
+
+def check_alike(touched: ExperimentParameters, recogniser: Recogniser) -> None:
+    """Refuse touches that were made with other parameters than the touches that the model learnt from.
+
+    Raises `RecognitionError` if a parameter of touching, or a frame that `touched` sets (`recognition.frame`),
+    is not that of the model.
     """
     from visuohaptic.parameters import leaves
 
     sections = touching_sections()
-    if strategy != recogniser.model.strategy:
-        raise RecognitionError(
-            f"The object was touched by {strategy} and the model learnt from touches by "
-            f"{recogniser.model.strategy}; touch with strategy {recogniser.model.strategy!r}."
-        )
     _check_frame(touched, recogniser)
     here, there = (
         dict(leaves(parameters.model_dump(include=sections)))

@@ -33,13 +33,16 @@ def probability_line(probabilities: Mapping[str, float]) -> str:
     return shown if len(named) <= CLASSES_PRINTED else f"{shown}, …"
 
 
-def probability_table(key: str, probabilities: Mapping[str, float], touches: int) -> str:
-    """Give all classes as a table in HTML, a bar each; names are text, whatever they hold."""
+def probability_table(
+    key: str, probabilities: Mapping[str, float], touches: int, caution: str | None = None
+) -> str:
+    """Give all classes as a table in HTML, a bar each, and a caution; names are text, whatever they hold."""
     rows = "".join(
         _ROW.format(name=escape(name), share=value, percent=100 * value)
         for name, value in probabilities.items()
     )
-    return f"<table><caption>{escape(key)}, {touches} touches</caption>{rows}</table>"
+    below = "" if caution is None else f"<p>{escape(caution)}</p>"
+    return f"<table><caption>{escape(key)}, {touches} touches</caption>{rows}</table>{below}"
 
 
 def png_of(picture: Image.Image) -> bytes:

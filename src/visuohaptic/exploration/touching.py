@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.checking import point_rows, unit_rows
+from visuohaptic.exploration.recognising import GIVEN
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.fixations.places import ProbingLocations
 from visuohaptic.geometry.orientation import orient_outwards
@@ -23,9 +24,6 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, Phase, phases_after
 from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, run_phase, touch_all_locations
 from visuohaptic.tables.schema import join_parts
-
-GIVEN = "given"
-"""The strategy of points that the caller chose."""
 
 FARTHEST = 0.1
 """A point may be so far off the surface, object radii; farther ones are in another frame."""

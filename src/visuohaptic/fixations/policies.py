@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import RegistryError
 from visuohaptic.fixations.places import ProbingLocations, is_visible, turn_towards
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
@@ -91,6 +92,15 @@ class Policy:
         Whether ``view.generator`` changes the locations.
     unreachable, chance : str, optional
         As for `Strategy`.
+    longest_seconds : float
+        Longest allowed wall time of one call of `next_location`, in seconds; `math.inf` for no bound. A slower
+        call ends in a `PolicyError`. The time is compared after the call, so a call that never returns is not
+        stopped.
+
+    Raises
+    ------
+    RegistryError
+        If `longest_seconds` is no positive number.
     """
 
     name: str
@@ -99,6 +109,16 @@ class Policy:
     random: bool = True
     unreachable: Literal["replace", "keep"] | None = None
     chance: str | None = None
+    longest_seconds: float = 60.0
+
+    def __post_init__(self) -> None:
+        """Check the bound."""
+        bound = self.longest_seconds
+        # bool is a subclass of int.
+        if not isinstance(bound, int | float) or isinstance(bound, bool) or not bound > 0:
+            raise RegistryError(
+                f"policy {self.name}: longest_seconds is {bound!r}; a positive number of seconds is needed."
+            )
 
     @property
     def looks(self) -> bool:

@@ -158,10 +158,11 @@ def fit_certainty(
     labels: IntArray,
     owners: IntArray,
     random_state: RandomState = 0,
+    touched: BoolArray | None = None,
 ) -> Certainty | None:
     """Classify each training object by a model that was fitted without the object.
 
-    Training objects that are the only one of their class are left out.
+    Training objects that are the only one of their class, or have no sequence in `touched`, are left out.
 
     Parameters
     ----------
@@ -175,35 +176,44 @@ def fit_certainty(
         Class (index from 0) and object of each training sequence.
     random_state : int, Generator or None
         Draws the folds.
+    touched : ndarray of shape (s,), bool, optional
+        Sequences of the strategy that touches the new objects, without it all sequences. The models of the folds
+        learn from all strategies.
 
     Returns
     -------
     Certainty or None
         None if every class has only one training object.
     """
-    folds = held_out_folds(labels, owners, FOLDS, random_state)
+    if touched is None:
+        touched = np.ones(len(rows), dtype=bool)
+    divided = held_out_folds(labels, owners, FOLDS, random_state)
+    folds = [(train, held_out[touched[held_out]]) for train, held_out in divided]
+    folds = [fold for fold in folds if touched[fold[0]].any() and len(fold[1])]
     if not folds:
         return None
-    objects, first = np.unique(owners, return_index=True)
+    objects, first = np.unique(owners[touched], return_index=True)
+    of_object = labels[touched][first]
     nonconformity = np.zeros((len(VIEWS), len(objects)))
     novelty = np.zeros_like(nonconformity)
     for train, held_out in folds:
         model = fit(rows[train], labels[train], owners[train])
         prepared = model[:-1].transform(rows[held_out])
         logs = log_probabilities(model[-1], prepared, int(labels.max()) + 1)
-        reference = fit_reference(model[:-1].transform(rows[train]), owners[train])
+        known = train[touched[train]]
+        reference = fit_reference(model[:-1].transform(rows[known]), owners[known])
         for owner in np.unique(owners[held_out]):
             index = int(np.searchsorted(objects, owner))
             views_of_object = np.flatnonzero(owners[held_out] == owner)
             for number, chosen in enumerate(_views_of(len(views_of_object), index)):
                 pooled = pooled_log_probabilities(logs[views_of_object], chosen[None])[0]
-                nonconformity[number, index] = 1 - np.exp(pooled[labels[first[index]]])
+                nonconformity[number, index] = 1 - np.exp(pooled[of_object[index]])
                 novelty[number, index] = reference.novelty(prepared[views_of_object][chosen])
-    reference = fit_reference(final[:-1].transform(rows), owners)
+    reference = fit_reference(final[:-1].transform(rows[touched]), owners[touched])
     compared = np.isin(objects, owners[np.concatenate([held_out for _, held_out in folds])])
     return Certainty(
         np.unique(labels),
-        labels[first][compared],
+        of_object[compared],
         np.array(VIEWS),
         nonconformity[:, compared],
         novelty[:, compared],

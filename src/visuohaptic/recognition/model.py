@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import version
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from sklearn.base import clone
 from sklearn.pipeline import Pipeline
 
 from visuohaptic import __version__
 from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.certainty import Certainty, fit_certainty
@@ -34,6 +36,7 @@ from visuohaptic.recognition.sequences import (
     first_touches,
     gather_any,
     gather_pipeline,
+    join_sequences,
     spread_contact_states,
 )
 from visuohaptic.recognition.splits import check_two_classes
@@ -56,8 +59,8 @@ class ModelAnswer:
     unknown : bool, optional
         Whether the strangeness is above `coverage`, so that the object seems to be of no known class.
     coverage : float, optional
-        Stated coverage of `candidates` and `unknown`. Without `RecognitionModel.certainty` the optional attributes are
-        None.
+        Stated coverage of `candidates` and `unknown`. The optional attributes are None if
+        `RecognitionModel.certainties` has no entry for the strategy of the touches.
     """
 
     probabilities: dict[str, float]
@@ -73,8 +76,10 @@ class RecognitionModel:
 
     Attributes
     ----------
-    pipeline, strategy, classifier : str
-        Pipeline and classifier of the fit, and strategy of the touches.
+    pipeline, classifier : str
+        Pipeline and classifier of the fit.
+    strategies : tuple of str
+        Strategies of the training touches.
     classes, feature_names : tuple of str
         Sorted classes, and names of the features of a touch.
     touches : int
@@ -89,14 +94,15 @@ class RecognitionModel:
         Fitted on descriptors (``order_free``) or on sequences (``paper``).
     waves : WaveBasis, optional
         Random waves of the descriptors; None in pipeline ``paper``.
-    certainty : Certainty, optional
-        Held-out training objects; None in pipeline ``paper``, and if every class has only one object.
+    certainties : mapping of str to Certainty
+        Held-out training objects per strategy of `strategies`. Empty in pipeline ``paper``, and if every class has
+        only one object.
     touching : str, optional
         JSON of the parameters with which the touches were made, if known.
     """
 
     pipeline: str
-    strategy: str
+    strategies: tuple[str, ...]
     classifier: ClassifierName
     classes: tuple[str, ...]
     feature_names: tuple[str, ...]
@@ -106,7 +112,7 @@ class RecognitionModel:
     versions: Mapping[str, str]
     estimator: Pipeline
     waves: WaveBasis | None = None
-    certainty: Certainty | None = None
+    certainties: Mapping[str, Certainty] = field(default_factory=dict)
     touching: str | None = None
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
@@ -119,7 +125,10 @@ class RecognitionModel:
         return self.answer(features).probabilities
 
     def answer(self, features: pa.Table) -> ModelAnswer:
-        """Return the answer for one object: the probabilities of `recognise`, and how sure they are."""
+        """Return the answer for one object: the probabilities of `recognise`, and how sure they are.
+
+        Touches by a strategy outside `strategies` get probabilities only.
+        """
         try:
             features = known_columns(FEATURES, features)
         except TableError as error:
@@ -127,13 +136,14 @@ class RecognitionModel:
         logs = self._pooled(self._rows(features))
         order = np.argsort(-logs, kind="stable")
         probabilities = {self.classes[index]: float(np.exp(logs[index])) for index in order}
-        if self.certainty is None:
+        strategy = self.learnt(features.column("strategy")[0].as_py())
+        if strategy is None or strategy not in self.certainties:
             return ModelAnswer(probabilities)
         # Training objects are described only by the first touches of each view.
         first = first_touches(features, self.touches)
         rows = self.estimator[:-1].transform(self._rows(first))
         coverage = self.parameters.order_free.coverage
-        assessed = self.certainty.assess(rows, logs, coverage)
+        assessed = self.certainties[strategy].assess(rows, logs, coverage)
         return ModelAnswer(
             probabilities,
             tuple(self.classes[index] for index in order if assessed.candidates[index]),
@@ -142,10 +152,20 @@ class RecognitionModel:
             coverage,
         )
 
+    def learnt(self, strategy: str) -> str | None:
+        """Return the entry of `strategies` with touches like those by `strategy`; None if there is none.
+
+        Draws of a random strategy, such as ``random`` and ``random#2``, are alike.
+        """
+        kind, _ = draw_of(strategy)
+        return next((name for name in self.strategies if draw_of(name)[0] == kind), None)
+
     def check(self) -> None:
         """Classify a sequence of zeros, and raise `ValueError` if the parts of the model don't fit each other."""
         zeros = np.zeros((1, self.touches, len(self.feature_names)))
         logs = self._pooled(self._describe([zeros]))
+        if not self.strategies or not set(self.certainties) <= set(self.strategies):
+            raise ValueError("the strategies and the certainties do not fit each other")
         learnt = np.array_equal(self.estimator[-1].classes_, np.arange(len(self.classes)))
         if not learnt or logs.shape != (len(self.classes),) or not np.isfinite(logs).all():
             raise ValueError(f"no probabilities of {len(self.classes)} classes")
@@ -214,7 +234,7 @@ def fit_model(
     Parameters
     ----------
     features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy. Viewpoints with too few touches are left out.
+        Rows of `tables.FEATURES` of one strategy or several. Viewpoints with too few touches are left out.
     pipeline : {"paper", "order_free"}
         Pipeline to fit.
     classifier : str
@@ -229,7 +249,11 @@ def fit_model(
     RecognitionError
         If the table has fewer than two classes, no whole sequence, a missing column, or a value that is not finite.
     """
-    sequences = gather_pipeline(features, parameters, pipeline, seed)
+    strategies = tuple(features.column("strategy").unique().to_pylist())
+    rows_of = [features.filter(pc.equal(features.column("strategy"), name)) for name in strategies]
+    of_strategies = [gather_pipeline(part, parameters, pipeline, seed) for part in rows_of]
+    sequences = join_sequences(of_strategies)
+    touched_by = np.repeat(strategies, [len(part.features) for part in of_strategies])
     check_two_classes(sequences)
     chosen = _with_classifier(parameters, classifier)
     parts = pipeline_of(pipeline, chosen, seed)
@@ -249,13 +273,17 @@ def fit_model(
         return Pipeline([("preparation", preparation), ("classifier", fitted)])
 
     is_order_free = pipeline == "order_free"
+    certainties: dict[str, Certainty] = {}
     with one_thread():
         estimator = fit(rows, labels, owners)
-        certainty = fit_certainty(fit, estimator, rows, labels, owners) if is_order_free else None
+        for name in strategies if is_order_free else ():
+            touched = touched_by == name
+            found = fit_certainty(fit, estimator, rows, labels, owners, touched=touched)
+            certainties |= {} if found is None else {name: found}
     waves = draw_waves(parameters.order_free, seed) if is_order_free else None
     return RecognitionModel(
         pipeline=pipeline,
-        strategy=features.column("strategy")[0].as_py(),
+        strategies=strategies,
         classifier=classifier,
         classes=sequences.classes,
         feature_names=sequences.feature_names,
@@ -269,7 +297,7 @@ def fit_model(
         },
         estimator=estimator,
         waves=waves,
-        certainty=certainty,
+        certainties=certainties,
     )
 
 

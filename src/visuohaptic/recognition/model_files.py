@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import pyarrow as pa
+
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.model import fit_model
 from visuohaptic.recognition.parameters import RecognitionParameters
@@ -21,7 +23,7 @@ def make_model(
     model: str | Path,
     pipeline: str,
     classifier: ClassifierName,
-    strategy: str,
+    strategies: Sequence[str],
     recognition: RecognitionParameters,
     touching: Mapping[str, object],
     seed: int,
@@ -34,8 +36,10 @@ def make_model(
         Parquet files of `tables.FEATURES`.
     model : path
         Output file.
-    pipeline, classifier, strategy : str
-        Pipeline and classifier to fit, and the strategy whose touches are used.
+    pipeline, classifier : str
+        Pipeline and classifier to fit.
+    strategies : sequence of str
+        Strategies whose touches are used.
     recognition : RecognitionParameters
         Settings of the fit.
     touching : mapping of str to object
@@ -46,8 +50,9 @@ def make_model(
     Raises
     ------
     RecognitionError
-        If the table has no touch of the strategy, or `fit_model` can't fit the features.
+        If the table has no touch of a strategy, or `fit_model` can't fit the features.
     """
-    table, _ = take_strategy(read_table(FEATURES, features), strategy, recognition.touches)
-    fitted = fit_model(table, pipeline, classifier, recognition, seed)
+    table = read_table(FEATURES, features)
+    parts = [take_strategy(table, name, recognition.touches)[0] for name in strategies]
+    fitted = fit_model(pa.concat_tables(parts), pipeline, classifier, recognition, seed)
     save_model(replace(fitted, touching=json.dumps(touching)), model)

@@ -26,6 +26,8 @@ from visuohaptic.tables.schema import matrix
 
 logger = logging.getLogger(__name__)
 
+NO_TOUCHES = "The features hold no touches; touches of at least two objects are needed."
+
 
 @dataclass(frozen=True)
 class TouchSequences:
@@ -106,6 +108,31 @@ def gather_pipeline(
     return sequences if parameters.order == "kept" else shuffle_touches(sequences, seed)
 
 
+def join_sequences(parts: Sequence[TouchSequences]) -> TouchSequences:
+    """Join the sequences of several strategies in their order; objects and classes are those of any part.
+
+    Raises `RecognitionError` if there is no part, or the parts have different features or numbers of touches.
+    """
+    if not parts:
+        raise RecognitionError(NO_TOUCHES)
+    if len({(part.feature_names, part.features.shape[1]) for part in parts}) > 1:
+        raise RecognitionError(
+            "The strategies have different features or numbers of touches per sequence; the same are needed to "
+            "learn from all of them."
+        )
+    objects = tuple(sorted({owner for part in parts for owner in part.objects}))
+    places = [np.array([objects.index(owner) for owner in part.objects]) for part in parts]
+    owners = [place[part.object_index] for place, part in zip(places, parts, strict=True)]
+    return TouchSequences(
+        features=np.concatenate([part.features for part in parts]),
+        feature_names=parts[0].feature_names,
+        objects=objects,
+        classes=tuple(sorted({name for name, _ in objects})),
+        object_index=np.concatenate(owners),
+        viewpoint=np.concatenate([part.viewpoint for part in parts]),
+    )
+
+
 def filled_bands(features: pa.Table) -> list[str]:
     """Return the columns ``contourlet_…`` that the descriptor of the imprint fills; all other bands are 0."""
     present = [name for name in CONTOURLET_FEATURES if name in features.column_names]
@@ -132,9 +159,7 @@ def gather_sequences(
     if touches is not None:
         features = features.filter(pc.less(features.column("touch"), touches))
     if not features.num_rows:
-        raise RecognitionError(
-            "The features hold no touches; touches of at least two objects are needed."
-        )
+        raise RecognitionError(NO_TOUCHES)
     length = pc.max(features.column("touch")).as_py() + 1 if touches is None else touches
     of_sequence = features.group_by([name for name, _ in keys[:3]], use_threads=False)
     grouped = of_sequence.aggregate([("touch", "list")]).sort_by(keys[:3])
@@ -294,6 +319,7 @@ def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, 
     if not short.num_rows:
         return features, ()
     kept = features.join(short, owner, join_type="left anti").select(features.column_names)
+    kept = kept.cast(features.schema)  # the join makes every column nullable
     left_out: dict[tuple[str, str], list[int]] = {}
     for row in short.sort_by([(name, "ascending") for name in owner]).to_pylist():
         left_out.setdefault((key_of(row), row["strategy"]), []).append(row["viewpoint"])

@@ -20,7 +20,10 @@ from visuohaptic.recognition.frames import WaveBasis
 from visuohaptic.recognition.model import RecognitionModel
 from visuohaptic.recognition.parameters import RecognitionParameters
 
-FORMAT = "visuohaptic recogniser 10"
+FORMAT = "visuohaptic recogniser 11"
+
+FORMER_FORMAT = "visuohaptic recogniser 10"
+"""Format with one strategy. It is read, because the package's model and models of earlier runs have this format."""
 
 LARGEST_BYTES = 2**30
 """Largest unpacked size of a model file that is read; a model of 142 objects has some megabytes."""
@@ -32,7 +35,7 @@ TRUSTED = (
 )
 """Types of a model that skops does not trust by itself. All compute with arrays only."""
 
-_TEXTS = ("pipeline", "strategy", "classifier", "touches", "touching")
+_TEXTS = ("pipeline", "classifier", "touches", "touching")
 
 
 def save_model(model: RecognitionModel, path: str | Path) -> None:
@@ -51,6 +54,7 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
             "description": json.dumps(
                 {name: getattr(model, name) for name in _TEXTS}
                 | {
+                    "strategies": model.strategies,
                     "classes": model.classes,
                     "feature_names": model.feature_names,
                     "objects": model.objects,
@@ -60,7 +64,7 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
             ),
             "estimator": model.estimator,
             "waves": asdict(model.waves),
-            "certainty": None if model.certainty is None else asdict(model.certainty),
+            "certainties": {name: asdict(one) for name, one in model.certainties.items()},
         }
     )
     unsafe = {*skops.io.get_untrusted_types(data=content)} - {*TRUSTED}
@@ -116,13 +120,18 @@ def _read(path: Path) -> RecognitionModel:
     if unsafe := {*skops.io.get_untrusted_types(data=content)} - {*TRUSTED}:
         raise RecognitionError(f"it needs {', '.join(sorted(unsafe))}, and such code is not run")
     state = skops.io.loads(content, trusted=list(TRUSTED))
-    if state["format"] != FORMAT:
+    if state["format"] not in {FORMAT, FORMER_FORMAT}:
         raise RecognitionError(f"it is a {state['format']!r}")
     description = json.loads(state["description"])
+    if state["format"] == FORMER_FORMAT:
+        strategy, certainty = description["strategy"], state["certainty"]
+        description["strategies"] = [strategy]
+        state["certainties"] = {} if certainty is None else {strategy: certainty}
     estimator = state["estimator"]
     _check_estimator(estimator)
     return RecognitionModel(
         **{name: description[name] for name in _TEXTS},
+        strategies=tuple(description["strategies"]),
         classes=tuple(description["classes"]),
         feature_names=tuple(description["feature_names"]),
         objects=tuple((category, name) for category, name in description["objects"]),
@@ -130,7 +139,7 @@ def _read(path: Path) -> RecognitionModel:
         versions=description["versions"],
         estimator=estimator,
         waves=WaveBasis(**_arrays(WaveBasis, state["waves"])),
-        certainty=None if state["certainty"] is None else _certainty(state["certainty"]),
+        certainties={name: _certainty(one) for name, one in state["certainties"].items()},
     )
 
 

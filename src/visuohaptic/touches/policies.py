@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from itertools import groupby
@@ -80,6 +80,8 @@ class PolicySession:
         Whether the policy returned None.
     seconds : float
         Wall time of all choices of the policy so far.
+    clock : callable
+        Returns seconds of wall time: a policy that waits for a device or a server uses no processor time.
     """
 
     key: str
@@ -90,6 +92,7 @@ class PolicySession:
     touches: int = 0
     stopped: bool = False
     seconds: float = 0.0
+    clock: Callable[[], float] = time.perf_counter
 
     def needs_try(self, wanted: int) -> bool:
         """Return whether the sequence makes another try.
@@ -108,16 +111,23 @@ class PolicySession:
         Raises
         ------
         PolicyError
-            If the policy raises an error, or returns anything but three finite numbers or None.
+            If the policy raises an error, takes longer than its bound, or returns anything but three finite
+            numbers or None.
         """
-        started = time.perf_counter()
+        started = self.clock()
         try:
             chosen = self.policy.next_location(self.view, tuple(self.felt))
         except Exception as error:
             message = " ".join(str(error).split()).rstrip(".")
             raise self._error(f"raised {type(error).__name__}: {message}") from error
         finally:
-            self.seconds += time.perf_counter() - started
+            taken = self.clock() - started
+            self.seconds += taken
+        if taken > self.policy.longest_seconds:
+            raise self._error(
+                f"took {taken:.3g} s to choose; at most {self.policy.longest_seconds:.3g} s are allowed "
+                "(Policy.longest_seconds)"
+            )
         if chosen is None:
             self.stopped = True
             return None
@@ -281,8 +291,8 @@ def touch_by_policies(
     Raises
     ------
     PolicyError
-        If a policy raises an error, returns anything but three finite numbers or None, chooses a point more than
-        `MAX_SURFACE_DISTANCE` off the surface, or chooses a location twice.
+        If a policy raises an error, takes longer than its bound, returns anything but three finite numbers or
+        None, chooses a point more than `MAX_SURFACE_DISTANCE` off the surface, or chooses a location twice.
     """
     caster = subject.caster
     sessions = start_sessions(subject, [policy_of(name) for name in policies], viewpoints, seed)

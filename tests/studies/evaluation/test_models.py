@@ -57,6 +57,19 @@ def test_the_answers_are_those_that_the_model_gives(model, evaluated):
     assert row["unknown"] == answer.unknown
 
 
+def test_a_model_of_several_strategies_is_evaluated_on_the_touches_by_each(model):
+    random = features_table("random", objects=(4, 4, 4), viewpoints=4, separation=2.0, seed=3)
+    other = features_table("contour", objects=(5, 5, 5), viewpoints=4, separation=2.0, seed=3)
+    learnt = random.filter(pc.is_in(random["object"], pa.array(["object0", "object1", "object2"])))
+    both = fit_model(
+        pa.concat_tables([LEARNT, learnt]), "order_free", "naive_bayes", RecognitionParameters(), 1
+    )
+    found = evaluate_model(both, pa.concat_tables([ALL, random, other]))
+    counts = found.group_by("strategy").aggregate([([], "count_all")]).to_pylist()
+    # Two new objects of each class by fixation, and one by random, each from one and from four views.
+    assert {row["strategy"]: row["count_all"] for row in counts} == {"fixation": 30, "random": 15}
+
+
 def test_the_summary_is_of_shares_over_objects(evaluated):
     one, every = summarise_evaluation(evaluated, IntervalParameters())
     assert (one["views"], every["views"], every["stated"]) == (1, 4, 0.9)
@@ -81,7 +94,7 @@ def test_a_model_that_knows_all_objects_or_has_no_prediction_sets_is_not_evaluat
     with pytest.raises(RecognitionError, match="Of 9 objects touched by fixation none is of a"):
         evaluate_model(model, LEARNT)
     with pytest.raises(RecognitionError, match="no prediction sets"):
-        evaluate_model(dataclasses.replace(model, certainty=None), ALL)
+        evaluate_model(dataclasses.replace(model, certainties={}), ALL)
 
 
 def test_what_was_measured_is_read_before_what_is_kept(evaluated, tmp_path):

@@ -23,7 +23,7 @@ from visuohaptic.recognition.voting import evenly_spaced_subsets
 from visuohaptic.studies.evaluation.answers import VIEWS, sum_up_answers
 from visuohaptic.studies.stored import Source, source_of, store_table
 from visuohaptic.tables.phases import owners_of
-from visuohaptic.tables.schema import build_rows, read_table
+from visuohaptic.tables.schema import build_rows, join_parts, read_table
 from visuohaptic.tables.studies import EVALUATION
 
 if TYPE_CHECKING:
@@ -44,15 +44,21 @@ class MeasuredEvaluation:
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
     """Classify the objects that a model of pipeline `order_free` has not learnt by every evenly spread choice of 1, 4 and 16 views.
 
-    `features` are touched as those of its own objects; other strategies are left out. Raises
+    `features` are touched as those of its own objects; strategies that it has not learnt are left out. Raises
     `RecognitionError` if no such object is of a class that the model knows, or it is not calibrated.
     """
-    own = select(features, strategy=model.strategy)
+    parts = [_evaluate_strategy(model, features, strategy) for strategy in model.strategies]
+    return join_parts(EVALUATION, parts)
+
+
+def _evaluate_strategy(model: RecognitionModel, features: pa.Table, strategy: str) -> pa.Table:
+    """Evaluate a model on the touches by one strategy."""
+    own = select(features, strategy=strategy)
     found = set(owners_of(own))
     new = sorted(found - set(model.objects))
     if not any(category in model.classes for category, _ in new):
         raise RecognitionError(
-            f"Of {len(found)} objects touched by {model.strategy} none is of a class that the model "
+            f"Of {len(found)} objects touched by {strategy} none is of a class that the model "
             "knows and not among those that it learnt; one at least is needed."
         )
     rows = [
@@ -63,7 +69,7 @@ def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
         )
     ]
     same = {
-        "strategy": model.strategy,
+        "strategy": strategy,
         "classifier": model.classifier,
         "stated": model.parameters.order_free.coverage,
         "learnt": len(model.objects),

@@ -1,0 +1,133 @@
+"""Touches by any strategy are recognised, and the answer says where the model did not learn from the strategy."""
+
+import numpy as np
+import pytest
+import trimesh
+from cli.models import fit_on_nonsense
+from recognition.synthetic import features_table
+
+import visuohaptic as vh
+from visuohaptic.base.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.recognition.model_files import make_model
+from visuohaptic.recognition.parameters import RecognitionParameters
+from visuohaptic.recognition.stored_models import load_model
+from visuohaptic.tables.phases import FEATURES
+from visuohaptic.tables.schema import join_parts, write_table
+
+SENTENCE = (
+    "The model learnt from touches by fixation and these touches were made {}, so its probabilities are not "
+    "calibrated for them and it states no prediction set."
+)
+PLACES = np.array([[1.0, 0, 0], [0, 1.0, 0], [0, 0, -1.0], [0.6, 0.8, 0]])
+
+
+@pytest.fixture(scope="module")
+def recogniser(tmp_path_factory):
+    return vh.read_recogniser(fit_on_nonsense(tmp_path_factory.mktemp("model")))
+
+
+@pytest.fixture(scope="module")
+def ball():
+    return vh.load(trimesh.creation.icosphere(4))
+
+
+def given(ball, recogniser):
+    return ball.touch(at=PLACES, parameters=recogniser.parameters)
+
+
+def one_by_one(ball, recogniser):
+    made, _ = ball.touch(at=PLACES[:1], parameters=recogniser.parameters).touch_next(PLACES[1])
+    return made
+
+
+def by(strategy):
+    return lambda ball, recogniser: ball.touch(1, strategy, recogniser.parameters)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (given, "at given points"),
+        (one_by_one, "at given points"),
+        (by("random"), "by random"),
+        (by("seek_relief"), "by seek_relief"),
+    ],
+    ids=["given", "touch_next", "random", "policy"],
+)
+def test_touches_that_the_model_did_not_learn_from_get_probabilities_and_a_sentence(
+    ball, recogniser, make, words
+):
+    made = make(ball, recogniser)
+    found = made.recognise(recogniser)
+    assert found.caution == SENTENCE.format(words)
+    assert found.caution in repr(found)
+    assert found.caution in found._repr_html_()
+    assert sum(found.probabilities.values()) == pytest.approx(1)
+    assert found.name == next(iter(found.probabilities))
+    stated = (found.candidates, found.strangeness, found.unknown, found.coverage)
+    assert stated == (None, None, None, None)
+    assert found.touches == made.touches.num_rows
+
+
+def test_touches_that_the_model_learnt_from_get_a_prediction_set_and_no_sentence(ball, recogniser):
+    found = by("fixation")(ball, recogniser).recognise(recogniser)
+    assert found.caution is None
+    assert found.coverage == 0.9
+    assert set(found.candidates) <= {"class0", "class1"}
+    assert "learnt" not in repr(found)
+
+
+def test_a_model_that_learnt_from_several_strategies_names_all(tmp_path, ball):
+    several = vh.read_recogniser(fit_on_nonsense(tmp_path, ["fixation", "random"]))
+    assert "touched by fixation, random: class0" in repr(several)
+    assert by("random")(ball, several).recognise(several).caution is None
+    found = given(ball, several).recognise(several)
+    assert found.caution.startswith(
+        "The model learnt from touches by fixation and random and these"
+    )
+
+
+def test_a_model_learns_from_several_strategies_though_one_lacks_touches_from_a_view(tmp_path):
+    whole = features_table(objects=(2, 2), viewpoints=3)
+    random = features_table("random", objects=(2, 2), viewpoints=3)
+    table = join_parts(FEATURES, [whole, random.slice(1)])
+    write_table(FEATURES, table, tmp_path / "features.parquet")
+    make_model(
+        [tmp_path / "features.parquet"], tmp_path / "m.skops", "order_free", "naive_bayes",
+        ("random", "fixation"), RecognitionParameters(), {}, 1,
+    )  # fmt: skip
+    assert load_model(tmp_path / "m.skops").strategies == ("random", "fixation")
+
+
+def test_one_touch_is_enough_and_a_point_off_the_surface_is_refused(ball, recogniser):
+    one = ball.touch(at=PLACES[:1], parameters=recogniser.parameters)
+    assert one.recognise(recogniser).touches == 1
+    with pytest.raises(ParameterError, match="8 object radii off the surface"):
+        ball.touch(at=[[0, 0, 9]], parameters=recogniser.parameters)
+
+
+def test_places_that_the_sensor_can_not_reach_are_not_recognised(recogniser):
+    inner = trimesh.creation.box((0.6, 0.6, 0.6))
+    shut = vh.load(trimesh.util.concatenate([inner, trimesh.creation.box((1, 1, 1))]))
+    corner = shut.surface.vertices.max()
+    made = shut.touch(at=[[0, 0, 0.6 * corner]], parameters=recogniser.parameters)
+    with pytest.raises(RecognitionError, match="could reach none of the 1 places that it was set"):
+        made.recognise(recogniser)
+    made, _ = made.touch_next([0, corner, 0])
+    assert made.recognise(recogniser).touches == 2
+
+
+def test_a_model_of_another_frame_is_refused_at_given_points(ball, recogniser):
+    asked = recogniser.parameters.model_dump(exclude={"recognition"}, exclude_unset=True)
+    made = ball.touch(at=PLACES, parameters={**asked, "recognition": {"frame": "none"}})
+    with pytest.raises(RecognitionError, match="frame is none, and the model was fitted for full"):
+        made.recognise(recogniser)
+
+
+def test_a_policy_that_touches_nothing_leaves_nothing_to_recognise(ball, recogniser, monkeypatch):
+    lazy = vh.Policy("lazy", "touches nothing", lambda *_: None)
+    entries = {one.name: one for one in STRATEGIES} | {"lazy": lazy}
+    monkeypatch.setattr(STRATEGIES, "_entries", entries)
+    with pytest.raises(MeshError, match="policy lazy made no touch of unknown/object: it stopped"):
+        ball.touch(1, "lazy", recogniser.parameters)
