@@ -9,7 +9,7 @@ import trimesh
 from phases_by_files import run_phases
 
 from visuohaptic import phases
-from visuohaptic.attention.scanpath import INWARD, TIE
+from visuohaptic.attention.scanpath import INWARD_WEIGHT, TIE_TOLERANCE
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.io.phase_files import check_arguments
 from visuohaptic.meshes.catalogue import Model
@@ -116,7 +116,7 @@ def test_fixations_were_looked_at_and_random_points_were_not(tables):
     assert looked.saliency.notna().all()
     # Within the tie window the first pixel wins, or the one farther from the outline.
     first = looked.groupby("viewpoint").saliency.first()
-    np.testing.assert_allclose(first, 1, rtol=TIE + INWARD)
+    np.testing.assert_allclose(first, 1, rtol=TIE_TOLERANCE + INWARD_WEIGHT)
     blind = frame[frame.strategy == "random"]
     assert blind[["pixel_row", "pixel_column", "saliency"]].isna().all(axis=None)
 

@@ -75,7 +75,7 @@ TOLERANCES = {
         0.06,
         "of the map's maximum",
         "backward error: the chosen place is as salient as the best up to twice the map's own error "
-        "here and TIE + INWARD; which of two near ties is first is not a question that rounding can "
+        "here and TIE_TOLERANCE + INWARD_WEIGHT; which of two near ties is first is not a question that rounding can "
         "answer",
     ),
     "invariance/mirrored object: saliency map": Tolerance(
@@ -193,7 +193,7 @@ TOLERANCES = {
     "attention/way of the eye against its definition in float64": Tolerance(
         0,
         "fixations",
-        "where no two places tie within 2 TIE, rounding of float32 (1e-7) can't change the order",
+        "where no two places tie within 2 TIE_TOLERANCE, rounding of float32 (1e-7) can't change the order",
     ),
     "attention/brightness by a power of two": Tolerance(
         0, "bits", "brightness is divided out before anything else"

@@ -26,14 +26,32 @@ from visuohaptic.tables.phases import FIXATIONS, VIEWS, owner_columns
 from visuohaptic.tables.schema import build_table
 
 MAP_PIXELS = 64
-"""Longer edge of the stored conspicuity maps, pixels."""
+"""Longer edge to which conspicuity maps are resized for storing, pixels."""
 
 
 @dataclass(frozen=True, eq=False)
 class ObjectViews:
-    """The results of phase `fixations` for one object; each is computed on first use.
+    """Views and probing locations of one object: the results of phase `fixations`.
 
-    The fields are the object and the phase's arguments, as in `phases.PHASES`.
+    `cameras`, `rendered`, `attended_views` and `strategy_inputs` are computed on first use and kept. The tables
+    `fixations`, `effects` and `views` are built anew at each access.
+
+    Attributes
+    ----------
+    subject : Subject
+        The object, and the numbers of at least one viewpoint of the arrangement.
+    viewpoints : ViewpointParameters
+        The arrangement of cameras; `subject.viewpoints` selects from it.
+    rendering : RenderingParameters
+        Resolution, light and background.
+    attention : AttentionParameters
+        Parameters of the saliency map, and number of fixations.
+    strategies : tuple of str
+        Names of strategies, or of draws of strategies, without policies.
+    modes : VisualModes
+        When each visual effect is simulated.
+    seed : int
+        Seed of the run.
     """
 
     subject: Subject
@@ -46,19 +64,19 @@ class ObjectViews:
 
     @cached_property
     def cameras(self) -> dict[int, Camera]:
-        """The cameras by number of the viewpoint."""
+        """The camera of each viewpoint of `subject`, by number of the viewpoint."""
         cameras = place_cameras(self.viewpoints)
         return {number: cameras[number] for number in self.subject.viewpoints}
 
     @cached_property
     def rendered(self) -> Views:
-        """The rendered views."""
+        """One rendered view per camera, in the order of `cameras`."""
         cameras = list(self.cameras.values())
         return render_views(self.subject.caster, cameras, self.rendering, self.modes)
 
     @cached_property
     def attended_views(self) -> list[AttendedView]:
-        """Each view with its saliency and fixations."""
+        """Each view with the saliency map and fixations of the attention model, in the order of `cameras`."""
         key, caster, views = self.subject.key, self.subject.caster, self.rendered
         attended = attend(**views.arrays(), parameters=self.attention)
         return [
@@ -68,12 +86,12 @@ class ObjectViews:
 
     @property
     def needs_views(self) -> bool:
-        """Whether any strategy needs the views."""
+        """Whether any of the strategies needs rendered views; without them `fixations` renders none."""
         return any(strategy_of(name).looks for name in self.strategies)
 
     @cached_property
-    def viewpoints_used(self) -> Sequence[Viewpoint]:
-        """The input of the strategies: attended views if any strategy needs views, otherwise viewpoints."""
+    def strategy_inputs(self) -> Sequence[Viewpoint]:
+        """One input of the strategies per camera: `attended_views` if `needs_views`, otherwise viewpoints only."""
         if self.needs_views:
             return self.attended_views
         key, caster = self.subject.key, self.subject.caster
@@ -81,23 +99,31 @@ class ObjectViews:
 
     @property
     def fixations(self) -> pa.Table:
-        """The probing locations of every strategy: rows of `tables.FIXATIONS`."""
+        """The probing locations of every strategy: rows of `tables.FIXATIONS`.
+
+        Each viewpoint and strategy has up to `tables.phases.SPARE` locations more than `attention.fixations`. Rows
+        are in the order of viewpoints, then strategies. Raises `RegistryError` if a name is unknown, or the name of a
+        policy.
+        """
         tables = [
             locate(viewpoint, strategy, self.attention, self.seed)
-            for viewpoint in self.viewpoints_used
+            for viewpoint in self.strategy_inputs
             for strategy in self.strategies
         ]
         return pa.concat_tables([FIXATIONS.arrow.empty_table(), *tables]).combine_chunks()
 
     @property
     def effects(self) -> pa.Table:
-        """Why each effect of the view was needed: rows of `tables.EFFECTS`."""
+        """The record of each visual effect, summed over all views: rows of `tables.EFFECTS`; renders the views."""
         first = next(iter(self.cameras))
         return effect_table(self.subject.key, first, "any", self.rendered.effects)
 
     @property
     def views(self) -> pa.Table:
-        """The views and their maps as PNG pictures: rows of `tables.VIEWS`."""
+        """One row of `tables.VIEWS` per viewpoint: view and maps as PNG, camera centre, number of fixations.
+
+        Renders the views, even if no strategy needs them.
+        """
         attentions = [view.attended for view in self.attended_views]
         eyes = np.stack([camera.eye for camera in self.cameras.values()])
         columns: dict[str, object] = {
@@ -117,7 +143,7 @@ class ObjectViews:
 
 
 def _encode_map(plane: NDArray[np.float32]) -> bytes:
-    """Shrink a conspicuity map to `MAP_PIXELS` and encode it as PNG; its maximum becomes white."""
+    """Resize a conspicuity map (h, w) to `MAP_PIXELS` and encode it as PNG; its largest value, if above 0, is white."""
     scale = MAP_PIXELS / max(plane.shape)
     small = cv2.resize(plane, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     peak = float(small.max())
@@ -125,9 +151,10 @@ def _encode_map(plane: NDArray[np.float32]) -> bytes:
 
 
 def _encode_png(image: NDArray[np.floating]) -> bytes:
-    """Encode grey (h, w) or colour (h, w, 3) values from 0 to 255 as PNG."""
+    """Encode grey (h, w) or RGB (h, w, 3) values as 8-bit PNG: clipped to 0 to 255, decimals cut off."""
     pixels = np.clip(image, 0, 255).astype(np.uint8)
     if pixels.ndim == 3:
+        # OpenCV expects blue first.
         pixels = pixels[..., ::-1]
     _, encoded = cv2.imencode(".png", pixels)
     return bytes(encoded)

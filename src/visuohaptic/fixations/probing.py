@@ -1,4 +1,7 @@
-"""The registry of strategies, which choose all locations before the first touch, and of policies."""
+"""The registry of strategies and policies, and look-up by name.
+
+A strategy chooses all locations before the first touch. A policy chooses each location by the touches before.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,10 @@ from visuohaptic.fixations.strategies import (
 )
 
 Unreachable = Literal["replace", "keep"]
-"""Locations out of reach are replaced by the next locations, or touched as far as the sensor comes."""
+"""Treatment of a location out of the sensor's reach.
+
+``replace``: the next location is touched instead. ``keep``: the sensor comes as near as it can.
+"""
 
 
 @dataclass(frozen=True)
@@ -38,18 +44,20 @@ class Strategy:
     name, label : str
         Name in parameters and tables, and name in the report.
     choose : callable
-        ``choose(viewpoint, attention, generator)`` returns at most `attention.fixations` locations in the order
-        of touching: a `Scanpath` of pixels, or `ProbingLocations` with outward normals. For fewer fixations it must
-        return a prefix of the same locations.
+        ``choose(viewpoint, attention, generator)`` takes a `Viewpoint`, `AttentionParameters` and a
+        `numpy.random.Generator`. It returns at most `attention.fixations` locations in the order of touching: a
+        `Scanpath`, or `ProbingLocations` with normals out of the object or towards the camera. With the same
+        generator state, a smaller number of fixations must return the first of the same locations.
     random : bool
         Whether the generator changes the locations.
     looks : bool
-        Whether `choose` needs an `AttendedView`; if not, it takes any `Viewpoint`.
+        Whether `choose` needs rendered views and saliency: its viewpoint is then an `AttendedView`. Otherwise
+        `choose` must work with any `Viewpoint`.
     unreachable : {"replace", "keep"}, optional
-        Overrides parameter `probing.unreachable`.
+        Treatment of locations out of reach; by default as parameter `probing.unreachable` says.
     chance : str, optional
-        Name for the random generators of choice and sensor noise, by default `name`. Strategies with the same
-        `chance` draw the same numbers.
+        Name from which the random numbers of `choose` and of the sensor noise are seeded, by default `name`.
+        Strategies with the same `chance` get the same random numbers.
     """
 
     name: str
@@ -130,10 +138,16 @@ STRATEGIES: Registry[Strategy | Policy] = Registry(
 
 
 def strategy_of(name: str) -> Strategy | Policy:
-    """Return a strategy or policy by its name, or by the name of a draw such as ``random#2``.
+    """Return a strategy or policy by its name, or by the name of a further draw such as ``random#2``.
 
-    A draw has its own random generators for choice and sensor noise. Raises `RegistryError` if there is no such
-    strategy, or if the name is that of a draw of a strategy that is not random.
+    A draw is a random choice of locations; the plain name ``random`` is draw 0. For ``random#2`` the entry of
+    ``random`` is returned with new `name`, `label` and `chance`, so its random numbers differ from those of
+    ``random#1``. Strategies that share `chance` share the random numbers of each draw too.
+
+    Raises
+    ------
+    RegistryError
+        If the name is unknown, the entry is not random, or the number of the draw is not in 1 to 999999.
     """
     if DRAW_MARK not in name:
         return STRATEGIES[name]
@@ -141,33 +155,37 @@ def strategy_of(name: str) -> Strategy | Policy:
     entry = STRATEGIES[strategy]
     if not entry.random or not re.fullmatch("[1-9][0-9]{0,5}", draw):
         raise RegistryError(
-            f"{name!r} is no draw of a random strategy; the name of a random strategy and a number from 1 "
-            "are allowed, such as 'random#1'."
+            f"{name!r} is no draw of a random strategy; the name of a random strategy, {DRAW_MARK} and a number "
+            "from 1 to 999999 are allowed, such as 'random#1'."
         )
     chance = f"{entry.chance or strategy}{DRAW_MARK}{draw}"
     return replace(entry, name=name, label=f"{entry.label}, draw {draw}", chance=chance)
 
 
 def is_policy(name: str) -> bool:
-    """Return whether a name is the name of a policy."""
+    """Return whether a registered name, or the name of a draw, is of a policy; raise `RegistryError` if unknown."""
     return isinstance(strategy_of(name), Policy)
 
 
 def policy_of(name: str) -> Policy:
-    """Return a policy by its name; raise `RegistryError` if the name is no policy."""
+    """Return a policy by its name or the name of a draw; raise `RegistryError` if unknown or of a strategy."""
     entry = strategy_of(name)
     if not isinstance(entry, Policy):
         raise RegistryError(f"{name!r} chooses before the first touch; a policy is needed.")
     return entry
 
 
-def can_draw_again(name: str) -> bool:
-    """Return whether a run measures several draws of a strategy: it must be random and need no view."""
+def has_further_draws(name: str) -> bool:
+    """Return whether a run adds draws 1, 2, … of a strategy or policy: it must be random and need no view.
+
+    Parameter `probing.random_draws` sets the number of draws. Raises `RegistryError` if the name is unknown.
+    """
     entry = strategy_of(name)
     return entry.random and not entry.looks
 
 
-def _check_draw(value: object, check: ValidatorFunctionWrapHandler) -> object:
+def _check_name(value: object, check: ValidatorFunctionWrapHandler) -> object:
+    """Return a valid name; `check` validates names without ``#``, `strategy_of` names of draws."""
     if not isinstance(value, str) or DRAW_MARK not in value:
         return check(value)
     try:
@@ -176,5 +194,5 @@ def _check_draw(value: object, check: ValidatorFunctionWrapHandler) -> object:
         raise ValueError(str(error)) from None
 
 
-StrategyName = Annotated[str, STRATEGIES, WrapValidator(_check_draw)]
-"""Name of a strategy, or of a draw of a random strategy."""
+StrategyName = Annotated[str, STRATEGIES, WrapValidator(_check_name)]
+"""Type of a parameter: name of a strategy or policy, or of a draw of a random strategy or policy."""

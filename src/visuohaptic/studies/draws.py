@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from visuohaptic.base.draws import name_of_draw
-from visuohaptic.fixations.probing import can_draw_again
+from visuohaptic.fixations.probing import has_further_draws
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.study import Condition, Study
@@ -23,7 +23,7 @@ def drawn_strategies(run: ExperimentParameters) -> tuple[str, ...]:
     return tuple(
         name_of_draw(strategy, draw)
         for strategy in run.probing.strategies
-        if can_draw_again(strategy)
+        if has_further_draws(strategy)
         for draw in range(1, run.probing.random_draws)
     )
 

@@ -8,7 +8,7 @@ from scipy import ndimage
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.pyramid import BORDER_REPEATED, BORDER_ZERO, blur, enlarge, reduce
-from visuohaptic.attention.scanpath import INWARD, TIE, scan
+from visuohaptic.attention.scanpath import INWARD_WEIGHT, TIE_TOLERANCE, scan
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera
@@ -141,7 +141,7 @@ def way_of_the_eye(saliency, mask, places, parameters):
         value = np.where(allowed, drive, -1.0)
         place = np.unravel_index(np.argmax(value), value.shape)
         best, value[place] = value[place], -1.0
-        if best - value.max() < 2 * TIE + INWARD * 0.05:
+        if best - value.max() < 2 * TIE_TOLERANCE + INWARD_WEIGHT * 0.05:
             break
         way.append(tuple(map(int, place)))
         distance = np.linalg.norm(places - places[place], axis=-1)
@@ -153,7 +153,7 @@ def way_of_the_eye(saliency, mask, places, parameters):
 def drive_at_first(saliency, mask):
     """Give how far pixels lie inside the outline, and what drives the eye before any fixation."""
     depth = ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
-    return depth, saliency.astype(float) + INWARD * depth / depth.max()
+    return depth, saliency.astype(float) + INWARD_WEIGHT * depth / depth.max()
 
 
 def recovery(distance, parameters):
@@ -166,10 +166,12 @@ def inhibition(generator):
     """Compare the fixations of a random map with the definition of inhibition of return."""
     kind = str(generator.choice(["surface", "image"]))
     mask = np.hypot(*(np.indices((SIZE, SIZE)) - 31.5)) < 31
-    # Levels three ties apart, on pixels well inside.
+    # Levels five ties apart, on pixels well inside.
     pixels = np.flatnonzero(ndimage.binary_erosion(mask, iterations=5).ravel())
     levels = np.zeros(SIZE * SIZE)
-    levels[generator.choice(pixels, 1200, replace=False)] = 0.4 + np.arange(1200) * 5 * TIE
+    levels[generator.choice(pixels, 1200, replace=False)] = (
+        0.4 + np.arange(1200) * 5 * TIE_TOLERANCE
+    )
     saliency = levels.reshape(SIZE, SIZE)
     view = flat_view(np.zeros((SIZE, SIZE, 3)), mask)
     parameters = AttentionParameters(inhibition=kind)
