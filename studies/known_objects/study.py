@@ -12,10 +12,10 @@ PIPELINE = "order_free"
 
 STRATEGIES = ("fixation", "random")
 
-TURNS = 6
+TURNS = 8
 """Poses of each object, each uniform over all rotations; one is tested, the others train."""
 
-MOST_TOUCHES = 10
+MOST_TOUCHES = 20
 """Touches of a sequence."""
 
 

@@ -57,7 +57,8 @@ def _objects_of_views(table, generator):
 def test_views_with_too_few_touches_are_left_out():
     turned = turned_touches(objects=2, turns=3, viewpoints=3)
     short = pc.and_(
-        pc.equal(turned[1].features["viewpoint"], 2), pc.equal(turned[1].features["touch"], 9)
+        pc.equal(turned[1].features["viewpoint"], 2),
+        pc.equal(turned[1].features["touch"], MOST_TOUCHES - 1),
     )
     turned[1] = Turned(turned[1].features.filter(pc.invert(short)), turned[1].parameters)
     answers = answer_new_touches(turned, "fixation", 0)
@@ -81,7 +82,7 @@ def test_too_few_turns_are_refused(turns, said):
 
 
 def test_no_touch_by_the_strategy_is_refused():
-    with pytest.raises(RecognitionError, match="No view of any object has 10 touches by random"):
+    with pytest.raises(RecognitionError, match="No view of any object has 20 touches by random"):
         answer_new_touches(turned_touches(), "random", 0)
 
 
