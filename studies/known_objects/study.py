@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import ONE_CLASSIFIER
-from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, Condition, Step, Study
+from visuohaptic.studies.study import WITHOUT_EFFECT, Condition, Step, Study
 
 PIPELINE = "order_free"
 
@@ -53,7 +53,7 @@ STUDY = Study(
             "known_objects.new_touches:make_known_objects",
             ("results/known_objects.parquet", "reports/known_objects.json"),
             takes=("made",),
-            needs=DUMP_FOR_CONDITIONS,
+            needs={"exclude": WITHOUT_EFFECT},
             is_shown=False,
         ),
     ),
