@@ -114,6 +114,7 @@ readme: $(DEVELOP) report
 	python -m variants.make_page
 	python -m draws.make_page
 	python -m turned.make_page
+	python -m known_objects.make_page
 	python -m baselines.make_page
 	python docs/make_claims.py
 	python -m eye_and_touch.make_page
