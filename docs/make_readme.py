@@ -121,7 +121,7 @@ def speed_table(results: dict[str, Any]) -> str:
         f"On {machine['processor']}, {machine['cores']} cores, load {workflow['load_before']} before, "
         f"with bytecode; {workflow['jobs']} jobs in a cold run. `make bench` measures again."
     )
-    measured = table(["run", "both pipelines", "of processors", "the paper's alone"], rows)
+    measured = table(["run", "both pipelines", "processor time", "the paper's only"], rows)
     return f"{measured}\n\n{textwrap.fill(sentence, 100, break_on_hyphens=False)}"
 
 
