@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws turned baselines bench wheels readme params format lock clean
+.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws turned baselines bench wheels release paper readme params format lock clean
 .PHONY: lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -11,6 +11,8 @@ SET ?= paper
 # Of `make gaze`: recordings of people's gaze, and predictions of others.
 FOLDER ?=
 PEER ?=
+# Of `make paper`.
+PANDOC ?= pandoc
 export VENV := .venv
 PACKAGES := $(VENV)/.packages
 PROJECTS := pyproject.toml packages/contourlets/pyproject.toml
@@ -142,13 +144,29 @@ format: $(DEVELOP)
 	ruff check --fix .
 	snakefmt Snakefile workflow/Snakefile workflow/rules
 
-# What a release consists of: wheels and sources of both distributions, tried without the clone's own sources.
+# What a release consists of: sources of both distributions and the wheels that are built from them, tried without the
+# clone's own sources.
 wheels: $(DEVELOP)
 	rm -rf dist
-	for project in packages/contourlets .; do (cd $$project && hatchling build -d $(CURDIR)/dist); done
+	for project in packages/contourlets .; do (cd $$project && hatchling build -t sdist -d $(CURDIR)/dist); done
+	mkdir dist/unpacked && for source in dist/*.tar.gz; do tar -xzf $$source -C dist/unpacked; done
+	for project in dist/unpacked/*; do (cd $$project && hatchling build -t wheel -d $(CURDIR)/dist); done
 	pip install --quiet --no-deps --no-index --target dist/installed dist/*.whl
-	PYTHONPATH=dist/installed python -m pytest -o "pythonpath=tests packages/contourlets/tests" -m "not slow and not long" \
-	  tests/exploration tests/recognition/test_evaluating.py packages/contourlets/tests
+	PYTHONPATH=$(CURDIR)/dist/installed python -m pytest -o "pythonpath=tests packages/contourlets/tests" \
+	  -m "not slow and not long" tests/exploration tests/evaluation/test_evaluating.py packages/contourlets/tests
+	PYTHONPATH=$(CURDIR)/dist/installed python -m pytest -o pythonpath=tests --confcutdir tests/installed tests/installed/tour_from_wheels.py
+
+# Copies version, date, address and authors of release/facts.yaml to every file that has them, and keeps the stable
+# interface of a new version.
+release: $(READY)
+	python release/write_files.py
+	python release/interface.py
+
+# A draft of the paper as a page; the journal's own PDF is made by its container (release/README.md). Pandoc 3 is needed.
+paper:
+	cp docs/pictures/overview.png paper/overview.png
+	sed 's/\\autoref{[^}]*}/Figure 1/; s/\\label{[^}]*}//' paper/paper.md | $(PANDOC) --from markdown --citeproc --standalone \
+	  --embed-resources --resource-path paper --output paper/paper.html
 
 # Pins every package with its hashes; needs `uv` on PATH. requirements.lock is what runs, requirements-dev.lock
 # adds what tests: it is made first, as what runs must have versions that fit the tests' packages, too.

@@ -27,7 +27,7 @@ from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.preparing import normalise
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor import SensorParameters, touch
-from visuohaptic.sensor.imprints import sensing_offsets, stand_on
+from visuohaptic.sensor.imprints import make_poses, sensing_offsets
 
 MESHES = Path(__file__).parent.parent / "meshes" / "paper"
 CAMERAS = place_cameras(ViewpointParameters())
@@ -87,7 +87,7 @@ def sensing_rays(
     caster: RayCaster, points: np.ndarray, normals: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Give the rays of the largest sensor at each point."""
-    poses = stand_on(points, normals)
+    poses = make_poses(points, normals)
     offsets = 0.5 * SENSOR.largest_size * sensing_offsets(SENSOR.resolution)
     starts = (points + caster.reach * normals)[:, None, None]
     starts = starts + offsets[:, None, None] * poses.rows[:, None, None]

@@ -22,7 +22,7 @@ from visuohaptic.meshes.preparing import normalise
 from visuohaptic.scene.parameters import TACTILE_EFFECTS, EffectModes, Scene
 from visuohaptic.sensor import RandomFields, SensorParameters, touch
 from visuohaptic.sensor.example_shapes import Height, sheet
-from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, stand_on
+from visuohaptic.sensor.imprints import cast_heights, make_poses, sensing_offsets
 
 CAR = Path(__file__).parent.parent / "meshes/paper/car/kl_VW-new-beetle.ply.gz"
 PROBES = 256
@@ -78,7 +78,7 @@ def _measure(surface: Surface) -> dict[str, object]:
 
 
 def _plain_cast(caster: RayCaster, points: np.ndarray, normals: np.ndarray) -> Callable[[], object]:
-    poses = stand_on(points, normals)
+    poses = make_poses(points, normals)
     sizes, lifts = np.full(len(points), 0.3), np.full(len(points), caster.reach)
     return lambda: cast_heights(caster, poses, sizes, lifts, 32)
 
@@ -87,7 +87,7 @@ def _bare_cast(
     surface: Surface, points: np.ndarray, normals: np.ndarray
 ) -> Callable[[], np.ndarray]:
     """Make and cast the rays of each probe's largest square by embreex alone, which gives distances only."""
-    embreex, poses = embreex_cast(surface), stand_on(points, normals)
+    embreex, poses = embreex_cast(surface), make_poses(points, normals)
     offsets = 0.15 * sensing_offsets(32)
 
     def cast() -> np.ndarray:
@@ -130,7 +130,7 @@ def _errors(height: Height, *, exact: bool) -> dict[str, float]:
     half, cells, size = 0.25, 150, 0.3
     surface = _blocks(height, half) if exact else sheet(height, half, cells)
     caster = RayCaster(surface)
-    poses = stand_on(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
+    poses = make_poses(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
     heights = cast_heights(caster, poses, np.array([size]), np.array([1.5]), 32)[0]
     x, z = np.meshgrid(*(2 * [0.5 * size * sensing_offsets(32)]))
     truth = height(x, z)

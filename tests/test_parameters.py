@@ -71,7 +71,7 @@ def test_parameters_are_named_as_in_the_file_or_with_dots():
     [
         ({"sensor.resolutoin": 16}, r"sensor\.resolutoin is no parameter"),
         ({"sensor.resolution": 16, "sensor": {"resolution": 8}}, r"sensor\.resolution is .* twice"),
-        ({"sensor": 3, "sensor.resolution": 16}, "sensor is 3 and holds resolution"),
+        ({"sensor": 3, "sensor.resolution": 16}, "sensor is 3, but sensor.resolution needs"),
         ({3: 4}, "3 is no name"),
         ("sensor.resolution=16", "str; a mapping or ExperimentParameters"),
     ],

@@ -21,7 +21,7 @@ from visuohaptic.pipeline import WORK, run, run_phase, touch_all_locations
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, TOUCHES
 from visuohaptic.tables.schema import write_table
-from visuohaptic.touches.choosing import touched_places
+from visuohaptic.touches.choosing import touched_locations
 
 RING = {
     "seed": 7,
@@ -141,7 +141,7 @@ def test_views_are_pictures_and_say_what_ran(tables):
 
 
 def test_touches_keep_the_keys_of_the_fixations_and_features_keys_place_and_normal(tables):
-    fixations = touched_places(tables["fixations"], tables["touches"])
+    fixations = touched_locations(tables["fixations"], tables["touches"])
     assert tables["touches"].num_rows == 3 * 2 * 4
     assert tables["touches"].select(TOUCHES.keys).equals(fixations.select(TOUCHES.keys))
     kept = [*TOUCHES.keys, *POINT_NAMES, *NORMAL_NAMES]

@@ -18,17 +18,17 @@ FILES = [
 
 # How often each phrase stands today. Lower the number with the phrase; CONTRIBUTING.md says what to write instead.
 PHRASES = {
-    r"\bGives? ": 108,
-    r" alone\b": 36,
-    r"\bthose that\b": 14,
-    r"\bwhat is\b": 32,
-    r"\bof which\b": 13,
-    r", whose ": 18,
-    r"\bas it is\b": 7,
+    r"\bGives? ": 40,
+    r" alone\b": 19,
+    r"\bthose that\b": 11,
+    r"\bwhat is\b": 25,
+    r"\bof which\b": 9,
+    r", whose ": 14,
+    r"\bas it is\b": 4,
     r"\bis none of\b": 3,
-    r"\b(?:row|column|line|job|file|number|time|value|name)s? an? (?:view|object|touch|row|job|classifier|strategy)\b": 3,
-    r"\brightly\b|\bcalled for\b|\btaken for\b|\bhand(?:s|ed)? on\b|\bgoes on\b|\bon its way\b": 6,
-    r"\bmade of\b|\bstands? for\b": 15,
+    r"\b(?:row|column|line|job|file|number|time|value|name)s? an? (?:view|object|touch|row|job|classifier|strategy)\b": 2,
+    r"\brightly\b|\bcalled for\b|\btaken for\b|\bhand(?:s|ed)? on\b|\bgoes on\b|\bon its way\b": 3,
+    r"\bmade of\b|\bstands? for\b": 9,
     r" but for ": 1,
 }
 

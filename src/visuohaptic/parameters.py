@@ -1,4 +1,4 @@
-"""All parameters of the experiment: the sections of `params.yaml`, one a phase."""
+"""All parameters of the experiment: the sections of `params.yaml`."""
 
 from __future__ import annotations
 
@@ -29,14 +29,16 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 
 MOST_VIEWPOINTS = 4096
-"""Viewpoints of an object, on all rings."""
+"""Most viewpoints of an object, on all rings together."""
 
 DIRECTIONS = 16
+"""Directional bands of the default contourlet transform."""
+
 IMPRINT_MULTIPLE = 8
-"""What an even resolution must be a multiple of, for so many directional bands (packages/contourlets)."""
+"""An even resolution must be a multiple of this number for 16 directional bands (packages/contourlets)."""
 
 DIRECTIONAL = ("contourlet", "nonsubsampled_contourlet")
-"""Descriptors whose bands, of levels [4], shift cyclically where the sensor rolls."""
+"""Descriptors with directional bands. With levels [4] these bands shift cyclically if the sensor rolls."""
 
 
 _WITHOUT_REPEATS = (
@@ -56,35 +58,33 @@ _WITHOUT_REPEATS = (
 
 
 class WorkflowParameters(Section):
-    """How the work is divided into jobs, and what is kept current; no result depends on it."""
+    """Size of jobs and update of studies; no result depends on these parameters."""
 
-    views_per_job: int = Field(16, ge=1, le=1024, description="Viewpoints that one job covers")
-    objects_per_job: int = Field(
-        10, ge=1, le=1024, description="Most objects that one job takes through a phase"
-    )
+    views_per_job: int = Field(16, ge=1, le=1024, description="Viewpoints per job")
+    objects_per_job: int = Field(10, ge=1, le=1024, description="Most objects per job of a phase")
     conditions_per_job: int | None = Field(
         None,
         ge=1,
-        description="Conditions of a study that one job covers; null for an eighth, at most 25, and never a job for what takes no longer than its start",
+        description="Conditions of a study per job; null: an eighth of the conditions, at most 25, but enough that the job takes longer than its start",
     )
     keep_studies_current: bool = Field(
         True,  # noqa: FBT003 - a field's default
-        description="Whether a run without a target measures studies again that were measured once; "
-        "if not, the report says which of them are of an earlier state",
+        description="Whether a run without a target measures outdated studies again (true) or keeps them and "
+        "marks them as outdated in the report (false)",
     )
 
 
 class CostParameters(Section):
-    """The settings that are tried beside the run's own, and how they are timed."""
+    """The settings of the frontier and of the studies of cost, and how they are timed."""
 
     touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
-        (1, 2, 3, 4, 5, 6, 8, 10, 12, 16), min_length=1, description="Touches from one viewpoint"
+        (1, 2, 3, 4, 5, 6, 8, 10, 12, 16), min_length=1, description="Touches per viewpoint"
     )
     viewpoints: tuple[Annotated[int, Field(ge=1, le=1024)], ...] = Field(
         (1, 2, 4, 8, 16), min_length=1, description="Viewpoints that vote for an object"
     )
     imprint_resolutions: tuple[Annotated[int, Field(ge=2, le=256)], ...] = Field(
-        (8, 16, 32, 64), min_length=1, description="Sensing points along each edge of the sensor"
+        (8, 16, 32, 64), min_length=1, description="Sensing points along an edge of the sensor"
     )
     view_resolutions: tuple[Annotated[int, Field(ge=16, le=4096)], ...] = Field(
         (64, 128, 256, 512), min_length=1, description="Rows and columns of a view (pixels)"
@@ -97,54 +97,56 @@ class CostParameters(Section):
     )
     frontier_touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
         (1, 2, 5),
-        description="Touches from one viewpoint in the frontier of every run; those that the run does not make are left out, and an empty list measures no frontier",
+        description="Touches per viewpoint in the frontier of every run, up to the touches of the run; an empty list measures no frontier",
     )
     frontier_viewpoints: tuple[Annotated[int, Field(ge=1, le=1024)], ...] = Field(
         (1,),
         min_length=1,
-        description="Viewpoints that vote in the frontier of every run; those that the run does not have are left out",
+        description="Viewpoints that vote in the frontier of every run, up to the viewpoints of the run",
     )
     lean_imprint_resolution: int = Field(
         16,
         ge=2,
         le=256,
-        description="Sensing points along each edge of the sensor of family `small_imprint`",
+        description="Sensing points along an edge of the sensor in family `small_imprint`",
     )
     touch_seconds: float = Field(
-        5.0, ge=0, description="Time that a robot takes for a touch, without computing (seconds)"
+        5.0, ge=0, description="Time of a robot for a touch, without computing (seconds)"
     )
     look_seconds: float = Field(
-        0.5, ge=0, description="Time that a robot takes for a look, without computing (seconds)"
+        0.5, ge=0, description="Time of a robot for a view, without computing (seconds)"
     )
     budgets: tuple[Annotated[float, Field(gt=0)], ...] = Field(
         (5.0, 10.0, 20.0, 40.0),
         min_length=1,
-        description="Robot times for which study eye_and_touch gives accuracies (seconds)",
+        description="Robot times for which study eye_and_touch reports accuracies (seconds)",
     )
     adaptive: bool = Field(
         True,  # noqa: FBT003 - a field's default
-        description="Whether study eye_and_touch also compares strategy `adaptive`, which takes as long as all others",
+        description="Whether study eye_and_touch also compares strategy `adaptive`, which doubles its run time",
     )
     maximum_objects: int = Field(
         142,
         ge=2,
-        description="Objects, evenly spread over the classes, on which the frontier and study settings_cost are measured where there are more",
+        description="Most objects, evenly spread over the classes, for the frontier and study settings_cost",
     )
-    objects: int = Field(4, ge=1, description="Objects, spread over all, on which time is measured")
+    objects: int = Field(
+        4, ge=1, description="Objects, evenly spread over all objects, on which time is measured"
+    )
     rounds: int = Field(
-        3, ge=1, le=1000, description="How often each setting classifies each of them"
+        3, ge=1, le=1000, description="Timed classifications per setting and object"
     )
 
 
 class ExperimentParameters(Section):
-    """Every parameter; a section left out takes its defaults."""
+    """All parameters; a missing section has its defaults."""
 
     seed: int = Field(2018, ge=0, description="Random seed")
     plugins: tuple[str, ...] = Field(
         (),
-        exclude=True,  # code, and no choice: jobs go by what the files hold
-        description="Files of Python that register strategies, channels, effects, descriptors, maps or "
-        "classifiers of your own, such as [plug_ins/closest.py]; they run as your own code does",
+        exclude=True,  # the keys of jobs contain the code of the files, not their names
+        description="Python files that register own strategies, channels, effects, descriptors, maps or "
+        "classifiers, such as [plug_ins/closest.py]; they run with your rights",
     )
     workflow: WorkflowParameters = WorkflowParameters()
     meshes: MeshParameters = MeshParameters()
@@ -160,82 +162,88 @@ class ExperimentParameters(Section):
 
     @model_validator(mode="after")
     def _sections_agree(self) -> Self:
-        found = list(_repeated(self))
-        chosen = self.viewpoints
-        if chosen.total > MOST_VIEWPOINTS:
-            found.append(
-                f"viewpoints.count is {chosen.count} and viewpoints.elevations_degrees has "
-                f"{len(chosen.elevations_degrees)} rings: {chosen.total} viewpoints, and "
+        faults = list(_repetitions(self))
+        viewpoints = self.viewpoints
+        if viewpoints.total > MOST_VIEWPOINTS:
+            faults.append(
+                f"viewpoints.count is {viewpoints.count} and viewpoints.elevations_degrees has "
+                f"{len(viewpoints.elevations_degrees)} rings: {viewpoints.total} viewpoints; "
                 f"{MOST_VIEWPOINTS} are allowed"
             )
-        if found:
-            raise ValueError("; ".join(found))
+        if faults:
+            raise ValueError("; ".join(faults))
         return self
 
     @classmethod
     def from_mapping(cls, values: Mapping[str, object], source: str = "params.yaml") -> Self:
-        """Check sections and values as a YAML or JSON file gives them.
+        """Check sections and values from a YAML or JSON file.
 
-        Raises `ParameterError`, which names the source, and each unknown name or wrong value.
+        Raises `ParameterError`, which names the source, every unknown name and every wrong value.
         """
         try:
             return cls.model_validate(dict(values))
         except ValidationError as error:
-            found = "; ".join(_sentence(problem) for problem in error.errors())
-            raise ParameterError(f"{source}: {found}.") from None
+            faults = "; ".join(_sentence(problem) for problem in error.errors())
+            raise ParameterError(f"{source}: {faults}.") from None
 
 
-def _repeated(parameters: ExperimentParameters) -> Iterator[str]:
-    """Find lists of names or settings that hold one twice: tables would have its rows twice."""
+def _repetitions(parameters: ExperimentParameters) -> Iterator[str]:
+    """Yield a message per list with a repeated value, because tables would have its rows twice."""
     for name in _WITHOUT_REPEATS:
         values = attrgetter(name)(parameters)
         if len(set(values)) < len(values):
-            [(twice, count)] = Counter(values).most_common(1)
-            yield f"{name} names {twice} {count} times; once is allowed"
+            [(value, count)] = Counter(values).most_common(1)
+            yield f"{name} names {value} {count} times; once is allowed"
 
 
 def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
-    """Refuse parameters with which touching or recognition would fail: `ParameterError`, which names them.
+    """Raise `ParameterError` for parameters with which a run would fail; the message names each of them.
 
-    These are imprints of which the contourlets have no bands, sequences of more touches than fixations, and a frame
-    without the roll of the sensor for imprints without directional bands. A study may try them all the same: its table says which conditions failed. Draws are for studies, too.
+    A run refuses:
+
+    - draws among its strategies;
+    - a resolution of imprints without contourlet bands;
+    - sequences with more touches than fixations;
+    - a frame with an unknown roll of the sensor for imprints without directional bands.
+
+    Studies allow these parameters, and their tables say which conditions failed.
     """
-    found = [
-        f"probing.strategies has {name}, a draw, and a run takes strategies without numbers; "
-        "probing.random_draws says how many draws of each are measured"
+    faults = [
+        f"probing.strategies has {name}, which is a draw; a run takes strategies without a number, and "
+        "probing.random_draws is the number of draws"
         for name in parameters.probing.strategies
         if draw_of(name)[1]
     ]
     resolution, fixations = parameters.sensor.resolution, parameters.attention.fixations
     if resolution % 2 == 0 and resolution % IMPRINT_MULTIPLE:
-        found.append(
-            f"sensor.resolution is {resolution}, and features takes {DIRECTIONS} directional bands of "
-            f"an imprint: a multiple of {IMPRINT_MULTIPLE}, or an odd number, is needed"
+        faults.append(
+            f"sensor.resolution is {resolution}, and features computes {DIRECTIONS} directional bands of "
+            f"an imprint; a multiple of {IMPRINT_MULTIPLE} or an odd number is needed"
         )
-    # A caller who only touches leaves recognition's default.
-    is_chosen = "touches" in parameters.recognition.model_fields_set
-    touches = parameters.recognition.touches if is_chosen else None
+    # The default may exceed attention.fixations, because callers who only touch do not set it.
+    recognition = parameters.recognition
+    touches = recognition.touches if "touches" in recognition.model_fields_set else None
     if touches is not None and touches > fixations:
-        found.append(
+        faults.append(
             f"recognition.touches is {touches} and attention.fixations is {fixations}: a view has no "
             "more touches than fixations; lower the first or raise the second"
         )
-    found += _undirected(parameters)
-    if found:
-        raise ParameterError(f"{source}: {'; '.join(found)}.")
+    faults += _missing_directions(parameters)
+    if faults:
+        raise ParameterError(f"{source}: {'; '.join(faults)}.")
 
 
-def _undirected(parameters: ExperimentParameters) -> Iterator[str]:
-    """Find descriptors of imprints from which the roll of the sensor can't be removed, where it is unknown."""
-    own, chosen = parameters.recognition, parameters.features
-    if own.frame not in ROLLING_FRAMES or "order_free" not in own.pipelines:
+def _missing_directions(parameters: ExperimentParameters) -> Iterator[str]:
+    """Yield a message if the frame has no roll but the descriptor lacks the directional bands to remove it."""
+    recognition, features = parameters.recognition, parameters.features
+    if recognition.frame not in ROLLING_FRAMES or "order_free" not in recognition.pipelines:
         return
-    if "contourlet" not in own.order_free.cues:
+    if "contourlet" not in recognition.order_free.cues:
         return
-    if chosen.descriptor not in DIRECTIONAL or chosen.levels != (4,):
+    if features.descriptor not in DIRECTIONAL or features.levels != (4,):
         yield (
-            f"recognition.frame is {own.frame}, in which the roll of the sensor is unknown, and "
-            f"features.descriptor is {chosen.descriptor} with levels {list(chosen.levels)}; "
+            f"recognition.frame is {recognition.frame}, in which the roll of the sensor is unknown, and "
+            f"features.descriptor is {features.descriptor} with levels {list(features.levels)}; "
             f"{DIRECTIONS} directional bands are needed: "
             f"{' or '.join(DIRECTIONAL)}, with levels [4]"
         )
@@ -247,7 +255,7 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     Parameters
     ----------
     path : path
-        A file such as ``params.yaml``; what it leaves out takes its default. The plug-ins that it
+        A file such as ``params.yaml``. Missing parameters have their defaults. The plug-ins that the file
         names, relative to its folder, are run.
 
     Returns
@@ -258,13 +266,13 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
     Raises
     ------
     ParameterError
-        If the file can't be read, holds a name twice, or a name or value that is not allowed.
+        If the file can't be read, or has a repeated name, an unknown name or a value that is not allowed.
     PlugInError
-        If a plug-in that it names can't be loaded.
+        If a plug-in can't be loaded.
     """
     values = read_yaml(path)
     if not isinstance(values, dict):
-        raise ParameterError(f"{path} holds no parameters; sections as in params.yaml are needed.")
+        raise ParameterError(f"{path} has no parameters; sections as in params.yaml are needed.")
     load_installed()
     load_files(values.get("plugins", ()), Path(path).parent)
     return ExperimentParameters.from_mapping(values, str(path))
@@ -273,10 +281,23 @@ def read_parameters(path: str | Path) -> ExperimentParameters:
 def as_parameters(
     values: ExperimentParameters | Mapping[str, Any] | None,
 ) -> ExperimentParameters:
-    """Check parameters as a caller in Python names them.
+    """Check parameters from Python.
 
-    A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or both.
-    Raises `ParameterError` if a name is unknown or given twice, or a value not allowed.
+    Parameters
+    ----------
+    values : ExperimentParameters, mapping or None
+        A mapping has sections as in ``params.yaml``, dotted names such as ``"sensor.resolution"``, or both. None
+        means defaults.
+
+    Returns
+    -------
+    ExperimentParameters
+        The parameters.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or repeated, or a value is not allowed.
     """
     load_installed()
     if values is None:
@@ -293,7 +314,7 @@ def as_parameters(
 
 
 def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Turn dotted names into sections."""
+    """Convert dotted names to nested sections."""
     nested: dict[str, Any] = {}
     for name, value in leaves(values):
         *sections, last = name.split(".")
@@ -302,15 +323,20 @@ def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
             section = section.setdefault(part, {})
             if not isinstance(section, dict):
                 path = ".".join(sections[: depth + 1])
-                raise ParameterError(f"parameters: {path} is {section!r} and holds {last} as well.")
+                raise ParameterError(
+                    f"parameters: {path} is {section!r}, but {name} needs a section there."
+                )
         if last in section:
-            raise ParameterError(f"parameters: {name} is given twice.")
+            raise ParameterError(f"parameters: {name} is set twice; once is allowed.")
         section[last] = value
     return nested
 
 
 def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield each value that is no section, with its dotted name."""
+    """Yield the dotted name and the value of every parameter in nested sections.
+
+    Raises `ParameterError` if a name is no text.
+    """
     for name, value in values.items():
         if not isinstance(name, str):
             raise ParameterError(f"parameters: {name!r} is no name of a parameter.")
@@ -321,6 +347,7 @@ def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, An
 
 
 def _sentence(problem: Mapping[str, object]) -> str:
+    """Return the message of one of pydantic's errors."""
     location = problem["loc"]
     path = ".".join(str(part) for part in location) if isinstance(location, tuple) else ""
     if problem["type"] == "extra_forbidden":

@@ -1,6 +1,6 @@
-"""The phases in order: inputs, outputs and parameters of each. `pipeline` has the functions.
+"""The phases in order, with inputs, outputs and parameters.
 
-Rules, keys, studies, `exploration` and `visuohaptic tables` read this list, without the packages that the functions need.
+The functions of the phases are in `pipeline`, so that reading this list does not import the packages of the functions.
 """
 
 from __future__ import annotations
@@ -18,27 +18,27 @@ from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.scene.parameters import VISUAL_EFFECTS
 
 Sources = str | Mapping[str, str]
-"""The dotted name of a parameter, or of several that make one argument, by their names there."""
+"""The dotted name of a parameter, or dotted names of several parameters by their names in one argument."""
 
 
 @dataclass(frozen=True)
 class Phase:
-    """One step of the experiment.
+    """A phase of the experiment.
 
     Attributes
     ----------
     name : str
-        The name of the phase, its rule, its folder of results and its records.
+        Name of the phase, its rule, its folder of results and its records.
     description : str
-        A participle for progress lines: "touching".
+        Participle for progress lines, such as "touching".
     arguments : mapping
         Dotted names of parameters by argument of the phase's function.
     inputs : tuple of str
-        Tables of the run that the phase reads. ``meshes`` are files.
+        Tables that the phase reads, and ``meshes``, which are files.
     writes : mapping
         Folder below results/ by output table.
     verb : str, optional
-        Set for phases that take one object at a time: the verb in progress lines and in columns of seconds.
+        Verb in columns of seconds, for phases that process one object at a time.
     """
 
     name: str
@@ -50,22 +50,23 @@ class Phase:
 
     @property
     def input_tables(self) -> tuple[str, ...]:
-        """Inputs without the meshes."""
+        """The inputs except the meshes."""
         return tuple(name for name in self.inputs if name != "meshes")
 
     def values(self, parameters: ExperimentParameters) -> dict[str, Any]:
-        """Return the values of the arguments."""
+        """Return the values of the arguments by name."""
         return {name: _value(parameters, source) for name, source in self.arguments.items()}
 
     def written_values(self, parameters: ExperimentParameters) -> dict[str, Any]:
-        """Return the values of the arguments in built-in types."""
+        """Return the values of the arguments by name, with sections as dicts."""
         return {name: _plain(value) for name, value in self.values(parameters).items()}
 
     def sections(self) -> list[str]:
         """Return the dotted names of all parameters that the phase depends on."""
-        sources = self.arguments.values()
-        names = (source.values() if isinstance(source, Mapping) else [source] for source in sources)
-        return sorted({name for some in names for name in some})
+        names: set[str] = set()
+        for source in self.arguments.values():
+            names.update([source] if isinstance(source, str) else source.values())
+        return sorted(names)
 
 
 def _value(parameters: ExperimentParameters, source: Sources) -> Any:
@@ -80,16 +81,17 @@ def _plain(value: Any) -> Any:
     return value.model_dump() if isinstance(value, BaseModel) else value
 
 
-def _all_but(model: type[BaseModel], section: str, *left_out: str) -> dict[str, str]:
-    return {name: f"{section}.{name}" for name in model.model_fields if name not in left_out}
+def _fields_except(model: type[BaseModel], section: str, *omitted: str) -> dict[str, str]:
+    """Return the dotted names of a section's parameters by name, except some."""
+    return {name: f"{section}.{name}" for name in model.model_fields if name not in omitted}
 
 
 PHASES = (
     Phase(
         "meshes",
         "preparing",
-        # The seed, which turns objects, is added where they are turned: another seed makes no other upright meshes.
-        arguments={"meshes": _all_but(MeshParameters, "meshes", "set")},
+        # Without the seed: only turned objects depend on it, and their code adds it.
+        arguments={"meshes": _fields_except(MeshParameters, "meshes", "set")},
         inputs=(),
         writes={"meshes": "meshes"},
     ),
@@ -101,7 +103,7 @@ PHASES = (
             "rendering": "rendering",
             "attention": "attention",
             "strategies": "probing.planned",
-            # Only effects of the view, so that an effect of the sensor renders no view again.
+            # Only visual effects, so that a change of the sensor's effects does not render the views again.
             "modes": {name: f"scene.effects.{name}" for name in VISUAL_EFFECTS},
             "seed": "seed",
         },
@@ -144,7 +146,9 @@ PHASES = (
         "recognition",
         "training and testing",
         arguments={
-            "recognition": _all_but(RecognitionParameters, "recognition", "pipelines", "intervals"),
+            "recognition": _fields_except(
+                RecognitionParameters, "recognition", "pipelines", "intervals"
+            ),
             "seed": "seed",
         },
         inputs=("features",),
@@ -153,7 +157,7 @@ PHASES = (
 )
 
 OF_OBJECT = tuple(phase for phase in PHASES if phase.verb)
-"""Phases that take one object at a time."""
+"""Phases that process one object at a time."""
 
 
 def phase(name: str) -> Phase:
@@ -162,17 +166,18 @@ def phase(name: str) -> Phase:
 
 
 def phases_after(tables: Iterable[str]) -> tuple[Phase, ...]:
-    """Return the phases of one object that follow the last writer of any of the named tables."""
-    known = {*tables}
-    writers = [n for n, phase in enumerate(OF_OBJECT, 1) if phase.writes.keys() & known]
+    """Return the phases of `OF_OBJECT` after the last phase that writes any of `tables`."""
+    existing = {*tables}
+    writers = [
+        number for number, phase in enumerate(OF_OBJECT, 1) if phase.writes.keys() & existing
+    ]
     return OF_OBJECT[max(writers, default=0) :]
 
 
 def inputs_needed_from(table: str) -> tuple[str, ...]:
-    """Return the inputs, ``meshes`` or tables, that are needed to make `table` and all later tables of an object."""
-    first = next(n for n, phase in enumerate(OF_OBJECT) if table in phase.writes)
+    """Return the inputs, ``meshes`` or tables, from which `table` and all later tables of an object are computed."""
+    first = next(index for index, phase in enumerate(OF_OBJECT) if table in phase.writes)
     remaining = OF_OBJECT[first:]
-    made = {name for phase in remaining for name in phase.writes}
-    return tuple(
-        dict.fromkeys(name for phase in remaining for name in phase.inputs if name not in made)
-    )
+    computed = {name for phase in remaining for name in phase.writes}
+    inputs = [name for phase in remaining for name in phase.inputs if name not in computed]
+    return tuple(dict.fromkeys(inputs))

@@ -1,4 +1,4 @@
-"""The phases of one object in memory, by the functions that the workflow's jobs call on files."""
+"""The phases of one object in memory, with the same functions as the workflow's jobs."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from visuohaptic.phases import PHASES, Phase, phases_after
 from visuohaptic.touches.acquiring import acquire_touches
 
 VIEWPOINTS_AT_ONCE = 8
-"""Viewpoints that are worked on together; it changes no result."""
+"""Viewpoints per block; the number changes no result."""
 
 WORK: Mapping[str, Work] = {
     "fixations": ObjectViews,
     "touches": acquire_touches,
     "features": describe,
 }
-"""The function of each phase that takes one object at a time, by the phase's name.
+"""The functions of the phases in `phases.OF_OBJECT`, by name of the phase.
 
 ``work(subject, *input_tables, **arguments)`` returns an object with one attribute per output table.
 """
@@ -32,10 +32,21 @@ _READ = {name for phase in PHASES for name in phase.inputs}
 
 
 def run(subject: Subject, parameters: ExperimentParameters, tables: Tables | None = None) -> Tables:
-    """Run all phases of one object in memory; the results equal those of the workflow.
+    """Run the phases of one object in memory; the results equal those of the workflow.
 
-    `tables`: results that exist already, by name. Only the phases after the last of them run. Returns these tables,
-    ``features``, and every table of the phases that ran which a later phase reads.
+    Parameters
+    ----------
+    subject : Subject
+        The object and its viewpoints.
+    parameters : ExperimentParameters
+        The parameters.
+    tables : mapping of str to pyarrow.Table, optional
+        Existing results by name. Only the phases after the last of them run.
+
+    Returns
+    -------
+    mapping of str to pyarrow.Table
+        `tables`, ``features``, and all new tables that a later phase reads.
     """
     if tables:
         return _run_remaining(subject, parameters, tables)
@@ -46,7 +57,7 @@ def run(subject: Subject, parameters: ExperimentParameters, tables: Tables | Non
 def touch_all_locations(
     parameters: ExperimentParameters, fixations: pa.Table
 ) -> ExperimentParameters:
-    """Return parameters with which every probing location of a table is touched, in reach or not."""
+    """Return parameters with which the sensor touches all rows of a table of probing locations, also out of reach."""
     attention = parameters.attention.model_copy(update={"fixations": fixations.num_rows})
     probing = parameters.probing.model_copy(
         update={"unreachable": "keep", "when_exhausted": "stop"}
@@ -62,7 +73,7 @@ def _run_remaining(subject: Subject, parameters: ExperimentParameters, tables: T
 
 
 def tables_for_next(phase: Phase, outputs: Any) -> Tables:
-    """Return the output tables of a phase that another phase reads."""
+    """Return the output tables of a phase that any phase reads, by name."""
     return {name: getattr(outputs, name) for name in phase.writes if name in _READ}
 
 

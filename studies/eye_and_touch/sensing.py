@@ -103,7 +103,7 @@ def sense_object(
             ]
             for sight in SIGHTS
         }
-        seen.append(describe_views(look.seen, generators))
+        seen.append(describe_views(look.rendered, generators))
         features.append(run_phases(block, parameters, tables_for_next(looking, look))["features"])
     views = {cue: np.concatenate([of_block[cue] for of_block in seen]) for cue in CUES}
     return pa.concat_tables(features), views

@@ -35,7 +35,7 @@ from visuohaptic.attention.terms import SEEN, prepare_surface
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.parameters import RenderingParameters
-from visuohaptic.fixations.places import draw_by_area, sees
+from visuohaptic.fixations.places import draw_by_area, is_visible
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
@@ -231,7 +231,7 @@ def look_at(
     chosen = np.sort(generator.choice(len(points), count, replace=False))
     cameras = place_cameras(parameters.viewpoints)
     chosen_points = placed[chosen]
-    sighted = np.stack([sees(caster, camera, placed) for camera in cameras])
+    sighted = np.stack([is_visible(caster, camera, placed) for camera in cameras])
     visible = sighted[:, chosen]
     front = spawn_generator(seed, "gaze front", file.name)
     every = AttentionParameters.model_validate({"weights": "equal"}).weights

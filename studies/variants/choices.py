@@ -14,7 +14,7 @@ from functools import cached_property
 from operator import attrgetter
 from typing import Literal
 
-from visuohaptic.attention.parameters import read_learnt
+from visuohaptic.attention.parameters import read_fitted_weights
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.study import Changes
@@ -79,7 +79,7 @@ _DISTANCE = (
     "distance between points on a tangential plane (representing the surface of the sensor) and the "
     "object (section 3.2)"
 )
-_EIGHT = tuple(read_learnt()["channels"])  # channels of the package, without plug-ins
+_EIGHT = tuple(read_fitted_weights()["channels"])  # channels of the package, without plug-ins
 _NAMED_CHANNELS = {"colour", "contrast", "curvature", "intensity", "orientation"}
 _SCIKIT_LEARN: Changes = {
     f"{_CLASSIFIER}.neighbours": 5,
@@ -186,7 +186,7 @@ CHOICES: tuple[Choice, ...] = (
             "eight_equal": dict.fromkeys((f"attention.weights.{name}" for name in _EIGHT), 1.0),
             "eight_fitted": {
                 f"attention.weights.{name}": weight
-                for name, weight in read_learnt()["channels"].items()
+                for name, weight in read_fitted_weights()["channels"].items()
             },
             "five_named": {
                 f"attention.weights.{name}": float(name in _NAMED_CHANNELS)

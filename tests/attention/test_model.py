@@ -189,10 +189,10 @@ def test_empty_view_has_no_fixation_and_says_why():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"mask": np.ones((1, 15, 64), dtype=bool)}, "16 x 16 is the least"),
+        ({"mask": np.ones((1, 15, 64), dtype=bool)}, "at least 16 x 16 are needed"),
         ({"mask": np.ones((1, 64, 64))}, "bool is allowed"),
-        ({"colour": np.zeros((1, 64, 63, 3), np.float32)}, "goes with the mask"),
-        ({"colour": np.full((1, 64, 64, 3), np.nan, np.float32)}, "not finite"),
+        ({"colour": np.zeros((1, 64, 63, 3), np.float32)}, "with this mask "),
+        ({"colour": np.full((1, 64, 64, 3), np.nan, np.float32)}, "NaN or infinite"),
         ({"curvature": np.full((1, 64, 64), -1, np.float32)}, "below 0"),
     ],
 )

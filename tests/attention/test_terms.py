@@ -14,7 +14,7 @@ from visuohaptic.attention import (
     attend,
 )
 from visuohaptic.attention.model import term_planes
-from visuohaptic.attention.parameters import read_learnt
+from visuohaptic.attention.parameters import read_fitted_weights
 from visuohaptic.attention.terms import SEEN, prepare_surface
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
@@ -123,7 +123,7 @@ def test_equal_is_1_for_every_channel_and_the_default_for_the_five_that_the_pape
 
 
 def test_the_learnt_weights_say_where_they_come_from_and_name_every_channel_and_term():
-    learnt = read_learnt()
+    learnt = read_fitted_weights()
     assert set(learnt) == {"source", "date", "command", "channels", "terms", "objects", "sha256"}
     assert (set(learnt["channels"]), set(learnt["terms"])) == (set(CHANNELS), set(TERMS))
     weights = AttentionParameters(weights="human_channels").weights
@@ -132,7 +132,7 @@ def test_the_learnt_weights_say_where_they_come_from_and_name_every_channel_and_
 
 
 def test_other_names_of_weights_are_refused():
-    with pytest.raises(ValidationError, match="equal, human_channels or a number a channel"):
+    with pytest.raises(ValidationError, match="equal, human_channels or a number per channel"):
         AttentionParameters(weights="animal")
     with pytest.raises(ValidationError, match="all channel weights are 0"):
         ChannelWeights(**dict.fromkeys(CHANNELS, 0.0))

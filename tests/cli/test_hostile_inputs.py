@@ -49,7 +49,7 @@ REFUSED = [
     (("touch", "."), "ends in nothing|Is a directory", {}),
     (("touch", "x" * 300 + ".obj"), "File name too long", {}),
     (WITH, "p.yaml can't be read: No such file", {}),
-    (WITH, "holds no parameters", {"p.yaml": b"[1, 2]"}),
+    (WITH, "has no parameters", {"p.yaml": b"[1, 2]"}),
     (WITH, "can't be read", {"p.yaml": CODE}),
     (WITH, "can't be read|RecursionError", {"p.yaml": b"a: " + b"[" * 3000 + b"]" * 3000}),
     (WITH, "p.yaml: sensor.resolutoin is no parameter", {"p.yaml": b"sensor: {resolutoin: 3}"}),

@@ -1,11 +1,9 @@
 """A classifier of one's own gets features, descriptors, or imprints and poses, on splits of one's own too."""
 
-from typing import ClassVar
-
 import numpy as np
 import pytest
+from evaluation.own_estimators import Changing, Keeping, Locked, Naming, Scoring, Sized
 from recognition.synthetic import features_table
-from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 from sklearn.ensemble import RandomForestClassifier
 from sklearn.model_selection import KFold, StratifiedGroupKFold
@@ -52,24 +50,6 @@ def touches_of(features, seed=0, side=SIDE):
 @pytest.fixture(scope="module")
 def touches(features):
     return touches_of(features)
-
-
-class Keeping(ClassifierMixin, BaseEstimator):
-    """Keeps what it is given, where a test can see it."""
-
-    given: ClassVar = []
-
-    def __init__(self, label=0):
-        self.label = label
-
-    def fit(self, X, y, groups=None):
-        self.classes_ = np.unique(y)
-        self.given.append((X, y, groups))
-        return self
-
-    def predict(self, X):
-        self.given.append((X, None, None))
-        return np.full(len(X), self.label)
 
 
 @pytest.fixture
@@ -244,37 +224,6 @@ def test_two_evaluations_compare_in_pairs_over_objects(features):
     assert compared.objects == 12
 
 
-class Changing(Keeping):
-    """Its constructor changes its argument, so that it can't be copied."""
-
-    def __init__(self, label=0):
-        self.label = [label]
-
-
-class Sized(Keeping):
-    """Needs sequences of five touches, as a network of a fixed size does."""
-
-    def fit(self, X, y):
-        np.reshape(X["pose"], (-1, 30)) @ np.ones(30)
-        if X.shape[1] != 5:
-            raise ValueError("5 touches are needed")
-        return super().fit(X, y)
-
-
-class Scoring(Keeping):
-    """Predicts scores instead of labels."""
-
-    def predict(self, X):
-        return np.zeros((len(X), 4))
-
-
-class Naming(Keeping):
-    """Predicts names instead of labels."""
-
-    def predict(self, X):
-        return np.full(len(X), "class0")
-
-
 @pytest.mark.parametrize(
     ("estimator", "touches_each", "sentence"),
     [
@@ -291,20 +240,13 @@ class Naming(Keeping):
         (LinearDiscriminantAnalysis(), 5, r"can't be fitted or tested on a structured array"),
     ],
 )
-@pytest.mark.parametrize("n_jobs", [1])
+@pytest.mark.parametrize("n_jobs", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_estimators_that_do_not_fit_are_refused_with_the_reason(
     touches, estimator, touches_each, sentence, n_jobs
 ):
     chosen = FEW.model_copy(update={"touches": touches_each})
     with pytest.raises(RecognitionError, match=sentence):
         vh.evaluate(estimator, touches, chosen, inputs="touches", n_jobs=n_jobs)
-
-
-class Locked(Keeping):
-    """Can be copied by scikit-learn, and not sent to another process."""
-
-    def __reduce__(self):
-        raise TypeError("a handle of this process")
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ def test_levels_choose_the_bands_and_the_default_is_one_level_of_sixteen():
     several = describe_imprints(imprints, FeatureParameters(levels=(2, 2, 3)))
     assert several.shape == (3, 16)
     assert describe_imprints(imprints, FeatureParameters(levels=(2, 3))).shape == (3, 12)
-    with pytest.raises(ValueError, match="28 bands are more than the 16"):
+    with pytest.raises(ValueError, match="levels give 28 bands; at most 16"):
         FeatureParameters(levels=(2, 3, 4))
 
 

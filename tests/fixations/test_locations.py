@@ -45,7 +45,7 @@ def sight_of(caster, block=(0, 1, 2), attention=ATTENTION, strategies=()):
 
 @pytest.fixture(scope="module")
 def looks(caster):
-    return sight_of(caster).looks
+    return sight_of(caster).attended_views
 
 
 def places_of(table):
@@ -67,7 +67,7 @@ def test_locations_lie_on_their_faces_and_face_outwards(caster, looks, strategy)
     offsets = np.einsum("nk,nk->n", points - corners[:, 0], flat)
     np.testing.assert_allclose(offsets, 0, atol=1e-6)
     for row in table.filter(pc.is_valid(table.column("pixel_row"))).to_pylist():
-        seen = looks[row["viewpoint"]].seen.point[row["viewpoint"]]
+        seen = looks[row["viewpoint"]].views.point[row["viewpoint"]]
         assert tuple(seen[row["pixel_row"], row["pixel_column"]]) == (row["x"], row["y"], row["z"])
     # A convex box: outwards is away from its centre.
     assert (np.abs(np.sum(flat * normals, axis=1)) > 0.7).all()
@@ -79,9 +79,9 @@ def test_locations_depend_on_their_own_viewpoint_alone_and_fewer_are_the_first_o
     caster, looks, strategy
 ):
     many = locate(looks[1], strategy, ATTENTION, 3)
-    assert many.equals(locate(sight_of(caster, (1,)).looks[0], strategy, ATTENTION, 3))
+    assert many.equals(locate(sight_of(caster, (1,)).attended_views[0], strategy, ATTENTION, 3))
     shorter = AttentionParameters(fixations=3)
-    few = locate(sight_of(caster, (1,), shorter).looks[0], strategy, shorter, 3)
+    few = locate(sight_of(caster, (1,), shorter).attended_views[0], strategy, shorter, 3)
     assert few.num_rows > 3
     assert few.equals(many.slice(0, 3 + SPARE))
 
@@ -95,7 +95,7 @@ def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, s
     assert first.equals(seeded) != strategy.random
     assert first.column("x").to_pylist() != other.column("x").to_pylist()
     one = looks[0]
-    blind = Viewpoint(one.key, one.viewpoint, one.caster, one.camera)
+    blind = Viewpoint(one.key, one.number, one.caster, one.camera)
     if strategy.looks:
         with pytest.raises(AttributeError, match="Viewpoint"):
             locate(blind, strategy.name, ATTENTION, 3)
@@ -107,7 +107,7 @@ def test_no_view_is_rendered_for_strategies_that_need_none(caster):
     for strategies, is_seen in ((("random", "random_walk"), False), (("random", "human"), True)):
         sight = sight_of(caster, strategies=strategies)
         assert set(sight.fixations.column("strategy").to_pylist()) == set(strategies)
-        assert ("seen" in vars(sight)) == is_seen
+        assert ("rendered" in vars(sight)) == is_seen
 
 
 def test_random_probing_draws_by_area_and_random_probing_anywhere_the_same(caster, looks):
@@ -138,7 +138,7 @@ def test_the_most_curved_places_of_a_box_are_its_edges(looks):
 
 def test_a_surface_without_curvature_has_places_too():
     flat = build_plain_surface([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]])
-    one = sight_of(RayCaster(flat), block=(0,)).looks[0]
+    one = sight_of(RayCaster(flat), block=(0,)).attended_views[0]
     assert locate(one, "curvature", ATTENTION, 3).num_rows >= 6
 
 

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from numerics.surfaces import build_plain_surface, of_trimesh
 
-from visuohaptic.fixations.places import draw_by_area, sees
+from visuohaptic.fixations.places import draw_by_area, is_visible
 from visuohaptic.fixations.strategies.farthest_point import farthest_order, spread_far
 from visuohaptic.fixations.strategies.visible import draw_visible
 from visuohaptic.fixations.viewpoints import Camera
@@ -57,8 +57,8 @@ def test_a_box_shows_the_sides_that_face_the_camera(box, projection):
     drawn = draw_by_area(box.surface, 2000, np.random.default_rng(0))
     towards = one.eye - drawn.points if projection == "perspective" else one.axes[2]
     facing = np.sum(drawn.normals * towards, axis=1) > 0
-    np.testing.assert_array_equal(sees(box, one, drawn.points), facing)
-    assert not sees(box, one, np.empty((0, 3))).size
+    np.testing.assert_array_equal(is_visible(box, one, drawn.points), facing)
+    assert not is_visible(box, one, np.empty((0, 3))).size
 
 
 def test_what_stands_in_front_hides_what_is_behind():
@@ -69,15 +69,15 @@ def test_what_stands_in_front_hides_what_is_behind():
     caster = RayCaster(of_trimesh(plates))
     points = np.array([[0.0, 0, 0.51], [0, 0, 0.01], [0.4, 0, 0.01]])
     ahead = camera(0.0, 0.0)
-    assert sees(caster, ahead, points).tolist() == [True, False, True]
-    assert sees(caster, camera(180.0, 0.0), points).sum() == 0
+    assert is_visible(caster, ahead, points).tolist() == [True, False, True]
+    assert is_visible(caster, camera(180.0, 0.0), points).sum() == 0
 
 
 def test_what_is_outside_the_view_is_not_seen(box):
     points = np.array([[0.0, 0, 0.5], [0.4, 0, 0.5], [0, 0.4, 0.5]])
     for projection in ("perspective", "orthographic"):
         narrow = Camera(0.0, 0.0, 3.0, 5.0, projection)
-        assert sees(box, narrow, points).tolist() == [True, False, False]
+        assert is_visible(box, narrow, points).tolist() == [True, False, False]
 
 
 def test_visible_points_are_uniform_over_the_visible_faces(box):

@@ -7,7 +7,7 @@ from numerics.surfaces import of_trimesh
 
 from visuohaptic.fixations import rendering
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.rendering import Views, colour_views, meet_surface, render_views
+from visuohaptic.fixations.rendering import Views, cast_pixel_rays, colour_views, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
@@ -49,7 +49,7 @@ def test_sphere_is_seen_where_it_is(projection, resolution):
 
 def test_one_cast_can_be_coloured_under_any_effects():
     caster, parameters = RayCaster(SPHERE), RenderingParameters(resolution=64)
-    met = list(meet_surface(caster, CAMERAS, parameters))
+    met = list(cast_pixel_rays(caster, CAMERAS, parameters))
     for mode in ("always", "never"):
         modes = EffectModes(**every(mode))
         coloured = colour_views(caster, CAMERAS, met, parameters, modes).colour

@@ -35,8 +35,11 @@ def object_arrays(path):
     yield "rays", ray_arrays(caster)
     subject = Subject(found.key, lambda: caster, range(VIEWPOINTS))
     sight = run_phase(OF_OBJECT[0], subject, {}, chosen)
-    yield "views", {name: getattr(sight.seen, name) for name in SEEN}
-    yield "saliency", {"saliency": np.stack([one.attended.saliency for one in sight.looks])}
+    yield "views", {name: getattr(sight.rendered, name) for name in SEEN}
+    yield (
+        "saliency",
+        {"saliency": np.stack([one.attended.saliency for one in sight.attended_views])},
+    )
     for name, table in run(subject, chosen, {"fixations": sight.fixations}).items():
         yield name, columns_of(table)
 

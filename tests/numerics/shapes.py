@@ -8,7 +8,7 @@ from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.touches.choosing import touched_places
+from visuohaptic.touches.choosing import touched_locations
 
 VIEWPOINTS = 4
 PARAMETERS = ExperimentParameters.from_mapping(
@@ -106,5 +106,5 @@ def run_chain(source, folder, block=range(VIEWPOINTS)):
     mesh = folder / "mesh.ply"
     make_mesh("hard/mesh", Model("hard", "mesh"), source, mesh, MeshParameters())
     found = run_phases("hard/mesh", mesh, folder / "tables", PARAMETERS, block)
-    located = touched_places(found["fixations"], found["touches"])
+    located = touched_locations(found["fixations"], found["touches"])
     return {"fixations": located, "touches": found["touches"], "features": found["features"]}

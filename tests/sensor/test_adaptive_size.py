@@ -7,16 +7,16 @@ from sensor.shapes import PLATE, box, hard_probes, joined, sheet, surface_of
 
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor import SensorParameters
-from visuohaptic.sensor.imprints import cast_heights, stand_on
+from visuohaptic.sensor.imprints import cast_heights, make_poses
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE as TOLERANCE
-from visuohaptic.sensor.placing import place
+from visuohaptic.sensor.placing import place_batch
 
 PARAMETERS = SensorParameters()
 
 
 def placed(surface, point, normal, parameters=PARAMETERS, mode="auto"):
-    poses = stand_on(np.array([point], float), np.array([normal], float))
-    return place(RayCaster(surface), poses, parameters, mode)
+    poses = make_poses(np.array([point], float), np.array([normal], float))
+    return place_batch(RayCaster(surface), poses, parameters, mode)
 
 
 def test_a_valley_admits_a_square_that_its_walls_just_touch():
@@ -101,8 +101,8 @@ def test_the_mode_says_whether_the_square_adapts():
 @given(surfaces(kinds=("sheet", "boxes")), st.integers(0, 1000))
 def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, seed):
     points, normals, _ = probes_on(surface, 12, seed)
-    caster, poses = RayCaster(surface), stand_on(points, normals)
-    placement = place(caster, poses, PARAMETERS, "auto")
+    caster, poses = RayCaster(surface), make_poses(points, normals)
+    placement = place_batch(caster, poses, PARAMETERS, "auto")
     sizes, penetration = placement.sizes, placement.heights.max(axis=(1, 2))
     smallest, largest = PARAMETERS.smallest_size, PARAMETERS.largest_size
 

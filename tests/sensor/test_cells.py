@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
+from visuohaptic.sensor.cells import add_drift, add_hysteresis, respond_to_force, scatter_gains
 
 PRESSURES = np.linspace(0, 1, 1001)
 
@@ -19,20 +19,20 @@ def test_conductance_is_linear_half_of_linear_at_saturation_and_one_at_full_scal
 def test_hysteresis_loop_area_is_a_third_of_excess_times_peak_squared():
     excess, peak = 0.1, 0.8
     outputs = np.linspace(0, peak, 20_001)
-    release = remember_peak(outputs, np.full_like(outputs, peak), excess)
-    press = remember_peak(outputs, outputs, excess)
+    release = add_hysteresis(outputs, np.full_like(outputs, peak), excess)
+    press = add_hysteresis(outputs, outputs, excess)
     area = np.trapezoid(release - press, outputs)
     assert area == pytest.approx(excess * peak**2 / 3, rel=1e-6)
     np.testing.assert_array_equal(press, outputs)
     assert release.max() <= peak
-    at_half = remember_peak(np.array([0.3]), np.array([0.6]), excess)
+    at_half = add_hysteresis(np.array([0.3]), np.array([0.6]), excess)
     assert at_half == pytest.approx(0.33)
 
 
 def test_drift_has_its_slope_in_decades_from_its_reference():
-    outputs = [drift(np.array([0.4]), held, 0.1, 0.05)[0] for held in (1.0, 10.0, 100.0)]
+    outputs = [add_drift(np.array([0.4]), held, 0.1, 0.05)[0] for held in (1.0, 10.0, 100.0)]
     np.testing.assert_allclose(outputs, 0.4 * (1 + 0.05 * np.array([1, 2, 3])), rtol=1e-12)
-    np.testing.assert_array_equal(drift(PRESSURES, 0.1, 1.0, 0.05), PRESSURES)
+    np.testing.assert_array_equal(add_drift(PRESSURES, 0.1, 1.0, 0.05), PRESSURES)
 
 
 def test_gains_scatter_by_their_deviation_and_are_never_negative():

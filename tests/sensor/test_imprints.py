@@ -5,7 +5,7 @@ import pytest
 from sensor.shapes import box, joined, sheet, surface_of
 
 from visuohaptic.geometry.raycasting import MISS, RayCaster
-from visuohaptic.sensor.imprints import cast_heights, sensing_offsets, smooth_normals, stand_on
+from visuohaptic.sensor.imprints import cast_heights, make_poses, sensing_offsets, smooth_normals
 
 HALF, CELLS, SIZE = 0.25, 50, 0.3
 
@@ -45,7 +45,7 @@ def sensing_grid(size, resolution):
 
 
 def heights_over(surface, aside=0.0):
-    poses = stand_on(np.array([[aside, 0.0, 0.0]]), np.array([[0, 1.0, 0]]))
+    poses = make_poses(np.array([[aside, 0.0, 0.0]]), np.array([[0, 1.0, 0]]))
     np.testing.assert_allclose(poses.columns[0], (1, 0, 0), atol=1e-12)
     return cast_heights(RayCaster(surface), poses, np.array([SIZE]), np.array([2.0]), 32)[0]
 
@@ -57,7 +57,7 @@ def test_neither_the_caster_nor_pose_and_place_add_an_error(name):
     turn = random_rotation(generator)
     shift = generator.uniform(-0.4, 0.4, 3)
     moved = surface_of(surface.vertices @ turn.T + shift, surface.faces)
-    poses = stand_on(shift[None], turn[:, 1][None])
+    poses = make_poses(shift[None], turn[:, 1][None])
     heights = cast_heights(RayCaster(moved), poses, np.array([0.2]), np.array([2.5]), 32)[0]
     x, z = sensing_grid(0.2, 32)
     offsets = x[..., None] * poses.columns[0] + z[..., None] * poses.rows[0]
@@ -104,7 +104,7 @@ class LeakyCaster(RayCaster):
 
 def test_a_miss_between_hits_is_cast_again():
     surface = sheet(lambda x, z: -(x**2), half=0.4, cells=60)
-    poses = stand_on(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
+    poses = make_poses(np.zeros((1, 3)), np.array([[0, 1.0, 0]]))
     pose = (poses, np.array([SIZE]), np.array([2.0]), 32)
     leaky, tight = LeakyCaster(surface), RayCaster(surface)
     np.testing.assert_array_equal(cast_heights(leaky, *pose), cast_heights(tight, *pose))
@@ -123,7 +123,7 @@ def test_smoothed_normals_average_a_ridged_surface():
     ridged = sheet(lambda x, z: 0.02 * np.abs((x * 25) % 2 - 1) + 0.2 * x, HALF, 200)
     slope = np.array([[-0.2, 1.0, 0.0]]) / np.hypot(0.2, 1)
     point = np.array([[0.01, float(0.02 * 0.75 + 0.002), 0.0]])
-    poses = stand_on(point, np.array([[-0.7, 1.0, 0]]) / np.hypot(0.7, 1))
+    poses = make_poses(point, np.array([[-0.7, 1.0, 0]]) / np.hypot(0.7, 1))
     normals = smooth_normals(RayCaster(ridged), poses, 0.3, 0.3)
     assert normals[0] @ slope[0] > np.cos(np.radians(8))
     assert poses.normals[0] @ slope[0] < np.cos(np.radians(20))

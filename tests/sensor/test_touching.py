@@ -12,7 +12,7 @@ from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import PRESETS, TACTILE_EFFECTS, Scene
 from visuohaptic.sensor import SensorParameters, touch
-from visuohaptic.sensor.touching import feel, place_sensors
+from visuohaptic.sensor.touching import place_sensors, sense
 from visuohaptic.tables.phases import CONTACT_STATES
 
 ARRAYS = ("images", "size", "contact_state", "penetration", "normals", "tangents", "gaps")
@@ -57,8 +57,8 @@ def test_a_touch_depends_on_its_place_and_scene_alone(surface, scene, other, par
             np.testing.assert_array_equal(getattr(alone, name), getattr(felt, name)[rows])
     # whatever was felt by sensors that are placed once,
     placed = list(place_sensors(caster, points, normals, parameters, "auto"))
-    feel(placed, parameters, other, fields)
-    assert_same_touches(feel(placed, parameters, scene, fields), felt)
+    sense(placed, parameters, other, fields)
+    assert_same_touches(sense(placed, parameters, scene, fields), felt)
     # and whether effects that it does not need are simulated.
     eager = touch(caster, points, normals, parameters, always(scene), fields)
     assert_same_touches(felt, eager)

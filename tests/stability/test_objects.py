@@ -19,7 +19,7 @@ from visuohaptic.stability.objects import SensedObject, check_object, make_objec
 from visuohaptic.tables.phases import FIXATIONS, TOUCHES
 from visuohaptic.tables.schema import read_table, write_table
 from visuohaptic.tables.stability import STABILITY
-from visuohaptic.touches.choosing import touched_places
+from visuohaptic.touches.choosing import touched_locations
 
 PARAMETERS = ExperimentParameters.from_mapping(
     {"viewpoints": {"count": 2}, "rendering": {"resolution": 64}}
@@ -33,7 +33,7 @@ def sensed():
     surface = normalise(of_trimesh(trimesh.creation.torus(0.6, 0.25, 24, 16)), "torus")
     made = run(Subject("ring/torus", lambda: RayCaster(surface), range(2)), PARAMETERS)
     touches = made["touches"]
-    located = touched_places(made["fixations"], touches)
+    located = touched_locations(made["fixations"], touches)
     attention, sensor, scene = PARAMETERS.attention, PARAMETERS.sensor, PARAMETERS.scene
     return SensedObject(surface, located, touches, attention, sensor, scene, PARAMETERS.seed)
 

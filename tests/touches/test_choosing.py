@@ -10,7 +10,7 @@ from visuohaptic.sensor import SensorParameters
 from visuohaptic.tables.phases import FIXATIONS, SPARE
 from visuohaptic.tables.schema import check_table
 from visuohaptic.touches import choosing
-from visuohaptic.touches.choosing import Wanted, choose_places, touched_places
+from visuohaptic.touches.choosing import Wanted, choose_locations, touched_locations
 
 
 def located(*reached, strategy="fixation"):
@@ -40,7 +40,7 @@ def reach(monkeypatch):
 
 
 def choose(table, touches=3, **wanted):
-    places, ranks = choose_places(None, table, SensorParameters(), Wanted(touches, **wanted))
+    places, ranks = choose_locations(None, table, SensorParameters(), Wanted(touches, **wanted))
     check_table(FIXATIONS, places)
     viewpoints = places.column("viewpoint").to_pylist()
     numbers = places.column("touch").to_pylist()
@@ -103,8 +103,8 @@ def test_an_exhausted_sequence_begins_again_with_what_it_touched():
 
 def test_each_touch_is_found_among_the_places():
     table = located("xoxoo", "ooooo")
-    places, ranks = choose_places(None, table, SensorParameters(), Wanted(3))
+    places, ranks = choose_locations(None, table, SensorParameters(), Wanted(3))
     field = table.schema.field("touch")
     felt = places.append_column(pa.field("rank", field.type), pa.array(ranks, field.type))
     shuffled = felt.take([4, 0, 5, 2, 1, 3])
-    assert touched_places(table, shuffled).equals(places.take([4, 0, 5, 2, 1, 3]))
+    assert touched_locations(table, shuffled).equals(places.take([4, 0, 5, 2, 1, 3]))

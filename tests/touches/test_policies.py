@@ -24,7 +24,12 @@ from visuohaptic.tables.phases import EFFECTS, FIXATIONS, POINT_NAMES, SPARE, TO
 from visuohaptic.tables.schema import check_table, join_parts, matrix
 from visuohaptic.touches import policies as driving
 from visuohaptic.touches.acquiring import acquire_touches
-from visuohaptic.touches.choosing import Wanted, choose_places, numbered, touched_places
+from visuohaptic.touches.choosing import (
+    Wanted,
+    choose_locations,
+    touched_locations,
+    with_touch_numbers,
+)
 from visuohaptic.touches.touching import touch_part
 
 SENSOR, SEED = SensorParameters(), 3
@@ -145,7 +150,7 @@ def test_a_policy_is_given_what_was_felt(caster, with_policy):
 def test_touches_by_a_policy_are_those_at_its_places(caster, with_policy):
     """Column for column, with the sensor's noise, as if the places had been chosen before."""
     found = acquire(caster, with_policy("walk", walk))
-    places, ranks = choose_places(caster, found.policy_fixations, SENSOR, Wanted(4))
+    places, ranks = choose_locations(caster, found.policy_fixations, SENSOR, Wanted(4))
     part = touch_part(caster, places, SENSOR, SCENE, SEED, ranks)
     assert found.touches.equals(part.touches)
     counts = ["effect", "touches", "needed", "runs"]
@@ -170,7 +175,9 @@ def test_planned_touches_stay_as_they_are_beside_a_policy(caster, with_policy):
 def test_one_table_holds_the_places_of_all_touches(caster, with_policy):
     planned = planned_of(caster, "fixation")
     found = acquire(caster, with_policy("walk", walk), planned=planned)
-    places = touched_places(join_parts(FIXATIONS, [planned, found.policy_fixations]), found.touches)
+    places = touched_locations(
+        join_parts(FIXATIONS, [planned, found.policy_fixations]), found.touches
+    )
     assert places.select(TOUCHES.keys).equals(found.touches.select(TOUCHES.keys))
     np.testing.assert_array_equal(matrix(places, POINT_NAMES), matrix(found.touches, POINT_NAMES))
 
@@ -203,7 +210,7 @@ def test_a_place_out_of_reach_is_told_and_is_no_touch(caster, with_policy, monke
     assert told[-1] == [False, False, True, True]
     assert found.touches["rank"].to_pylist() == [2, 3, 4]
     assert found.policy_fixations.num_rows == 5
-    places = numbered(found.policy_fixations.take([2, 3, 4]), np.arange(3))
+    places = with_touch_numbers(found.policy_fixations.take([2, 3, 4]), np.arange(3))
     part = touch_part(caster, places, SENSOR, SCENE, SEED, np.array([2, 3, 4]))
     assert found.touches.equals(part.touches)
     unreachable_first(monkeypatch, SPARE + 1)
@@ -265,7 +272,7 @@ def fail(*_):
         ),
         (
             lambda view, _: view.places.points[0],
-            r"try 1: it chose .*, the place of try 0; a new place, or None to stop, is needed\.$",
+            r"try 1: it chose .*, the location of try 0; a new location, or None to stop, is needed\.$",
         ),
         (lambda *_: [np.nan, 0, 0], r"it chose \(nan, 0, 0\); finite numbers are needed\.$"),
         (lambda *_: [np.inf, 0, 0], "finite numbers are needed"),

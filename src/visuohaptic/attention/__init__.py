@@ -1,10 +1,10 @@
 """A model of visual attention: saliency maps and ordered fixations on views of objects.
 
-It takes arrays of pixels, points and normals and gives arrays; it handles no meshes, cameras or
-touch, and uses nothing of the rest of the project.
+Input and output are arrays of pixels, points and normals. The package imports nothing from the rest of
+the project and knows no meshes, cameras or touches.
 """
 
 import lazy_loader
 
-# Parameters are read without OpenCV, which computes the channels; the names are in the stub beside this file.
+# Loaded on first use, so that reading parameters does not import OpenCV. The stub `__init__.pyi` lists the names.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

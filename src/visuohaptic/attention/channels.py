@@ -1,7 +1,7 @@
-"""The eight channels: their feature planes of a view, on the working image.
+"""Feature planes of the eight channels, on the working image of a view.
 
-No plane depends on the view's brightness, and each is multiplied by the certainty of its pixels, so
-that only the object counts.
+A view's overall brightness changes no plane. Each plane is multiplied by the certainty of its pixels,
+so that only the object counts.
 """
 
 from __future__ import annotations
@@ -17,36 +17,39 @@ from .levels import CENTRE_LEVELS
 from .plain_filters import plain_kernel
 from .planes import Plane
 from .pyramid import (
-    GOES_ON,
+    BORDER_REPEATED,
     blur,
+    build_pyramid,
     enlarge,
-    filled,
+    fill_background,
     reciprocal,
     reduce,
-    reductions,
     to_working_size,
 )
 
-# Gabor angles, evenly spread over half a turn: 0, 45, 90 and 135° (Itti, Koch & Niebur 1998).
+# Angles of the Gabor filters, evenly spread over half a turn: 0, 45, 90 and 135° (Itti, Koch & Niebur 1998).
 ORIENTATIONS = 4
+# Sides, wavelength and standard deviation of the Gabor filters, pixels.
 GABOR_SIZE = 9
 GABOR_PERIOD = 7.0
 GABOR_DEVIATION = 7.0 / 3.0
+# Standard deviation of the window of local contrast, pixels.
 WINDOW_DEVIATION = 3.0
 # Below this share of the brightest value, hue is noise (Itti, Koch & Niebur 1998).
 DARK = np.float32(0.1)
-# A view below this is black: denormal numbers have lost their digits, and their reciprocal overflows.
+# A peak below this counts as black: denormal numbers have few digits, and their reciprocal overflows.
 DARKEST = float(np.finfo(np.float32).tiny)
-# Gradients, fractions of full scale per pixel, from which votes for symmetry count at all and fully.
+# Votes for symmetry start at the faint gradient and count fully from the strong gradient, full scale per pixel.
 FAINT_GRADIENT = 0.01
 STRONG_GRADIENT = 0.1
+# Exponent α of Loy & Zelinsky 2003: larger values demand votes from all around a centre.
 RADIAL_STRICTNESS = 2.0
-# Votes at which a centre counts as fully symmetric: half of the 9.9 of Loy & Zelinsky 2003, as
-# half the rows and columns have half the pixels around a circle.
+# Votes of a fully symmetric centre: half of the 9.9 of Loy & Zelinsky 2003, because a circle at half the
+# resolution has half the pixels.
 FULL_SYMMETRY = 4.95
-# Distances at which symmetry is looked for, pixels of the working image: 3 to 9 % of the view; our choice.
+# Radii of the searched symmetry, pixels of the working image: 3 to 9 % of the view. Our choice.
 SYMMETRY_RADII = (4, 8, 12)
-# Grey levels of the local histogram; our choice: a window of 10 × 10 pixels holds some six pixels per level.
+# Grey levels of the local histogram. Our choice: a window of 10 × 10 pixels holds some six pixels per level.
 ENTROPY_BINS = 16
 
 
@@ -54,9 +57,18 @@ ENTROPY_BINS = 16
 class WorkingView:
     """A view on the working image; every plane is (n, n), float32.
 
-    `certainty` is the share of each pixel on the object; `colour` holds red, green and blue there as
-    fractions of the brightest value on it, and `intensity` their mean. `backdrop` is intensity, extended
-    beyond the object; `curvature` the logarithm of 1 + the surface's curvedness.
+    Attributes
+    ----------
+    certainty : ndarray
+        Share of each pixel that the object covers, 0 to 1.
+    colour : tuple of ndarray
+        Red, green and blue of the object, as fractions of its brightest value.
+    intensity : ndarray
+        Mean of red, green and blue.
+    backdrop : ndarray
+        Intensity, extended beyond the object.
+    curvature : ndarray
+        Logarithm of 1 + the surface's curvedness.
     """
 
     certainty: Plane
@@ -68,28 +80,28 @@ class WorkingView:
 
 def prepare_view(colour: Plane, mask: NDArray[np.bool_], curvature: Plane) -> WorkingView:
     """Resample a view's colour (h, w, 3), mask (h, w) and curvature (h, w) to the working image."""
-    share = mask.astype(np.float32)
+    cover = mask.astype(np.float32)
     inside = mask.view(np.uint8)
     hues = cv2.split(np.ascontiguousarray(colour))
     peak = max(cv2.minMaxLoc(hue, inside)[1] for hue in hues)
-    scale = share / np.float32(peak) if peak >= DARKEST else np.zeros_like(share)
-    working = to_working_size(cv2.merge([share, *(hue * scale for hue in hues)]))
+    scale = cover / np.float32(peak) if peak >= DARKEST else np.zeros_like(cover)
+    working = to_working_size(cv2.merge([cover, *(hue * scale for hue in hues)]))
     certainty = np.ascontiguousarray(working[:, :, 0])
-    sure = reciprocal(certainty)
-    red, green, blue = (plane * sure for plane in cv2.split(working)[1:])
-    bend = to_working_size(curvature * share) * sure
+    normaliser = reciprocal(certainty)
+    red, green, blue = (plane * normaliser for plane in cv2.split(working)[1:])
+    curvedness = to_working_size(curvature * cover) * normaliser
     intensity = (red + green + blue) * np.float32(1.0 / 3.0)
     return WorkingView(
         certainty,
         (red, green, blue),
         intensity,
-        filled(intensity * certainty, certainty),
-        cv2.log(np.maximum(bend, 0.0) + np.float32(1.0)),
+        fill_background(intensity * certainty, certainty),
+        cv2.log(np.maximum(curvedness, 0.0) + np.float32(1.0)),
     )
 
 
 def colour_planes(view: WorkingView) -> list[Plane]:
-    """Red-green and blue-yellow opponency: (r - g) and (b - min(r, g)) over the largest of the three.
+    """Compute the opponencies red-green, (r - g) / max(r, g, b), and blue-yellow, (b - min(r, g)) / max(r, g, b).
 
     Walther & Koch 2006, "Modeling attention to salient proto-objects". Both signs are kept: centre minus
     surround of the signed plane is the double opponency.
@@ -103,15 +115,15 @@ def colour_planes(view: WorkingView) -> list[Plane]:
 
 
 def intensity_planes(view: WorkingView) -> list[Plane]:
-    """Mean of red, green and blue (Itti, Koch & Niebur 1998)."""
+    """Return the mean of red, green and blue (Itti, Koch & Niebur 1998)."""
     return [view.intensity * view.certainty]
 
 
 def contrast_planes(view: WorkingView) -> list[Plane]:
-    """Local root mean square contrast: deviation over mean in a Gaussian window.
+    """Compute the local root mean square contrast: standard deviation over mean in a Gaussian window.
 
-    Moulden, Kingdom & Gatley 1990; Reinagel & Zador 1999 for its effect on fixations. A tenth of full
-    scale is added to the mean: below it the eye does not adapt further.
+    Moulden, Kingdom & Gatley 1990; its effect on fixations: Reinagel & Zador 1999. A tenth of full scale is
+    added to the mean, because the eye adapts no further in darker parts.
     """
     weight = reciprocal(_window(view.certainty))
     mean = _window(view.intensity * view.certainty) * weight
@@ -120,22 +132,22 @@ def contrast_planes(view: WorkingView) -> list[Plane]:
 
 
 def curvature_planes(view: WorkingView) -> list[Plane]:
-    """Logarithm of the curvedness of the surface (Lee, Varshney & Jacobs 2005, "Mesh saliency")."""
+    """Return the logarithm of the surface's curvedness (Lee, Varshney & Jacobs 2005, "Mesh saliency")."""
     return [view.curvature * view.certainty]
 
 
 def edge_planes(view: WorkingView) -> list[Plane]:
-    """Length of the gradient of intensity by Scharr's operator, full scale per pixel."""
+    """Compute the length of the gradient of intensity by Scharr's operator, full scale per pixel."""
     across, down = _gradient(view.backdrop)
     length: Plane = np.sqrt(across**2 + down**2)
     return [length * view.certainty]
 
 
 def entropy_planes(view: WorkingView) -> list[Plane]:
-    """Entropy of the grey levels in a window, as a fraction of the largest possible.
+    """Compute the entropy of the grey levels in a window, as a fraction of the largest possible entropy.
 
-    Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is shared between the two
-    nearest grey levels, so that the plane depends on grey continuously.
+    Kadir & Brady 2001, "Saliency, scale and image description". Each pixel is divided between the two
+    nearest grey levels, so that the plane is continuous in grey.
     """
     position = np.minimum(view.intensity, 1.0) * np.float32(ENTROPY_BINS - 1)
     weight = reciprocal(_box(view.certainty))
@@ -152,12 +164,12 @@ def entropy_planes(view: WorkingView) -> list[Plane]:
 
 
 def symmetry_planes(view: WorkingView) -> list[Plane]:
-    """Radial symmetry by gradient votes, dark and bright centres alike, on half the working image's pixels.
+    """Compute the radial symmetry of dark and bright centres by votes of gradients, at half the resolution.
 
-    Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest". A vote is shared between
-    the four pixels around its point, and faint gradients have a fraction of one, for continuity.
+    Loy & Zelinsky 2003, "Fast radial symmetry for detecting points of interest". The plane is continuous in
+    the image: a vote is divided between the four nearest pixels, and faint gradients have a fraction of a vote.
     """
-    across, down = _gradient(reduce(view.backdrop, GOES_ON))
+    across, down = _gradient(reduce(view.backdrop, BORDER_REPEATED))
     certainty = reduce(view.certainty).reshape(-1)
     length = np.sqrt(across**2 + down**2)
     strength = length.reshape(-1)
@@ -166,11 +178,11 @@ def symmetry_planes(view: WorkingView) -> list[Plane]:
     unit = np.stack([down.reshape(-1)[voters], across.reshape(-1)[voters]]) / strength
     magnitude = (strength - FAINT_GRADIENT) * certainty
     ballot = np.minimum(magnitude / (STRONG_GRADIENT - FAINT_GRADIENT), 1.0)
-    places = np.stack(np.divmod(voters, length.shape[1]))
+    positions = np.stack(np.divmod(voters, length.shape[1]))
     total = np.zeros_like(length)
     for radius in SYMMETRY_RADII:
         steps = np.float32(0.5 * radius) * unit
-        ballots, magnitudes = _cast_votes(places, steps, (ballot, magnitude), length.shape)
+        ballots, magnitudes = _cast_votes(positions, steps, (ballot, magnitude), length.shape)
         share = np.minimum(ballots / FULL_SYMMETRY, 1.0)
         votes = magnitudes / FULL_SYMMETRY * share**RADIAL_STRICTNESS
         total += np.float32(radius) * cv2.GaussianBlur(
@@ -181,47 +193,47 @@ def symmetry_planes(view: WorkingView) -> list[Plane]:
 
 
 def orientation_planes(view: WorkingView) -> list[list[Plane]]:
-    """Local energy of Gabor pairs at each angle, minus the mean over all angles, on each level.
+    """Compute the energy of Gabor pairs at each angle above the mean over all angles, on each centre level.
 
-    Itti, Koch & Niebur 1998, with their authors' filters: 9 x 9 pixels, period 7, deviation 7/3, zero mean,
-    unit norm. Angles inhibit each other (Heeger 1992, "Normalization of cell responses in cat striate
-    cortex"), or the two ends of an upright bar would count as two horizontal bars.
+    Itti, Koch & Niebur 1998, with the filters of their toolbox: 9 x 9 pixels, period 7, deviation 7/3, zero
+    mean, unit norm. The mean is subtracted because angles inhibit each other (Heeger 1992, "Normalization of
+    cell responses in cat striate cortex"). Otherwise an upright bar would have a horizontal bar at each end.
     """
-    images = reductions(view.backdrop, max(CENTRE_LEVELS), GOES_ON)
-    certainties = reductions(view.certainty, max(CENTRE_LEVELS))
-    planes = []
+    images = build_pyramid(view.backdrop, max(CENTRE_LEVELS), BORDER_REPEATED)
+    certainties = build_pyramid(view.certainty, max(CENTRE_LEVELS))
+    stacks = []
     for level in CENTRE_LEVELS:
-        angles = _gabor_energies(images[level], ORIENTATIONS)
-        energies = [blur(energy, GOES_ON) for energy in angles]
+        sharp = _gabor_energies(images[level], ORIENTATIONS)
+        energies = [blur(energy, BORDER_REPEATED) for energy in sharp]
         mean = sum(energies[1:], energies[0]) / np.float32(len(energies))
-        above = [np.maximum(energy - mean, np.float32(0.0)) for energy in energies]
-        planes.append([plane * certainties[level] for plane in above])
-    return planes
+        above_mean = [np.maximum(energy - mean, np.float32(0.0)) for energy in energies]
+        stacks.append([plane * certainties[level] for plane in above_mean])
+    return stacks
 
 
 @cache
 def _gabor_pair(angle: float) -> tuple[list[Plane], list[Plane], list[Plane]]:
-    """Give a pair of Gabor filters as sums of products of a row and a column, and the pair mirrored at a column."""
-    # Cosine and sine of the wave, by the Gaussian, across and down; of the pair and of the mirrored
-    # one, 1 / norm of the even filter, its mean, and 1 / norm of the odd one.
-    reach = np.arange(GABOR_SIZE) - GABOR_SIZE // 2
-    envelope = np.exp(-(reach**2) / (2.0 * GABOR_DEVIATION**2))
-    waves = [2.0 * np.pi / GABOR_PERIOD * reach * step for step in (np.cos(angle), np.sin(angle))]
+    """Compute rows (cosine, sine), columns (cosine, sine) and scales of a Gabor pair and of its mirror image."""
+    # Both pairs are sums of products of these rows and columns. The scales of a pair are 1 / norm of the even
+    # filter, the mean of the even filter, and 1 / norm of the odd filter.
+    offsets = np.arange(GABOR_SIZE) - GABOR_SIZE // 2
+    envelope = np.exp(-(offsets**2) / (2.0 * GABOR_DEVIATION**2))
+    waves = [2.0 * np.pi / GABOR_PERIOD * offsets * step for step in (np.cos(angle), np.sin(angle))]
     (cos_x, sin_x), (cos_y, sin_y) = ((envelope * np.cos(w), envelope * np.sin(w)) for w in waves)
     scales = []
     for sign in (1.0, -1.0):
         even = np.outer(cos_y, cos_x) - sign * np.outer(sin_y, sin_x)
         odd = np.outer(cos_y, sin_x) + sign * np.outer(sin_y, cos_x)
         mean = even.mean()
-        triple = 1.0 / np.linalg.norm(even - mean), mean, 1.0 / np.linalg.norm(odd)
-        scales.append(plain_kernel(triple))
+        pair_scales = 1.0 / np.linalg.norm(even - mean), mean, 1.0 / np.linalg.norm(odd)
+        scales.append(plain_kernel(pair_scales))
     return list(map(plain_kernel, (cos_x, sin_x))), list(map(plain_kernel, (cos_y, sin_y))), scales
 
 
 def _gabor_energies(image: Plane, count: int) -> list[Plane]:
-    """Give the energy of Gabor pairs at `count` angles over half a turn, zero mean and unit norm each."""
+    """Compute the energy of Gabor pairs, zero mean and unit norm, at `count` angles over half a turn."""
     window = (GABOR_SIZE, GABOR_SIZE)
-    sums = cv2.boxFilter(image, -1, window, normalize=False, borderType=GOES_ON)
+    sums = cv2.boxFilter(image, -1, window, normalize=False, borderType=BORDER_REPEATED)
     energies: dict[int, Plane] = {}
     for index in range(count // 2 + 1):
         across, down, scales = _gabor_pair(np.pi * index / count)
@@ -229,9 +241,10 @@ def _gabor_energies(image: Plane, count: int) -> list[Plane]:
             [_filtered(image, row, column) for row in across] for column in down
         )
         waves = ((cos_cos - sin_sin, sin_cos + cos_sin), (cos_cos + sin_sin, sin_cos - cos_sin))
-        for place, (even, odd), scale in zip((index, count - index), waves, scales, strict=True):
+        mirrored = count - index
+        for which, (even, odd), scale in zip((index, mirrored), waves, scales, strict=True):
             even_scale, mean, odd_scale = scale
-            energies[place] = np.sqrt(
+            energies[which] = np.sqrt(
                 np.square(even_scale * (even - mean * sums)) + np.square(odd_scale * odd)
             )
     return [energies[index] for index in range(count)]
@@ -240,12 +253,12 @@ def _gabor_energies(image: Plane, count: int) -> list[Plane]:
 def _filtered(image: Plane, row: Plane, column: Plane) -> Plane:
     if not row.any() or not column.any():
         return np.zeros_like(image)
-    return cv2.sepFilter2D(image, -1, row, column, borderType=GOES_ON)
+    return cv2.sepFilter2D(image, -1, row, column, borderType=BORDER_REPEATED)
 
 
 def _gradient(image: Plane) -> tuple[Plane, Plane]:
     across, down = (
-        cv2.Scharr(image, -1, *order, scale=1.0 / 32.0, borderType=GOES_ON)
+        cv2.Scharr(image, -1, *order, scale=1.0 / 32.0, borderType=BORDER_REPEATED)
         for order in ((1, 0), (0, 1))
     )
     return across, down
@@ -256,22 +269,22 @@ def _window(plane: Plane) -> Plane:
 
 
 def _box(planes: Plane) -> Plane:
-    """Average over a square window, sampled at every other pixel, as it holds no finer detail."""
+    """Average over a window of 10 x 10 pixels; half the resolution is enough for so wide a window."""
     half = len(planes) // 2
     coarse = cv2.resize(planes, (half, half), interpolation=cv2.INTER_AREA)
     return cv2.boxFilter(coarse, -1, (5, 5), borderType=cv2.BORDER_CONSTANT)
 
 
 def _cast_votes(
-    places: NDArray[np.int64], steps: Plane, votes: tuple[Plane, Plane], shape: tuple[int, ...]
+    positions: NDArray[np.int64], steps: Plane, votes: tuple[Plane, Plane], shape: tuple[int, ...]
 ) -> list[Plane]:
-    """Count votes for the point ahead of each place minus those behind it, as absolute values."""
-    # A margin holds the votes for points outside the image.
+    """Return the sums of votes for points a step ahead of `positions` minus points a step behind, as absolute values."""
+    # The margin takes votes for points outside the image.
     margin = int(np.ceil(np.abs(steps).max(initial=0.0))) + 1
     rows, columns = shape[0] + 2 * margin, shape[1] + 2 * margin
     indices, shares = [], []
     for sign in (1, -1):
-        target = places + sign * steps
+        target = positions + sign * steps
         corner = np.floor(target).astype(np.int64)
         lower, right = target - corner
         first = (corner[0] + margin) * columns + corner[1] + margin

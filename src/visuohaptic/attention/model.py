@@ -1,4 +1,4 @@
-"""The whole model: from views to saliency maps and fixations."""
+"""The attention model: from views to saliency maps and fixations."""
 
 from __future__ import annotations
 
@@ -15,23 +15,33 @@ from .errors import AttentionError
 from .parameters import AttentionParameters
 from .plain_filters import plain_filters
 from .planes import Plane
-from .pyramid import filled
+from .pyramid import fill_background
 from .registry import CHANNELS, TERMS
 from .saliency import conspicuity_maps, on_view, saliency_map
 from .scanpath import Scanpath, scan
 from .terms import SeenSurface, prepare_surface
 
 SMALLEST_VIEW = 16
-# Keeps a map of zeros from being divided by zero.
+"""Least rows and columns of a view."""
+
 SMALLEST_PEAK = 1e-30
+"""Least divisor of a map, so that a map of zeros stays zero."""
 
 
 @dataclass(frozen=True)
 class Attention:
     """Saliency and fixations of one view.
 
-    `saliency` (h, w), float32, is 0 to 1, zero on the background; `conspicuity` holds, for each channel that
-    ran, a map (h, w), float32, at least 0, before its weight, and `skipped` why the others did not run.
+    Attributes
+    ----------
+    saliency : ndarray of shape (h, w), float32
+        The saliency map, 0 to 1; zero on the background.
+    conspicuity : dict of str to ndarray of shape (h, w), float32
+        The map of each channel that ran, at least 0, before its weight.
+    skipped : dict of str to str
+        The reason for each channel that did not run.
+    scanpath : Scanpath
+        The fixations.
     """
 
     saliency: Plane
@@ -52,17 +62,38 @@ def attend(
     eye: NDArray[np.float64] | None = None,
     terms: Mapping[str, float] | None = None,
 ) -> list[Attention]:
-    """Compute saliency and fixations for each of n views; each depends on its own view only.
+    """Compute saliency and fixations of n views; each result depends only on its own view.
 
-    `colour` (n, h, w, 3), float32, is at least 0, of any scale; `mask` (n, h, w), bool, says where
-    the object is. `point` and `normal` (n, h, w, 3), float64, are visible points of the surface and
-    their unit normals, `face` (n, h, w), int64, their faces, and `curvature` (n, h, w), float32,
-    the curvedness there, at least 0, per unit of the points. `eye` (n, 3), float64, is where the
-    eye is, in the points' frame. `terms` are weights by names of `TERMS`: where one is not 0, the
-    saliency map is the exponential of channels and terms together, and `eye` is needed.
+    Parameters
+    ----------
+    colour : ndarray of shape (n, h, w, 3), float32
+        Red, green and blue, at least 0, of any scale.
+    mask : ndarray of shape (n, h, w), bool
+        True on the object.
+    point, normal : ndarray of shape (n, h, w, 3), float64
+        Visible points of the surface and their unit normals.
+    face : ndarray of shape (n, h, w), int64
+        The face at each pixel.
+    curvature : ndarray of shape (n, h, w), float32
+        Curvedness of the surface, at least 0, per unit of the points.
+    parameters : AttentionParameters
+        The model's parameters.
+    eye : ndarray of shape (n, 3), float64, optional
+        Position of the eye in the frame of the points; terms need it.
+    terms : mapping of str to float, optional
+        Weights by names of `TERMS`. With a weight other than 0, the saliency map is the exponential of the
+        weighted sum of channels and terms.
 
-    Raises `AttentionError` if shapes differ, a view is too small, a value is not finite or below
-    its range, a term is unknown, or a term has a weight and no eye is given.
+    Returns
+    -------
+    list of Attention
+        One result per view.
+
+    Raises
+    ------
+    AttentionError
+        If shapes differ, a view is too small, a value is not finite or is negative, a term is unknown, or a
+        term has a weight and `eye` is missing.
     """
     _check_views(colour, mask, point, normal, face, curvature)
     weights = _weights_of(terms or {})
@@ -75,23 +106,25 @@ def attend(
 def reasons_to_skip(
     colour: Plane, mask: NDArray[np.bool_], curvature: Plane, parameters: AttentionParameters
 ) -> dict[str, str]:
-    """Give the channels, in order, that a view as `prepare_view` takes it does not need, and why.
+    """Return the channels that a view does not need, with the reasons, in the order of `CHANNELS`.
 
-    Their maps would be zero, or their weights are: the saliency map is the same, bit for bit.
+    The arrays are those of `prepare_view`. The map or the weight of such a channel is zero, so skipping the
+    channel changes no bit of the saliency map.
     """
-    found = _dull_channels(colour, mask, curvature)
+    reasons = _uniform_channels(colour, mask, curvature)
     weights = parameters.weights.model_dump()
-    found |= {name: "its weight is 0" for name in CHANNELS if not weights.get(name)}
-    return {name: found[name] for name in CHANNELS if name in found}
+    reasons |= {name: "its weight is 0" for name in CHANNELS if not weights.get(name)}
+    return {name: reasons[name] for name in CHANNELS if name in reasons}
 
 
 def term_planes(seen: SeenSurface, names: Iterable[str]) -> dict[str, Plane]:
-    """Compute some terms, shape (n, n), float32 each, by name; zero off the object."""
+    """Compute terms by name: planes (n, n), float32, zero off the object."""
     shown = seen.certainty > 0
     return {name: TERMS[name].plane(seen).astype(np.float32) * shown for name in names}
 
 
-def _dull_channels(colour: Plane, mask: NDArray[np.bool_], curvature: Plane) -> dict[str, str]:
+def _uniform_channels(colour: Plane, mask: NDArray[np.bool_], curvature: Plane) -> dict[str, str]:
+    """Return the channels that see the same value everywhere on the object, with the reasons."""
     if not mask.any():
         return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
     inside = mask.view(np.uint8)
@@ -114,7 +147,7 @@ def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
 
 
 def _exponential(total: Plane, seen: SeenSurface, weights: Mapping[str, float]) -> Plane:
-    """Give the exponential of channels and terms together, 1 at its largest; beyond the outline it goes on."""
+    """Compute the exponential of channels plus terms, scaled to a maximum of 1 and extended beyond the outline."""
     terms = np.zeros_like(seen.certainty)
     for name, plane in term_planes(seen, weights).items():
         terms += np.float32(weights[name]) * plane
@@ -123,7 +156,7 @@ def _exponential(total: Plane, seen: SeenSurface, weights: Mapping[str, float]) 
     if not np.isfinite(largest):
         return np.zeros_like(total)
     value = cv2.exp(np.minimum(exponent - np.float32(largest), 0.0))
-    return filled(value * seen.certainty, seen.certainty)
+    return fill_background(value * seen.certainty, seen.certainty)
 
 
 def _attend_view(
@@ -154,7 +187,7 @@ def _attend_view(
 
 
 def _weights_of(terms: Mapping[str, float]) -> dict[str, float]:
-    """Give the weights that are not 0, in the order of `TERMS`."""
+    """Return the weights that are not 0, in the order of `TERMS`."""
     if unknown := sorted({*terms} - {*TERMS}):
         raise AttentionError(f"{unknown[0]!r} is no term; {', '.join(TERMS)} are allowed.")
     return {name: terms[name] for name in TERMS if terms.get(name)}
@@ -163,10 +196,10 @@ def _weights_of(terms: Mapping[str, float]) -> dict[str, float]:
 def _check_eyes(eye: NDArray[np.float64] | None, views: int, terms: Mapping[str, float]) -> None:
     if eye is None:
         if terms:
-            raise AttentionError("a term has a weight and no eye is given; terms need the eye.")
+            raise AttentionError("a term has a weight, but eye is missing; terms need the eye.")
     elif eye.shape != (views, 3) or not np.isfinite(eye).all():
         raise AttentionError(
-            f"eye has shape {eye.shape}; {(views, 3)} of finite numbers is allowed."
+            f"eye has shape {eye.shape}; finite numbers of shape {(views, 3)} are allowed."
         )
 
 
@@ -185,7 +218,7 @@ def _check_views(
     if min(mask.shape[1:]) < SMALLEST_VIEW:
         raise AttentionError(
             f"views are {mask.shape[1]} x {mask.shape[2]} pixels; "
-            f"{SMALLEST_VIEW} x {SMALLEST_VIEW} is the least."
+            f"at least {SMALLEST_VIEW} x {SMALLEST_VIEW} are needed."
         )
     vector = (*mask.shape, 3)
     arrays: dict[str, tuple[NDArray[Any], tuple[int, ...]]] = {
@@ -197,10 +230,12 @@ def _check_views(
     }
     for name, (array, shape) in arrays.items():
         if array.shape != shape:
-            raise AttentionError(f"{name} has shape {array.shape}; {shape} goes with the mask.")
-        # The extremes are finite only if every value is; this is faster than a test of each.
+            raise AttentionError(
+                f"{name} has shape {array.shape}; with this mask {shape} is allowed."
+            )
+        # Faster than np.isfinite on the whole array: the extremes are finite only if all values are finite.
         lowest, highest = array.min(initial=0), array.max(initial=0)
         if not (np.isfinite(lowest) and np.isfinite(highest)):
-            raise AttentionError(f"{name} has values that are not finite; none is allowed.")
+            raise AttentionError(f"{name} has NaN or infinite values; finite values are allowed.")
         if name in ("colour", "curvature") and lowest < 0:
-            raise AttentionError(f"{name} has values below 0; 0 is the least.")
+            raise AttentionError(f"{name} has values below 0, such as {lowest:g}; 0 is the least.")

@@ -16,32 +16,32 @@ from .errors import AttentionError
 from .registry import CHANNELS, Channel, channel
 
 NAMED_WEIGHTS = ("equal", "human_channels")
-"""Names that stand for a set of weights, see `AttentionParameters`."""
+"""Names of sets of weights, see `AttentionParameters`."""
 
 
 @cache
-def read_learnt() -> dict[str, Any]:
-    """Give weights fitted to where people looked, `channels` and `terms` by name, and their origin."""
+def read_fitted_weights() -> dict[str, Any]:
+    """Read the weights that were fitted to people's gaze: `channels` and `terms` by name, and their origin."""
     text = files(__package__).joinpath("human_weights.json").read_text(encoding="utf-8")
-    found: dict[str, Any] = json.loads(text)
-    return found
+    weights: dict[str, Any] = json.loads(text)
+    return weights
 
 
-def _no_truth_value(value: object) -> object:
-    # Pydantic reads true as 1.
+def _refuse_bool(value: object) -> object:
+    # Pydantic would read true as 1.
     if isinstance(value, bool):
         raise PydanticCustomError("truth_value", "a number is needed")
     return value
 
 
-_Whole = Annotated[int, BeforeValidator(_no_truth_value)]
-_Number = Annotated[float, BeforeValidator(_no_truth_value)]
+_Whole = Annotated[int, BeforeValidator(_refuse_bool)]
+_Number = Annotated[float, BeforeValidator(_refuse_bool)]
 
 
 class ChannelWeights(BaseModel):
-    """How much each channel adds to the saliency map; a channel of weight 0 is not computed."""
+    """Weight of each channel in the saliency map; channels of weight 0 are not computed."""
 
-    # Each entry of the registry has a field, so that the entry is all there is to write.
+    # The registry adds the fields, so a new channel needs only its entry there.
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     if TYPE_CHECKING:
@@ -49,14 +49,14 @@ class ChannelWeights(BaseModel):
         def __init__(self, **weights: float) -> None: ...
 
     @model_validator(mode="after")
-    def _one_above_zero(self) -> Self:
+    def _check_not_all_zero(self) -> Self:
         if not any(self.model_dump().values()):
-            raise ValueError("all channel weights are 0; at least one above 0 is needed.")
+            raise ValueError("all channel weights are 0; a weight above 0 is needed.")
         return self
 
     @classmethod
     def add(cls, *entries: Channel) -> None:
-        """Add the weights of channels."""
+        """Add a field per channel."""
         for entry in entries:
             weight: Any = Field(entry.weight, ge=0.0, description=entry.description)
             field = FieldInfo.from_annotated_attribute(_Number, weight)
@@ -65,7 +65,10 @@ class ChannelWeights(BaseModel):
 
     @classmethod
     def only(cls, *channels: str) -> Self:
-        """Give the named channels weight 1 and all others 0; `AttentionError` if one is unknown."""
+        """Return weight 1 for the named channels and 0 for all others.
+
+        Raises `AttentionError` if a channel is unknown.
+        """
         chosen = {channel(name).name for name in channels}
         return cls.model_validate({name: float(name in chosen) for name in CHANNELS})
 
@@ -76,9 +79,10 @@ _SOURCES: dict[str, str] = {}
 
 
 def add_channel(entry: Channel, source: str) -> None:
-    """Add a channel of a plug-in, and its weight in all parameters that are made from now on.
+    """Add a channel of a plug-in, and its weight to all parameters that are built later.
 
-    One that the same source added is replaced. Raises `AttentionError` if its name is taken, or can't be one.
+    An earlier channel of the same name and source is replaced. Raises `AttentionError` if another channel has the
+    name, or the name has other characters than a to z and _.
     """
     taken = entry.name in CHANNELS and _SOURCES.get(entry.name) != source
     if taken or not re.fullmatch("[a-z_]+", entry.name):
@@ -91,62 +95,61 @@ def add_channel(entry: Channel, source: str) -> None:
     _SOURCES[entry.name] = source
 
 
-def _or_a_name(schema: dict[str, Any]) -> None:
-    """Let editors take the names that stand for a set of weights."""
+def _allow_names(schema: dict[str, Any]) -> None:
+    """Add the names of sets of weights to the schema for editors."""
     schema["anyOf"] = [{"$ref": schema.pop("$ref")}, {"enum": list(NAMED_WEIGHTS)}]
 
 
 class AttentionParameters(BaseModel):
     """Channels, their combination, and the choice of fixations.
 
-    The default is 1 for the five channels that the paper names, and 0 for the others. `weights` may
-    be a name. ``equal``: 1 for every channel. ``human_channels``: the eight channel weights that were
-    fitted to where people looked (`read_learnt`), three of which are 0, without the terms that were
-    fitted with them.
+    By default the five channels of the paper have weight 1 and all others 0. `weights` may also be a name.
+    ``equal``: 1 for every channel. ``human_channels``: the channel weights that were fitted to people's gaze
+    (`read_fitted_weights`), without the terms.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    weights: ChannelWeights = Field(default_factory=ChannelWeights, json_schema_extra=_or_a_name)
+    weights: ChannelWeights = Field(default_factory=ChannelWeights, json_schema_extra=_allow_names)
     normalisation: Literal["local_maxima", "iterative", "none"] = Field(
         "local_maxima",
-        description="How a map with one strong peak is promoted over one with many: the operator N",
+        description="Operator N, which raises maps with one strong peak above maps with many peaks",
     )
     fixations: _Whole = Field(5, ge=1, le=32, description="Fixations in each view")
     inhibition: Literal["surface", "image"] = Field(
         "surface",
-        description="Whether return is inhibited by distance on the `surface` or in the `image`",
+        description="Whether inhibition of return measures distance on the `surface` or in the `image`",
     )
     focus_radius: _Number = Field(
         0.2,
         gt=0.0,
-        description="Radius of the focus on the surface, in the units of the points (here object "
-        "radii); no two fixations are closer",
+        description="Radius of the focus on the surface (object radii); no two fixations of a view are closer",
     )
     focus_fraction: _Number = Field(
         0.1,
         gt=0.0,
         le=1.0,
-        description="Radius of the focus in the image, as a fraction of the view's longer edge",
+        description="Radius of the focus in the image (of the view's longer edge)",
     )
     inhibition_falloff: _Number = Field(
         1.0,
         ge=0.0,
-        description="Width of the rim over which inhibition fades out (focus radii); 0 is a disk",
+        description="Width of the rim over which inhibition fades out (focus radii); 0: no rim",
     )
 
     @model_validator(mode="before")
     @classmethod
     def _named_weights(cls, values: Any) -> Any:
-        """Take a name among `NAMED_WEIGHTS` for the weights that it stands for."""
+        """Replace a name among `NAMED_WEIGHTS` by its weights."""
         if not isinstance(values, dict) or not isinstance(values.get("weights"), str):
             return values
         name = values["weights"]
         if name not in NAMED_WEIGHTS:
             raise ValueError(
-                f"weights is {name!r}; {', '.join(NAMED_WEIGHTS)} or a number a channel is allowed."
+                f"weights is {name!r}; {', '.join(NAMED_WEIGHTS)} or a number per channel is allowed."
             )
         if name == "equal":
             return {**values, "weights": dict.fromkeys(CHANNELS, 1.0)}
-        # A channel that was not there has no fitted weight.
-        return {**values, "weights": dict.fromkeys(CHANNELS, 0.0) | read_learnt()["channels"]}
+        # Channels of plug-ins have no fitted weight.
+        fitted = read_fitted_weights()["channels"]
+        return {**values, "weights": dict.fromkeys(CHANNELS, 0.0) | fitted}

@@ -1,4 +1,4 @@
-"""OpenCV's filters with the instructions that all processors of a kind have."""
+"""OpenCV's filters with the same bits on every processor."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .planes import Plane
 
 @contextmanager
 def plain_filters() -> Iterator[None]:
-    """Let OpenCV give the same bits on every x86-64 processor.
+    """Make OpenCV compute the same bits on every x86-64 processor, and restore its settings afterwards.
 
-    Its versions of a filter for newer instructions differ in the last bits, and the largest of nearly equal
-    saliencies with them. OpenCV's settings are as they were afterwards.
+    OpenCV's code for newer instructions differs in the last bits. These bits would decide which of two nearly
+    equal saliencies is the largest.
     """
     optimised, primitives = cv2.useOptimized(), cv2.ipp.useIPP()
     cv2.setUseOptimized(False)
@@ -29,5 +29,5 @@ def plain_filters() -> Iterator[None]:
 
 
 def plain_kernel(values: ArrayLike) -> Plane:
-    """Round a filter's numbers so that the last digit of an elementary function is lost."""
+    """Round a filter to 12 decimals: the last digit of NumPy's elementary functions depends on the processor."""
     return np.round(np.asarray(values, dtype=np.float64), 12).astype(np.float32)

@@ -1,7 +1,7 @@
-"""The channels and the terms: one entry holds all that there is to know of each.
+"""The channels and the terms: one entry each, with name, description and function.
 
-The library that computes them is imported where it is called, so that names and weights can be
-checked without.
+The modules with the functions are imported on the first call, so that checking names and weights does not
+import OpenCV.
 """
 
 from __future__ import annotations
@@ -17,28 +17,28 @@ from .errors import AttentionError
 
 @dataclass(frozen=True)
 class Channel:
-    """One feature that draws the eye. It has either planes or stacks.
+    """A feature that draws the eye. A channel has either `planes` or `stacks`.
 
     Attributes
     ----------
     name : str
-        What parameters and tables call it.
+        Name in parameters and tables.
     description : str
-        What it measures, in a few words.
+        The measured feature in a few words.
     planes : callable, optional
-        Takes a view on the working image, n rows and columns, and the model's parameters; gives
-        `count` planes, shape (n, n), float32, multiplied by the view's certainty.
+        ``planes(view, parameters)`` takes a `WorkingView` of n rows and columns and the model's parameters. It
+        returns `count` planes (n, n), float32, multiplied by the view's certainty.
     stacks : callable, optional
-        Takes the same; gives planes of its own for each centre level.
+        ``stacks(view, parameters)`` returns one list of planes per centre level.
     count : int
-        How many planes it has.
+        Number of planes.
     two_sided : bool
-        Whether places below their surroundings draw the eye as those above do.
+        Whether values below their surroundings draw the eye too.
     needs : {"hues", "colours", "curvature"}, optional
-        What must vary over a view, or be there, for the channel to see anything: the channel is
-        skipped in views without. A channel that names nothing is never skipped.
+        The channel is skipped in views without hues, with one colour, or with one curvature. Without a value
+        it is never skipped.
     weight : float
-        How much it adds to the saliency map by default.
+        Default weight in the saliency map.
     """
 
     name: str
@@ -52,18 +52,28 @@ class Channel:
 
     def __post_init__(self) -> None:
         if (self.planes is None) == (self.stacks is None):
+            both_or_none = "neither planes nor" if self.planes is None else "planes and"
             raise AttentionError(
-                f"channel {self.name} has {'neither planes nor' if self.planes is None else 'planes and'}"
-                " stacks; one of the two is needed."
+                f"channel {self.name} has {both_or_none} stacks; one of the two is needed."
             )
 
 
 @dataclass(frozen=True)
 class Term:
-    """One thing that people's gaze depends on besides the channels; `source` says who found it.
+    """A property of the surface that people's gaze depends on besides the channels.
 
-    `plane` takes a `SeenSurface` and gives (n, n), float32, of about unit size. `kind` is ``view``,
-    ``place`` or ``shape``: what of the surface it depends on.
+    Attributes
+    ----------
+    name : str
+        Name in parameters.
+    description : str
+        The measured property in a few words.
+    source : str
+        The publication that found the dependence.
+    plane : callable
+        ``plane(seen)`` takes a `SeenSurface` and returns values (n, n) of about unit size.
+    kind : {"view", "place", "shape"}
+        Whether the term depends on the view, on the position on the object, or on the surface's shape.
     """
 
     name: str
@@ -74,19 +84,19 @@ class Term:
 
 
 def channel(name: str) -> Channel:
-    """Give a channel by its name; `AttentionError` if there is none."""
+    """Return a channel by its name; raise `AttentionError` if there is none."""
     if name not in CHANNELS:
         raise AttentionError(f"{name!r} is no channel; {', '.join(CHANNELS)} are allowed.")
     return CHANNELS[name]
 
 
 def _of_view(name: str) -> Callable[..., list[Any]]:
-    """Name a function of `channels`, which takes the view only."""
+    """Return a channel's function that imports `channels` on the first call."""
     return lambda view, _parameters: getattr(import_module(".channels", __package__), name)(view)
 
 
 def _of_surface(name: str, *settings: float) -> Callable[[Any], Any]:
-    """Name a function of `terms`, and what it takes beside the surface."""
+    """Return a term's function that imports `terms` on the first call; `settings` follow the surface."""
     return lambda seen: getattr(import_module(".terms", __package__), name)(seen, *settings)
 
 
@@ -112,25 +122,25 @@ CHANNELS = {entry.name: entry for entry in (
     Channel("entropy", "Entropy of the local grey level histogram", _of_view("entropy_planes"), needs="colours", weight=0.0),
     Channel("symmetry", "Radial symmetry of gradients", _of_view("symmetry_planes"), needs="colours", weight=0.0),
 )}  # fmt: skip
-"""Every channel, in the order in which maps are added up."""
+"""Every channel by its name, in the order of summation."""
 
 TERMS = {entry.name: entry for entry in (
-    Term("centre", "Nearness to the middle of what is seen", _TATLER, _of_surface("nearness_to_centre", 0.2), "view"),
-    Term("middle", "The same, over a wider range", _TATLER, _of_surface("nearness_to_centre", 0.5), "view"),
+    Term("centre", "Nearness to the middle of the visible part", _TATLER, _of_surface("nearness_to_centre", 0.2), "view"),
+    Term("middle", "Nearness to the middle of the visible part, over a wider range", _TATLER, _of_surface("nearness_to_centre", 0.5), "view"),
     Term("facing", "How much the surface faces the eye", _WANG, attrgetter("facing"), "view"),
-    Term("height", "Height above the object's middle", _CERF, _of_surface("place", 1), "place"),
-    Term("height_squared", "Height, squared", _CERF, _of_surface("place", 1, 1), "place"),
-    Term("front", "Place towards the object's front", _WANG, _of_surface("place", 2), "place"),
-    Term("front_squared", "Place along front and back, squared", _LEIFMAN, _of_surface("place", 2, 2), "place"),
-    Term("front_height", "Place towards the front, times height", _CERF, _of_surface("place", 2, 1), "place"),
-    Term("side_squared", "Place to either side, squared", _LEIFMAN, _of_surface("place", 0, 0), "place"),
-    Term("extremity", "Distance from the object's middle", _LEIFMAN, _of_surface("distance_from_middle"), "place"),
+    Term("height", "Height above the object's middle", _CERF, _of_surface("coordinate_product", 1), "place"),
+    Term("height_squared", "Height, squared", _CERF, _of_surface("coordinate_product", 1, 1), "place"),
+    Term("front", "Position towards the object's front", _WANG, _of_surface("coordinate_product", 2), "place"),
+    Term("front_squared", "Position between back and front, squared", _LEIFMAN, _of_surface("coordinate_product", 2, 2), "place"),
+    Term("front_height", "Position towards the front, times height", _CERF, _of_surface("coordinate_product", 2, 1), "place"),
+    Term("side_squared", "Position to the side, squared", _LEIFMAN, _of_surface("coordinate_product", 0, 0), "place"),
+    Term("extremity", "Distance from the object's middle", _LEIFMAN, _of_surface("distance_from_origin"), "place"),
     Term("protrusion_fine", "How far the surface stands out of its surroundings, 0.05 radii", _LEE, _of_surface("protrusion", 0.05), "shape"),
-    Term("protrusion_middle", "The same, 0.1 radii", _LEE, _of_surface("protrusion", 0.1), "shape"),
-    Term("protrusion_coarse", "The same, 0.2 radii", _LEE, _of_surface("protrusion", 0.2), "shape"),
-    Term("relief_fine", "How far it lies out of or in its surroundings, 0.05 radii", _LEE, _of_surface("relief", 0.05), "shape"),
-    Term("relief_middle", "The same, 0.1 radii", _LEE, _of_surface("relief", 0.1), "shape"),
-    Term("relief_coarse", "The same, 0.2 radii", _LEE, _of_surface("relief", 0.2), "shape"),
+    Term("protrusion_middle", "How far the surface stands out of its surroundings, 0.1 radii", _LEE, _of_surface("protrusion", 0.1), "shape"),
+    Term("protrusion_coarse", "How far the surface stands out of its surroundings, 0.2 radii", _LEE, _of_surface("protrusion", 0.2), "shape"),
+    Term("relief_fine", "How far the surface lies above or below its surroundings, 0.05 radii", _LEE, _of_surface("relief", 0.05), "shape"),
+    Term("relief_middle", "How far the surface lies above or below its surroundings, 0.1 radii", _LEE, _of_surface("relief", 0.1), "shape"),
+    Term("relief_coarse", "How far the surface lies above or below its surroundings, 0.2 radii", _LEE, _of_surface("relief", 0.2), "shape"),
     Term("crowding", "Share of the surroundings that the object fills, 0.3 radii", _LEIFMAN, _of_surface("visible_share", 0.3), "shape"),
 )}  # fmt: skip
-"""Every term, in the order in which terms are added up."""
+"""Every term by its name, in the order of summation."""

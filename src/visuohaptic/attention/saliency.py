@@ -1,4 +1,4 @@
-"""From channels to one saliency map: centre-surround differences, the operator N, the sum."""
+"""From channels to a saliency map: centre-surround differences, the operator N, the weighted sum."""
 
 from __future__ import annotations
 
@@ -16,25 +16,24 @@ from .levels import CENTRE_LEVELS, SURROUND_OFFSETS, WORKING_SIZE
 from .parameters import AttentionParameters
 from .plain_filters import plain_kernel
 from .planes import Plane
-from .pyramid import (
-    enlarge,
-    reciprocal,
-    reduce,
-    reductions,
-)
+from .pyramid import build_pyramid, enlarge, reciprocal, reduce
 from .registry import CHANNELS, channel
 
 MAP_SIZE = WORKING_SIZE // 2
-# Largest response, in the channel's full scale, below which a map is not scaled up further.
+"""Rows and columns of conspicuity and saliency maps."""
+
+# Maps are scaled to a peak of 1. A map with a lower peak than this, of the channel's full scale, is scaled by 1 / FAINT.
 FAINT = 0.01
-# Differences that rounding may cause; one of 256 grey levels is forty times as large.
+# Smaller differences are rounding; a step of one of 256 grey levels is forty times as large.
 NOISE = np.float32(1e-4)
-# Maxima count from about a tenth of the range on, as in the toolbox of Walther & Koch.
+# Votes of local maxima rise from 0 at the lowest maximum to 1 over the counted range. Walther & Koch's toolbox has
+# a threshold of a tenth of the range instead.
 LOWEST_MAXIMUM, COUNTED_RANGE = np.float32(0.05), 0.1
-# Least factor of N, for a map in which nothing stands out, such as one long even edge.
+# Least factor of N, for maps without an outstanding peak, such as a long even edge.
 REMNANT = 1e-3
-# A pixel this far below its highest neighbour is still part of the same peak.
+# A pixel that is lower than its highest neighbour by less than this belongs to the same peak.
 PLATEAU = 1e-3
+# Strengths of the iterative operator, and widths as fractions of the map (Itti & Koch 2000).
 EXCITATION, EXCITATION_WIDTH = 0.5, 0.02
 INHIBITION, INHIBITION_WIDTH = 1.5, 0.25
 CONSTANT_INHIBITION = 0.02
@@ -47,9 +46,24 @@ _NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)
 def conspicuity_maps(
     view: WorkingView, channels: tuple[str, ...], parameters: AttentionParameters
 ) -> dict[str, Plane]:
-    """Compute the conspicuity maps (MAP_SIZE, MAP_SIZE), float32, of some channels; 1 is a single peak."""
-    deepest = max(CENTRE_LEVELS) + max(SURROUND_OFFSETS)
-    certainties = reductions(view.certainty, deepest)
+    """Compute the conspicuity maps of channels.
+
+    Parameters
+    ----------
+    view : WorkingView
+        The view.
+    channels : tuple of str
+        Names of channels.
+    parameters : AttentionParameters
+        The model's parameters.
+
+    Returns
+    -------
+    dict of str to ndarray of shape (MAP_SIZE, MAP_SIZE), float32
+        A map per channel, at least 0. A channel with a single peak has the maximum 1.
+    """
+    coarsest = max(CENTRE_LEVELS) + max(SURROUND_OFFSETS)
+    certainties = build_pyramid(view.certainty, coarsest)
     scales = _scales(certainties)
     maps = {name: np.zeros((MAP_SIZE, MAP_SIZE), np.float32) for name in channels}
     window = _window(certainties, parameters)
@@ -59,15 +73,15 @@ def conspicuity_maps(
         total, peak = _promoted(name, pyramid, scales[level], window, parameters)
         totals[name] += total
         strongest[name] = max(strongest[name], peak)
-    # Itti, Koch & Niebur scale every channel's sum to full range before the last N, so a channel in
-    # which nothing stands out still counts; here it is as conspicuous as its strongest map.
+    # Itti, Koch & Niebur 1998 scale the sum of each channel to full range before the last N, which also raises
+    # channels without an outstanding peak. Here a channel is as conspicuous as its strongest map.
     for name, total in totals.items():
         total[:] = promote(_scaled(total), parameters) * np.float32(strongest[name])
     return maps
 
 
 def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> Plane:
-    """Add conspicuity maps by the channels' weights; the sum is not scaled."""
+    """Return the weighted sum of conspicuity maps (MAP_SIZE, MAP_SIZE), float32, by channel; it is not scaled."""
     weights = parameters.weights.model_dump()
     total = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)
     for name in CHANNELS:
@@ -77,7 +91,7 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
 
 
 def on_view(plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTER_LINEAR) -> Plane:
-    """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels (h, w) of its view, and set the background to zero."""
+    """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels (h, w) of a view, and set the background to zero."""
     rows, columns = mask.shape
     side = max(rows, columns)
     large = _rectified(cv2.resize(plane, (side, side), interpolation=interpolation))
@@ -87,7 +101,7 @@ def on_view(plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTE
 
 
 def promote(plane: Plane, parameters: AttentionParameters) -> Plane:
-    """Apply the operator N to a map, from 0 to a largest value of 1 or less."""
+    """Apply the operator N to a map with values from 0 to at most 1."""
     match parameters.normalisation:
         case "local_maxima":
             return _promote_by_local_maxima(plane)
@@ -100,16 +114,17 @@ def promote(plane: Plane, parameters: AttentionParameters) -> Plane:
 def _pyramids(
     view: WorkingView, channels: Sequence[str], parameters: AttentionParameters
 ) -> Iterator[tuple[str, int, list[Plane]]]:
-    """Give each plane of some channels on each centre level and the coarser ones, with channel and level."""
+    """Yield channel, centre level, and a pyramid from that level on, for every plane of the channels."""
     steps = max(SURROUND_OFFSETS)
     coarsest = max(CENTRE_LEVELS) + steps
     for entry in [channel(name) for name in channels]:
         if entry.stacks:
             stacks = entry.stacks(view, parameters)
             for level, planes in zip(CENTRE_LEVELS, stacks, strict=False):
-                yield from ((entry.name, level, reductions(plane, steps)) for plane in planes)
+                yield from ((entry.name, level, build_pyramid(plane, steps)) for plane in planes)
             continue
-        pyramids = [reductions(plane, coarsest) for plane in _planes(entry.name, view, parameters)]
+        planes = _planes(entry.name, view, parameters)
+        pyramids = [build_pyramid(plane, coarsest) for plane in planes]
         for level in CENTRE_LEVELS:
             yield from ((entry.name, level, pyramid[level:]) for pyramid in pyramids)
 
@@ -126,7 +141,7 @@ def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> li
 
 @dataclass(frozen=True)
 class _Scale:
-    """One pair of scales: levels from centre to surround, and factors from their certainties."""
+    """A pair of scales: levels from centre to surround, and factors from the certainties of both."""
 
     offset: int
     centre_mean: Plane
@@ -135,12 +150,12 @@ class _Scale:
 
 
 def _window(certainties: list[Plane], parameters: AttentionParameters) -> tuple[slice, slice]:
-    """Give the rows and columns of the object in the maps, and one more around for N."""
+    """Return the rows and columns of the object in the maps, with a margin of a pixel for N."""
     if parameters.normalisation == "iterative":
-        # What it spreads beyond the object comes back in later rounds.
+        # Its filters spread values beyond the object, which later rounds carry back.
         return slice(None), slice(None)
-    seen = sum(_at_map_size(certainties[level]) for level in CENTRE_LEVELS)
-    left, top, width, height = cv2.boundingRect(np.ceil(seen).astype(np.uint8))
+    cover = sum(_at_map_size(certainties[level]) for level in CENTRE_LEVELS)
+    left, top, width, height = cv2.boundingRect(np.ceil(cover).astype(np.uint8))
     return slice(max(top - 1, 0), top + height + 1), slice(max(left - 1, 0), left + width + 1)
 
 
@@ -163,13 +178,13 @@ def _promoted(
     window: tuple[slice, slice],
     parameters: AttentionParameters,
 ) -> tuple[Plane, float]:
-    """Add up the promoted maps of a plane, and give the largest value of any."""
-    # Presence of a feature stands out, absence does not (search asymmetry, Treisman & Gormley 1988):
-    # most channels count only where the centre has more than the surround. Colour and intensity have
-    # two sides, and each is a map of its own, as a red spot among green ones is alone on its side.
+    """Return the sum of the promoted maps of a plane, and the largest value in any of these maps."""
+    # The presence of a feature stands out, its absence does not (search asymmetry, Treisman & Gormley 1988). So
+    # most channels count only centres with more than their surround. Colour and intensity also count centres with
+    # less, in a second map: a red spot among green spots must not compete with them for the peak.
     total = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)[window]
     strongest = 0.0
-    # Every scale has the same centre.
+    # All scales of a level have the same centre.
     centre = pyramid[0] * scales[0].centre_mean
     for scale in scales:
         difference = _difference(centre, pyramid[scale.offset], scale)[window]
@@ -181,8 +196,8 @@ def _promoted(
     return total, strongest
 
 
-def _difference(centre: Plane, coarse: Plane, scale: _Scale) -> Plane:
-    difference = enlarge(coarse, len(centre)) * scale.surround_mean
+def _difference(centre: Plane, surround: Plane, scale: _Scale) -> Plane:
+    difference = enlarge(surround, len(centre)) * scale.surround_mean
     np.subtract(centre, difference, out=difference)
     difference *= scale.support
     return _at_map_size(difference)
@@ -207,35 +222,33 @@ def _scaled(plane: Plane) -> Plane:
 
 
 def _promote_by_local_maxima(plane: Plane) -> Plane:
-    """Apply Itti, Koch & Niebur 1998: times (M - mean of the other local maxima) squared."""
-    # Which pixel is a maximum, and whether it is high enough to count, change gradually over a small
-    # range, and a peak between pixels counts once: on a symmetric object rounding would otherwise
-    # decide between one peak and two.
+    """Multiply by the square of (maximum - mean of the other local maxima), as Itti, Koch & Niebur 1998 do."""
+    # A pixel is a maximum, and high enough, by degrees; neighbouring pixels of one peak divide its vote. Otherwise
+    # rounding would decide whether a symmetric object has one peak or two.
     below = cv2.dilate(plane, _NEIGHBOURS)
     below -= plane
     below *= np.float32(1.0 / PLATEAU)
     topmost = _rectified(np.subtract(np.float32(1.0), below, out=below))
     crowd = cv2.boxFilter(topmost, -1, (3, 3), normalize=False, borderType=cv2.BORDER_CONSTANT)
-    # All other pixels have no vote.
     voters = np.flatnonzero((topmost > 0.0) & (plane > LOWEST_MAXIMUM))
-    heights, tops, crowds = (one.take(voters) for one in (plane, topmost, crowd))
+    heights, tops, crowds = plane.take(voters), topmost.take(voters), crowd.take(voters)
     level = np.minimum(
         (heights - LOWEST_MAXIMUM) * np.float32(1.0 / COUNTED_RANGE), np.float32(1.0)
     )
     votes = tops / np.maximum(crowds, np.float32(1.0)) * level
     count, total = _sum_in_order(votes), _sum_in_order(votes * heights)
     largest = _peak(plane)
-    others = max(total - largest, 0.0) / max(count - 1.0, 1.0)
-    return cv2.multiply(plane, max((largest - others) ** 2, REMNANT))
+    mean_of_others = max(total - largest, 0.0) / max(count - 1.0, 1.0)
+    return cv2.multiply(plane, max((largest - mean_of_others) ** 2, REMNANT))
 
 
 def _sum_in_order(values: Plane) -> float:
-    """Sum one after the other, in float64: OpenCV's and NumPy's own order hangs on the processor's instructions."""
+    """Sum in row order in float64; the order of OpenCV's and NumPy's sums depends on the processor."""
     return float(np.cumsum(values, dtype=np.float64)[-1]) if len(values) else 0.0
 
 
 def _promote_iteratively(plane: Plane) -> Plane:
-    """Itti & Koch 2000: differences of Gaussians, rectified, in several rounds."""
+    """Add a difference of Gaussians and rectify, `ITERATIONS` times (Itti & Koch 2000)."""
     excitation, inhibition = _gaussians(len(plane))
     support = cv2.sepFilter2D(
         np.ones_like(plane), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT

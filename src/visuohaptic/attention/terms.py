@@ -1,4 +1,4 @@
-"""What the terms measure, on the grid of the maps."""
+"""The terms: planes of the gaze model that depend on the surface, on the grid of the maps."""
 
 from __future__ import annotations
 
@@ -9,21 +9,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .planes import Plane
-from .pyramid import NOTHING_BEYOND, reciprocal, reduce, to_working_size
+from .pyramid import BORDER_ZERO, reciprocal, reduce, to_working_size
 
-# A grid cell counts as seen if so much of it shows the object.
 SEEN = 0.25
+"""A grid cell counts as seen if the object covers more than this share of it."""
+
 SMALLEST_LENGTH = 1e-9
+"""Least divisor of a vector, so that vectors of length 0 stay 0."""
 
 
 @dataclass(frozen=True)
 class SeenSurface:
-    """What a view shows of a surface, averaged over the object in each cell of the maps' grid, float32.
+    """The visible part of a surface, averaged over the object in each cell of the maps' grid.
 
-    `point` (n, n, 3), y up and z to the front, and unit `normal` (n, n, 3) are in the object frame, zero off
-    the object; `certainty` (n, n) is the share of each cell that shows it, `facing` (n, n) the cosine, 0 to 1,
-    of normal and eye. `sight` (3,) is the unit vector from the eye, `cell` a cell's width in the points' unit.
-    `protrusions` keeps what `protrusion` found, by its reach, as two terms use each.
+    Attributes
+    ----------
+    point : ndarray of shape (n, n, 3), float32
+        Points, object frame: y up, z to the front; zero off the object.
+    normal : ndarray of shape (n, n, 3), float32
+        Unit normals, object frame; zero off the object.
+    certainty : ndarray of shape (n, n), float32
+        Share of each cell that the object covers.
+    facing : ndarray of shape (n, n), float32
+        Absolute cosine between the normal and the direction to the eye, 0 to 1.
+    sight : ndarray of shape (3,), float32
+        Unit vector from the eye to the middle of the visible part.
+    cell : float
+        Width of a cell in the unit of the points.
+    protrusions : dict
+        Results of `protrusion` by its reach: two terms use each of them.
     """
 
     point: Plane
@@ -41,40 +55,40 @@ def prepare_surface(
     normal: NDArray[np.float64],
     eye: NDArray[np.float64],
 ) -> SeenSurface:
-    """Bring what one view shows of a surface, as `attend` takes it, to the maps' grid."""
+    """Average the surface of a view over the cells of the maps' grid.
+
+    `mask`, `point` and `normal` are as for `attend`, without the axis of views; `eye` (3,) is in the object frame.
+    """
     cover = mask.astype(np.float32)
     certainty = reduce(to_working_size(cover))
-    share = reciprocal(certainty)[..., None]
-    lift = cover[..., None]
-    points = reduce(to_working_size(point.astype(np.float32) * lift)) * share
-    normals = reduce(to_working_size(normal.astype(np.float32) * lift)) * share
+    normaliser = reciprocal(certainty)[..., None]
+    covers = cover[..., None]
+    points = reduce(to_working_size(point.astype(np.float32) * covers)) * normaliser
+    normals = reduce(to_working_size(normal.astype(np.float32) * covers)) * normaliser
     normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), SMALLEST_LENGTH)
     towards = eye.astype(np.float32) - points
     towards /= np.maximum(np.linalg.norm(towards, axis=2, keepdims=True), SMALLEST_LENGTH)
     seen = certainty > SEEN
-    middle = points[seen].mean(axis=0) if seen.any() else np.zeros(3, np.float32)
-    offset = middle - eye.astype(np.float32)
+    offset = _middle(points, seen) - eye.astype(np.float32)
     sight = (offset / max(float(np.linalg.norm(offset)), SMALLEST_LENGTH)).astype(np.float32)
     facing = np.abs(np.einsum("ijk,ijk->ij", normals, towards))
     return SeenSurface(points, normals, certainty, facing, sight, _cell_width(points, seen, sight))
 
 
 def nearness_to_centre(seen: SeenSurface, reach: float) -> Plane:
-    """Give a Gaussian of the distance, across the line of sight, from the middle of what is seen."""
-    shown = seen.certainty > SEEN
-    middle = seen.point[shown].mean(axis=0) if shown.any() else np.zeros(3, np.float32)
-    offset = seen.point - middle
+    """Compute a Gaussian, of deviation `reach`, of the distance across the line of sight from the visible middle."""
+    offset = seen.point - _middle(seen.point, seen.certainty > SEEN)
     along = np.einsum("ijk,k->ij", offset, seen.sight)
     across = np.einsum("ijk,ijk->ij", offset, offset) - along**2
     return cv2.exp(-across / np.float32(2 * reach**2))
 
 
 def protrusion(seen: SeenSurface, reach: float) -> Plane:
-    """Measure how far the surface stands out of its surroundings, in units of `reach`; above 0 where convex.
+    """Compute how far the surface stands out of its surroundings, in units of `reach`; positive where convex.
 
-    The distance, along the normal, from the centroid of what is seen around a place in a Gaussian window
-    (Clarenz, Rumpf & Telea 2004, "Robust feature detection and local classification for surfaces based on
-    moment analysis", IEEE TVCG 10(5)).
+    This is the distance along the normal from the centroid of the visible surface in a Gaussian window around
+    the point (Clarenz, Rumpf & Telea 2004, "Robust feature detection and local classification for surfaces
+    based on moment analysis", IEEE TVCG 10(5)).
     """
     if reach in seen.protrusions:
         return seen.protrusions[reach]
@@ -82,41 +96,46 @@ def protrusion(seen: SeenSurface, reach: float) -> Plane:
     weight = _smooth(seen.certainty, deviation / seen.cell)
     mean = _smooth(seen.point * seen.certainty[..., None], deviation / seen.cell)
     offset = seen.point - mean * reciprocal(weight)[..., None]
-    found: Plane = np.einsum("ijk,ijk->ij", offset, seen.normal) / np.float32(reach)
-    seen.protrusions[reach] = found
-    return found
+    heights: Plane = np.einsum("ijk,ijk->ij", offset, seen.normal) / np.float32(reach)
+    seen.protrusions[reach] = heights
+    return heights
 
 
 def relief(seen: SeenSurface, reach: float) -> Plane:
-    """Measure how far the surface lies out of or in its surroundings, in units of `reach`."""
+    """Compute how far the surface lies above or below its surroundings, in units of `reach`."""
     return np.abs(protrusion(seen, reach))
 
 
-def place(seen: SeenSurface, *axes: int) -> Plane:
-    """Give the product of each place's coordinates along some axes."""
+def coordinate_product(seen: SeenSurface, *axes: int) -> Plane:
+    """Return the product of each point's coordinates along `axes`."""
     return np.prod(seen.point[..., axes], axis=-1)
 
 
-def distance_from_middle(seen: SeenSurface) -> Plane:
-    """Give the distance of each place from the origin."""
+def distance_from_origin(seen: SeenSurface) -> Plane:
+    """Return each point's distance from the origin, the object's middle."""
     return np.linalg.norm(seen.point, axis=2)
 
 
 def visible_share(seen: SeenSurface, reach: float) -> Plane:
-    """Give the share of a Gaussian window that the object fills, 0 to 1."""
+    """Compute the share of a Gaussian window that the object fills, 0 to 1."""
     return _smooth(seen.certainty, reach / 1.5 / seen.cell)
+
+
+def _middle(points: Plane, seen: NDArray[np.bool_]) -> Plane:
+    """Return the mean (3,) of the points of seen cells, and 0 without seen cells."""
+    return points[seen].mean(axis=0) if seen.any() else np.zeros(3, np.float32)
 
 
 def _smooth(planes: Plane, deviation: float) -> Plane:
     deviation = max(deviation, 0.5)
-    return cv2.GaussianBlur(planes, (0, 0), deviation, borderType=NOTHING_BEYOND)
+    return cv2.GaussianBlur(planes, (0, 0), deviation, borderType=BORDER_ZERO)
 
 
 def _cell_width(points: Plane, seen: NDArray[np.bool_], sight: Plane) -> float:
-    """Measure the median distance, across the line of sight, of cells side by side."""
-    both = seen[:, 1:] & seen[:, :-1]
-    step = (points[:, 1:] - points[:, :-1])[both]
-    if not len(step):
+    """Compute the median distance, across the line of sight, of horizontally adjacent cells."""
+    both_seen = seen[:, 1:] & seen[:, :-1]
+    steps = (points[:, 1:] - points[:, :-1])[both_seen]
+    if not len(steps):
         return 1.0 / len(points)
-    across = step - np.einsum("nk,k->n", step, sight)[:, None] * sight
+    across = steps - np.einsum("nk,k->n", steps, sight)[:, None] * sight
     return max(float(np.median(np.linalg.norm(across, axis=1))), SMALLEST_LENGTH)

@@ -1,4 +1,4 @@
-"""Points and directions as a caller gives them, checked."""
+"""Checks of points and directions that a caller passes."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
 
 FARTHEST = 1e100
-"""Coordinates and lengths beyond are refused: their squares would overflow."""
+"""Limit of coordinates and lengths. The squares of larger numbers could overflow."""
 
 
 def numbers(values: ArrayLike | None, name: str) -> FloatArray:
-    """Return an array of numbers, float64; `ParameterError`, which names it, if it holds none or truth values."""
+    """Return `values` as float64. Raise `ParameterError`, with `name`, if they are no numbers, or truth values."""
     try:
         given = np.asarray(values)
-        found = given.astype(np.float64)
+        converted = given.astype(np.float64)
     except (TypeError, ValueError, OverflowError):
         raise ParameterError(f"{name} holds no numbers; an array of them is needed.") from None
     if given.dtype.kind not in "iuf":
         raise ParameterError(f"{name} is of type {given.dtype}; numbers are needed.")
-    return found
+    return converted
 
 
 def lengths_of(directions: FloatArray) -> FloatArray:
-    """Compute the lengths of directions (n, k) below `FARTHEST`, however short, shape (n, 1)."""
+    """Compute the lengths of directions (n, k) below `FARTHEST`, exact for short directions too: (n, 1)."""
     # Scaling by a power of two loses no digit, and squares of short directions are not 0.
     exponents = np.frexp(np.abs(directions).max(axis=1, keepdims=True, initial=0.0))[1]
     scaled = np.linalg.norm(np.ldexp(directions, -exponents), axis=1, keepdims=True)
@@ -34,25 +34,25 @@ def lengths_of(directions: FloatArray) -> FloatArray:
 
 
 def point_rows(values: ArrayLike | None, name: str) -> FloatArray:
-    """Return an array (n, 3) of numbers below `FARTHEST`; `ParameterError`, which names it, where it is none."""
+    """Return `values` as an array (n, 3). Raise `ParameterError`, with `name`, for other shapes and numbers."""
     rows = numbers(values, name)
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise ParameterError(f"{name} has the shape {rows.shape}; (n, 3) is needed.")
     broken = np.flatnonzero(~(np.abs(rows) < FARTHEST).all(axis=1))
     if len(broken):
         raise ParameterError(
-            f"{name} has NaN, infinite numbers or such beyond {FARTHEST:g}, the first in row {broken[0]}."
+            f"{name} has NaN, infinite numbers or numbers beyond {FARTHEST:g}, the first in row {broken[0]}."
         )
     return rows
 
 
 def unit_rows(values: ArrayLike | None, name: str, count: int) -> FloatArray:
-    """Give as many directions as there are points, of length 1; `ParameterError` as `point_rows` does."""
+    """Return `count` directions of length 1: (count, 3). Raise `ParameterError` as `point_rows` does, or for length 0."""
     rows = point_rows(values, name)
     if len(rows) != count:
         raise ParameterError(f"There are {len(rows)} {name} for {count} points.")
     lengths = lengths_of(rows)
-    lost = np.flatnonzero(lengths == 0)
-    if len(lost):
-        raise ParameterError(f"{name} has no direction in row {lost[0]}: {rows[lost[0]]}.")
+    zero = np.flatnonzero(lengths == 0)
+    if len(zero):
+        raise ParameterError(f"{name} has no direction in row {zero[0]}: {rows[zero[0]]}.")
     return rows / lengths

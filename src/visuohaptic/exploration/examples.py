@@ -1,4 +1,4 @@
-"""Objects that come with the package, none of which its model has learnt: a start without a mesh of one's own."""
+"""Example objects of the package. The packaged recognition model was not fitted on them."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ FOLDER = Path(__file__).with_name("examples")
 
 
 def examples() -> dict[str, Path]:
-    """Give the model of each example by its name, which is its class.
+    """Return the model file of each example. The name of an example is its class.
 
-    It is the one with the fewest triangles of its class in the catalogue beside the paper's twelve.
+    Each example has the fewest triangles of its class in the catalogue, without the paper's twelve objects.
     """
     return {path.parent.name: path for path in sorted(FOLDER.glob("*/*/*.ply.gz"))}
 
@@ -24,7 +24,7 @@ def example(name: str) -> TouchableObject:
     Parameters
     ----------
     name : {"bottle", "car", "chair", "quadruped"}
-        Which one.
+        Name of the example.
 
     Returns
     -------
@@ -42,7 +42,7 @@ def example(name: str) -> TouchableObject:
     >>> vh.example("chair")
     <TouchableObject chair/kl_dining-chair: 1,380 triangles>
     """
-    found = examples()
-    if name not in found:
-        raise MeshError(f"{name!r} is no example; {', '.join(found)} are allowed.")
-    return load(found[name])
+    files = examples()
+    if name not in files:
+        raise MeshError(f"{name!r} is no example; {', '.join(files)} are allowed.")
+    return load(files[name])

@@ -1,4 +1,4 @@
-"""The frame of the file that an object came from: points, poses and tables, there and back."""
+"""Conversion of points, poses and tables between the object frame and the frame of the object's file."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ _LENGTHS = ("sensor_size", "penetration")
 
 @dataclass(frozen=True, eq=False)
 class FileFrame:
-    """Where the object frame is in the file that an object came from.
+    """Transformation between the frame of a file and the object frame.
 
     Attributes
     ----------
     from_file : numpy.ndarray
-        Shape (4, 4), float64: takes a point (x, y, z, 1) of the file into the object frame, whose origin is
-        the object's centroid, whose y axis points up, and whose unit is the object's radius.
+        Shape (4, 4), float64: transforms a point (x, y, z, 1) from the file's frame to the object frame. The
+        object frame has its origin at the object's centroid, its y axis upwards, and the object's radius as unit.
     unit : str or None
-        The file's unit of length, one of `UNITS`, where it was given.
+        The file's unit of length, one of `UNITS`. None if the unit is not known.
     """
 
     from_file: FloatArray
@@ -42,7 +42,7 @@ class FileFrame:
 
     @property
     def has_way_back(self) -> bool:
-        """Whether float64 holds the scale of the file's coordinates."""
+        """Whether float64 can hold the scale of the file's coordinates, so that `to_file` exists."""
         return bool(np.isfinite(self.from_file).all())
 
     @property
@@ -52,7 +52,7 @@ class FileFrame:
 
     @cached_property
     def to_file(self) -> FloatArray:
-        """The way back, shape (4, 4), float64; `MeshError` where the file's numbers are too small or large for one."""
+        """The inverse of `from_file`, (4, 4), float64. Raises `MeshError` if float64 can't hold the file's scale."""
         if not self.has_way_back:
             raise MeshError(
                 "The file's coordinates are so small or large that float64 can't hold its scale; scale the file."
@@ -61,30 +61,30 @@ class FileFrame:
 
     @cached_property
     def radius(self) -> float:
-        """Length of an object radius in the file; the geometric mean where the model was stretched."""
+        """Length of an object radius in the file's unit. For a stretched model: the geometric mean of three lengths."""
         return float(abs(np.linalg.det(self.to_file[:3, :3])) ** (1 / 3))
 
     @property
     def radius_m(self) -> float | None:
-        """The same in metres; None where the unit is not known."""
+        """Length of an object radius (metres). None if the unit is not known."""
         return None if self.unit is None else self.radius * UNITS[self.unit]
 
     def points_in_file(self, points: ArrayLike) -> FloatArray:
-        """Take points of the object frame, shape (n, 3), to the file's."""
+        """Transform points (n, 3) from the object frame to the file's frame."""
         return product(np.asarray(points, np.float64), self.to_file[:3, :3].T) + self.to_file[:3, 3]
 
     def points_in_object(self, points: ArrayLike) -> FloatArray:
-        """Take points of the file's frame, shape (n, 3), to the object's."""
+        """Transform points (n, 3) from the file's frame to the object frame."""
         turned = product(np.asarray(points, np.float64), self.from_file[:3, :3].T)
         return turned + self.from_file[:3, 3]
 
     def normals_in_file(self, normals: ArrayLike) -> FloatArray:
-        """Take unit normals of the object frame, shape (n, 3), to the file's."""
-        # A plane's normal goes the way of its equation, which differs from that of points where a model was stretched.
+        """Transform unit normals (n, 3) from the object frame to the file's frame."""
+        # Normals transform by the inverse transpose, which differs from the matrix of points for a stretched model.
         return _unit(product(np.asarray(normals, np.float64), self.from_file[:3, :3]))
 
     def poses(self, touches: pa.Table) -> FloatArray:
-        """Give the poses of touches in the file's frame.
+        """Compute the poses of touches in the file's frame.
 
         Parameters
         ----------
@@ -94,8 +94,8 @@ class FileFrame:
         Returns
         -------
         numpy.ndarray
-            Shape (n, 4, 4), float64: origin at the touched place, z along the outward normal, x along
-            the imprint's columns, and y against its rows, so upwards in the imprint; right-handed.
+            Shape (n, 4, 4), float64, right-handed: origin at the touched point, z along the outward normal,
+            x along the imprint's columns, y against its rows (upwards in the imprint).
         """
         poses = np.tile(np.eye(4), (touches.num_rows, 1, 1))
         outward = self.normals_in_file(_rows(touches, "normal_"))
@@ -106,9 +106,10 @@ class FileFrame:
         return poses
 
     def table(self, table: pa.Table) -> pa.Table:
-        """Give a table of an exploration in the file's frame and unit, the other columns as they are.
+        """Return a table of an exploration in the file's frame and unit.
 
-        Points, normals, tangents and lengths change; the table's metadata names the frame and the unit.
+        Points, normals, tangents and lengths are transformed; other columns stay. The table's metadata names
+        the frame and the unit.
         """
         changed: dict[str, FloatArray] = {}
         for prefix in _POINTS:
@@ -121,13 +122,13 @@ class FileFrame:
         for name in set(_LENGTHS) & set(table.column_names):
             changed[name] = table.column(name).to_numpy() * self.radius
         for name, values in changed.items():
-            place = table.column_names.index(name)
-            table = table.set_column(place, pa.field(name, pa.float64()), pa.array(values))
+            index = table.column_names.index(name)
+            table = table.set_column(index, pa.field(name, pa.float64()), pa.array(values))
         return table.replace_schema_metadata({"frame": "file", "unit": json.dumps(self.unit)})
 
 
 def _named(prefix: str, rows: FloatArray) -> dict[str, FloatArray]:
-    return {f"{prefix}{axis}": rows[:, place] for place, axis in enumerate("xyz")}
+    return {f"{prefix}{axis}": rows[:, index] for index, axis in enumerate("xyz")}
 
 
 def _rows(table: pa.Table, prefix: str) -> FloatArray:
@@ -135,5 +136,5 @@ def _rows(table: pa.Table, prefix: str) -> FloatArray:
 
 
 def _unit(rows: FloatArray) -> FloatArray:
-    found: FloatArray = rows / np.linalg.norm(rows, axis=1, keepdims=True)
-    return found
+    units: FloatArray = rows / np.linalg.norm(rows, axis=1, keepdims=True)
+    return units

@@ -24,7 +24,7 @@ from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.records import EffectRecord, merge_records
 from visuohaptic.tables.phases import FEATURES, NORMAL_NAMES
 from visuohaptic.tables.schema import images, join_parts, matrix
-from visuohaptic.touches.choosing import in_reach, numbered
+from visuohaptic.touches.choosing import in_reach, with_touch_numbers
 from visuohaptic.touches.touching import touch_part
 
 
@@ -53,7 +53,7 @@ def touch_next_point(
     normals = None if normal is None else _one_row(normal, "normal")
     places, chosen = given_places(caster, _one_row(point, "point"), normals, parameters)
     number = np.array([known["touches"].num_rows])
-    located = numbered(location_table(key, 0, GIVEN, places), number)
+    located = with_touch_numbers(location_table(key, 0, GIVEN, places), number)
     acquired = bool(in_reach(caster, located, chosen.sensor)[0])
     touches, records = touch_part(caster, located, chosen.sensor, chosen.scene, chosen.seed)
     touched = time.perf_counter()

@@ -1,4 +1,4 @@
-"""A picture of an exploration: what was looked at, where the sensor was set down, what it felt."""
+"""A picture of an exploration: views, touched places and imprints."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pyarrow as pa
 from PIL import Image, ImageDraw, ImageFont
 
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.fixations.places import sees
+from visuohaptic.fixations.places import is_visible
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
@@ -30,10 +30,11 @@ _LABEL = 16
 def draw_exploration(
     surface: Surface, parameters: ExperimentParameters, views: pa.Table, touches: pa.Table
 ) -> Image.Image:
-    """Draw every view with its touches, and the imprints beside it: a cell a viewpoint.
+    """Draw one cell per viewpoint: the view with its touches, and the imprints beside the view.
 
-    A filled number is a touch that the eye sees, a hollow one lies behind the object; the square is the
-    sensor. Each imprint, contact white, has the edge of its square in object radii and the contact's state.
+    A filled number marks a touch that the eye sees; a hollow number marks a touch behind the object. The square
+    is the sensor. Contact is white in an imprint; the label is the sensor's edge (object radii) and the contact
+    state.
     """
     caster = RayCaster(surface)
     cameras = place_cameras(parameters.viewpoints)
@@ -54,11 +55,11 @@ def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches:
     points = matrix(touches, POINT_NAMES)
     outlines = squares_in_view(camera, touches, VIEW_PIXELS)
     places = project(camera, points, VIEW_PIXELS)
-    visible = sees(caster, camera, points)
+    visible = is_visible(caster, camera, points)
     draw = ImageDraw.Draw(view)
     for outline in outlines[visible]:
         draw.polygon([tuple(corner) for corner in outline], outline=_SQUARE, width=2)
-    # The first touches last, for they matter most.
+    # Draw the first touches last, on top: they matter most.
     for number in reversed(range(len(places))):
         _mark(draw, places[number], str(number + 1), bool(visible[number]))
 

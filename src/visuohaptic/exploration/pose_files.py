@@ -14,7 +14,7 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError, TableError
 from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
 from visuohaptic.io.text_tables import TextTable, read_text_table
-from visuohaptic.sensor.imprints import Poses, stand_on
+from visuohaptic.sensor.imprints import Poses, make_poses
 
 PLACE = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
@@ -22,11 +22,11 @@ NORMAL = ("normal_x", "normal_y", "normal_z")
 ROLL = "roll"
 MOST_POSES = 1_000_000
 LARGEST_BYTES = 256 * 10**6
-"""More than a million poses take with all their digits."""
+"""Limit of a file of poses (bytes): a million poses with all digits are smaller."""
 
 
 def write_poses(poses: FloatArray, path: str | Path) -> None:
-    """Write poses, shape (n, 4, 4), with the shortest digits that read back as the same numbers."""
+    """Write poses (n, 4, 4) as positions and quaternions, with enough digits to read back the same numbers."""
     from scipy.spatial.transform import Rotation
 
     turned = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True, scalar_first=True)
@@ -38,14 +38,15 @@ def write_poses(poses: FloatArray, path: str | Path) -> None:
 
 
 def read_poses(path: str | Path) -> FloatArray:
-    """Read poses.
+    """Read poses of sensors from a text table.
 
     Parameters
     ----------
     path : path
-        A table of text as spreadsheets of any locale write it (`io.text_tables`), with the columns x, y, z
-        and qw, qx, qy, qz, a quaternion of any length but 0; or normal_x, normal_y, normal_z, away from the
-        object, and optionally roll in degrees. Other columns are not read.
+        A text table, as spreadsheets of any locale write it (`io.text_tables`), with the columns x, y, z. The
+        direction is a quaternion, columns qw, qx, qy, qz, or a normal away from the object, columns normal_x,
+        normal_y, normal_z. Neither may have length 0. Column roll (degrees) may stand beside a normal. Other
+        columns are ignored.
 
     Returns
     -------
@@ -65,15 +66,15 @@ def read_poses(path: str | Path) -> FloatArray:
     axes = QUATERNION if is_quaternion else NORMAL
     places, directions = _numbers(table, PLACE), _numbers(table, axes)
     lengths = lengths_of(directions)
-    lost = np.flatnonzero(lengths == 0)
-    if len(lost):
+    zero = np.flatnonzero(lengths == 0)
+    if len(zero):
         raise ParameterError(
-            f"{table.place(int(lost[0]))}: {', '.join(axes)} are all 0; a direction is needed."
+            f"{table.place(int(zero[0]))}: {', '.join(axes)} are all 0; a direction is needed."
         )
     directions /= lengths
     if not is_quaternion:
         roll = _numbers(table, (ROLL,))[:, 0] if ROLL in table.names else 0.0
-        return matrices(turned(stand_on(places, directions), roll))
+        return matrices(turned(make_poses(places, directions), roll))
     poses = np.tile(np.eye(4), (len(places), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(directions, scalar_first=True).as_matrix()
     poses[:, :3, 3] = places
@@ -81,7 +82,7 @@ def read_poses(path: str | Path) -> FloatArray:
 
 
 def turned(stands: Poses, roll: ArrayLike) -> Poses:
-    """Turn sensors about their normals, by degrees; `ParameterError` if these are not finite or too many."""
+    """Turn n sensors about their normals by `roll` (degrees, scalar or (n,)). Raise `ParameterError` otherwise."""
     angles = np.radians(numbers(roll, "roll"))
     if angles.shape not in ((), (len(stands),)) or not np.isfinite(angles).all():
         raise ParameterError(
@@ -96,7 +97,7 @@ def turned(stands: Poses, roll: ArrayLike) -> Poses:
 
 
 def matrices(stands: Poses) -> FloatArray:
-    """Give poses (n, 4, 4): x along the columns, y against the rows, z along the normal."""
+    """Return poses as matrices (n, 4, 4): x along the columns, y against the rows, z along the normal."""
     poses = np.tile(np.eye(4), (len(stands), 1, 1))
     axes = (stands.columns, -stands.rows, stands.normals, stands.points)
     poses[:, :3] = np.stack(axes, axis=2)
@@ -108,7 +109,7 @@ def _read_table(path: str | Path) -> TextTable:
         data = stream.read(LARGEST_BYTES + 1)
     if len(data) > LARGEST_BYTES:
         raise ParameterError(
-            f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB, which is the most."
+            f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB, the limit of a file of poses."
         )
     try:
         table = read_text_table(data, str(path), MOST_POSES)

@@ -23,16 +23,16 @@ from visuohaptic.parameters import as_parameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.effect_pipeline import TouchBatch
 from visuohaptic.sensor.effects import simulate
-from visuohaptic.sensor.imprints import Poses, cast_heights, sensing_offsets, stand_on
+from visuohaptic.sensor.imprints import Poses, cast_heights, make_poses, sensing_offsets
 from visuohaptic.sensor.parameters import Orientation
 from visuohaptic.sensor.random_fields import RandomFields
 
 ORIENTATIONS = ("upright", "transported")
 MOST_ALONG_EDGE = 1024
-"""Sensing points along an edge."""
+"""Limit of sensing points along an edge."""
 
 MOST_POINTS = 1 << 26
-"""Sensing points of all sensors of a call: their heights and images take 0.8 GB."""
+"""Limit of sensing points per call, for which heights and images take 0.8 GB."""
 
 _FARTHEST_RADII = 1e30  # of the mesh: rays are of float32
 _POINTS_AT_ONCE = 1 << 20  # some 150 bytes each
@@ -42,16 +42,16 @@ _PIXELS = 96
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """What n sensors feel with r rows and c columns of sensing points; it is equal to itself alone.
+    """Imprints of n sensors with r rows and c columns of sensing points. Two results are never equal.
 
     Attributes
     ----------
     images : numpy.ndarray
-        Shape (n, r, c), float32: 1 where the surface is at the sensor's plane or above it, 0 where it
-        is `depth` or more below; with a scene, its readings.
+        Shape (n, r, c), float32: 1 where the surface is at the sensor's plane or above, 0 where the surface
+        is `depth` or more below. With a scene: the readings of the simulated sensor.
     heights : numpy.ndarray
-        Shape (n, r, c), float64, in the mesh's unit: the surface above the sensor's plane, negative
-        below it, minus infinity where there is none.
+        Shape (n, r, c), float64, in the mesh's unit: height of the surface above the sensor's plane, negative
+        below the plane, minus infinity where a ray meets no surface.
     poses : numpy.ndarray
         Shape (n, 4, 4), float64, in the mesh's frame: origin at the plane's centre, x along the columns,
         y against the rows, z away from the object.
@@ -76,22 +76,22 @@ class Pressed:
 
     @property
     def points(self) -> FloatArray:
-        """Points of the surface that are felt, shape (n, r, c, 3), mesh frame; NaN where there is none."""
+        """Points of the surface below each sensing point, (n, r, c, 3), mesh frame. NaN where a ray meets no surface."""
         _, rows, columns = self.heights.shape
         aside = 0.5 * self.sizes[:, :1] * sensing_offsets(columns)
         down = 0.5 * self.sizes[:, 1:] * sensing_offsets(rows)
         heights = np.where(np.isfinite(self.heights), self.heights, np.nan)
         x, y, z = (self.poses[:, None, None, :3, axis] for axis in range(3))
-        found: FloatArray = (
+        points: FloatArray = (
             self.poses[:, None, None, :3, 3]
             + aside[:, None, :, None] * x
             - down[:, :, None, None] * y
             + heights[..., None] * z
         )
-        return found
+        return points
 
     def picture(self) -> Image.Image:
-        """Draw the imprints side by side, white where they touch; of many the first 64.
+        """Draw the first 64 imprints side by side. Contact is white.
 
         Returns
         -------
@@ -106,9 +106,9 @@ class Pressed:
         tile = (max(1, round(columns * step)), max(1, round(rows * step)))
         picture = Image.new("L", (across * (tile[0] + 4) + 4, down * (tile[1] + 4) + 4), 64)
         for number, image in enumerate(shown):
-            place = divmod(number, across)
+            row, column = divmod(number, across)
             part = Image.fromarray(np.round(255 * image).astype(np.uint8))
-            corner = (4 + place[1] * (tile[0] + 4), 4 + place[0] * (tile[1] + 4))
+            corner = (4 + column * (tile[0] + 4), 4 + row * (tile[1] + 4))
             picture.paste(part.resize(tile, Image.Resampling.NEAREST), corner)
         return picture
 
@@ -131,7 +131,7 @@ def press(
 ) -> Pressed:
     """Press rectangular sensors on a mesh, all in one batch.
 
-    Lengths and positions are those of the mesh; nothing is turned, moved or scaled.
+    Lengths and positions are in the unit and frame of the mesh, which is not turned, moved or scaled.
 
     Parameters
     ----------
@@ -140,44 +140,44 @@ def press(
     points : array_like, optional
         Shape (n, 3): centres of the sensors' planes, on the surface or anywhere else.
     normals : array_like, optional
-        Shape (n, 3): away from the object; any length but 0.
+        Shape (n, 3): directions away from the object, of any length above 0.
     size : array_like
-        Edge of the squares: a number, or shape (n,). Of rectangles the width (along columns) and the
-        height: shape (1, 2) for all, or (n, 2); a tuple of two numbers is (width, height), too.
+        Squares: the edge, a number or shape (n,). Rectangles: width (along columns) and height, a tuple
+        (width, height), shape (1, 2) for all sensors, or (n, 2).
     resolution : int or (int, int)
-        Sensing points along an edge, or rows and columns: 2 to 1024, and at most 2²⁶ of all sensors.
+        Sensing points along an edge, or rows and columns: 2 to 1024 each, at most 2²⁶ for all sensors together.
     depth : float, optional
-        How deep below its plane a sensor feels; a third of the largest size by default.
+        Depth below its plane that a sensor feels. Default: a third of the largest size.
     above : float, optional
-        How far above the plane the sensors come from; what is higher is not met. The largest size by
-        default.
+        Height above the plane from which sensors approach. A surface above that height is not felt. Default: the
+        largest size.
     orientation : {"upright", "transported"}
-        How planes are turned about their normals; poses say it themselves.
+        Orientation of the planes about their normals. Poses have their own.
     poses : array_like, optional
         Shape (n, 4, 4), instead of points and normals: origin at the plane's centre, x along the columns
         of the imprint, y against its rows, z away from the object, as `Exploration.poses` gives them.
     roll : array_like
-        By how many degrees planes are turned about their normals, counterclockwise seen from outside: a
-        number, or shape (n,).
+        Turn of the planes about their normals (degrees), counterclockwise seen from outside: a number, or
+        shape (n,).
     scene : Scene, mapping or str, optional
-        What is simulated beside the geometry: a preset such as ``"fsr400"``, or section `scene` of the
-        parameters. Cells must be square then, and the unit be given.
+        Effects of the sensor to simulate: a preset such as ``"fsr400"``, or section `scene` of the parameters.
+        A scene needs `unit` and square cells.
     unit : {"mm", "cm", "m", "in"}, optional
-        The mesh's unit of length, for a scene.
+        Unit of length of the mesh. Only a scene needs the unit.
     seed : int
-        Random seed, for a scene with noise, scattered gains or dead cells.
+        Random seed of a scene with noise, scattered gains or dead cells.
 
     Returns
     -------
     Pressed
-        Rows count downwards and columns to the right, seen from outside.
+        The imprints. Seen from outside, rows count downwards and columns to the right.
 
     Raises
     ------
     MeshError
-        If the mesh has nothing to touch.
+        If the mesh has no surface.
     ParameterError
-        If a pose or a measure is not allowed.
+        If a pose, a length or a count is not allowed.
     """
     stands = turned(_stand(points, normals, poses, orientation), roll)
     grid = _grid(resolution)
@@ -234,7 +234,7 @@ def _readings(
     unit: str | None,
     fields: RandomFields,
 ) -> FloatArray:
-    """Give the readings of sensors in a scene, of full scale."""
+    """Simulate the scene's sensor and return the readings, as fractions of full scale."""
     if unit not in UNITS:
         raise ParameterError(
             f"A scene has real lengths and unit is {unit!r}; {', '.join(UNITS)} are allowed."
@@ -265,14 +265,14 @@ def _stand(
             f"orientation is {orientation!r}; {', '.join(ORIENTATIONS)} are allowed."
         )
     if (poses is None) == (points is None) or (points is None) != (normals is None):
-        raise ParameterError("Sensors stand at points with normals, or at poses: give either.")
+        raise ParameterError("Sensors need points with normals, or poses; pass one of the two.")
     if poses is not None:
-        found = numbers(poses, "poses")
-        _check_poses(found)
-        columns, upwards, outward = (found[:, :3, axis] for axis in range(3))
-        return Poses(found[:, :3, 3], outward, columns, -upwards)
-    where = point_rows(points, "points")
-    return stand_on(where, unit_rows(normals, "normals", len(where)), orientation)
+        given = numbers(poses, "poses")
+        _check_poses(given)
+        columns, upwards, outward = (given[:, :3, axis] for axis in range(3))
+        return Poses(given[:, :3, 3], outward, columns, -upwards)
+    centres = point_rows(points, "points")
+    return make_poses(centres, unit_rows(normals, "normals", len(centres)), orientation)
 
 
 def _check_poses(poses: FloatArray) -> None:
@@ -293,7 +293,7 @@ def _check_poses(poses: FloatArray) -> None:
 
 
 def _grid(resolution: int | tuple[int, int]) -> tuple[int, int]:
-    """Give rows and columns."""
+    """Return the numbers of rows and columns."""
     counts = np.atleast_1d(numbers(resolution, "resolution"))
     allowed = (counts >= 2) & (counts <= MOST_ALONG_EDGE) & (np.floor(counts) == counts)
     if counts.shape not in ((1,), (2,)) or not allowed.all():
@@ -305,7 +305,7 @@ def _grid(resolution: int | tuple[int, int]) -> tuple[int, int]:
 
 
 def _sizes(size: ArrayLike | None, count: int) -> FloatArray:
-    """Give width and height of each sensor, shape (n, 2)."""
+    """Return width and height of each sensor: (n, 2)."""
     if size is None:
         raise ParameterError("size is missing: the edge of the sensors, in the mesh's unit.")
     given = numbers(size, "size")
@@ -322,7 +322,7 @@ def _sizes(size: ArrayLike | None, count: int) -> FloatArray:
 
 
 def _unit_surface(mesh: Source) -> tuple[Surface, FloatArray, float]:
-    """Return the mesh within the unit ball, where rays are exact enough, its centre and radius."""
+    """Return the mesh scaled into the unit ball, where float32 rays are exact enough, with its centre and radius."""
     surface, name = read_mesh(mesh), name_of(mesh)
     vertices = surface.vertices
     if not (np.abs(vertices) < FARTHEST).all():

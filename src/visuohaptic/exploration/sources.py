@@ -1,4 +1,4 @@
-"""What an object may come from: a file, an open file, a mesh in memory, or arrays."""
+"""Sources of an object: a file, an open file, a mesh in memory, or arrays."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ UNKNOWN_CLASS = "unknown"
 def read_source(
     source: Source, file_type: str | None, parameters: MeshParameters
 ) -> tuple[str, Surface, FloatArray]:
-    """Read an object from wherever it is: its key, its surface made ready, and the way from its file's frame.
+    """Return an object's key, its surface in the object frame, and the matrix (4, 4) from its file's frame.
 
-    `file_type` is the format of an open file, such as ``obj``. Raises `MeshError` if it is no source, can't
-    be read, or has nothing to touch.
+    `file_type` is the format of an open file, such as ``obj``. Raises `MeshError` if `source` is no source of an
+    object, can't be read, or has no surface.
     """
     model = _model_of(source)
     return model.key, *place_object(model, source, parameters, file_type)
 
 
 def is_one_source(value: Any) -> bool:
-    """Tell one object's source from several."""
+    """Return whether `value` is the source of one object, not a collection of sources."""
     pair = isinstance(value, tuple) and len(value) == 2
     # Two arrays are one object; two paths, meshes or open files are two.
     if pair and not any(_is_whole(part) for part in value):
@@ -41,7 +41,7 @@ def is_one_source(value: Any) -> bool:
 def mesh_parameters(
     values: MeshParameters | ExperimentParameters | Mapping[str, Any] | None,
 ) -> MeshParameters:
-    """Take section `meshes` from whichever parameters are given, or from a mapping of its own names."""
+    """Return section `meshes` of parameters, of a mapping of all sections, or of a mapping of the section's names."""
     if isinstance(values, MeshParameters):
         return values
     if isinstance(values, Mapping) and values and set(values) <= set(MeshParameters.model_fields):
@@ -60,7 +60,7 @@ def _model_of(source: Source) -> Model:
         return Model(UNKNOWN_CLASS, name_of(source))
     path = Path(source)
     stem = path.name.removesuffix(".gz").rpartition(".")[0] or path.name
-    # A file's name may hold bytes that are no text, which no table can hold.
+    # A file's name may have bytes that are not UTF-8, and tables hold only text.
     named = Model(UNKNOWN_CLASS, stem.encode("utf-8", "replace").decode("utf-8"))
     return _catalogued(path) or named
 

@@ -1,1 +1,1 @@
-"""Phase `features`: from imprints to 16 contourlet and 6 kinesthetic features a touch."""
+"""Phase `features`: from imprints to 16 contourlet and 6 kinesthetic features per touch."""

@@ -1,4 +1,4 @@
-"""What is kept of a touch: its imprint's contourlet deviations and shape, its place and normal."""
+"""Phase `features`: describe each touch by its imprint, location and normal."""
 
 from __future__ import annotations
 
@@ -21,56 +21,72 @@ from visuohaptic.tables.phases import (
 )
 from visuohaptic.tables.schema import build_table, images
 
-_KEPT = (*FEATURES.keys, *KINESTHETIC_FEATURES, "sensor_size", "contact_state")
+_COPIED_COLUMNS = (*FEATURES.keys, *KINESTHETIC_FEATURES, "sensor_size", "contact_state")
 
 
 def describe_imprints(
     imprints: NDArray[np.float32], parameters: FeatureParameters
 ) -> NDArray[np.float64]:
-    """Describe imprints (n, r, r), float32, in [0, 1]: k numbers each, (n, k).
+    """Describe imprints by the descriptor of the parameters.
 
-    By default these are the deviations of 16 directional sub-bands, the most that k may be; each
-    row depends only on its own imprint. Raises `ParameterError` if imprints of this resolution
-    can't be divided into 16 bands, or a descriptor gives other than a row for each.
+    Parameters
+    ----------
+    imprints : ndarray of shape (n, r, r), float32
+        Imprints, 0 to 1.
+    parameters : FeatureParameters
+        The descriptor and its settings.
+
+    Returns
+    -------
+    ndarray of shape (n, k), float64
+        One row per imprint, by default the standard deviations of 16 directional bands; k is at most 16. Each row
+        depends only on its own imprint.
+
+    Raises
+    ------
+    ParameterError
+        If the descriptor does not accept the resolution of the imprints, or returns another shape.
     """
     entry = DESCRIPTORS[parameters.descriptor]
     try:
-        found = entry.describe(imprints, parameters)
+        descriptions = entry.describe(imprints, parameters)
     except ContourletError as error:
         raise ParameterError(
-            f"sensor.resolution is {imprints.shape[1]}, and descriptor {entry.name} refuses it with the "
+            f"sensor.resolution is {imprints.shape[1]}, which descriptor {entry.name} refuses with the "
             f"settings of `features`: {error}"
         ) from error
-    if found.ndim != 2 or len(found) != len(imprints) or found.shape[1] > BANDS:
+    shape = descriptions.shape
+    if len(shape) != 2 or shape[0] != len(imprints) or shape[1] > BANDS:
         raise ParameterError(
-            f"descriptor {entry.name} gave an array of shape {found.shape} for {len(imprints)} imprints; "
-            f"a row each, of at most {BANDS} numbers, is needed."
+            f"descriptor {entry.name} returned an array of shape {shape} for {len(imprints)} imprints; "
+            f"one row per imprint with at most {BANDS} numbers is needed."
         )
-    return found
+    return descriptions
 
 
 def describe_touches(touches: pa.Table, parameters: FeatureParameters) -> pa.Table:
-    """Turn rows of `tables.TOUCHES` into rows of `tables.FEATURES`, each only from its own touch.
+    """Describe touches, rows of `tables.TOUCHES`: return one row of `tables.FEATURES` per touch.
 
-    Where the descriptor has fewer than 16 numbers, the rest of the columns ``contourlet_…`` are 0.
+    Each row depends only on its own touch. If the descriptor has fewer than 16 numbers, the remaining columns
+    ``contourlet_…`` are 0.
     """
     if not touches.num_rows:
         return FEATURES.arrow.empty_table()
     imprints = images(touches)
-    columns: dict[str, object] = {name: touches.column(name) for name in _KEPT}
-    deviations = describe_imprints(imprints, parameters)
-    padding = ((0, 0), (0, len(CONTOURLET_FEATURES) - deviations.shape[1]))
-    columns |= dict(zip(CONTOURLET_FEATURES, np.pad(deviations, padding).T, strict=True))
+    columns: dict[str, object] = {name: touches.column(name) for name in _COPIED_COLUMNS}
+    descriptions = describe_imprints(imprints, parameters)
+    padding = ((0, 0), (0, len(CONTOURLET_FEATURES) - descriptions.shape[1]))
+    columns |= dict(zip(CONTOURLET_FEATURES, np.pad(descriptions, padding).T, strict=True))
     columns |= dict(zip(IMPRINT_FEATURES, describe_imprint_shape(imprints).T, strict=True))
     return build_table(FEATURES, columns)
 
 
 class Described(NamedTuple):
-    """The table of the third phase."""
+    """The table of phase `features`."""
 
     features: pa.Table
 
 
 def describe(_: object, touches: pa.Table, features: FeatureParameters) -> Described:
-    """Describe an object's touches, of whatever object."""
+    """Run phase `features` on an object's touches; the object itself is not used."""
     return Described(describe_touches(touches, features))

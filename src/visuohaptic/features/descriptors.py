@@ -1,4 +1,4 @@
-"""Descriptors: the numbers that describe an imprint, one entry each."""
+"""The registry of descriptors, which describe an imprint by numbers."""
 
 from __future__ import annotations
 
@@ -23,17 +23,15 @@ from visuohaptic.features.imprint_shape import describe_imprint_shape
 
 @dataclass(frozen=True)
 class Descriptor:
-    """What describes an imprint.
+    """A description of an imprint by numbers.
 
     Attributes
     ----------
-    name : str
-        What parameters and tables call it.
-    label : str
-        What the report calls it.
+    name, label : str
+        Name in parameters and tables, and name in the report.
     describe : callable
-        Takes imprints, shape (n, r, r), float32, in [0, 1], and the section `features`; gives
-        numbers, shape (n, k), float64, k at most 16. Each row depends only on its own imprint.
+        ``describe(imprints, parameters)`` takes imprints (n, r, r), float32, 0 to 1, and the section `features`. It
+        returns numbers (n, k), float64, with k at most 16. Each row must depend only on its own imprint.
     """
 
     name: str
@@ -54,13 +52,13 @@ def _contourlet_deviations(imprints: NDArray[np.float32], parameters: Any) -> ND
         if parameters.levels != (4,):
             raise
         raise ParameterError(
-            f"sensor.resolution is {imprints.shape[1]}; multiples of 8, and odd numbers from 3 on, "
-            "are allowed, as a contourlet divides the imprint into 16 bands."
+            f"sensor.resolution is {imprints.shape[1]}; 16 contourlet bands need a multiple of 8 or an "
+            "odd number of 3 or more."
         ) from None
 
 
 def _nonsubsampled_deviations(imprints: NDArray[np.float32], _: object) -> NDArray[np.float64]:
-    """Compute the standard deviations (N - 1) of a nonsubsampled contourlet's 16 bands."""
+    """Compute the standard deviations, with N - 1, of the 16 bands of a nonsubsampled contourlet."""
     bands = NonsubsampledContourlet(levels=(4,)).forward(imprints.astype(np.float64)).levels[0]
     return np.stack([band.std(axis=(1, 2), ddof=1) for band in bands], axis=1)
 

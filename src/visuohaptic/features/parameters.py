@@ -10,7 +10,7 @@ from visuohaptic.base.section import Section
 from visuohaptic.features.descriptors import DESCRIPTORS
 
 BANDS = 16
-"""Columns of a table of features for contourlet bands."""
+"""Number of columns ``contourlet_…`` in a table of features."""
 
 
 class FeatureParameters(Section):
@@ -18,17 +18,17 @@ class FeatureParameters(Section):
 
     descriptor: Annotated[str, DESCRIPTORS] = Field(
         "contourlet",
-        description="What describes an imprint: deviations of 16 contourlet bands, of 16 bands of a "
-        "nonsubsampled contourlet, of the bands of a wavelet (db2, three a level), or 13 statistics of the imprint",
+        description="Description of an imprint: standard deviations of 16 contourlet bands, of 16 bands of a "
+        "nonsubsampled contourlet, or of wavelet bands (db2, three per level), or 13 statistics of the imprint",
     )
     wavelet_levels: int = Field(
-        3, ge=1, le=3, description="Levels of the wavelet (descriptor `wavelet` only)"
+        3, ge=1, le=3, description="Levels of the wavelet, for `wavelet` only"
     )
     levels: tuple[Annotated[int, Field(ge=0, le=4)], ...] = Field(
         (4,),
         min_length=1,
-        description="Directions of each pyramid level as powers of two, the coarsest first; up to 16 bands "
-        "together, such as 2, 2, 3 (descriptor `contourlet` only)",
+        description="Directions of each pyramid level as exponents of 2, the coarsest level first, such as 2, 2, 3; "
+        "together at most 16 bands; for `contourlet` only",
     )
     pyramid_filter: Literal["9-7", "5-3", "haar"] = Field(
         "9-7", description="Filters of the Laplacian pyramid"
@@ -38,7 +38,7 @@ class FeatureParameters(Section):
     )
     extension: Literal["periodic", "symmetric", "circular"] = Field(
         "periodic",
-        description="How an imprint continues beyond its borders; the authors' toolbox has `periodic`",
+        description="Extension of an imprint beyond its borders; the authors' toolbox has `periodic`",
     )
 
     @field_validator("levels")
@@ -46,7 +46,5 @@ class FeatureParameters(Section):
     def _check_bands(cls, levels: tuple[int, ...]) -> tuple[int, ...]:
         bands = sum(2**level for level in levels)
         if bands > BANDS:
-            raise ValueError(
-                f"{bands} bands are more than the {BANDS} that a table has columns for"
-            )
+            raise ValueError(f"levels give {bands} bands; at most {BANDS} are allowed")
         return levels

@@ -1,1 +1,1 @@
-"""Phase `fixations`: from surfaces to views, saliency and ordered probing locations."""
+"""Phase `fixations`: from surfaces to views, saliency maps and ordered probing locations."""

@@ -1,4 +1,4 @@
-"""Viewpoints of an object, with attention or without."""
+"""Viewpoints of an object, with and without a view and attention."""
 
 from __future__ import annotations
 
@@ -17,24 +17,46 @@ from visuohaptic.geometry.raycasting import RayCaster
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """One viewpoint of an object, `class/name`, without a look."""
+    """A viewpoint of an object, without a view.
+
+    Attributes
+    ----------
+    key : str
+        The object, ``class/name``.
+    number : int
+        The number of the viewpoint.
+    caster : RayCaster
+        The object's surface, prepared for rays.
+    camera : Camera
+        The camera.
+    """
 
     key: str
-    viewpoint: int
+    number: int
     caster: RayCaster
     camera: Camera
 
 
 @dataclass(frozen=True)
 class AttendedView(Viewpoint):
-    """One viewpoint with its view, at `place` among those that were `seen` together, and attention in it."""
+    """A viewpoint with its view and attention.
 
-    seen: Views
-    place: int
+    Attributes
+    ----------
+    views : Views
+        Views of the object that were rendered together.
+    index : int
+        The index of this viewpoint in `views`.
+    attended : Attention
+        Saliency and fixations of this view.
+    """
+
+    views: Views
+    index: int
     attended: Attention
 
     def scan(self, saliency: NDArray[np.float32], attention: AttentionParameters) -> Scanpath:
-        """Let the eye scan the view by a map of its pixels."""
-        seen, place = self.seen, self.place
-        surface = (seen.mask[place], seen.point[place], seen.normal[place], seen.face[place])
+        """Choose fixations on a map (h, w), 0 to 1, of the view's pixels, as `attention.scan` does."""
+        views, index = self.views, self.index
+        surface = (views.mask[index], views.point[index], views.normal[index], views.face[index])
         return scan(saliency, *surface, attention)

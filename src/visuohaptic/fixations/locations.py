@@ -1,4 +1,4 @@
-"""Probing locations of a viewpoint, as rows of a table."""
+"""Probing locations of a viewpoint, as rows of `tables.FIXATIONS`."""
 
 from __future__ import annotations
 
@@ -13,55 +13,81 @@ from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.attended_views import Viewpoint
-from visuohaptic.fixations.places import ProbingLocations, sees, turn_towards
+from visuohaptic.fixations.places import ProbingLocations, is_visible, turn_towards
 from visuohaptic.fixations.policies import Policy
 from visuohaptic.fixations.probing import STRATEGIES, strategy_of
 from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 from visuohaptic.tables.schema import build_table
 
 
-def locate(one: Viewpoint, strategy: str, attention: AttentionParameters, seed: int) -> pa.Table:
-    """Choose where to touch: rows of `tables.FIXATIONS`, up to `SPARE` more than fixations are asked for.
+def locate(
+    viewpoint: Viewpoint, strategy: str, attention: AttentionParameters, seed: int
+) -> pa.Table:
+    """Choose the probing locations of a viewpoint with a strategy.
 
-    Fewer are the first of more. What is drawn depends on seed, strategy, draw, object and viewpoint only. `one` is
-    a `AttendedView` where the strategy looks. Raises `RegistryError` if there is no such strategy, or it is a policy.
+    A run with fewer fixations has a prefix of the same rows.
+
+    Parameters
+    ----------
+    viewpoint : Viewpoint
+        The viewpoint; an `AttendedView` for strategies that need a view.
+    strategy : str
+        Name of a strategy, or of a draw of a strategy.
+    attention : AttentionParameters
+        Number and distance of fixations.
+    seed : int
+        Seed of the run. The random numbers depend on seed, strategy, draw, object and viewpoint only.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FIXATIONS`: up to `SPARE` more than the number of fixations.
+
+    Raises
+    ------
+    RegistryError
+        If there is no such strategy, or it is a policy.
     """
     entry = strategy_of(strategy)
     if isinstance(entry, Policy):
         raise RegistryError(
-            f"{strategy!r} is a policy, which chooses by what was felt; phase touches runs it."
+            f"{strategy!r} is a policy, which chooses by earlier touches; phase touches runs it."
         )
-    generator = spawn_generator(seed, entry.chance or strategy, one.key, one.viewpoint)
-    more = attention.model_copy(update={"fixations": attention.fixations + SPARE})
-    chosen = entry.choose(one, more, generator)
-    return location_table(one.key, one.viewpoint, strategy, chosen)
+    generator = spawn_generator(seed, entry.chance or strategy, viewpoint.key, viewpoint.number)
+    with_spares = attention.model_copy(update={"fixations": attention.fixations + SPARE})
+    chosen = entry.choose(viewpoint, with_spares, generator)
+    return location_table(viewpoint.key, viewpoint.number, strategy, chosen)
 
 
-def candidate_table(one: Viewpoint, crowd: ProbingLocations) -> pa.Table:
-    """List those of an object's points that a viewpoint sees, for strategy ``adaptive``, in their order."""
-    shown = crowd.take(np.flatnonzero(sees(one.caster, one.camera, crowd.points)))
-    turned = turn_towards(shown, one.camera)
-    return location_table(one.key, one.viewpoint, "adaptive", turned)
+def candidate_table(viewpoint: Viewpoint, candidates: ProbingLocations) -> pa.Table:
+    """Return the candidates that a viewpoint sees, in order, as rows of strategy ``adaptive``."""
+    caster, camera = viewpoint.caster, viewpoint.camera
+    visible = candidates.take(np.flatnonzero(is_visible(caster, camera, candidates.points)))
+    turned = turn_towards(visible, camera)
+    return location_table(viewpoint.key, viewpoint.number, "adaptive", turned)
 
 
 def location_table(
     key: str, viewpoint: int, strategy: str, chosen: ProbingLocations | Scanpath
 ) -> pa.Table:
-    """Give locations as rows of `tables.FIXATIONS`; those not chosen by pixel have none, and no saliency."""
-    # Study touch_curves has a strategy of its own, `adaptive`.
-    known = draw_of(strategy)[0] in STRATEGIES.names
-    entry = strategy_of(strategy) if known else None
+    """Return chosen locations as rows of `tables.FIXATIONS`.
+
+    Only a `Scanpath` has pixels and saliency; other locations have missing values there.
+    """
+    # Study touch_curves passes `adaptive`, which is not in the registry.
+    is_registered = draw_of(strategy)[0] in STRATEGIES.names
+    entry = strategy_of(strategy) if is_registered else None
     count = len(chosen.faces)
-    looked: Sequence[object] = [[None] * count] * 3
+    pixels: Sequence[object] = [[None] * count] * 3
     if isinstance(chosen, Scanpath):
-        looked = (chosen.rows, chosen.columns, chosen.saliency)
+        pixels = (chosen.rows, chosen.columns, chosen.saliency)
     columns: dict[str, object] = {
         **owner_columns(key),
         "viewpoint": viewpoint,
         "strategy": strategy,
         "touch": np.arange(count),
         "face": chosen.faces,
-        **dict(zip(("pixel_row", "pixel_column", "saliency"), looked, strict=True)),
+        **dict(zip(("pixel_row", "pixel_column", "saliency"), pixels, strict=True)),
         "unreachable": [entry and entry.unreachable] * count,
         "chance": (entry and entry.chance) or strategy,
     }

@@ -1,4 +1,4 @@
-"""The first phase: what an object shows from some viewpoints, and where each strategy would touch it."""
+"""Phase `fixations` of one object: its views, and the probing locations of every strategy."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from visuohaptic.tables.phases import FIXATIONS, VIEWS, owner_columns
 from visuohaptic.tables.schema import build_table
 
 MAP_PIXELS = 64
-"""Longer edge, in pixels, of the conspicuity maps that are kept."""
+"""Longer edge of the stored conspicuity maps, pixels."""
 
 
 @dataclass(frozen=True, eq=False)
 class ObjectViews:
-    """What an object shows from its viewpoints; each part is computed when it is asked for.
+    """The results of phase `fixations` for one object; each is computed on first use.
 
-    Its fields are the object and the phase's arguments, as `pipeline.PHASES` lists them.
+    The fields are the object and the phase's arguments, as in `phases.PHASES`.
     """
 
     subject: Subject
@@ -46,45 +46,45 @@ class ObjectViews:
 
     @cached_property
     def cameras(self) -> dict[int, Camera]:
-        """The viewpoints by their numbers."""
-        placed = place_cameras(self.viewpoints)
-        return {number: placed[number] for number in self.subject.viewpoints}
+        """The cameras by number of the viewpoint."""
+        cameras = place_cameras(self.viewpoints)
+        return {number: cameras[number] for number in self.subject.viewpoints}
 
     @cached_property
-    def seen(self) -> Views:
+    def rendered(self) -> Views:
         """The rendered views."""
         cameras = list(self.cameras.values())
         return render_views(self.subject.caster, cameras, self.rendering, self.modes)
 
     @cached_property
-    def looks(self) -> list[AttendedView]:
-        """Saliency and fixations of each view."""
-        key, caster = self.subject.key, self.subject.caster
-        attended = attend(**self.seen.arrays(), parameters=self.attention)
+    def attended_views(self) -> list[AttendedView]:
+        """Each view with its saliency and fixations."""
+        key, caster, views = self.subject.key, self.subject.caster, self.rendered
+        attended = attend(**views.arrays(), parameters=self.attention)
         return [
-            AttendedView(key, number, caster, camera, self.seen, place, attended[place])
-            for place, (number, camera) in enumerate(self.cameras.items())
+            AttendedView(key, number, caster, camera, views, index, attended[index])
+            for index, (number, camera) in enumerate(self.cameras.items())
         ]
 
     @property
-    def needs_looks(self) -> bool:
-        """Whether a strategy needs the views."""
+    def needs_views(self) -> bool:
+        """Whether any strategy needs the views."""
         return any(strategy_of(name).looks for name in self.strategies)
 
     @cached_property
     def viewpoints_used(self) -> Sequence[Viewpoint]:
-        """Where the strategies choose from: looks, or viewpoints alone if none of them looks."""
-        if self.needs_looks:
-            return self.looks
+        """The input of the strategies: attended views if any strategy needs views, otherwise viewpoints."""
+        if self.needs_views:
+            return self.attended_views
         key, caster = self.subject.key, self.subject.caster
-        return [Viewpoint(key, number, caster, one) for number, one in self.cameras.items()]
+        return [Viewpoint(key, number, caster, camera) for number, camera in self.cameras.items()]
 
     @property
     def fixations(self) -> pa.Table:
-        """Where to touch, by every strategy: rows of `tables.FIXATIONS`."""
+        """The probing locations of every strategy: rows of `tables.FIXATIONS`."""
         tables = [
-            locate(one, strategy, self.attention, self.seed)
-            for one in self.viewpoints_used
+            locate(viewpoint, strategy, self.attention, self.seed)
+            for viewpoint in self.viewpoints_used
             for strategy in self.strategies
         ]
         return pa.concat_tables([FIXATIONS.arrow.empty_table(), *tables]).combine_chunks()
@@ -93,32 +93,31 @@ class ObjectViews:
     def effects(self) -> pa.Table:
         """Why each effect of the view was needed: rows of `tables.EFFECTS`."""
         first = next(iter(self.cameras))
-        return effect_table(self.subject.key, first, "any", self.seen.effects)
+        return effect_table(self.subject.key, first, "any", self.rendered.effects)
 
     @property
     def views(self) -> pa.Table:
-        """The views and their maps as pictures: rows of `tables.VIEWS`."""
-        looks = self.looks
-        attentions = [one.attended for one in looks]
-        eyes = np.stack([one.camera.eye for one in looks])
+        """The views and their maps as PNG pictures: rows of `tables.VIEWS`."""
+        attentions = [view.attended for view in self.attended_views]
+        eyes = np.stack([camera.eye for camera in self.cameras.values()])
         columns: dict[str, object] = {
             **owner_columns(self.subject.key),
-            "viewpoint": np.array([one.viewpoint for one in looks]),
-            "view": [_encode_png(np.rint(view * 255.0)) for view in self.seen.colour],
-            "saliency": [_encode_png(np.rint(one.saliency * 255.0)) for one in attentions],
+            "viewpoint": np.array(list(self.cameras)),
+            "view": [_encode_png(np.rint(view * 255.0)) for view in self.rendered.colour],
+            "saliency": [_encode_png(np.rint(each.saliency * 255.0)) for each in attentions],
             "conspicuity": [
-                [(channel, _encode_map(plane)) for channel, plane in one.conspicuity.items()]
-                for one in attentions
+                [(channel, _encode_map(plane)) for channel, plane in each.conspicuity.items()]
+                for each in attentions
             ],
-            "skipped": [list(one.skipped.items()) for one in attentions],
-            "distinct_fixations": np.array([one.scanpath.distinct for one in attentions]),
+            "skipped": [list(each.skipped.items()) for each in attentions],
+            "distinct_fixations": np.array([each.scanpath.distinct for each in attentions]),
         }
         columns |= {f"eye_{axis}": eyes[:, index] for index, axis in enumerate("xyz")}
         return build_table(VIEWS, columns)
 
 
 def _encode_map(plane: NDArray[np.float32]) -> bytes:
-    """Encode a conspicuity map small, its own maximum white."""
+    """Shrink a conspicuity map to `MAP_PIXELS` and encode it as PNG; its maximum becomes white."""
     scale = MAP_PIXELS / max(plane.shape)
     small = cv2.resize(plane, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
     peak = float(small.max())
@@ -126,7 +125,7 @@ def _encode_map(plane: NDArray[np.float32]) -> bytes:
 
 
 def _encode_png(image: NDArray[np.floating]) -> bytes:
-    """Encode grey (h, w) or colour (h, w, 3) values of 0 to 255 as PNG."""
+    """Encode grey (h, w) or colour (h, w, 3) values from 0 to 255 as PNG."""
     pixels = np.clip(image, 0, 255).astype(np.uint8)
     if pixels.ndim == 3:
         pixels = pixels[..., ::-1]

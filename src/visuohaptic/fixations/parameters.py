@@ -1,4 +1,4 @@
-"""Sections `viewpoints` and `rendering` of `params.yaml`; `attention` has its own package."""
+"""Sections `viewpoints` and `rendering` of `params.yaml`."""
 
 from __future__ import annotations
 
@@ -10,34 +10,34 @@ from visuohaptic.base.section import Section
 
 
 class ViewpointParameters(Section):
-    """Arrangement of the viewpoints and the lens that all of them share.
+    """Arrangement of the viewpoints, and the lens of all cameras.
 
-    The object frame has y up; its bounding sphere has radius 1 about the origin,
-    at which every camera looks.
+    In the object frame y is up, and the object's bounding sphere has radius 1 and its centre in the origin. Every
+    camera looks at the origin.
     """
 
     arrangement: Literal["rings", "fibonacci"] = Field(
         "rings",
-        description="`rings`: circles around the vertical axis, one for each elevation; "
+        description="`rings`: a circle around the vertical axis per elevation; "
         "`fibonacci`: evenly over the whole sphere",
     )
     count: int = Field(
         16,
         gt=0,
-        le=1024,  # a third of a degree apart: neighbours see the same
+        le=1024,  # a third of a degree between neighbours, which then have the same view
         description="Viewpoints on each ring, or on the whole Fibonacci sphere",
     )
     elevations_degrees: tuple[float, ...] = Field(
         (20.0,),
         min_length=1,
-        description="Height of each ring above the horizon (degrees); not used by `fibonacci`",
+        description="Elevation of each ring above the horizon (degrees); for `rings` only",
     )
     distance: float = Field(
-        3.0, gt=1.0, description="From the object's centre to the eye (object radii)"
+        3.0, gt=1.0, description="Distance from the object's centre to the camera (object radii)"
     )
     projection: Literal["perspective", "orthographic"] = Field(
         "perspective",
-        description="How rays leave the camera: from one point (`perspective`), or parallel (`orthographic`)",
+        description="Rays of the camera: from a point (`perspective`) or parallel (`orthographic`)",
     )
 
     @property
@@ -51,7 +51,7 @@ class ViewpointParameters(Section):
     def _within_the_poles(cls, values: tuple[float, ...]) -> tuple[float, ...]:
         outside = [value for value in values if not -90.0 <= value <= 90.0]
         if outside:
-            raise ValueError(f"elevations are {outside}; -90 to 90 degrees is allowed.")
+            raise ValueError(f"elevations are {outside}; -90 to 90 degrees are allowed.")
         return values
 
 
@@ -61,12 +61,12 @@ class RenderingParameters(Section):
     resolution: int = Field(
         256,
         ge=16,
-        le=4096,  # rendering such a view takes 2 GB
+        le=4096,  # rendering a view of this size takes 2 GB
         description="Rows and columns of a view (pixels)",
     )
     ambient: float = Field(
-        0.4, ge=0.0, le=1.0, description="Share of light that comes evenly from everywhere"
+        0.4, ge=0.0, le=1.0, description="Share of ambient light, which has no direction"
     )
     background: float = Field(
-        0.85, ge=0.0, le=1.0, description="Grey level where no surface is; no channel looks at it"
+        0.85, ge=0.0, le=1.0, description="Grey level of the background; it changes no saliency map"
     )

@@ -1,4 +1,4 @@
-"""Points of a surface to touch, and what a camera sees of them."""
+"""Probing locations on a surface: random draws, visibility and direction of normals."""
 
 from __future__ import annotations
 
@@ -13,33 +13,43 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 
 SEEN_TOLERANCE = 1e-5
-"""How much nearer than a point, as a share of its distance, what hides it must be."""
+"""A point is hidden if a surface is nearer to the camera by more than this share of the point's distance."""
 
 BATCH = 256
-"""Points that are drawn at a time where only some are kept; it must not depend on how many are asked for."""
+"""Points per draw where points may be rejected. The number is constant, so that fewer locations are a prefix of more."""
 
 FRUITLESS_BATCHES = 64
-"""Batches in a row without a kept point, after which nothing is expected any more."""
+"""Rejected batches in a row after which drawing ends."""
 
 
 @dataclass(frozen=True)
 class ProbingLocations:
-    """Points (n, 3) to touch, in order, object frame, with unit normals (n, 3) and the face (n,) of each."""
+    """Points to touch, in order.
+
+    Attributes
+    ----------
+    points : ndarray of shape (n, 3), float64
+        The points, object frame.
+    normals : ndarray of shape (n, 3), float64
+        Unit normals of the surface there.
+    faces : ndarray of shape (n,), int64
+        The face of each point.
+    """
 
     points: FloatArray
     normals: FloatArray
     faces: IntArray
 
-    def take(self, places: IntArray) -> ProbingLocations:
-        """Give some of the locations, in the order of their places."""
-        return ProbingLocations(self.points[places], self.normals[places], self.faces[places])
+    def take(self, indices: IntArray) -> ProbingLocations:
+        """Return the locations at `indices`, in that order."""
+        return ProbingLocations(self.points[indices], self.normals[indices], self.faces[indices])
 
 
 def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -> ProbingLocations:
-    """Draw points uniformly over a surface, by area, hidden parts too; fewer are the first of more.
+    """Draw points uniformly by area over a surface, including hidden parts.
 
-    A triangle is drawn by its share of the area, a point in it by the square-root map of the unit square
-    (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1).
+    A smaller `count` returns a prefix of the same points. A triangle is drawn by its share of the area, a point in
+    the triangle by the square-root map of the unit square (Osada et al., ACM Trans. Graph. 21(4), 2002, eq. 1).
     """
     cumulative = np.cumsum(surface.face_areas)
     drawn, outer, along = generator.random((count, 3)).T
@@ -51,8 +61,8 @@ def draw_by_area(surface: Surface, count: int, generator: np.random.Generator) -
     return ProbingLocations(points, surface.face_normals[faces], faces)
 
 
-def sees(caster: RayCaster, camera: Camera, points: FloatArray) -> BoolArray:
-    """Find which points of a surface, shape (n, 3), are within a camera's square view, and not hidden."""
+def is_visible(caster: RayCaster, camera: Camera, points: FloatArray) -> BoolArray:
+    """Return whether each point of a surface, shape (n, 3), is inside a camera's square view and not hidden."""
     offsets = points - camera.eye
     across, along, towards = np.einsum("nd,kd->kn", offsets, camera.axes)
     depth = -towards
@@ -67,7 +77,7 @@ def sees(caster: RayCaster, camera: Camera, points: FloatArray) -> BoolArray:
 
 
 def turn_towards(locations: ProbingLocations, camera: Camera) -> ProbingLocations:
-    """Turn normals to a camera that sees the points; one edge-on to it stays as it is."""
+    """Flip normals that point away from a camera."""
     towards = camera.eye - locations.points
     if camera.projection == "orthographic":
         towards = np.broadcast_to(camera.axes[2], locations.points.shape)
@@ -77,6 +87,6 @@ def turn_towards(locations: ProbingLocations, camera: Camera) -> ProbingLocation
 
 
 def face_outwards(caster: RayCaster, locations: ProbingLocations) -> ProbingLocations:
-    """Turn normals to the outside of an object."""
+    """Flip normals that point into the object."""
     outwards = orient_outwards(caster, locations.points, locations.normals)
     return ProbingLocations(locations.points, outwards, locations.faces)

@@ -1,4 +1,4 @@
-"""Policies: strategies that choose each next place by what was felt before."""
+"""Policies: strategies that choose each location by the touches before."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.fixations.places import ProbingLocations, sees, turn_towards
+from visuohaptic.fixations.places import ProbingLocations, is_visible, turn_towards
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
 
 PLACES = 256
-"""Places spread over an object, of which each viewpoint offers those that it sees."""
+"""Locations that are spread over an object; a viewpoint offers the locations that it sees."""
 
 
 @dataclass(frozen=True, eq=False)
 class Felt:
-    """One try to touch.
+    """The result of one try to touch.
 
     Attributes
     ----------
     point, normal : ndarray of shape (3,)
-        Where the sensor was set down, and its outward unit normal, object frame.
+        The location and the outward unit normal of the sensor, object frame.
     acquired : bool
-        Whether the sensor could reach the place. Where it could not, nothing is felt, unless the
-        parameters say that such places are touched as far as the sensor comes.
+        Whether the sensor could reach the location. Without reach there is an imprint only if parameter
+        ``unreachable`` is ``keep``.
     imprint : ndarray of shape (r, r), float32, or None
-        1 is contact and 0 is out of reach; None where nothing was felt.
+        1 is contact, 0 is out of the depth range; None without a touch.
     sensor_size : float or None
-        Edge of the sensor's square, object radii.
+        Edge of the sensor's square, object radii; None without a touch.
     contact_state : str or None
-        One of `tables.phases.CONTACT_STATES`.
+        A value of `tables.phases.CONTACT_STATES`; None without a touch.
     """
 
     point: FloatArray
@@ -48,7 +48,7 @@ class Felt:
 
 @dataclass(frozen=True, eq=False)
 class PolicyView:
-    """What a policy knows before the first touch from a viewpoint: neither the object's name nor its class.
+    """The knowledge of a policy at a viewpoint: not the object's name, and not its class.
 
     Attributes
     ----------
@@ -57,9 +57,9 @@ class PolicyView:
     camera : Camera
         The viewpoint.
     generator : numpy.random.Generator
-        It depends on the seed, the policy, the object and the viewpoint only.
+        Random numbers that depend on the seed, the policy, the object and the viewpoint only.
     find_places : callable
-        Returns places that are spread over the object.
+        ``find_places()`` returns locations that are spread over the object.
     """
 
     caster: RayCaster
@@ -69,33 +69,28 @@ class PolicyView:
 
     @cached_property
     def places(self) -> ProbingLocations:
-        """Those of `PLACES` places spread over the object that the viewpoint sees, with normals towards the camera."""
+        """The visible locations among `PLACES` that are spread over the object; normals point to the camera."""
         spread = self.find_places()
-        seen = np.flatnonzero(sees(self.caster, self.camera, spread.points))
-        return turn_towards(spread.take(seen), self.camera)
+        visible = np.flatnonzero(is_visible(self.caster, self.camera, spread.points))
+        return turn_towards(spread.take(visible), self.camera)
 
 
 @dataclass(frozen=True)
 class Policy:
-    """A way to choose where to touch next, by what was felt so far.
+    """A way to choose the next location by the touches so far.
 
     Attributes
     ----------
-    name : str
-        What parameters and tables call it.
-    label : str
-        What the report calls it.
+    name, label : str
+        Name in parameters and tables, and name in the report.
     next_location : callable
-        ``next_location(view, touches)`` takes a `PolicyView` and all tries from this viewpoint so far,
-        a tuple of `Felt`. It returns a point (3,) on the surface, object frame, which no earlier try
-        was at, or None to stop. It must depend on its arguments only.
+        ``next_location(view, tries)`` takes a `PolicyView` and all tries from this viewpoint so far, a tuple of
+        `Felt`. It returns a new point (3,) on the surface, object frame, or None to stop. The result must depend
+        on the arguments only.
     random : bool
-        Whether ``view.generator`` changes the places.
-    unreachable : {"replace", "keep"}, optional
-        What is done with places out of reach, whatever `probing.unreachable` says; without it as that
-        says.
-    chance : str, optional
-        Name of its generators, also of the sensor's noise; without it its own name.
+        Whether ``view.generator`` changes the locations.
+    unreachable, chance : str, optional
+        As for `Strategy`.
     """
 
     name: str
@@ -107,5 +102,5 @@ class Policy:
 
     @property
     def looks(self) -> bool:
-        """A policy needs no rendered view."""
+        """False: no policy needs a rendered view."""
         return False

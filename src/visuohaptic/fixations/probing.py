@@ -1,4 +1,4 @@
-"""Strategies: the ways to choose where to touch, before the first touch or, as a policy, by what was felt."""
+"""The registry of strategies, which choose all locations before the first touch, and of policies."""
 
 from __future__ import annotations
 
@@ -26,34 +26,30 @@ from visuohaptic.fixations.strategies import (
 )
 
 Unreachable = Literal["replace", "keep"]
-"""What is done with a place that the sensor can't reach."""
+"""Locations out of reach are replaced by the next locations, or touched as far as the sensor comes."""
 
 
 @dataclass(frozen=True)
 class Strategy:
-    """A way to choose where to touch.
+    """A way to choose locations before the first touch.
 
     Attributes
     ----------
-    name : str
-        What parameters and tables call it.
-    label : str
-        What the report calls it.
+    name, label : str
+        Name in parameters and tables, and name in the report.
     choose : callable
-        Takes a viewpoint, the section `attention` and a generator; gives places in the order in
-        which they are touched: a scan path where pixels of the view are chosen, otherwise
-        points with outward normals. They are as many as `attention.fixations`, or fewer where
-        there are no more; fewer are the first of more.
+        ``choose(viewpoint, attention, generator)`` returns at most `attention.fixations` locations in the order
+        of touching: a `Scanpath` of pixels, or `ProbingLocations` with outward normals. For fewer fixations it must
+        return a prefix of the same locations.
     random : bool
-        Whether the generator changes the places.
+        Whether the generator changes the locations.
     looks : bool
-        Whether it needs the view and its saliency; one that does not takes any `Viewpoint`.
+        Whether `choose` needs an `AttendedView`; if not, it takes any `Viewpoint`.
     unreachable : {"replace", "keep"}, optional
-        What is done with its places out of reach, whatever `probing.unreachable` says; without it
-        as that says.
+        Overrides parameter `probing.unreachable`.
     chance : str, optional
-        Name of its generators, also of the sensor's noise; without it its own name. Strategies
-        with one name draw the same.
+        Name for the random generators of choice and sensor noise, by default `name`. Strategies with the same
+        `chance` draw the same numbers.
     """
 
     name: str
@@ -130,14 +126,14 @@ STRATEGIES: Registry[Strategy | Policy] = Registry(
         seek_relief.next_location,
     ),
 )
-"""Every strategy and every policy, in the order of reports."""
+"""Every strategy and every policy, in the order of the report."""
 
 
 def strategy_of(name: str) -> Strategy | Policy:
-    """Return the strategy or policy of a name, which may be that of a draw, such as ``random#2``.
+    """Return a strategy or policy by its name, or by the name of a draw such as ``random#2``.
 
-    A draw has random generators of its own, also for the sensor's noise. Draw 0 has the name of the
-    strategy. Raises `RegistryError` if there is no such strategy, or it draws nothing.
+    A draw has its own random generators for choice and sensor noise. Raises `RegistryError` if there is no such
+    strategy, or if the name is that of a draw of a strategy that is not random.
     """
     if DRAW_MARK not in name:
         return STRATEGIES[name]
@@ -145,20 +141,20 @@ def strategy_of(name: str) -> Strategy | Policy:
     entry = STRATEGIES[strategy]
     if not entry.random or not re.fullmatch("[1-9][0-9]{0,5}", draw):
         raise RegistryError(
-            f"{name!r} is no draw of a random strategy; a random strategy and a number from 1 on are "
-            "allowed, such as 'random#1'."
+            f"{name!r} is no draw of a random strategy; the name of a random strategy and a number from 1 "
+            "are allowed, such as 'random#1'."
         )
     chance = f"{entry.chance or strategy}{DRAW_MARK}{draw}"
     return replace(entry, name=name, label=f"{entry.label}, draw {draw}", chance=chance)
 
 
 def is_policy(name: str) -> bool:
-    """Return whether a name is that of a policy, which chooses by what was felt."""
+    """Return whether a name is the name of a policy."""
     return isinstance(strategy_of(name), Policy)
 
 
 def policy_of(name: str) -> Policy:
-    """Return the policy of a name; raises `RegistryError` if it is none."""
+    """Return a policy by its name; raise `RegistryError` if the name is no policy."""
     entry = strategy_of(name)
     if not isinstance(entry, Policy):
         raise RegistryError(f"{name!r} chooses before the first touch; a policy is needed.")
@@ -166,7 +162,7 @@ def policy_of(name: str) -> Policy:
 
 
 def can_draw_again(name: str) -> bool:
-    """Return whether a run measures further draws of a strategy: it is random, and needs no view."""
+    """Return whether a run measures several draws of a strategy: it must be random and need no view."""
     entry = strategy_of(name)
     return entry.random and not entry.looks
 
@@ -181,4 +177,4 @@ def _check_draw(value: object, check: ValidatorFunctionWrapHandler) -> object:
 
 
 StrategyName = Annotated[str, STRATEGIES, WrapValidator(_check_draw)]
-"""A strategy, or a draw of a random one."""
+"""Name of a strategy, or of a draw of a random strategy."""

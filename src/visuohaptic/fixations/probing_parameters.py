@@ -1,4 +1,7 @@
-"""Section `probing` of `params.yaml`. It knows the strategies, which know the section `rendering`."""
+"""Section `probing` of `params.yaml`.
+
+It is not in `fixations.parameters`, because the strategies import that module.
+"""
 
 from __future__ import annotations
 
@@ -20,30 +23,29 @@ class ProbingParameters(Section):
     )
     unreachable: Unreachable = Field(
         "replace",
-        description="What is done with a place that the sensor can't reach: the view's next one is touched "
-        "instead, with at most 16 passed over (`replace`), or it is touched as far as it goes (`keep`); "
-        "`random` always replaces, `random_anywhere` never",
+        description="Locations out of the sensor's reach: `replace` touches the view's next location instead and "
+        "skips at most 16; `keep` touches as far as the sensor comes; strategy `random` always replaces, "
+        "`random_anywhere` never",
     )
     when_exhausted: Literal["stop", "begin_again"] = Field(
         "stop",
-        description="What a sequence does where a view has no further place: it stays shorter, or it starts "
-        "again at its first place",
+        description="Sequences in views without further locations: `stop` makes them shorter, `begin_again` "
+        "repeats their locations from the first",
     )
     random_draws: int = Field(
         5,
         ge=1,
         le=MOST_DRAWS,
-        description="How often a run draws the places of a random strategy that needs no view, such as "
-        "`random`; the headline classifier of pipeline `paper` is measured on each draw, all other figures "
-        "are of the first",
+        description="Draws of each random strategy that needs no view, such as `random`; the headline "
+        "classifier of pipeline `paper` is measured on each draw, all other figures use the first",
     )
 
     @property
     def planned(self) -> tuple[str, ...]:
-        """The strategies that choose all places before the first touch."""
+        """The strategies that choose all locations before the first touch."""
         return tuple(name for name in self.strategies if not is_policy(name))
 
     @property
     def policies(self) -> tuple[str, ...]:
-        """The policies, which choose each place by what was felt before."""
+        """The policies, which choose each location by the touches before."""
         return tuple(name for name in self.strategies if is_policy(name))

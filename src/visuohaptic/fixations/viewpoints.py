@@ -13,17 +13,27 @@ from visuohaptic.fixations.parameters import ViewpointParameters
 from visuohaptic.geometry.elementary import sin_cos, tangent
 
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
-# At the default distance of 3 object radii the unit sphere spans 39°, so the object fills the view.
 FIELD_OF_VIEW_DEGREES = 40.0
+"""The object fills the view: at the default distance of 3 object radii its bounding sphere spans 39°."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """One viewpoint: an eye that looks at the origin of the object frame from a distance in object radii.
+    """A camera that looks at the origin of the object frame.
 
-    The azimuth is around the vertical axis, from +z towards +x; the elevation above the horizontal plane; the
-    field of view from top to bottom edge. `projection` is ``perspective`` or ``orthographic``; the view of an
-    orthographic camera is as tall as the field of view spans at the object's centre.
+    Attributes
+    ----------
+    azimuth_degrees : float
+        Angle around the vertical axis, from +z towards +x.
+    elevation_degrees : float
+        Angle above the horizontal plane.
+    distance : float
+        Distance from the origin, object radii.
+    field_of_view_degrees : float
+        Angle from the top to the bottom edge. An orthographic view has the height of a perspective view in the
+        plane through the origin.
+    projection : {"perspective", "orthographic"}
+        Rays from a point, or parallel rays.
     """
 
     azimuth_degrees: float
@@ -34,7 +44,10 @@ class Camera:
 
     @cached_property
     def axes(self) -> FloatArray:
-        """Unit vectors right, up and back (towards the eye), rows of a rotation (3, 3), upright at the poles too."""
+        """Rotation (3, 3) with the unit vectors right, up and back as rows, defined at the poles too.
+
+        Back points from the origin to the camera.
+        """
         angles = [self.azimuth_degrees, self.elevation_degrees]
         (east, rise), (north, level) = sin_cos(np.radians(angles))
         right = np.array([north, 0.0, -east])
@@ -48,13 +61,14 @@ class Camera:
 
     @property
     def view_height(self) -> float:
-        """Height of the view in the plane through the object's centre, object radii."""
+        """Height of the view in the plane through the origin, object radii."""
         return 2.0 * self.distance * self._half_height
 
     def window(self, points: FloatArray, resolution: int) -> IntArray:
-        """List the pixels (m,), counted row by row, of the least rectangle that shows all of some points (k, 3).
+        """Return the pixels (m,), counted row by row, of the smallest rectangle that shows all points (k, 3).
 
-        Only they can see a surface with these corners. All pixels where a point is not in front of the camera.
+        No other pixel can see a surface with these corners. If a point is not in front of the camera, all pixels are
+        returned.
         """
         right, up, back = np.einsum("nd,kd->kn", points, self.axes)
         depth = np.full_like(back, self.distance)
@@ -69,9 +83,9 @@ class Camera:
     def rays(
         self, resolution: int, pixels: IntArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Give origins and directions (m, 3) of the rays through the centres of pixels (m,), by default of all.
+        """Return origins and directions (m, 3) of the rays through the centres of pixels (m,), by default all pixels.
 
-        A direction's component along the optical axis has length 1, so the distance along a ray is the depth.
+        Along the viewing axis directions have length 1, so the distance along a ray is the depth.
         """
         right, up, back = self.axes
         steps = self._steps(resolution)
@@ -84,7 +98,7 @@ class Camera:
         return np.broadcast_to(self.eye, plane.shape), plane - back
 
     def pixel_sides(self, resolution: int, depths: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Give a pixel's sides to the right and up where it is at some depths, shape (n, 3) each."""
+        """Return the sides of a pixel, to the right and up, at depths (n,): vectors (n, 3), object frame."""
         size = self.view_height / (self.distance * resolution)
         if self.projection == "orthographic":
             depths = np.full_like(depths, self.distance)
@@ -92,7 +106,7 @@ class Camera:
         return np.outer(size * depths, right), np.outer(size * depths, up)
 
     def _steps(self, resolution: int) -> FloatArray:
-        """Give the pixels' places along an edge, in the plane at depth 1."""
+        """Return the pixels' centres along an edge in the plane at depth 1."""
         steps = np.arange(resolution, dtype=np.float64) - 0.5 * (resolution - 1)
         return steps * (2.0 * self._half_height / resolution)
 
@@ -103,10 +117,11 @@ class Camera:
 
 
 def place_cameras(parameters: ViewpointParameters) -> list[Camera]:
-    """Place every camera of an arrangement: rings by their elevations, or a Fibonacci sphere from the top.
+    """Return the cameras of an arrangement, by viewpoint number.
 
-    A ring begins in front of the object, at +z. The heights of the sphere are the middles of equal slices, turned
-    by the golden angle (Swinbank & Purser 2006, Q. J. R. Meteorol. Soc. 132).
+    Rings follow in the order of their elevations, and each ring begins in front of the object, at +z. A Fibonacci
+    sphere begins at the top: camera i is in the middle of slice i of equal height, turned by i golden angles
+    (Swinbank & Purser 2006, Q. J. R. Meteorol. Soc. 132).
     """
     if parameters.arrangement == "fibonacci":
         angles = _fibonacci_angles(parameters.count)
@@ -138,9 +153,9 @@ def _fibonacci_angles(count: int) -> list[tuple[float, float]]:
     ]
 
 
-def _pixels_between(places: FloatArray, steps: FloatArray) -> IntArray:
-    """List the pixels along an edge that lie among some places, and one more at either end."""
-    if not len(places):
+def _pixels_between(positions: FloatArray, steps: FloatArray) -> IntArray:
+    """Return the pixels along an edge that cover some positions, with a margin of a pixel at each end."""
+    if not len(positions):
         return np.arange(0)
-    first, end = np.searchsorted(steps, [places.min(), places.max()])
+    first, end = np.searchsorted(steps, [positions.min(), positions.max()])
     return np.arange(max(first - 1, 0), min(end + 1, len(steps)))

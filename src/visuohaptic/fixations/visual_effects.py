@@ -1,4 +1,4 @@
-"""The visual effects: when each is needed, and the colours that are seen without it."""
+"""The visual effects: the decision whether each is needed, and the colours without colour or texture."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from visuohaptic.scene.records import EffectRecord
 
 @dataclass
 class VisualPlan:
-    """Whether a visual effect is needed and simulated, why or why not, and the time that it takes."""
+    """Whether a visual effect is needed and simulated, the reason, and its processor seconds."""
 
     effect: str
     mode: Mode
@@ -29,13 +29,13 @@ class VisualPlan:
 
     @contextmanager
     def clock(self) -> Iterator[None]:
-        """Add what is done within to the effect's time."""
+        """Add the processor time of the block to the effect's seconds."""
         started = time.process_time()
         yield
         self.seconds += time.process_time() - started
 
     def record(self, views: int) -> EffectRecord:
-        """Give the effect's record, in which a view counts as a touch."""
+        """Return the effect's record, with views in place of touches."""
         runs = views * self.simulated
         needed = views * self.needed
         return EffectRecord(self.effect, self.mode, self.reason, views, needed, runs, self.seconds)
@@ -44,22 +44,37 @@ class VisualPlan:
 def plan_visual(
     modes: VisualModes, colours: NDArray[np.uint8], ambient: float
 ) -> dict[str, VisualPlan]:
-    """Decide which of `VISUAL_EFFECTS` an object of some colours (n, 3), uint8, needs in a light."""
+    """Decide which of `VISUAL_EFFECTS` are needed.
+
+    Parameters
+    ----------
+    modes : VisualModes
+        The mode of each effect.
+    colours : ndarray of shape (n, 3), uint8
+        All colours of the object's faces and images.
+    ambient : float
+        Share of ambient light.
+
+    Returns
+    -------
+    dict of str to VisualPlan
+        The decision per effect.
+    """
     coloured = bool((colours != colours[:, :1]).any())
     patterned = bool((colours != colours[:1]).any())
-    slanted = ambient < 1
-    shaded = slanted and modes.shading != "never"
-    light = "part of the light has a direction" if slanted else "all light is ambient"
+    directed = ambient < 1
+    shaded = directed and modes.shading != "never"
+    light = "part of the light has a direction" if directed else "all light is ambient"
     needs = {
         "colour": (coloured, "faces or images have hues" if coloured else "all faces are grey"),
         "texture": (
             patterned,
             "faces or images differ in colour" if patterned else "all faces have one colour",
         ),
-        "shading": (slanted, light),
+        "shading": (directed, light),
         "cast_shadows": (
             shaded,
-            light if shaded or not slanted else "without shading no light is blocked",
+            light if shaded or not directed else "without shading no light is blocked",
         ),
     }
     plans = {}
@@ -73,9 +88,10 @@ def plan_visual(
 def seen_colours(
     face_colours: NDArray[np.uint8], face_areas: FloatArray, modes: VisualModes
 ) -> NDArray[np.uint8]:
-    """Give the faces' colours (f, 3), uint8, without the effects that are never simulated.
+    """Return the faces' colours (f, 3), uint8, without effects of mode ``never``.
 
-    Without texture it is the mean by area; without colour the grey of their luma (ITU-R BT.601).
+    Without texture all faces have the mean colour by area; without colour each has the grey of its luma (ITU-R
+    BT.601).
     """
     if "never" not in (modes.texture, modes.colour):
         return face_colours
@@ -89,7 +105,7 @@ def seen_colours(
 
 
 def seen_texture(texture: Texture, modes: VisualModes) -> Texture:
-    """Give images as they are seen: without colour, each texel in the grey of its luma."""
+    """Return the texture; if colour is never simulated, with the grey of each texel's luma."""
     if modes.colour != "never":
         return texture
     images = tuple(

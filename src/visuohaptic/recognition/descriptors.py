@@ -1,4 +1,4 @@
-"""Descriptors of a sequence of touches, independent of their order: the input of pipeline `order_free`.
+"""Descriptors of a sequence of touches, independent of the order of the touches: the input of pipeline `order_free`.
 
 Nothing here is fitted. In frame `full` objects stand upright, y up, with their front along z, and
 most are about left-right symmetric; the mirrored and view-invariant descriptors
@@ -138,7 +138,7 @@ def describe_sequences(
 
 
 def pose_coordinates(points: FloatArray, normals: FloatArray) -> FloatArray:
-    """Give poses in the object's frame, mirrored, and free of azimuth, of (s, t, 3) each: (s, t, 16).
+    """Compute coordinates of poses in the object's frame, mirrored, and without azimuth: 2 × (s, t, 3) to (s, t, 16).
 
     The last five are distance from the upright axis and from the centre, and how far the normal
     points away from the centre, away from the axis, and around it.

@@ -1,4 +1,4 @@
-"""Descriptors of poses that use only what is known of the object's frame.
+"""Descriptors of poses that use only the known part of the object's frame.
 
 Points and normals have the shape (s, t, 3): s sequences of t touches, in object radii and as unit
 vectors. The names of functions say what they take as known: the rigid ones nothing, the central ones

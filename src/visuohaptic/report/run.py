@@ -30,7 +30,7 @@ from visuohaptic.tables.phases import (
 from visuohaptic.tables.pictures import PICTURES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.stability import STABILITY
-from visuohaptic.touches.choosing import touched_places
+from visuohaptic.touches.choosing import touched_locations
 
 METRICS = "reports/metrics.json"
 PARAMETERS = "params.yaml"
@@ -224,7 +224,7 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
         metrics=metrics,
         predictions=read_table(PREDICTIONS, files.predictions),
         views=read_table(VIEWS, files.views),
-        fixations=touched_places(read_table(FIXATIONS, files.fixations), touches),
+        fixations=touched_locations(read_table(FIXATIONS, files.fixations), touches),
         touches=touches,
         features=read_table(FEATURES, files.features),
         pictures=read_table(PICTURES, files.pictures),

@@ -49,11 +49,11 @@ class VisualModes(Section):
     colour: Mode = Field("auto", description="The object's colours in the view")
     texture: Mode = Field("auto", description="Colours that change within one part")
     shading: Mode = Field("auto", description="Brightness by the surface's slope to the light")
-    cast_shadows: Mode = Field("never", description="Parts that stand in each other's light")
+    cast_shadows: Mode = Field("never", description="Shadows of parts on other parts")
 
 
 class EffectModes(VisualModes, TactileModes):
-    """When each effect is simulated: `auto` only where it matters, `always`, or `never`."""
+    """When each effect is simulated: `auto` only where needed, `always`, or `never`."""
 
 
 TACTILE_EFFECTS = TactileModes.model_fields.keys()
@@ -78,7 +78,7 @@ class Scene(Section):
     press_depths_m: tuple[float, ...] = Field(
         (0.0005,),
         min_length=1,
-        description="Depths to which the cover is pressed in, one after another (metres); the image is taken at the last depth",
+        description="Successive press depths of the cover (metres); the reading is at the last depth",
     )
     hold_time_s: float = Field(
         1.0, gt=0, description="Time from reaching the last depth to the reading (seconds)"
@@ -146,7 +146,7 @@ class Scene(Section):
     def with_effects(self, mode: Mode) -> Scene:
         """Return a copy of the scene with one mode for every effect.
 
-        With `always`, measurements show what `auto` saves.
+        Measurements with `always` show the time that `auto` saves.
         """
         modes = EffectModes.model_validate(dict.fromkeys(EffectModes.model_fields, mode))
         return self.model_copy(update={"effects": modes})
@@ -172,7 +172,7 @@ def check_free(effect: str, settings: Iterable[str]) -> None:
     """
     if twice := _TAKEN & {effect, *settings}:
         raise RegistryError(
-            f"effect {effect} brings {', '.join(sorted(twice))}, which the scene has already; another "
+            f"effect {effect} adds {', '.join(sorted(twice))}, which the scene already has; another "
             "name is needed."
         )
 

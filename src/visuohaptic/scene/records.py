@@ -42,7 +42,7 @@ class EffectRecord:
 def merge_records(batches: Sequence[Sequence[EffectRecord]]) -> tuple[EffectRecord, ...]:
     """Return one record per effect, summed over batches of one scene.
 
-    Every batch needs the same effects in the same order; at least one batch is needed for records.
+    Every batch needs the same effects in the same order. Without a batch there are no records.
     """
     return tuple(
         replace(

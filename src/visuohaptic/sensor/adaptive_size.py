@@ -1,4 +1,4 @@
-"""The largest square that does not penetrate the object, in closed form."""
+"""The largest square that does not penetrate the object, by rays within its plane."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.imprints import RAYS_IN_FLIGHT, Poses, sensing_offsets
 
 PERIMETER_RAYS = 128
-# Relative distance by which a square stays clear of what bounds it.
+"""Rays from the centre of a square to its perimeter."""
+
+# A square is smaller than its bound by this share, so that rounding can't make it touch the bound.
 _STAND_CLEAR = 1e-9
 
 
 def box_heights(caster: RayCaster, poses: Poses) -> FloatArray:
-    """Find how far (n,) the object's bounding box reaches above each tangent plane, in object radii."""
+    """Compute the largest height (n,) of the object's bounding box above each tangent plane, object radii."""
     corners = np.where(
         poses.normals > 0, caster.bounds[1] - poses.points, caster.bounds[0] - poses.points
     )
@@ -22,20 +24,19 @@ def box_heights(caster: RayCaster, poses: Poses) -> FloatArray:
 
 
 def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> FloatArray:
-    """Find how far (n,) a square can grow before the surface crosses its plane, in object radii.
+    """Compute the half edge (n,) to which a square can grow before the surface crosses its plane, object radii.
 
-    The plane is at a height above the tangent plane: the penetration tolerance. The surface that
-    penetrates it is bounded by where it crosses it, so rays within the plane, from the centre
-    towards `PERIMETER_RAYS` points of the square's perimeter, meet that bound exactly: also sheets
-    along the normal, which no ray along the normal sees. It is infinite where none meets anything.
+    The plane lies at `height`, the penetration tolerance, above the tangent plane. Rays within this plane, from the
+    centre to `PERIMETER_RAYS` points of the perimeter, hit the surface where it crosses the plane. They also hit
+    sheets parallel to the normal, which rays along the normal miss. Without a hit the result is infinite.
     """
     free = np.full(len(poses), np.inf)
     step = RAYS_IN_FLIGHT // PERIMETER_RAYS
     perimeter = _perimeter_directions()
     for start in range(0, len(poses), step):
         part = poses[start : start + step]
-        # Directions are one in the maximum norm, so that distances are half sizes; and component by
-        # component, so that NumPy's inner loops run along the rays.
+        # Directions have length 1 in the maximum norm, so that distances are half edges. Components are separate
+        # arrays, so that NumPy's inner loops run along the rays.
         directions = (
             perimeter[:, 0] * part.columns.T[:, :, None] + perimeter[:, 1] * part.rows.T[:, :, None]
         )
@@ -46,11 +47,11 @@ def free_half_sizes(caster: RayCaster, poses: Poses, height: float) -> FloatArra
 
 
 def unobstructed_half_sizes(heights: FloatArray, sizes: FloatArray, tolerance: float) -> FloatArray:
-    """Find the half edge (n,) of the square within which no sensing point stands above a tolerance.
+    """Compute the half edge (n,) of the square without sensing points above `tolerance`, object radii.
 
-    It is the distance in the maximum norm from the centre to the nearest penetrated sensing point,
-    infinite where there is none. `heights` (n, r, r) are `cast_heights` of squares of the edges
-    `sizes` (n,); all lengths are in object radii.
+    The result is the distance in the maximum norm from the centre to the nearest sensing point above the tolerance.
+    Without such a point it is infinite. `heights` (n, r, r) are results of `cast_heights` for squares with edges
+    `sizes` (n,), object radii.
     """
     offsets = np.abs(sensing_offsets(heights.shape[-1]))
     distance = np.maximum(offsets[:, None], offsets[None, :])
@@ -59,17 +60,16 @@ def unobstructed_half_sizes(heights: FloatArray, sizes: FloatArray, tolerance: f
 
 
 def approach_distances(caster: RayCaster, poses: Poses, height: float) -> FloatArray:
-    """Find how far (n,) above its tangent plane each sensor's centre can be drawn back along its normal.
+    """Compute the height (n,) of the first obstacle above each tangent plane, along the normal, object radii.
 
-    The way starts at a height above the plane; it is infinite where it is open. All in object
-    radii.
+    The search starts at `height` above the plane. The result is infinite without an obstacle.
     """
     origins = poses.points + height * poses.normals
     return height + caster.first_hits(origins, poses.normals).distance
 
 
 def admissible_sizes(half_sizes: FloatArray, smallest: float, largest: float) -> FloatArray:
-    """Give the edge of the square from the half size within which nothing penetrates, in object radii."""
+    """Return the edges (n,) of squares from bounds on their half edges (n,), object radii."""
     return np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)
 
 

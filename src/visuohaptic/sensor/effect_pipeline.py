@@ -1,4 +1,4 @@
-"""Deciding which touches an effect is simulated for, and recording it for the effect log."""
+"""The effects' interface: the decision which touches need an effect, the simulation, and the record."""
 
 from __future__ import annotations
 
@@ -21,9 +21,16 @@ from visuohaptic.sensor.random_fields import RandomFields
 class TouchBatch:
     """Input of the effects for n touches; r is the sensor's resolution.
 
-    `gaps_m` (n, r, r), float64, are the metres from the sensor's plane down to the object,
-    `cell_edges_m` (n,) a sensing cell's edge, metres. `fields` is the source of random numbers,
-    None if nothing random is simulated.
+    Attributes
+    ----------
+    scene : Scene
+        The scene.
+    gaps_m : ndarray of shape (n, r, r), float64
+        Distance from the sensor's plane down to the object, metres.
+    cell_edges_m : ndarray of shape (n,), float64
+        Edge of a sensing cell, metres.
+    fields : RandomFields or None
+        Source of random numbers; None if no effect is random.
     """
 
     scene: Scene
@@ -36,15 +43,19 @@ class TouchBatch:
 
     @property
     def random(self) -> RandomFields:
-        """The random fields; `ParameterError` where an effect needs some and none are given."""
+        """The random fields.
+
+        Raises `ParameterError` if there are none.
+        """
         if self.fields is None:
             raise ParameterError(
-                f"scene {self.scene.preset}: an effect draws random numbers and no random fields are given; pass RandomFields."
+                f"scene {self.scene.preset}: an effect draws random numbers, but there are no random fields; "
+                "pass RandomFields."
             )
         return self.fields
 
     def select(self, rows: NDArray[np.intp]) -> TouchBatch:
-        """Give the batch of some touches alone."""
+        """Return the batch of the touches at `rows`."""
         return replace(
             self,
             gaps_m=self.gaps_m[rows],
@@ -57,24 +68,24 @@ class TouchBatch:
 class Signal:
     """The cells' outputs between two effects, (n, r, r), float64, of full scale.
 
-    `now` is at the reading, `peak` the highest since the cells were last unloaded: the same array
-    if nothing was released.
+    `now` is the output at the reading, `peak` the highest output since the cells were last unloaded. Without a
+    release both are the same array.
     """
 
     now: FloatArray
     peak: FloatArray
 
     def select(self, rows: NDArray[np.intp]) -> Signal:
-        """Give the signal of some touches alone."""
+        """Return the signal of the touches at `rows`."""
         return self.map(lambda values: values[rows])
 
     def map(self, change: Callable[[FloatArray], FloatArray]) -> Signal:
-        """Apply one function to both outputs, once where they are the same."""
+        """Apply a function to both outputs, or once if both are the same array."""
         now = change(self.now)
         return Signal(now, now if self.peak is self.now else change(self.peak))
 
     def put(self, rows: NDArray[np.intp], part: Signal) -> Signal:
-        """Give a signal with some touches replaced."""
+        """Return a signal with the touches at `rows` replaced by `part`."""
         now = _put(self.now, rows, part.now)
         if self.peak is self.now and part.peak is part.now:
             return Signal(now, now)
@@ -83,7 +94,7 @@ class Signal:
 
 @dataclass(frozen=True)
 class EffectDecision:
-    """Whether touches need an effect, shape (n,), bool, and why or why not."""
+    """Whether each touch needs an effect, shape (n,), bool, and the reason."""
 
     rows: BoolArray
     reason: str
@@ -91,25 +102,25 @@ class EffectDecision:
 
 @dataclass(frozen=True)
 class Effect:
-    """One step of the sensor's physics.
+    """A step of the sensor's physics.
 
     Attributes
     ----------
     name : str
-        Its name among the scene's effect modes.
+        Name of the effect's mode in the scene.
     need : callable
-        Fast: which touches need it.
+        ``need(batch, signal)`` decides which touches need the effect. It must be much faster than `run`.
     run : callable
-        Simulates it for all given touches. The outputs of touches that don't need it
-        stay the same, bit for bit.
+        ``run(batch, signal)`` simulates the effect for all touches of the batch. It must not change a bit of touches
+        that do not need the effect.
     example : mapping of str to object
-        Fields of a scene in which a pressed sensor needs it; tests of every effect use it.
+        Fields of a scene in which a pressed sensor needs the effect, for tests.
     description : str
-        What it is, in a few words; of this package's own the scene has it.
+        Description of the mode, for effects of plug-ins; the scene describes all other effects.
     settings : mapping of str to tuple
-        Type and pydantic's ``Field`` of each field that a plug-in's effect adds to the scene.
+        Type and pydantic ``Field`` of each field that the effect of a plug-in adds to the scene.
     before : str, optional
-        The effect that a plug-in's is in front of; without it, it is the last.
+        The effect before which the effect of a plug-in is inserted; by default it is the last effect.
     """
 
     name: str
@@ -124,7 +135,7 @@ class Effect:
 def apply_effect(
     effect: Effect, mode: Mode, batch: TouchBatch, signal: Signal
 ) -> tuple[Signal, EffectRecord]:
-    """Simulate an effect for the touches that its mode selects; the signal that is given stays as it is."""
+    """Simulate an effect for the touches that its mode selects; return a new signal and the record."""
     started = time.process_time()
     need = effect.need(batch, signal)
     running = np.full(len(batch), mode == "always") if mode != "auto" else need.rows

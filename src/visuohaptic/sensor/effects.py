@@ -1,7 +1,7 @@
-"""The sensor's effects in the order in which a touch goes through them.
+"""The registry of the sensor's effects, in the order of simulation.
 
-Each effect is a pure function of `elastic`, `cells` or `readout`; this module decides when it
-is needed and passes it the values of the scene.
+Modules `elastic`, `cells` and `readout` have the physics as pure functions. This module decides when an effect is
+needed, and calls these functions with the values of the scene.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.registry import Registry
 from visuohaptic.scene.parameters import Scene, check_free, grow_scene
 from visuohaptic.scene.records import EffectRecord
-from visuohaptic.sensor.cells import drift, remember_peak, respond_to_force, scatter_gains
+from visuohaptic.sensor.cells import add_drift, add_hysteresis, respond_to_force, scatter_gains
 from visuohaptic.sensor.effect_pipeline import (
     Effect,
     EffectDecision,
@@ -25,10 +25,21 @@ from visuohaptic.sensor.readout import quantise, read_floating, read_grounded
 
 
 def simulate(batch: TouchBatch, contact: FloatArray) -> tuple[FloatArray, tuple[EffectRecord, ...]]:
-    """Apply all effects that the scene needs, in the order of `EFFECTS`.
+    """Simulate all effects that the scene needs, in the order of `EFFECTS`.
 
-    `contact` (n, r, r) is the output, in [0, 1], of a sensor without a cover. Gives the readings
-    (n, r, r), of full scale, clipped to [0, 1].
+    Parameters
+    ----------
+    batch : TouchBatch
+        The touches and the scene.
+    contact : ndarray of shape (n, r, r), float64
+        Output of a sensor without a cover, 0 to 1.
+
+    Returns
+    -------
+    readings : ndarray of shape (n, r, r), float64
+        Readings, of full scale, clipped to 0 to 1.
+    records : tuple of EffectRecord
+        One record per effect.
     """
     modes = batch.scene.effects
     covered = batch.scene.cover != "none" and modes.elastic_cover != "never"
@@ -37,18 +48,18 @@ def simulate(batch: TouchBatch, contact: FloatArray) -> tuple[FloatArray, tuple[
     records = []
     for effect in EFFECTS:
         mode = getattr(modes, effect.name, None)
-        if mode is None:  # the scene was made before a plug-in brought the effect
+        if mode is None:  # the scene was built before a plug-in added the effect
             continue
         signal, record = apply_effect(effect, mode, batch, signal)
         records.append(record)
-    # Adding zero turns a negative zero into zero.
+    # Adding 0 turns -0 into 0.
     return np.clip(signal.now, 0.0, 1.0) + 0.0, tuple(records)
 
 
 def add_effect(entry: Effect, source: str) -> None:
-    """Add an effect of a plug-in, and its mode and settings to the scene.
+    """Add an effect of a plug-in to the registry, and its mode and settings to the scene.
 
-    Raises `RegistryError` if its name or that of a setting is taken, or `before` is no effect.
+    Raises `RegistryError` if the name of the effect or of a setting is taken, or `before` is no effect.
     """
     check_free(entry.name, entry.settings)
     EFFECTS.add(entry, source, entry.before)
@@ -56,7 +67,7 @@ def add_effect(entry: Effect, source: str) -> None:
 
 
 def peak_depth_m(scene: Scene) -> float:
-    """Give the deepest press since the sensor was last free of the object, metres: at least the last depth."""
+    """Return the largest press depth since the sensor was last free of the object, metres."""
     depths = np.array(scene.press_depths_m)
     free = np.flatnonzero(depths[:-1] <= 0)
     since = free[-1] + 1 if len(free) else 0
@@ -147,7 +158,7 @@ def _need_hysteresis(batch: TouchBatch, signal: Signal) -> EffectDecision:
 
 
 def _run_hysteresis(batch: TouchBatch, signal: Signal) -> Signal:
-    now = remember_peak(signal.now, signal.peak, batch.scene.hysteresis)
+    now = add_hysteresis(signal.now, signal.peak, batch.scene.hysteresis)
     return Signal(now, now)
 
 
@@ -163,7 +174,7 @@ def _need_drift(batch: TouchBatch, signal: Signal) -> EffectDecision:
 def _run_drift(batch: TouchBatch, signal: Signal) -> Signal:
     scene = batch.scene
     return signal.map(
-        lambda values: drift(
+        lambda values: add_drift(
             values, scene.hold_time_s, scene.drift_reference_s, scene.drift_per_decade
         )
     )
@@ -200,7 +211,7 @@ def _run_crosstalk(batch: TouchBatch, signal: Signal) -> Signal:
             lambda values: read_floating(scale * values, scene.stand_off_conductance_s) / scale
         )
     resistance = scene.line_resistance_ohm if scene.readout == "grounded" else 0.0
-    # In units of full scale, so that nothing is rounded where nothing leaks.
+    # In units of full scale, so that lines without resistance change no bit.
     return signal.map(lambda values: read_grounded(values, resistance * scale))
 
 
@@ -251,4 +262,4 @@ EFFECTS = Registry(
     Effect("noise", _need_noise, _run_noise, {"noise": 0.05}),
     Effect("quantisation", _need_quantisation, _run_quantisation, {"bits": 3}),
 )  # fmt: skip
-"""Every effect of the sensor but `adaptive_size`, which is how it is placed."""
+"""Every effect of the sensor except `adaptive_size`, which `sensor.placing` applies."""

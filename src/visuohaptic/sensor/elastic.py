@@ -1,7 +1,7 @@
-"""The elastic cover: from how deep the object is pressed in to pressure.
+"""The elastic cover: from indentation to pressure, by two classic models.
 
-Two classic models. The Winkler foundation is a bed of independent springs; the elastic
-half-space couples all points by Boussinesq's solution, so a cover also gives way beside the contact.
+The Winkler foundation is a bed of independent springs. The elastic half-space couples all points by Boussinesq's
+solution, so the cover also deforms beside the contact.
 """
 
 from __future__ import annotations
@@ -10,21 +10,35 @@ import numpy as np
 
 from visuohaptic.base.arrays import FloatArray
 
-# Half-space: relative change of the pressure's sum at which a touch counts as solved, and the
-# iterations after which it is left as it is; contacts of 32 × 32 cells need some 40.
+# Half-space: a touch is solved if an iteration changes the sum of pressures by less than this share.
 _CONVERGED = 1e-6
+# Half-space: most iterations; contacts of 32 × 32 cells need some 40.
 _ITERATIONS = 500
 
 
 def winkler_pressures(
     indentations: FloatArray, modulus_pa: float, poisson_ratio: float, thickness_m: float
 ) -> FloatArray:
-    """Give the pressure (n, r, r), pascal, on a thin layer bonded to a rigid backing, spring by spring.
+    """Compute the pressure on a thin layer that is bonded to a rigid backing.
 
-    ``p = w E (1 - ν) / ((1 + ν)(1 - 2ν) h)``: the layer can't bulge sideways, so the modulus of
-    confined compression counts (Johnson, Contact Mechanics, 1985, section 4.3). `indentations` (n,
-    r, r) are the overlap of object and cover, metres, negative for a gap; Poisson's ratio is below
-    0.5.
+    ``p = w E (1 - ν) / ((1 + ν)(1 - 2ν) h)``: the layer can't bulge sideways, so its modulus is that of confined
+    compression (Johnson, Contact Mechanics, 1985, section 4.3).
+
+    Parameters
+    ----------
+    indentations : ndarray of shape (n, r, r)
+        Overlap w of object and cover, metres; negative for a gap.
+    modulus_pa : float
+        Young's modulus E, pascal.
+    poisson_ratio : float
+        Poisson's ratio ν, below 0.5.
+    thickness_m : float
+        Thickness h, metres.
+
+    Returns
+    -------
+    ndarray of shape (n, r, r)
+        Pressure, pascal.
     """
     nu = poisson_ratio
     confined = modulus_pa * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
@@ -34,13 +48,27 @@ def winkler_pressures(
 def half_space_pressures(
     indentations: FloatArray, cell_edges_m: FloatArray, modulus_pa: float, poisson_ratio: float
 ) -> FloatArray:
-    """Give the pressure (n, r, r), pascal, on an elastic half-space that a rigid object is pressed into.
+    """Compute the pressure of a rigid object on an elastic half-space.
 
-    Finds pressures ``p >= 0`` whose displacements equal the indentation wherever ``p > 0`` and are
-    no less elsewhere, by the conjugate gradient method of Polonsky and Keer (Wear 231, 1999) with
-    the displacement given; convolution by FFT on the doubled grid. `indentations` (n, r, r) are the
-    overlap of object and cover, metres, negative for a gap; over a cell, of the edges
-    `cell_edges_m` (n,), pressure is constant.
+    The pressures are at least 0. Their displacements equal the indentation at cells with pressure, and are no smaller
+    elsewhere. They are solved by the conjugate gradient method of Polonsky and Keer (Wear 231, 1999) for a given
+    displacement, with convolutions by FFT on the doubled grid.
+
+    Parameters
+    ----------
+    indentations : ndarray of shape (n, r, r)
+        Overlap of object and cover, metres; negative for a gap.
+    cell_edges_m : ndarray of shape (n,)
+        Edge of a sensing cell, metres; pressure is constant over a cell.
+    modulus_pa : float
+        Young's modulus, pascal.
+    poisson_ratio : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    ndarray of shape (n, r, r)
+        Pressure, pascal.
     """
     count, resolution = indentations.shape[:2]
     flat = indentations.reshape(count, -1)
@@ -75,11 +103,11 @@ def half_space_pressures(
 
 
 def boussinesq_kernel(resolution: int) -> FloatArray:
-    """Give the half-space's displacements (2r, 2r) under pressure on one square cell.
+    """Compute the displacements (2r, 2r) of the half-space at the cells' centres under pressure on one cell.
 
-    A. E. H. Love's integral of Boussinesq's point load over a rectangle, as in Johnson, Contact
-    Mechanics (1985), equation 3.25, at the cells' centres. In units of (1 - ν²) pressure × cell
-    edge / πE, at the lags 0, 1, …, r - 1, -r, …, -1 along each axis.
+    The unit is (1 - ν²) × pressure × cell edge / πE. The lags along each axis are 0, 1, …, r - 1, -r, …, -1. The
+    formula is A. E. H. Love's integral of Boussinesq's point load over a rectangle (Johnson, Contact Mechanics, 1985,
+    equation 3.25).
     """
     lags = np.roll(np.arange(-resolution, resolution, dtype=np.float64), resolution)
     x, y = lags[:, None], lags[None, :]
@@ -92,7 +120,7 @@ def boussinesq_kernel(resolution: int) -> FloatArray:
 
 
 def _edge_term(distance: FloatArray, along: FloatArray) -> FloatArray:
-    # asinh is the logarithm of Johnson's equation without its cancellation.
+    # arcsinh equals the logarithm in Johnson's equation, without cancellation.
     far = np.abs(distance)
     return distance * (np.arcsinh((along + 0.5) / far) - np.arcsinh((along - 0.5) / far))
 

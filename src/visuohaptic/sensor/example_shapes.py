@@ -1,4 +1,4 @@
-"""Hard places to touch: small shapes on which a tactile sensor shows what it can't do."""
+"""Small shapes that are hard to touch, to show the limits of the sensor."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Height = Callable[[FloatArray, FloatArray], FloatArray]
 
 @dataclass(frozen=True)
 class HardProbe:
-    """An object, and where and from which side it is touched, object frame."""
+    """An object with a point to touch and the outward normal there, object frame."""
 
     name: str
     surface: Surface
@@ -32,7 +32,7 @@ class HardProbe:
 def touch_gallery(
     parameters: SensorParameters, scene: Scene, seed: int = 0
 ) -> list[tuple[HardProbe, Touches]]:
-    """Touch every hard place once."""
+    """Touch every hard probe once."""
     return [
         (
             probe,
@@ -50,7 +50,7 @@ def touch_gallery(
 
 
 def hard_probes() -> tuple[HardProbe, ...]:
-    """Give the hard places, within the unit sphere: a bowl, a screw thread, a cup, a leaf, a knife and a cone."""
+    """Return the hard probes, inside the unit sphere: bowl, screw thread, cup, leaf, knife and cone."""
     thread, cup, leaf = _screw(), _cup(), _leaf()
     slope = 1 / np.hypot(0.45, 1)
     rim_height = float(0.15 * np.sin(1.2) + 0.05)
@@ -70,10 +70,10 @@ def hard_probes() -> tuple[HardProbe, ...]:
 
 
 def sheet(height: Height, half: float = 0.5, cells: int = 200) -> Surface:
-    """Give the graph y = height(x, z) over a square, wound counter-clockwise from above: an open sheet.
+    """Return the graph y = height(x, z) over a square as an open sheet, wound counter-clockwise from above.
 
-    The square has half an edge of `half`, and along it `cells` of two triangles each, split along
-    their (+x, +z) diagonal.
+    The square has the edge 2 `half` and `cells` cells along each edge. Each cell has two triangles, divided along its
+    (+x, +z) diagonal.
     """
     along = np.linspace(-half, half, cells + 1)
     x, z = np.meshgrid(along, along, indexing="ij")
@@ -83,7 +83,7 @@ def sheet(height: Height, half: float = 0.5, cells: int = 200) -> Surface:
 
 
 def revolve(radii: ArrayLike, heights: ArrayLike, segments: int = 96) -> Surface:
-    """Give the surface that a profile (k,) sweeps around the y axis; radius 0 closes an end."""
+    """Return the surface of revolution of a profile (k,) around the y axis; radius 0 closes an end."""
     angles = np.linspace(0, 2 * np.pi, segments, endpoint=False)
     ring = np.column_stack([np.cos(angles), np.zeros(segments), np.sin(angles)])
     radii, heights = np.asarray(radii, dtype=float), np.asarray(heights, dtype=float)
@@ -93,7 +93,7 @@ def revolve(radii: ArrayLike, heights: ArrayLike, segments: int = 96) -> Surface
 
 
 def tube(path: ArrayLike, radius: float, sides: int = 24) -> Surface:
-    """Give a round tube along a path (k, 3), open at its ends."""
+    """Return a round tube along a path (k, 3) with open ends."""
     path = np.asarray(path, dtype=float)
     along = np.gradient(path, axis=0)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -105,7 +105,7 @@ def tube(path: ArrayLike, radius: float, sides: int = 24) -> Surface:
 
 
 def join(*surfaces: Surface) -> Surface:
-    """Put the parts of an object together, vertices left apart."""
+    """Concatenate surfaces without merging vertices."""
     starts = np.cumsum([0, *(len(surface.vertices) for surface in surfaces[:-1])])
     return build_surface(
         np.concatenate([surface.vertices for surface in surfaces]),
@@ -116,7 +116,7 @@ def join(*surfaces: Surface) -> Surface:
 
 
 def build_surface(vertices: ArrayLike, faces: ArrayLike) -> Surface:
-    """Make a grey surface of vertices, x, y, z along their last axis, and faces (f, 3)."""
+    """Return a grey surface from vertices (…, 3) and faces (f, 3)."""
     faces = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
     vertices = np.asarray(vertices, dtype=np.float64).reshape(-1, 3)
     return Surface(vertices, faces, np.full((len(faces), 3), 128, dtype=np.uint8))

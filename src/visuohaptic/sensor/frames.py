@@ -1,4 +1,4 @@
-"""The sensor's frame on the surface: which way is out, and which way the columns run."""
+"""The sensor's frame on the surface: the outward normal, and the axes of the imprint's columns and rows."""
 
 from __future__ import annotations
 
@@ -12,36 +12,33 @@ if TYPE_CHECKING:
     from visuohaptic.geometry.raycasting import RayCaster
     from visuohaptic.sensor.parameters import Orientation
 
-# Moves the two directions in which `upright` must break off the exact poles, where
-# horizontal faces are, to 14.5 degrees beside them.
+# Moves the two discontinuities of `upright` from the poles, the normals of horizontal faces, by 14.5 degrees.
 _POLE_OFFSET = 0.25
 
 
 def column_axes(normals: FloatArray, orientation: Orientation = "upright") -> FloatArray:
-    """Give the direction (n, 3) in which an imprint's columns count up, from the outward normal alone.
+    """Compute the unit axis (n, 3) along which an imprint's column index increases, from the outward normal (n, 3).
 
-    Seen from outside, columns count to the right and rows downwards (`row_axes`); y is up. No such
-    rule is continuous over all normals (the hairy ball theorem), so each says where it breaks:
+    Seen from outside, columns increase to the right and rows downwards (`row_axes`); y is up. No rule is continuous
+    over all normals (hairy ball theorem):
 
-    - ``upright``: along ``y × n + n_y² x / 4``, made tangent. Columns are
-      horizontal on every upright wall, and along +x on level faces. It breaks in the
-      two directions 14 degrees off the poles towards -z (near ``(0, ±0.97, -0.24)``), not at
-      the poles themselves, so slight tilts of a table top do not turn its imprints.
-    - ``transported``: the x axis, turned the shortest way from +y to the normal.
-      It breaks at -y alone.
+    - ``upright``: ``y × n + n_y² x / 4``, projected to the tangent plane. Columns are horizontal on vertical walls,
+      and along +x on horizontal faces. The discontinuities are at normals 14 degrees from the poles towards -z, near
+      ``(0, ±0.97, -0.24)``. So slight tilts of a table top do not turn its imprints.
+    - ``transported``: the x axis, turned by the smallest rotation from +y to the normal. The discontinuity is at -y.
     """
     axes = _transported_x(normals) if orientation == "transported" else _upright_x(normals)
     axes = axes - np.einsum("ij,ij->i", axes, normals)[:, None] * normals
     lengths = np.linalg.norm(axes, axis=1)
-    lost = lengths < 1e-9
-    if lost.any():
-        axes[lost] = _any_perpendicular(normals[lost])
-        lengths[lost] = np.linalg.norm(axes[lost], axis=1)
+    undefined = lengths < 1e-9
+    if undefined.any():
+        axes[undefined] = _any_perpendicular(normals[undefined])
+        lengths[undefined] = np.linalg.norm(axes[undefined], axis=1)
     return axes / lengths[:, None]
 
 
 def row_axes(normals: FloatArray, columns: FloatArray) -> FloatArray:
-    """Give the direction (n, 3) in which an imprint's rows count up: downwards, seen from outside."""
+    """Compute the unit axis (n, 3) along which an imprint's row index increases: downwards, seen from outside."""
     return np.cross(columns, normals)
 
 
@@ -62,11 +59,11 @@ def _any_perpendicular(normals: FloatArray) -> FloatArray:
 
 
 def touched_normals(caster: RayCaster, normals: FloatArray, faces: IntArray) -> FloatArray:
-    """Give the touched faces' own unit normals (n, 3), turned to the side of given ones.
+    """Return the unit normals (n, 3) of faces (n,), flipped to the side of `normals` (n, 3).
 
-    Where a face has no area, the given one, such as an interpolated one, stays.
+    Faces without an area keep their entry of `normals`.
     """
-    own = caster.surface.face_normals[faces]
-    side = np.einsum("ij,ij->i", own, normals)[:, None]
-    own = np.where(side < 0, -own, own)
-    return np.where(own.any(axis=1, keepdims=True), own, normals)
+    flat = caster.surface.face_normals[faces]
+    side = np.einsum("ij,ij->i", flat, normals)[:, None]
+    flat = np.where(side < 0, -flat, flat)
+    return np.where(flat.any(axis=1, keepdims=True), flat, normals)

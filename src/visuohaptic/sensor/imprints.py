@@ -1,4 +1,4 @@
-"""Casting the sensing points of many sensors at once."""
+"""Poses of sensors, and ray casting from their sensing points."""
 
 from __future__ import annotations
 
@@ -12,20 +12,28 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.frames import column_axes, row_axes
 from visuohaptic.sensor.parameters import Orientation
 
-# Rays in flight at a time: bounds the memory, and keeps the arrays of a step within the cache.
 RAYS_IN_FLIGHT = 1 << 15
-# A ray that falls deeper than both its neighbours by this many of their spacings may have
-# slipped through a crack of the mesh.
+"""Rays per cast: bounds the memory, and keeps the arrays within the cache."""
+
 CRACK_DEPTH = 4.0
+"""A ray that falls deeper than both its neighbours by this many spacings may have passed a crack of the mesh."""
+
 SMOOTHING_RESOLUTION = 8
+"""Rows and columns of the samples for smoothed normals."""
 
 
 @dataclass(frozen=True)
 class Poses:
-    """Frames of n sensors, (n, 3) each.
+    """Frames of n sensors, object frame.
 
-    `points` are the squares' centres, object frame. The other three are right-angled unit axes:
-    `normals` point away from the object, `columns` and `rows` are the imprint's axes.
+    Attributes
+    ----------
+    points : ndarray of shape (n, 3)
+        Centres of the squares.
+    normals : ndarray of shape (n, 3)
+        Unit normals, away from the object.
+    columns, rows : ndarray of shape (n, 3)
+        Unit axes along which the imprint's column and row index increase, perpendicular to the normals.
     """
 
     points: FloatArray
@@ -45,16 +53,16 @@ class Poses:
         )
 
 
-def stand_on(
+def make_poses(
     points: FloatArray, normals: FloatArray, orientation: Orientation = "upright"
 ) -> Poses:
-    """Place sensors on points (n, 3) with outward unit normals (n, 3), turned as `column_axes` says."""
+    """Return poses at points (n, 3) with outward unit normals (n, 3) and the axes of `column_axes`."""
     columns = column_axes(normals, orientation)
     return Poses(points, normals, columns, row_axes(normals, columns))
 
 
 def sensing_offsets(resolution: int) -> FloatArray:
-    """Give the sensing points along one axis of the square, in half its edges: centres of equal cells."""
+    """Return the sensing points (r,) along an axis of the square, the centres of equal cells, in half edges."""
     return (2 * np.arange(resolution) + 1 - resolution) / resolution
 
 
@@ -65,13 +73,26 @@ def cast_heights(
     lifts: FloatArray,
     resolution: int | tuple[int, int],
 ) -> FloatArray:
-    """Cast the sensing points along the normals and give the surface's height at each, object radii.
+    """Cast rays from the sensing points against the normals and return the height of the surface.
 
-    Heights (n, r, r) are those of the first surface met above the tangent plane, negative below it,
-    minus infinity where nothing is met; row and column index run along `Poses.rows` and
-    `Poses.columns`. `sizes` (n,) are the squares' edges, and `lifts` (n,) the heights above the
-    tangent plane at which rays start. Rectangles have sizes (n, 2), along the rows' axis and along
-    the columns', and a resolution of rows and columns.
+    Parameters
+    ----------
+    caster : RayCaster
+        The surface, prepared for rays.
+    poses : Poses
+        The n sensors.
+    sizes : ndarray of shape (n,) or (n, 2)
+        Edges of the squares, object radii; for rectangles the edges along `Poses.rows` and `Poses.columns`.
+    lifts : ndarray of shape (n,)
+        Heights above the tangent plane at which the rays start, object radii.
+    resolution : int or tuple of int
+        Rows and columns of sensing points.
+
+    Returns
+    -------
+    ndarray of shape (n, r, c), float64
+        Height of the first hit above the tangent plane, object radii: negative below the plane, minus infinity
+        without a hit.
     """
     grid = (resolution, resolution) if isinstance(resolution, int) else resolution
     edges = sizes if sizes.ndim == 2 else np.column_stack([sizes, sizes])
@@ -97,11 +118,11 @@ def _cast_part(
 
 
 def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: float) -> FloatArray:
-    """Give the mean unit normal (n, 3) of the surface under each sensor, within 90 degrees of the pose's own.
+    """Compute the mean unit normal (n, 3) of the surface under each sensor.
 
-    The surface within the clearance, the height of the sensor's body, above and below the plane is
-    sampled on an even grid of the square. Samples have equal weights; their normals are flipped
-    towards the sensor, and the pose's own normal is one more sample.
+    Rays sample an even grid of the square with the edge `size`. Only hits within `clearance`, the height of the
+    sensor's body, above and below the tangent plane count. Their face normals, flipped towards the sensor, and the
+    pose's normal have equal weights. So the result is less than 90 degrees from the pose's normal.
     """
     count = len(poses)
     origins, directions = _rays(
@@ -119,9 +140,10 @@ def smooth_normals(caster: RayCaster, poses: Poses, size: float, clearance: floa
 def _rays(
     poses: Poses, edges: FloatArray, lifts: FloatArray, grid: tuple[int, int]
 ) -> tuple[FloatArray, FloatArray]:
-    # Component by component, so that NumPy's inner loops run along the rays.
+    """Return origins and directions of the rays from all sensing points, (n × rows × columns, 3) each."""
+    # Components are separate arrays, so that NumPy's inner loops run along the rays.
     down, aside = (
-        0.5 * edges[:, [place]] * sensing_offsets(count) for place, count in enumerate(grid)
+        0.5 * edges[:, [axis]] * sensing_offsets(count) for axis, count in enumerate(grid)
     )
     centres = (poses.points + lifts[:, None] * poses.normals).T
     along_rows = centres[:, :, None] + down * poses.rows.T[:, :, None]
@@ -132,6 +154,7 @@ def _rays(
 
 
 def _falls_between(distances: FloatArray, drop: FloatArray) -> BoolArray:
+    """Return whether each ray (n, r, c) is longer than both its neighbours along an axis by more than `drop` (n,)."""
     falls = np.zeros(distances.shape, dtype=bool)
     bounds = distances - drop[:, None, None]
     inner = slice(1, -1)

@@ -1,4 +1,4 @@
-"""The virtual tactile sensor's own measures."""
+"""Section `sensor` of `params.yaml`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Normalisation = Literal["per_imprint", "absolute"]
 
 
 class SensorParameters(Section):
-    """Measures of the sensor; the radius of an object's bounding sphere is 1."""
+    """Size, resolution and orientation of the sensor; the radius of an object's bounding sphere is 1."""
 
     resolution: int = Field(
         32, ge=2, le=256, description="Sensing points (taxels) along each edge of the square"
@@ -29,19 +29,19 @@ class SensorParameters(Section):
         0.1,
         gt=0,
         le=2,
-        description="How deep below its plane the sensor feels (object radii); 2 is no limit, as no two points of an object are farther apart",
+        description="Largest gap below the sensor's plane that it measures (object radii); 2, the diameter of an object, is no limit",
     )
     normal: Normal = Field(
         "face",
-        description="`face`: the touched triangle's own; `given`: as the probing location has it; `smoothed`: the mean normal of the surface under the largest square",
+        description="Normal of the sensor: of the touched triangle (`face`), of the probing location (`given`), or the mean over the surface under the largest square (`smoothed`)",
     )
     orientation: Orientation = Field(
         "upright",
-        description="How the square is turned about the normal: `upright` keeps the columns horizontal, `transported` turns the frame of an upward normal the shortest way",
+        description="Rotation of the square about the normal: `upright` keeps columns horizontal, `transported` rotates the frame of an upward normal the shortest way",
     )
     normalisation: Normalisation = Field(
         "per_imprint",
-        description="`per_imprint` stretches each imprint to [0, 1] as the paper does; `absolute` keeps the depth range as the scale",
+        description="Scale of imprints: `per_imprint` stretches each imprint to [0, 1] as the paper does, `absolute` keeps the depth range",
     )
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""Placing the sensor on the object: the approach, the size, and the heights under the square."""
+"""Placing sensors on the object: the approach, the size, and the heights under the square."""
 
 from __future__ import annotations
 
@@ -23,19 +23,28 @@ from visuohaptic.sensor.imprints import Poses, cast_heights
 from visuohaptic.sensor.parameters import SensorParameters
 
 PENETRATION_TOLERANCE = 0.002
-"""How far the object may stand above the sensor's plane, object radii: 2 % of the default depth range. Our choice."""
+"""Allowed height of the object above the sensor's plane, object radii: 2 % of the default depth range. Our choice."""
 
 CLEARANCE = 0.1
-"""Height of the sensor's body, object radii; our choice. Where the approach is blocked farther out, the sensor is set down from this height."""
+"""Height of the sensor's body, object radii. Our choice. Under an obstacle farther out, sensors start at this height."""
 
 
 @dataclass(frozen=True)
 class Placed:
-    """How n sensors of some poses are placed on the object.
+    """Sensors that are placed on the object; lengths are in object radii.
 
-    `heights` (n, r, r) are those of the surface above the tangent plane and `sizes` (n,) the
-    squares' edges, object radii; `blocked` (n,) says where the approach is obstructed. The seconds
-    of the adaptive size's record include the decision.
+    Attributes
+    ----------
+    poses : Poses
+        Frames of the n sensors.
+    heights : ndarray of shape (n, r, r)
+        Heights of the surface above the tangent plane.
+    sizes : ndarray of shape (n,)
+        Edges of the squares.
+    blocked : ndarray of shape (n,), bool
+        Whether the approach is obstructed.
+    record : EffectRecord
+        Record of the adaptive size.
     """
 
     poses: Poses
@@ -45,23 +54,41 @@ class Placed:
     record: EffectRecord
 
 
-def place(caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode) -> Placed:
-    """Place sensors on the object, each as large as the object allows, whatever else is in the batch.
+def place_batch(
+    caster: RayCaster, poses: Poses, parameters: SensorParameters, mode: Mode
+) -> Placed:
+    """Place sensors on the object, each as large as the object allows and independent of the others.
 
-    Rays start outside the object; if the centre's own approach is obstructed, within the sensor's
-    clearance instead. A touch needs an adaptive size if the object's bounding box reaches above its
-    tangent plane. Then the surface's crossings of that plane bound the square in closed form before
-    it is cast; what still penetrates (an overhang crosses no plane) bounds it again.
+    Rays start outside the object, or within `CLEARANCE` if an obstacle is on the way of the sensor's centre. A touch
+    needs an adaptive size if the object's bounding box reaches above its tangent plane. Then rays in the plane bound
+    the square before it is cast. Surfaces that penetrate without crossing the plane, such as overhangs, shrink the
+    square afterwards.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object's surface, prepared for rays.
+    poses : Poses
+        Frames of the sensors.
+    parameters : SensorParameters
+        Resolution and sizes.
+    mode : {"auto", "always", "never"}
+        When the size adapts.
+
+    Returns
+    -------
+    Placed
+        The placed sensors.
     """
     tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
-    way_out = approach_distances(caster, poses, tolerance)
-    obstructed = np.isfinite(way_out)
-    under_obstacle = np.minimum(CLEARANCE, 0.5 * (tolerance + way_out))
+    obstacles = approach_distances(caster, poses, tolerance)
+    obstructed = np.isfinite(obstacles)
+    under_obstacle = np.minimum(CLEARANCE, 0.5 * (tolerance + obstacles))
     lifts = np.where(obstructed, under_obstacle, caster.reach)
     sizes = np.full(len(poses), parameters.largest_size)
 
     started = time.process_time()
-    # Half the tolerance is far above rounding, so touches that don't need it change by no bit.
+    # Half the tolerance is far above rounding, so the effect changes no bit of touches that don't need it.
     needing = box_heights(caster, poses) > 0.5 * tolerance
     adapting = needing if mode == "auto" else np.full(len(poses), mode == "always")
     rows = np.flatnonzero(adapting)
@@ -99,13 +126,13 @@ def _shrink_further(
     sizes: FloatArray,
     heights: FloatArray,
 ) -> None:
-    """Shrink the squares of some rows, in place, until no sensing point is penetrated."""
+    """Shrink the squares at `rows` until no sensing point is penetrated; changes `sizes` and `heights`."""
     tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
     while len(rows):
         free = unobstructed_half_sizes(heights[rows], sizes[rows], tolerance)
         smaller = admissible_sizes(free, parameters.smallest_size, parameters.largest_size)
-        # A pass takes away a ring of sensing points at least, until the square is the smallest allowed.
-        penetrated = smaller < sizes[rows]
-        rows = rows[penetrated]
-        sizes[rows] = smaller[penetrated]
+        # Each pass removes at least a ring of sensing points, so the loop ends at the smallest allowed square.
+        shrinks = smaller < sizes[rows]
+        rows = rows[shrinks]
+        sizes[rows] = smaller[shrinks]
         heights[rows] = cast_heights(caster, poses[rows], sizes[rows], lifts[rows], resolution)

@@ -1,4 +1,4 @@
-"""Random numbers of a sensor or a touch, independent of the other effects."""
+"""Random numbers of sensors and touches, independent between effects."""
 
 from __future__ import annotations
 
@@ -14,11 +14,18 @@ from visuohaptic.base.seeds import spawn_generator
 
 @dataclass(frozen=True)
 class RandomFields:
-    """Source of the random numbers of a sensor array.
+    """Source of the random numbers of n touches with a sensor.
 
-    Each field depends only on the seed, the effect, and the key of the sensor or touch. `touches` holds
-    one chain of names a touch, such as ``("cup/mug", 3, "fixation", 0)``; `sensor` names the sensor,
-    whose gains and dead cells stay from touch to touch.
+    Random numbers depend only on the seed, the effect, and the key of the sensor or touch.
+
+    Attributes
+    ----------
+    seed : int
+        Seed of the run.
+    touches : sequence of tuple
+        The key of each touch, such as ``("cup", "mug", 3, "fixation", 0)``.
+    sensor : str
+        The key of the sensor. Touches with the same sensor have the same gains and dead cells.
     """
 
     seed: int
@@ -26,15 +33,15 @@ class RandomFields:
     sensor: str = "sensor"
 
     def select(self, rows: NDArray[np.intp]) -> RandomFields:
-        """Give the fields of some touches alone."""
+        """Return the source for the touches at `rows`."""
         return RandomFields(self.seed, [self.touches[row] for row in rows], self.sensor)
 
     def of_sensor(self, effect: str) -> np.random.Generator:
-        """Give the random generator of an effect's values that belong to the sensor."""
+        """Return the generator of an effect's random numbers that are constant for the sensor."""
         return spawn_generator(self.seed, "sensor", self.sensor, effect)
 
     def of_touches(self, effect: str, resolution: int) -> FloatArray:
-        """Draw each touch's standard normal deviates for an effect, shape (n, r, r)."""
+        """Draw standard normal deviates (n, r, r) of an effect that differ between touches."""
         shape = (resolution, resolution)
         fields = [
             spawn_generator(self.seed, "touch", *names, effect).standard_normal(shape)

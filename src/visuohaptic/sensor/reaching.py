@@ -1,4 +1,4 @@
-"""Which places of an object the sensor can reach."""
+"""The sensor's reach: locations of an object that the smallest sensor can touch."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from visuohaptic.sensor.adaptive_size import approach_distances, box_heights
 from visuohaptic.sensor.imprints import Poses, cast_heights
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
-from visuohaptic.sensor.touching import batches, stand
+from visuohaptic.sensor.touching import batches, sensor_poses
 
 
 def reachable(
@@ -20,30 +20,45 @@ def reachable(
     parameters: SensorParameters,
     faces: IntArray | None = None,
 ) -> BoolArray:
-    """Find which of n places the sensor can reach, each independent of the others.
+    """Return whether the sensor can reach each location, independent of the others.
 
-    A place is in reach if the sensor at its smallest size, on its way along the outward normal and
-    turned about it as the touch is, meets nothing before its centre touches. What stands no higher
-    above the tangent plane than the penetration tolerance is not met. Where the size adapts, a touch
-    is ``blocked`` or ``at_minimum`` at places out of reach alone.
+    A location is in reach if the smallest sensor can approach along the outward normal without an obstacle before
+    its centre touches. The object may stand above the tangent plane by the penetration tolerance. If the size adapts,
+    only touches out of reach are ``blocked`` or ``at_minimum``.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The object's surface, prepared for rays.
+    points, normals : ndarray of shape (n, 3)
+        Locations and outward unit normals, object frame.
+    parameters : SensorParameters
+        The sensor.
+    faces : ndarray of shape (n,), int64, optional
+        Faces under the locations, as for `touching.touch`.
+
+    Returns
+    -------
+    ndarray of shape (n,), bool
+        True in reach.
     """
-    poses = stand(caster, points, normals, parameters, faces)
+    poses = sensor_poses(caster, points, normals, parameters, faces)
     parts = [_reachable_part(caster, poses[rows], parameters) for rows in batches(len(poses))]
     return np.concatenate(parts)
 
 
 def _reachable_part(caster: RayCaster, poses: Poses, parameters: SensorParameters) -> BoolArray:
     tolerance = PENETRATION_TOLERANCE
-    # What nothing of the object can stand above needs no rays; as in `place`, half is no rounding.
-    free = box_heights(caster, poses) <= 0.5 * tolerance
-    rest = np.flatnonzero(~free)
-    rest = rest[np.isinf(approach_distances(caster, poses[rest], tolerance))]
+    # Tangent planes above the object's bounding box need no rays. Half the tolerance, as in `place_batch`.
+    in_reach = box_heights(caster, poses) <= 0.5 * tolerance
+    unsure = np.flatnonzero(~in_reach)
+    unsure = unsure[np.isinf(approach_distances(caster, poses[unsure], tolerance))]
     heights = cast_heights(
         caster,
-        poses[rest],
-        np.full(len(rest), parameters.smallest_size),
-        np.full(len(rest), caster.reach),
+        poses[unsure],
+        np.full(len(unsure), parameters.smallest_size),
+        np.full(len(unsure), caster.reach),
         parameters.resolution,
     )
-    free[rest] = (heights <= tolerance).all(axis=(1, 2))
-    return free
+    in_reach[unsure] = (heights <= tolerance).all(axis=(1, 2))
+    return in_reach

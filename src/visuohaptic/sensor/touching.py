@@ -1,4 +1,4 @@
-"""Touching an object at many places: geometry, then the effects that the scene needs."""
+"""Touches of an object at many locations: geometry, then the effects that the scene needs."""
 
 from __future__ import annotations
 
@@ -15,29 +15,41 @@ from visuohaptic.scene.records import EffectRecord, merge_records
 from visuohaptic.sensor.effect_pipeline import TouchBatch
 from visuohaptic.sensor.effects import simulate
 from visuohaptic.sensor.frames import touched_normals
-from visuohaptic.sensor.imprints import Poses, smooth_normals, stand_on
+from visuohaptic.sensor.imprints import Poses, make_poses, smooth_normals
 from visuohaptic.sensor.parameters import SensorParameters
-from visuohaptic.sensor.placing import CLEARANCE, PENETRATION_TOLERANCE, Placed, place
+from visuohaptic.sensor.placing import CLEARANCE, PENETRATION_TOLERANCE, Placed, place_batch
 from visuohaptic.sensor.random_fields import RandomFields
 
-# Bounds the memory: intermediate arrays live for so many touches at a time.
 TOUCHES_AT_A_TIME = 256
-# Relief, object radii, below which `per_imprint` stretches no further, so that a flat contact stays flat: a thousandth
-# of the default depth range, far above rounding. Our choice.
+"""Touches per batch, which bounds the memory of intermediate arrays."""
+
+# A thousandth of the default depth range, far above rounding. Our choice.
 FLATNESS = 1e-4
+"""Least relief, object radii, that `per_imprint` stretches to [0, 1], so that a flat contact stays flat."""
 
 
 @dataclass(frozen=True)
 class Touches:
-    """What n touches gave; r is the sensor's resolution, lengths are in object radii.
+    """Results of n touches; r is the sensor's resolution, lengths are in object radii.
 
-    `images` (n, r, r) are in [0, 1]: 1 is contact with the sensor's plane (with a cover: full scale), 0
-    out of the depth range (no pressure); `per_imprint` makes the nearest point of each 1 and its
-    farthest 0. `size` (n,) are the squares' edges, `contact_state` (n,) is of `tables.CONTACT_STATES`,
-    and `penetration` (n,) how high the object still stands above the tangent plane within the square.
-    `normals` and `tangents` (n, 3) are the sensor's outward normal and its +column axis. `gaps`
-    (n, r, r) are from the sensor's plane, resting on the highest point within the square, down to the
-    object: infinite where nothing is met, negative only for what stands above the clearance.
+    Attributes
+    ----------
+    images : ndarray of shape (n, r, r), float32
+        Imprints, 0 to 1. 1 is contact with the sensor's plane (with a cover: full scale), 0 is out of the depth range
+        (no pressure). With `per_imprint` the nearest point of each imprint is 1 and the farthest 0.
+    size : ndarray of shape (n,)
+        Edges of the squares.
+    contact_state : ndarray of shape (n,), str
+        Values of `tables.CONTACT_STATES`.
+    penetration : ndarray of shape (n,)
+        Height of the object above the tangent plane within the square.
+    normals, tangents : ndarray of shape (n, 3)
+        The sensor's outward unit normal and its +column axis, object frame.
+    gaps : ndarray of shape (n, r, r)
+        Distance down to the object from the sensor's plane, which rests on the highest point within the square.
+        Infinite without a hit, negative only for parts above the clearance.
+    effects : tuple of EffectRecord
+        One record per effect.
     """
 
     images: NDArray[np.float32]
@@ -59,16 +71,37 @@ def touch(
     fields: RandomFields | None = None,
     faces: IntArray | None = None,
 ) -> Touches:
-    """Touch an object at n places, each independent of what else is in the batch, bit for bit.
+    """Touch an object at n locations; each touch is independent of the others, bit for bit.
 
-    Probing locations and their outward unit normals are (n, 3), object frame. Without `fields`
-    `ParameterError` is raised where the scene has scattered gains, dead cells or noise. `faces` (n,)
-    lie under the locations, for the normal `face`; without them the given normals are taken.
+    Parameters
+    ----------
+    caster : RayCaster
+        The object's surface, prepared for rays.
+    points, normals : ndarray of shape (n, 3)
+        Probing locations and outward unit normals, object frame.
+    parameters : SensorParameters
+        The sensor.
+    scene : Scene
+        The simulated effects.
+    fields : RandomFields, optional
+        Source of random numbers, for scenes with scattered gains, dead cells or noise.
+    faces : ndarray of shape (n,), int64, optional
+        Faces under the locations. If `parameters.normal` is ``face``, the sensor takes their normals; without `faces`
+        it takes `normals`.
+
+    Returns
+    -------
+    Touches
+        The touches.
+
+    Raises
+    ------
+    ParameterError
+        If an effect needs random numbers and `fields` is missing.
     """
     mode = scene.effects.adaptive_size
-    return feel(
-        place_sensors(caster, points, normals, parameters, mode, faces), parameters, scene, fields
-    )
+    placed = place_sensors(caster, points, normals, parameters, mode, faces)
+    return sense(placed, parameters, scene, fields)
 
 
 def place_sensors(
@@ -79,53 +112,53 @@ def place_sensors(
     mode: Mode,
     faces: IntArray | None = None,
 ) -> Iterator[Placed]:
-    """Place sensors as `touch` does, batch by batch; of the scene only the mode of the adaptive size counts."""
-    poses = stand(caster, points, normals, parameters, faces)
+    """Place sensors and yield them in batches; `mode` is that of `adaptive_size`, the rest as for `touch`."""
+    poses = sensor_poses(caster, points, normals, parameters, faces)
     for rows in batches(len(points)):
-        yield place(caster, poses[rows], parameters, mode)
+        yield place_batch(caster, poses[rows], parameters, mode)
 
 
-def feel(
+def sense(
     placed: Iterable[Placed],
     parameters: SensorParameters,
     scene: Scene,
     fields: RandomFields | None = None,
 ) -> Touches:
-    """Give what placed sensors feel in a scene whose mode of the adaptive size they were placed by."""
+    """Compute the touches of placed sensors; the scene needs the `adaptive_size` mode of the placement."""
     parts, start = [], 0
-    for one in placed:
-        rows = np.arange(start, start + len(one.poses))
-        own = None if fields is None else fields.select(rows)
-        parts.append(_feel_batch(one, parameters, scene, own))
+    for batch in placed:
+        rows = np.arange(start, start + len(batch.poses))
+        batch_fields = None if fields is None else fields.select(rows)
+        parts.append(_sense_batch(batch, parameters, scene, batch_fields))
         start += len(rows)
     return join_touches(parts)
 
 
-def stand(
+def sensor_poses(
     caster: RayCaster,
     points: FloatArray,
     normals: FloatArray,
     parameters: SensorParameters,
     faces: IntArray | None = None,
 ) -> Poses:
-    """Place n sensors on an object as `touch` does, with the normal that the parameters ask for."""
+    """Return the poses of n sensors with the normal and orientation of the parameters; arguments as for `touch`."""
     if parameters.normal == "face" and faces is not None:
         normals = touched_normals(caster, normals, faces)
-    poses = stand_on(points, normals, parameters.orientation)
+    poses = make_poses(points, normals, parameters.orientation)
     if parameters.normal != "smoothed":
         return poses
     size = parameters.largest_size
     smooth = [smooth_normals(caster, poses[rows], size, CLEARANCE) for rows in batches(len(poses))]
-    return stand_on(points, np.concatenate(smooth), parameters.orientation)
+    return make_poses(points, np.concatenate(smooth), parameters.orientation)
 
 
 def batches(count: int) -> list[NDArray[np.intp]]:
-    """Divide touches, by their numbers, into parts that fit into memory."""
+    """Divide the indices of `count` touches into batches of `TOUCHES_AT_A_TIME`."""
     return np.split(np.arange(count), range(TOUCHES_AT_A_TIME, count, TOUCHES_AT_A_TIME))
 
 
 def join_touches(parts: Sequence[Touches]) -> Touches:
-    """Join the touches of at least one batch in one scene, and add up their effect records."""
+    """Concatenate batches of touches in the same scene and sum their records; at least one batch is needed."""
     arrays = {
         field.name: np.concatenate([getattr(part, field.name) for part in parts])
         for field in fields(Touches)
@@ -137,13 +170,15 @@ def join_touches(parts: Sequence[Touches]) -> Touches:
 def contact_states(
     heights: FloatArray, sizes: FloatArray, blocked: BoolArray, parameters: SensorParameters
 ) -> NDArray[np.str_]:
-    """Name the state (n,) of each touch, of `tables.CONTACT_STATES`: the first of these that holds.
+    """Return the state (n,) of each touch, a value of `tables.CONTACT_STATES`: the first of these that holds.
 
-    ``blocked``: something else of the object is in the way of the approaching sensor.
-    ``at_minimum``: the object still penetrates, and the sensor may shrink no further. ``partial``:
-    part of the sensor meets nothing within its depth range. ``shrunk``: smaller than the largest
-    square. ``full``: the largest square. Heights (n, r, r), above the tangent plane, and sizes (n,)
-    are in object radii.
+    - ``blocked``: another part of the object obstructs the approach.
+    - ``at_minimum``: the object penetrates the smallest square.
+    - ``partial``: part of the sensor is farther from the object than its depth range.
+    - ``shrunk``: the square is smaller than the largest square.
+    - ``full``: the largest square.
+
+    `heights` (n, r, r), above the tangent plane, and `sizes` (n,) are in object radii.
     """
     penetrating = (heights > PENETRATION_TOLERANCE).any(axis=(1, 2))
     partial = (heights < -parameters.depth_range).any(axis=(1, 2))
@@ -154,13 +189,12 @@ def contact_states(
     )
 
 
-def _feel_batch(
+def _sense_batch(
     placed: Placed, parameters: SensorParameters, scene: Scene, fields: RandomFields | None
 ) -> Touches:
     states = contact_states(placed.heights, placed.sizes, placed.blocked, parameters)
     highest = placed.heights.max(axis=(1, 2))
-    # A rigid plane goes no deeper than the first thing it meets: the probed point itself, or
-    # what stands higher within the square.
+    # A rigid plane rests on the highest point within the square, which is at least as high as the probed point.
     resting = np.clip(highest, 0.0, CLEARANCE)
     gaps = resting[:, None, None] - placed.heights
     contact = 1.0 - np.clip(gaps / parameters.depth_range, 0.0, 1.0)
@@ -170,11 +204,11 @@ def _feel_batch(
         scene.object_radius_m * placed.sizes / parameters.resolution,
         fields,
     )
-    signal, records = simulate(batch, contact)
+    readings, records = simulate(batch, contact)
     if parameters.normalisation == "per_imprint":
-        signal = stretch(signal, FLATNESS / parameters.depth_range)
+        readings = stretch(readings, FLATNESS / parameters.depth_range)
     return Touches(
-        signal.astype(np.float32),
+        readings.astype(np.float32),
         placed.sizes,
         states,
         np.maximum(highest, 0.0),
@@ -185,8 +219,8 @@ def _feel_batch(
     )
 
 
-def stretch(signal: FloatArray, least_span: float) -> FloatArray:
-    """Stretch each image (n, r, r) to [0, 1], one of a smaller span than the least only as far as that allows."""
-    peak = signal.max(axis=(1, 2), keepdims=True)
-    span = np.maximum(peak - signal.min(axis=(1, 2), keepdims=True), least_span)
-    return np.where(peak > 0, np.clip(1.0 - (peak - signal) / span, 0.0, 1.0), 0.0)
+def stretch(readings: FloatArray, least_span: float) -> FloatArray:
+    """Stretch each image (n, r, r) to [0, 1]; images with a smaller span than `least_span` are stretched less."""
+    peak = readings.max(axis=(1, 2), keepdims=True)
+    span = np.maximum(peak - readings.min(axis=(1, 2), keepdims=True), least_span)
+    return np.where(peak > 0, np.clip(1.0 - (peak - readings) / span, 0.0, 1.0), 0.0)

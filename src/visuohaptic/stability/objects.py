@@ -26,7 +26,7 @@ from visuohaptic.stability.tolerances import TOLERANCES
 from visuohaptic.tables.phases import FIXATIONS, TOUCHES, by_object
 from visuohaptic.tables.schema import images, matrix, read_table, write_table
 from visuohaptic.tables.stability import STABILITY
-from visuohaptic.touches.choosing import touched_places
+from visuohaptic.touches.choosing import touched_locations
 from visuohaptic.touches.touching import touch_part
 
 RAYS = 2000
@@ -35,7 +35,7 @@ TOUCHED_AGAIN = 4
 
 
 class SensedObject(NamedTuple):
-    """An object of the run with its tables and the parameters that made them.
+    """An object of the run with its tables and parameters.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ def make_object_stability(
     located = dict(by_object(read_table(FIXATIONS, fixations)))
     tables = [STABILITY.arrow.empty_table()]
     for key, felt in by_object(read_table(TOUCHES, touches)):
-        touched = touched_places(located[key], felt)
+        touched = touched_locations(located[key], felt)
         surface = read_surface(meshes[key])
         sensed = SensedObject(surface, touched, felt, attention, sensor, scene, seed)
         results = check_object(sensed, spawn_generator(seed, "stability", key))

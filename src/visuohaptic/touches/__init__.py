@@ -1,4 +1,4 @@
 """Phase `touches`: from probing locations to imprints.
 
-Its parameters are those of `visuohaptic.sensor` and `visuohaptic.scene`.
+The parameters are in `visuohaptic.sensor.parameters` and `visuohaptic.scene.parameters`.
 """

@@ -1,4 +1,4 @@
-"""Phase `touches`: touch planned places, then let policies choose where to touch."""
+"""Phase `touches`: touch the locations of strategies, then touch by policies."""
 
 from __future__ import annotations
 
@@ -15,15 +15,24 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.scene.records import merge_records
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.tables.phases import EFFECTS, FIXATIONS, TOUCHES
-from visuohaptic.touches.choosing import Wanted, choose_places
+from visuohaptic.touches.choosing import Wanted, choose_locations
 from visuohaptic.touches.touching import Part, touch_part
 
 
 @dataclass(frozen=True, eq=False)
 class Acquired:
-    """The tables of the phase, and the seconds of its parts by verb.
+    """The tables of phase `touches`.
 
-    `policy_fixations` are the places that policies chose. The touches of policies stand behind all others.
+    Attributes
+    ----------
+    touches : pyarrow.Table
+        Rows of `tables.TOUCHES`, with the touches of policies last.
+    effects : pyarrow.Table
+        Rows of `tables.EFFECTS`.
+    policy_fixations : pyarrow.Table
+        The locations that policies chose, rows of `tables.FIXATIONS`.
+    seconds : mapping of str to float
+        Seconds of parts of the phase by verb: ``choose`` is the time of the policies.
     """
 
     touches: pa.Table = field(default_factory=TOUCHES.arrow.empty_table)
@@ -42,23 +51,50 @@ def acquire_touches(
     viewpoints: ViewpointParameters,
     policies: tuple[str, ...],
 ) -> Acquired:
-    """Touch an object at those of its probing locations that `choose_places` gives, and where policies choose to.
+    """Touch an object at its probing locations, and at locations that policies choose.
 
-    Policies touch from the subject's viewpoints. Raises `PolicyError` if one of them fails.
+    Parameters
+    ----------
+    subject : Subject
+        The object and the viewpoints of the policies.
+    fixations : pyarrow.Table
+        The probing locations of strategies, rows of `tables.FIXATIONS`; `choose_locations` selects from them.
+    sensor : SensorParameters
+        The sensor.
+    scene : Scene
+        The simulated effects.
+    seed : int
+        Seed of the run.
+    wanted : Wanted
+        The touches of a sequence.
+    viewpoints : ViewpointParameters
+        The arrangement of the viewpoints.
+    policies : tuple of str
+        Names of policies.
+
+    Returns
+    -------
+    Acquired
+        The tables of the phase.
+
+    Raises
+    ------
+    PolicyError
+        If a policy fails.
     """
     parts = list[Part]()
     if fixations.num_rows:
-        places, ranks = choose_places(subject.caster, fixations, sensor, wanted)
-        parts.append(touch_part(subject.caster, places, sensor, scene, seed, ranks))
+        locations, ranks = choose_locations(subject.caster, fixations, sensor, wanted)
+        parts.append(touch_part(subject.caster, locations, sensor, scene, seed, ranks))
     if not policies:
         return _join(subject.key, parts, scene)
-    # Runs without a policy do not wait for the code of strategies.
+    # Imported here, so that runs without policies do not import the strategies.
     from visuohaptic.touches.policies import follow_policies
 
-    followed = follow_policies(subject, policies, viewpoints, sensor, scene, seed, wanted)
-    acquired = _join(subject.key, [*parts, followed.part], scene)
+    by_policy = follow_policies(subject, policies, viewpoints, sensor, scene, seed, wanted)
+    acquired = _join(subject.key, [*parts, by_policy.part], scene)
     return replace(
-        acquired, policy_fixations=followed.located, seconds={"choose": followed.seconds}
+        acquired, policy_fixations=by_policy.fixations, seconds={"choose": by_policy.seconds}
     )
 
 

@@ -1,4 +1,4 @@
-"""Which of a view's probing locations are touched."""
+"""The choice among a view's probing locations: reach, spare locations and length of the sequence."""
 
 from __future__ import annotations
 
@@ -20,76 +20,95 @@ from visuohaptic.tables.schema import matrix, names_of
 
 @dataclass(frozen=True)
 class Wanted:
-    """How many touches a sequence has at most, and which, as section `probing` of the parameters says."""
+    """The most touches of a sequence, and parameters of section `probing`."""
 
     touches: int
     unreachable: Literal["replace", "keep"] = "replace"
     when_exhausted: Literal["stop", "begin_again"] = "stop"
 
 
-def choose_places(
-    caster: RayCaster, located: pa.Table, sensor: SensorParameters, wanted: Wanted
+def choose_locations(
+    caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, wanted: Wanted
 ) -> tuple[pa.Table, IntArray]:
-    """Choose the probing locations that are touched, among rows of `tables.FIXATIONS`.
+    """Choose the probing locations that are touched.
 
-    A sequence takes its first locations. Where those out of reach are replaced, as column
-    ``unreachable`` says or else `wanted`, it takes the next ones, and ends before the one that would
-    be the `SPARE` + first passed over. So its touches don't depend on how many are asked for.
+    A sequence takes its first locations. If locations out of reach are replaced, it skips them, at most `SPARE`,
+    and takes the next locations. So a sequence with fewer touches is a prefix of a longer sequence.
 
-    Gives the rows with column ``touch`` counted anew, and that column (n,), int64, as it was.
+    Parameters
+    ----------
+    caster : RayCaster
+        The object's surface, prepared for rays.
+    fixations : pyarrow.Table
+        Rows of `tables.FIXATIONS`, in order within each sequence. Column ``unreachable`` overrides
+        `wanted.unreachable`.
+    sensor : SensorParameters
+        The sensor.
+    wanted : Wanted
+        The touches of a sequence.
+
+    Returns
+    -------
+    chosen : pyarrow.Table
+        The chosen rows, with column ``touch`` counted anew.
+    ranks : ndarray of shape (n,), int64
+        Column ``touch`` of the chosen rows before.
     """
-    ranks = located.column("touch").to_numpy().astype(np.int64)
-    policy = pc.fill_null(located.column("unreachable"), wanted.unreachable)
-    unknown = np.array(pc.equal(policy, "replace"), dtype=bool)
-    possible = np.ones(len(ranks), dtype=bool)
+    ranks = fixations.column("touch").to_numpy().astype(np.int64)
+    when_unreachable = pc.fill_null(fixations.column("unreachable"), wanted.unreachable)
+    unchecked = np.array(pc.equal(when_unreachable, "replace"), dtype=bool)
+    allowed = np.ones(len(ranks), dtype=bool)
     while True:
-        places = _counts_before(possible, ranks)
-        chosen = possible & (places < wanted.touches) & (ranks - places <= SPARE)
-        fresh = np.flatnonzero(chosen & unknown)
-        if not len(fresh):
+        numbers = _counts_before(allowed, ranks)
+        chosen = allowed & (numbers < wanted.touches) & (ranks - numbers <= SPARE)
+        to_check = np.flatnonzero(chosen & unchecked)
+        if not len(to_check):
             break
-        unknown[fresh] = False
-        possible[fresh] = in_reach(caster, located.take(fresh), sensor)
-    rows, places = np.flatnonzero(chosen), places[chosen]
+        unchecked[to_check] = False
+        allowed[to_check] = in_reach(caster, fixations.take(to_check), sensor)
+    rows, numbers = np.flatnonzero(chosen), numbers[chosen]
     if wanted.when_exhausted == "begin_again":
-        rows, places = _begin_again(rows, places, wanted.touches)
-    return numbered(located.take(rows), places), ranks[rows]
+        rows, numbers = _begin_again(rows, numbers, wanted.touches)
+    return with_touch_numbers(fixations.take(rows), numbers), ranks[rows]
 
 
-def touched_places(located: pa.Table, felt: pa.Table) -> pa.Table:
-    """Give the probing location of each touch: rows of `tables.FIXATIONS`, with the touches' column ``touch``."""
+def touched_locations(fixations: pa.Table, touches: pa.Table) -> pa.Table:
+    """Return the probing location of each touch, in the order of the touches.
+
+    The result are rows of `tables.FIXATIONS` with column ``touch`` of `touches`, rows of `tables.TOUCHES`.
+    """
     owner = [name for name in names_of(TOUCH_KEYS) if name != "touch"]
-    rows = {key: row for row, key in enumerate(_keys(located, [*owner, "touch"]))}
-    found = located.take([rows[key] for key in _keys(felt, [*owner, "rank"])])
-    return numbered(found, felt.column("touch").to_numpy())
+    rows = {key: row for row, key in enumerate(_keys(fixations, [*owner, "touch"]))}
+    touched = fixations.take([rows[key] for key in _keys(touches, [*owner, "rank"])])
+    return with_touch_numbers(touched, touches.column("touch").to_numpy())
 
 
-def numbered(located: pa.Table, numbers: IntArray) -> pa.Table:
-    """Replace the column ``touch`` of rows of `tables.FIXATIONS` by numbers (n,)."""
-    place = located.schema.get_field_index("touch")
-    field = located.schema.field("touch")
-    return located.set_column(place, field, pa.array(numbers, field.type))
+def with_touch_numbers(fixations: pa.Table, numbers: IntArray) -> pa.Table:
+    """Replace column ``touch`` of rows of `tables.FIXATIONS` by numbers (n,)."""
+    index = fixations.schema.get_field_index("touch")
+    field = fixations.schema.field("touch")
+    return fixations.set_column(index, field, pa.array(numbers, field.type))
 
 
 def _counts_before(counted: BoolArray, ranks: IntArray) -> IntArray:
-    """Count, for each row, the earlier rows of its sequence that count."""
+    """Count, for each row, the earlier rows of its sequence with `counted` true."""
     before: IntArray = np.cumsum(counted) - counted
     starts = np.flatnonzero(ranks == 0)
     lengths = np.diff(np.append(starts, len(ranks)))
     return before - np.repeat(before[starts], lengths)
 
 
-def in_reach(caster: RayCaster, located: pa.Table, sensor: SensorParameters) -> BoolArray:
-    """Find which of n rows of `tables.FIXATIONS` the sensor can reach: shape (n,), bool."""
-    points, normals = matrix(located, POINT_NAMES), matrix(located, NORMAL_NAMES)
-    return reachable(caster, points, normals, sensor, located.column("face").to_numpy())
+def in_reach(caster: RayCaster, fixations: pa.Table, sensor: SensorParameters) -> BoolArray:
+    """Return whether the sensor can reach each of n rows of `tables.FIXATIONS`: shape (n,), bool."""
+    points, normals = matrix(fixations, POINT_NAMES), matrix(fixations, NORMAL_NAMES)
+    return reachable(caster, points, normals, sensor, fixations.column("face").to_numpy())
 
 
-def _begin_again(rows: IntArray, places: IntArray, touches: int) -> tuple[IntArray, IntArray]:
-    """Make each sequence as long as asked for by starting again at its first place."""
-    sequences = np.split(rows, np.flatnonzero(places == 0)[1:])
-    longer = [np.resize(sequence, touches) for sequence in sequences if len(sequence)]
-    return np.concatenate([rows[:0], *longer]), np.tile(np.arange(touches), len(longer))
+def _begin_again(rows: IntArray, numbers: IntArray, touches: int) -> tuple[IntArray, IntArray]:
+    """Extend each sequence to `touches` rows by repeating it from its first location."""
+    sequences = np.split(rows, np.flatnonzero(numbers == 0)[1:])
+    extended = [np.resize(sequence, touches) for sequence in sequences if len(sequence)]
+    return np.concatenate([rows[:0], *extended]), np.tile(np.arange(touches), len(extended))
 
 
 def _keys(table: pa.Table, names: Sequence[str]) -> list[tuple[object, ...]]:

@@ -1,4 +1,4 @@
-"""Drive policies: every viewpoint chooses its next place, then one batch of rays touches these places."""
+"""Touching by policies: every viewpoint chooses its next location, then one batch of rays touches all of them."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ from visuohaptic.tables.phases import (
     owner_columns,
 )
 from visuohaptic.tables.schema import build_rows, join_parts
-from visuohaptic.touches.choosing import Wanted, choose_places, numbered
+from visuohaptic.touches.choosing import Wanted, choose_locations, with_touch_numbers
 from visuohaptic.touches.touching import Part, touch_part, touch_table
 
 FARTHEST = 0.1
-"""A chosen point may be so far off the surface, object radii."""
+"""Largest allowed distance of a chosen point from the surface, object radii."""
 
-SAME_PLACE = 1e-6
-"""Points that are as near to each other, object radii, are one place."""
+SAME_LOCATION = 1e-6
+"""Points within this distance of each other, object radii, are the same location."""
 
 SLOW_SECONDS = 1.0
 """Mean seconds per choice above which a policy's time is logged."""
@@ -54,8 +54,28 @@ logger = logging.getLogger(__name__)
 
 
 @dataclass(eq=False)
-class Hand:
-    """A policy at one viewpoint of an object, `class/name`, and what it felt so far."""
+class PolicySession:
+    """A policy at one viewpoint of an object, with its tries so far.
+
+    Attributes
+    ----------
+    key : str
+        The object, ``class/name``.
+    viewpoint : int
+        The number of the viewpoint.
+    policy : Policy
+        The policy.
+    view : PolicyView
+        The knowledge of the policy before the first touch.
+    felt : list of Felt
+        The tries so far.
+    touches : int
+        The number of touches; tries that are passed over do not count.
+    stopped : bool
+        Whether the policy returned None.
+    seconds : float
+        Time of the policy's choices.
+    """
 
     key: str
     viewpoint: int
@@ -66,19 +86,19 @@ class Hand:
     stopped: bool = False
     seconds: float = 0.0
 
-    def goes_on(self, wanted: int) -> bool:
-        """Return whether another place is asked for: as long as `choosing.choose_places` would take it."""
+    def needs_try(self, wanted: int) -> bool:
+        """Return whether `choosing.choose_locations` would take another location for `wanted` touches."""
         passed_over = len(self.felt) - self.touches
         return not self.stopped and self.touches < wanted and passed_over <= SPARE
 
     def choose(self) -> FloatArray | None:
-        """Ask the policy for its next point (3,), object frame; None if it stops."""
+        """Return the policy's next point (3,), object frame; None if the policy stops."""
         started = time.perf_counter()
         try:
             chosen = self.policy.next_location(self.view, tuple(self.felt))
         except Exception as error:
-            said = " ".join(str(error).split()).rstrip(".")
-            raise self._error(f"raised {type(error).__name__}: {said}") from error
+            message = " ".join(str(error).split()).rstrip(".")
+            raise self._error(f"raised {type(error).__name__}: {message}") from error
         finally:
             self.seconds += time.perf_counter() - started
         if chosen is None:
@@ -86,23 +106,24 @@ class Hand:
             return None
         return self._checked(chosen)
 
-    def check_place(self, chosen: FloatArray, place: FloatArray) -> None:
-        """Raise `PolicyError` if a chosen point is too far off its nearest place, or that place was chosen before."""
-        distance = float(np.linalg.norm(chosen - place))
+    def check_location(self, chosen: FloatArray, on_surface: FloatArray) -> None:
+        """Raise `PolicyError` if `chosen` is too far from `on_surface`, or `on_surface` was chosen before."""
+        distance = float(np.linalg.norm(chosen - on_surface))
         if distance > FARTHEST:
             raise self._error(
                 f"chose {_written(chosen)}, {distance:.2g} object radii off the surface; at most {FARTHEST} is "
                 "allowed, in the object frame"
             )
         for number, earlier in enumerate(self.felt):
-            if np.linalg.norm(earlier.point - place) <= SAME_PLACE:
+            if np.linalg.norm(earlier.point - on_surface) <= SAME_LOCATION:
                 raise self._error(
-                    f"chose {_written(place)}, the place of try {number}; a new place, or None to stop, is needed"
+                    f"chose {_written(on_surface)}, the location of try {number}; a new location, or None to stop, "
+                    "is needed"
                 )
 
     @property
     def touch_key(self) -> tuple[object, ...]:
-        """The names of the next touch's random numbers, as `touching.random_fields` gives them."""
+        """The key of the next touch's random numbers, as in `touching.random_fields`."""
         return (
             *self.key.split("/"),
             self.viewpoint,
@@ -111,7 +132,7 @@ class Hand:
         )
 
     def row(self, point: FloatArray, normal: FloatArray, face: int) -> dict[str, object]:
-        """Return the row of `tables.FIXATIONS` of the next try."""
+        """Return the next try at a point (3,) with a unit normal (3,) and a face, as a row of `tables.FIXATIONS`."""
         return {
             **owner_columns(self.key),
             "viewpoint": self.viewpoint,
@@ -144,32 +165,42 @@ class Hand:
 
 
 @dataclass(eq=False)
-class Record:
-    """All tries of an object, rows of `tables.FIXATIONS`, and the touches at m of them.
+class Tries:
+    """All tries of an object, and the m touches among them.
 
-    `touched` are the m tries by index, `numbers` each hand's touches before, `felt` the touches in batches.
+    Attributes
+    ----------
+    rows : list of dict
+        The tries, rows of `tables.FIXATIONS`.
+    touched : list of int
+        The indices of the m touches in `rows`.
+    numbers : list of int
+        The number of each touch in its sequence.
+    batches : list of Touches
+        The m touches, in batches.
     """
 
-    tries: list[dict[str, object]] = field(default_factory=list)
+    rows: list[dict[str, object]] = field(default_factory=list)
     touched: list[int] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
-    felt: list[Touches] = field(default_factory=list)
+    batches: list[Touches] = field(default_factory=list)
 
     def tables(self) -> tuple[pa.Table, Part]:
         """Return the tries as `tables.FIXATIONS`, and the touches, both sorted by their keys."""
-        located = build_rows(FIXATIONS, self.tries)
-        if not self.felt:
-            return located, Part(TOUCHES.arrow.empty_table(), ())
-        places = located.take(self.touched)
-        ranks, felt = places.column("touch").to_numpy(), join_touches(self.felt)
-        touches = touch_table(numbered(places, np.array(self.numbers)), felt, ranks)
-        return join_parts(FIXATIONS, [located]), Part(join_parts(TOUCHES, [touches]), felt.effects)
+        fixations = build_rows(FIXATIONS, self.rows)
+        if not self.batches:
+            return fixations, Part(TOUCHES.arrow.empty_table(), ())
+        touched = fixations.take(self.touched)
+        ranks, felt = touched.column("touch").to_numpy(), join_touches(self.batches)
+        numbered = with_touch_numbers(touched, np.array(self.numbers))
+        touches = join_parts(TOUCHES, [touch_table(numbered, felt, ranks)])
+        return join_parts(FIXATIONS, [fixations]), Part(touches, felt.effects)
 
 
-class Followed(NamedTuple):
-    """Where policies chose to touch, rows of `tables.FIXATIONS`, the touches, and the seconds of choosing."""
+class PolicyTouches(NamedTuple):
+    """The locations that policies chose, rows of `tables.FIXATIONS`, the touches, and the seconds of the choices."""
 
-    located: pa.Table
+    fixations: pa.Table
     part: Part
     seconds: float
 
@@ -182,109 +213,110 @@ def follow_policies(
     scene: Scene,
     seed: int,
     wanted: Wanted,
-) -> Followed:
-    """Touch an object by policies, one try of each viewpoint and policy at a time, until none goes on.
+) -> PolicyTouches:
+    """Touch an object by policies.
 
-    A place out of reach is no touch where such places are replaced; the policy is told. A sequence ends
-    after `SPARE` + 1 such places, or where the policy stops.
+    In each round every policy at every viewpoint makes one try, until no sequence needs another try. A location out
+    of reach is touched or not, as parameter ``unreachable`` says; the policy sees it as a try that was not acquired.
+    A sequence ends after more than `SPARE` locations without a touch, or if the policy stops. The arguments are as
+    for `acquiring.acquire_touches`.
 
     Raises
     ------
     PolicyError
-        If a policy raises, or chooses a place off the surface or one that it chose before.
+        If a policy raises an error, chooses a location off the surface, or chooses a location twice.
     """
     caster = subject.caster
-    hands = make_hands(subject, [policy_of(name) for name in policies], viewpoints, seed)
-    record = Record()
-    while choosing := [hand for hand in hands if hand.goes_on(wanted.touches)]:
-        chosen = {hand: point for hand in choosing if (point := hand.choose()) is not None}
-        if chosen:
-            _try_places(caster, chosen, sensor, scene, seed, wanted, record)
-    _log(hands, wanted.touches)
-    located, part = record.tables()
-    is_short = any(0 < hand.touches < wanted.touches for hand in hands)
+    sessions = start_sessions(subject, [policy_of(name) for name in policies], viewpoints, seed)
+    tries = Tries()
+    while active := [session for session in sessions if session.needs_try(wanted.touches)]:
+        choices = {session: session.choose() for session in active}
+        points = {session: point for session, point in choices.items() if point is not None}
+        if points:
+            _try_locations(caster, points, sensor, scene, seed, wanted, tries)
+    _log(sessions, wanted.touches)
+    fixations, part = tries.tables()
+    is_short = any(0 < session.touches < wanted.touches for session in sessions)
     if is_short and wanted.when_exhausted == "begin_again":
-        places, ranks = choose_places(caster, located, sensor, wanted)
-        part = touch_part(caster, places, sensor, scene, seed, ranks)
-    return Followed(located, part, sum(hand.seconds for hand in hands))
+        repeated, ranks = choose_locations(caster, fixations, sensor, wanted)
+        part = touch_part(caster, repeated, sensor, scene, seed, ranks)
+    return PolicyTouches(fixations, part, sum(session.seconds for session in sessions))
 
 
-def make_hands(
+def start_sessions(
     subject: Subject, policies: Sequence[Policy], viewpoints: ViewpointParameters, seed: int
-) -> list[Hand]:
-    """Make a hand for each viewpoint of an object and each policy; nothing is felt yet."""
+) -> list[PolicySession]:
+    """Return a session without tries for each policy and each viewpoint of an object."""
     caster, cameras = subject.caster, place_cameras(viewpoints)
-    hands = []
+    sessions = []
     for policy in policies:
         chance = policy.chance or policy.name
         spread = spawn_generator(seed, "places", chance, subject.key)
-        # The viewpoints of an object share the places, which are made on first use.
+        # The viewpoints of an object share these locations, which are computed on first use.
         find_places = cache(partial(spread_far, caster.surface, PLACES, spread))
         for number in subject.viewpoints:
             generator = spawn_generator(seed, chance, subject.key, number)
             view = PolicyView(caster, cameras[number], generator, find_places)
-            hands.append(Hand(subject.key, number, policy, view))
-    return hands
+            sessions.append(PolicySession(subject.key, number, policy, view))
+    return sessions
 
 
-def _try_places(
+def _try_locations(
     caster: RayCaster,
-    chosen: Mapping[Hand, FloatArray],
+    chosen: Mapping[PolicySession, FloatArray],
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
     wanted: Wanted,
-    record: Record,
+    tries: Tries,
 ) -> None:
-    """Touch the surface's places nearest to the points that hands chose; hands and record take what was felt."""
-    hands, points = [*chosen], np.stack([*chosen.values()])
-    places, faces = caster.nearest(points)
-    for hand, point, place in zip(hands, points, places, strict=True):
-        hand.check_place(point, place)
-    normals = orient_outwards(caster, places, caster.surface.face_normals[faces])
-    reached = reachable(caster, places, normals, sensor, faces)
-    keeps = [(hand.policy.unreachable or wanted.unreachable) == "keep" for hand in hands]
+    """Touch the surface nearest to the chosen points, and add the results to the sessions and to `tries`."""
+    sessions, points = [*chosen], np.stack([*chosen.values()])
+    locations, faces = caster.nearest(points)
+    for session, point, location in zip(sessions, points, locations, strict=True):
+        session.check_location(point, location)
+    normals = orient_outwards(caster, locations, caster.surface.face_normals[faces])
+    reached = reachable(caster, locations, normals, sensor, faces)
+    keeps = [(session.policy.unreachable or wanted.unreachable) == "keep" for session in sessions]
     rows = np.flatnonzero(reached | keeps)
-    record.touched += (len(record.tries) + rows).tolist()
-    record.numbers += [hands[row].touches for row in rows]
-    record.tries += [
-        hand.row(*place) for hand, *place in zip(hands, places, normals, faces, strict=True)
-    ]
-    for hand, place, normal in zip(hands, places, normals, strict=True):
-        hand.felt.append(Felt(place, normal, acquired=False))
+    tries.touched += (len(tries.rows) + rows).tolist()
+    tries.numbers += [sessions[row].touches for row in rows]
+    for session, location, normal, face in zip(sessions, locations, normals, faces, strict=True):
+        tries.rows.append(session.row(location, normal, face))
+        session.felt.append(Felt(location, normal, acquired=False))
     if not len(rows):
         return
-    fields = RandomFields(seed, [hands[row].touch_key for row in rows])
-    felt = touch(caster, places[rows], normals[rows], sensor, scene, fields, faces[rows])
-    record.felt.append(felt)
+    fields = RandomFields(seed, [sessions[row].touch_key for row in rows])
+    touches = touch(caster, locations[rows], normals[rows], sensor, scene, fields, faces[rows])
+    tries.batches.append(touches)
     for index, row in enumerate(rows):
-        hands[row].felt[-1] = Felt(
-            places[row],
-            felt.normals[index],
+        sessions[row].felt[-1] = Felt(
+            locations[row],
+            touches.normals[index],
             bool(reached[row]),
-            felt.images[index],
-            float(felt.size[index]),
-            str(felt.contact_state[index]),
+            touches.images[index],
+            float(touches.size[index]),
+            str(touches.contact_state[index]),
         )
-        hands[row].touches += 1
+        sessions[row].touches += 1
 
 
-def _log(hands: Sequence[Hand], wanted: int) -> None:
-    """Log which policies stopped by themselves, and which took long to choose."""
-    for name, group in groupby(hands, key=lambda hand: hand.policy.name):
-        found = list(group)
-        stopped = ", ".join(str(hand.viewpoint) for hand in found if hand.stopped)
+def _log(sessions: Sequence[PolicySession], wanted: int) -> None:
+    """Log the policies that stopped early, and the policies that took long to choose."""
+    for name, group in groupby(sessions, key=lambda session: session.policy.name):
+        of_policy = list(group)
+        stopped = ", ".join(str(session.viewpoint) for session in of_policy if session.stopped)
         if stopped:
             logger.warning(
                 "policy %s stopped before touch %d of %s, viewpoints %s.",
-                name, wanted, found[0].key, stopped,
+                name, wanted, of_policy[0].key, stopped,
             )  # fmt: skip
-        seconds = sum(hand.seconds for hand in found)
-        choices = sum(len(hand.felt) + hand.stopped for hand in found)
+        seconds = sum(session.seconds for session in of_policy)
+        choices = sum(len(session.felt) + session.stopped for session in of_policy)
         if seconds > SLOW_SECONDS * choices:
             logger.warning(
                 "policy %s took %.1f s for %d choices on %s.",
-                name, seconds, choices, found[0].key,
+                name, seconds, choices, of_policy[0].key,
             )  # fmt: skip
 
 

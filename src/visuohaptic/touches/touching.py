@@ -1,4 +1,4 @@
-"""Touching an object with the sensor at every probing location."""
+"""Touches at rows of `tables.FIXATIONS`, as rows of `tables.TOUCHES`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import Placed
 from visuohaptic.sensor.random_fields import RandomFields
-from visuohaptic.sensor.touching import Touches, feel, place_sensors
+from visuohaptic.sensor.touching import Touches, place_sensors, sense
 from visuohaptic.tables.phases import (
     FIXATIONS,
     NORMAL_NAMES,
@@ -28,29 +28,32 @@ from visuohaptic.tables.schema import build_table, matrix
 def touch_locations(
     caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, scene: Scene, seed: int
 ) -> Touches:
-    """Touch an object at n rows of `tables.FIXATIONS`; each touch depends on its own row alone."""
-    placed = place_at(caster, fixations, sensor, scene.effects.adaptive_size)
-    return feel(placed, sensor, scene, random_fields(fixations, seed))
+    """Touch an object at n rows of `tables.FIXATIONS`; each touch depends only on its own row."""
+    placed = place_sensors_at(caster, fixations, sensor, scene.effects.adaptive_size)
+    return sense(placed, sensor, scene, random_fields(fixations, seed))
 
 
-def place_at(
+def place_sensors_at(
     caster: RayCaster, fixations: pa.Table, sensor: SensorParameters, mode: Mode
 ) -> Iterator[Placed]:
-    """Place sensors at rows of `tables.FIXATIONS`, batch by batch; `mode` says when their size adapts."""
+    """Place sensors at rows of `tables.FIXATIONS`, and yield them in batches; `mode` is that of `adaptive_size`."""
     points, normals = matrix(fixations, POINT_NAMES), matrix(fixations, NORMAL_NAMES)
     faces = fixations.column("face").to_numpy()
     return place_sensors(caster, points, normals, sensor, mode, faces)
 
 
 def random_fields(fixations: pa.Table, seed: int) -> RandomFields:
-    """Give the random numbers of touches at rows of `tables.FIXATIONS`."""
+    """Return the random numbers of touches at rows of `tables.FIXATIONS`.
+
+    The keys are the keys of the rows, with column ``chance`` in place of ``strategy``.
+    """
     names = ["chance" if name == "strategy" else name for name in FIXATIONS.keys]
     keys = [fixations.column(name).to_pylist() for name in names]
     return RandomFields(seed, list(zip(*keys, strict=True)))
 
 
 class Part(NamedTuple):
-    """Touches, rows of `tables.TOUCHES`, and the record of each effect; no records if there are no touches."""
+    """Touches, rows of `tables.TOUCHES`, and one record per effect; without touches no records."""
 
     touches: pa.Table
     effects: tuple[EffectRecord, ...]
@@ -64,20 +67,21 @@ def touch_part(
     seed: int,
     ranks: IntArray | None = None,
 ) -> Part:
-    """Touch an object at n rows of `tables.FIXATIONS`, if there are any, as `touch_locations` does.
+    """Touch an object at n rows of `tables.FIXATIONS` and return the touches in the same order; n may be 0.
 
-    The touches are in the order of `fixations`. `ranks`, shape (n,), are their places among the view's;
-    without them these are as column ``touch`` says.
+    `ranks` (n,) become column ``rank``: the index of each location among all locations of its view. By default they
+    are column ``touch`` of `fixations`.
     """
     if not fixations.num_rows:
         return Part(TOUCHES.arrow.empty_table(), ())
     felt = touch_locations(caster, fixations, sensor, scene, seed)
-    numbers = fixations.column("touch").to_numpy() if ranks is None else ranks
-    return Part(touch_table(fixations, felt, numbers), felt.effects)
+    if ranks is None:
+        ranks = fixations.column("touch").to_numpy()
+    return Part(touch_table(fixations, felt, ranks), felt.effects)
 
 
 def touch_table(fixations: pa.Table, felt: Touches, ranks: IntArray) -> pa.Table:
-    """Give touches at n rows of `tables.FIXATIONS`, whose places among the view's are `ranks` (n,): `tables.TOUCHES`."""
+    """Return n touches at n rows of `tables.FIXATIONS` as rows of `tables.TOUCHES`; `ranks` as for `touch_part`."""
     columns: dict[str, object] = {
         name: fixations.column(name) for name in (*TOUCHES.keys, *POINT_NAMES)
     }

@@ -7,7 +7,7 @@ from scipy import ndimage
 
 from visuohaptic.attention.model import attend
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.attention.pyramid import GOES_ON, NOTHING_BEYOND, blur, enlarge, reduce
+from visuohaptic.attention.pyramid import BORDER_REPEATED, BORDER_ZERO, blur, enlarge, reduce
 from visuohaptic.attention.scanpath import INWARD, TIE, scan
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
@@ -197,7 +197,7 @@ def pyramids(generator):
     larger = ndimage.map_coordinates(exact, grid, order=1, mode="nearest")
     name, label = "attention/pyramid against scipy.ndimage", f"noise of {side}² pixels"
     yield Finding(name, np.abs(enlarge(plane, 2 * side) - larger).max(), label)
-    for border, mode in ((GOES_ON, "nearest"), (NOTHING_BEYOND, "constant")):
+    for border, mode in ((BORDER_REPEATED, "nearest"), (BORDER_ZERO, "constant")):
         blurred = exact
         for axis in (0, 1):
             blurred = ndimage.correlate1d(blurred, [0.25, 0.5, 0.25], axis=axis, mode=mode)

@@ -27,7 +27,7 @@ from .operator import ContourletOperator, contourlet_operator
 from .transform import Coefficients, Contourlet
 from .wavelets import wavelet_band_names, wavelet_deviations
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "DIRECTIONAL_FILTERS",

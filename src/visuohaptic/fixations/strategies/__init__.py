@@ -1,1 +1,1 @@
-"""Each strategy in a module of its own: a run depends on those alone that it uses."""
+"""The strategies and the policy, one module each."""

@@ -1,4 +1,4 @@
-"""Random places, uniform over the surface by area."""
+"""Strategy `random`: locations uniform by area over the surface."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from visuohaptic.fixations.places import ProbingLocations, draw_by_area, face_ou
 
 
 def choose(
-    one: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
+    viewpoint: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
-    """Draw places over the whole surface, hidden parts too."""
-    drawn = draw_by_area(one.caster.surface, attention.fixations, generator)
-    return face_outwards(one.caster, drawn)
+    """Draw locations over the whole surface, including hidden parts."""
+    drawn = draw_by_area(viewpoint.caster.surface, attention.fixations, generator)
+    return face_outwards(viewpoint.caster, drawn)

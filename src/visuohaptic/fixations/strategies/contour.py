@@ -1,4 +1,4 @@
-"""Places along an object's outline, as a hand that follows the contour would touch them."""
+"""Strategy `contour`: locations along an object's outline, as in contour following with a hand."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from visuohaptic.fixations.attended_views import AttendedView
 _BETWEEN_PIXELS = 0.5
 
 
-def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
-    """Follow the object's outline from its most salient place, a focus radius a step."""
-    seen, place, saliency = one.seen, one.place, one.attended.saliency
+def choose(view: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Follow the object's outline from its most salient pixel, with steps of a focus radius."""
+    views, index, saliency = view.views, view.index, view.attended.saliency
     rows, columns = follow_outline(
-        seen.mask[place],
-        seen.point[place],
+        views.mask[index],
+        views.point[index],
         saliency,
         attention.focus_radius,
         attention.fixations,
@@ -27,9 +27,9 @@ def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Sca
     return Scanpath(
         rows=rows,
         columns=columns,
-        points=seen.point[place][rows, columns],
-        normals=seen.normal[place][rows, columns],
-        faces=seen.face[place][rows, columns],
+        points=views.point[index][rows, columns],
+        normals=views.normal[index][rows, columns],
+        faces=views.face[index][rows, columns],
         saliency=saliency[rows, columns].astype("float64"),
         asked=attention.fixations,
     )
@@ -38,10 +38,10 @@ def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Sca
 def follow_outline(
     mask: BoolArray, point: FloatArray, saliency: NDArray[np.float32], step: float, count: int
 ) -> tuple[IntArray, IntArray]:
-    """Find places along the longest outline of what a view shows, just inside it: rows and columns.
+    """Return rows and columns of at most `count` pixels along the object's longest outline, just inside.
 
-    The first is its most salient one; each next one is the first, in one direction, that is a step (in the
-    points' units) away from the one before, until the outline was followed once.
+    The path starts at the most salient pixel and follows the outline once, in one direction. The next location is
+    the first pixel at a distance of at least `step` from the last location, in the unit of the points.
     """
     rows, columns = outline_pixels(mask)
     if not len(rows):
@@ -51,27 +51,27 @@ def follow_outline(
     points = point[rows, columns]
     chosen = [0]
     while len(chosen) < count:
-        rest = points[chosen[-1] + 1 :]
-        away = np.linalg.norm(rest - points[chosen[-1]], axis=1) >= step
-        if not away.any():
+        last = chosen[-1]
+        is_far = np.linalg.norm(points[last + 1 :] - points[last], axis=1) >= step
+        if not is_far.any():
             break
-        chosen.append(chosen[-1] + 1 + int(np.argmax(away)))
+        chosen.append(last + 1 + int(np.argmax(is_far)))
     return rows[chosen], columns[chosen]
 
 
 def outline_pixels(mask: BoolArray) -> tuple[IntArray, IntArray]:
-    """Give the object's pixels along its longest outline, in order, each once: rows and columns."""
+    """Return rows and columns of the object's pixels along its longest outline, in order, each pixel once."""
     curves = find_contours(np.pad(mask, 1).astype(np.float64), _BETWEEN_PIXELS)
     if not curves:
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     curve = max(curves, key=len) - 1.0
-    # Each vertex lies between a pixel of the object and one of the background.
-    ends = np.stack([np.floor(curve), np.ceil(curve)]).astype(np.int64)
+    # Each vertex lies between a pixel of the object and a pixel of the background.
+    neighbours = np.stack([np.floor(curve), np.ceil(curve)]).astype(np.int64)
     height, width = mask.shape
-    inside = (ends >= 0).all(axis=2) & (ends < (height, width)).all(axis=2)
-    held = np.zeros(inside.shape, dtype=bool)
-    held[inside] = mask[tuple(ends[inside].T)]
-    pixels = np.where(held[0][:, None], ends[0], ends[1])
+    in_image = (neighbours >= 0).all(axis=2) & (neighbours < (height, width)).all(axis=2)
+    on_object = np.zeros(in_image.shape, dtype=bool)
+    on_object[in_image] = mask[tuple(neighbours[in_image].T)]
+    pixels = np.where(on_object[0][:, None], neighbours[0], neighbours[1])
     _, first = np.unique(pixels, axis=0, return_index=True)
     rows, columns = pixels[np.sort(first)].T
     return rows, columns

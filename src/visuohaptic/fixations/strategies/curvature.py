@@ -1,4 +1,4 @@
-"""The most curved places of a view."""
+"""Strategy `curvature`: the most curved parts of a view."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.fixations.attended_views import AttendedView
 
 SMALLEST_PEAK = 1e-30
-"""A view of flat faces alone has no curvature; its map stays zero."""
+"""Least divisor, so that the map of a view without curvature stays zero."""
 
 
-def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
-    """Let the eye follow curvature alone, with the same inhibition of return."""
-    curvature = one.seen.curvature[one.place]
+def choose(view: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Choose fixations on the map of curvature in place of the saliency map."""
+    curvature = view.views.curvature[view.index]
     peak = max(float(curvature.max()), SMALLEST_PEAK)
-    return one.scan(curvature / np.float32(peak), attention)
+    return view.scan(curvature / np.float32(peak), attention)

@@ -1,4 +1,4 @@
-"""The eye's fixations, in their order."""
+"""Strategy `fixation`: the fixations of the attention model, in order."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.fixations.attended_views import AttendedView
 
 
-def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
-    """Let the eye go on from where the look ended."""
-    return one.scan(one.attended.saliency, attention)
+def choose(view: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Choose fixations on the saliency map, including the spares that `view.attended.scanpath` lacks."""
+    return view.scan(view.attended.saliency, attention)

@@ -1,22 +1,22 @@
-"""Where people are predicted to look."""
+"""Strategy `human`: fixations by a model of people's gaze."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from visuohaptic.attention.model import attend
-from visuohaptic.attention.parameters import AttentionParameters, read_learnt
+from visuohaptic.attention.parameters import AttentionParameters, read_fitted_weights
 from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.fixations.attended_views import AttendedView
 
 
-def choose(one: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
-    """Let the eye follow channels and terms by the weights that were fitted to people's gaze."""
+def choose(view: AttendedView, attention: AttentionParameters, *_: object) -> Scanpath:
+    """Choose fixations with the weights of channels and terms that were fitted to people's gaze."""
     fitted = AttentionParameters.model_validate({"weights": "human_channels"}).weights
-    (found,) = attend(
-        **one.seen.arrays(slice(one.place, one.place + 1)),
+    (attended,) = attend(
+        **view.views.arrays(slice(view.index, view.index + 1)),
         parameters=attention.model_copy(update={"weights": fitted}),
-        eye=np.array([one.camera.eye]),
-        terms=read_learnt()["terms"],
+        eye=np.array([view.camera.eye]),
+        terms=read_fitted_weights()["terms"],
     )
-    return found.scanpath
+    return attended.scanpath

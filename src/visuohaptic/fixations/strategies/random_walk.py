@@ -1,4 +1,4 @@
-"""A random walk over a surface, as of a hand that never leaves the object."""
+"""Strategy `random_walk`: a random walk over the surface, as of a hand that stays in contact."""
 
 from __future__ import annotations
 
@@ -20,44 +20,59 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.vectors import dot
 
 STEP = 0.3
-"""Way along the surface from a touch to the next, object radii: the largest sensor's edge."""
+"""Length of a step along the surface, object radii: the edge of the largest sensor."""
 
 MOVES = 8
-"""Straight moves that a step is made of."""
+"""Straight moves per step."""
 
 ATTEMPTS = 64
-"""Directions that are tried from a place before the walk ends there."""
+"""Directions that are tried from a location before the walk ends."""
 
+# Height above the surface at which rays start, object radii.
 _LIFT = 1e-4
-# A ray that looks for what lies one move away may fall short of it by rounding.
+# Rounding may put a hit slightly beyond the length of a move.
 _ROUNDING = 1e-6
 
 
 def choose(
-    one: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
+    viewpoint: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
-    """Walk over the object from wherever chance puts the first place."""
-    return walk(one.caster, attention.fixations, generator)
+    """Walk over the object from a random location."""
+    return walk(viewpoint.caster, attention.fixations, generator)
 
 
 def walk(caster: RayCaster, count: int, generator: np.random.Generator) -> ProbingLocations:
-    """Walk over a surface at random; fewer places are the first of more, or there is no way on.
+    """Walk over a surface at random.
 
-    The first place is drawn uniformly by area. Each next one lies a step of length `STEP` farther along the
-    surface, in a direction drawn uniformly about the normal. A place whose way out along the normal is
-    obstructed, as inside a bottle, is drawn again.
+    The first location is drawn uniformly by area. The next location is a step of length `STEP` along the surface
+    away, in a direction that is drawn uniformly about the normal. A location that is obstructed along its normal,
+    as inside a bottle, is drawn again.
 
-    A step is made of `MOVES` straight moves, each to what stands in its way, else to what lies below its end,
-    past an edge down, at the rim of a thin sheet to its other side. The direction is carried along by the
-    least rotation from normal to normal (parallel transport; K. Polthier and M. Schmies, Straightest
-    geodesics on polyhedral surfaces, 1998), so that on a smooth closed surface the walk comes to every part
-    in proportion to its area. Rays find the way, so faces need no connections.
+    A step has `MOVES` straight moves. A move ends at the surface in its way; without an obstacle on the surface
+    below its end, down an edge, or on the other side of a thin sheet. The direction follows the smallest rotation
+    between the normals (parallel transport; K. Polthier and M. Schmies, Straightest geodesics on polyhedral
+    surfaces, 1998). So the walk visits every part of a smooth closed surface in proportion to its area. The moves
+    are rays, so faces need not be connected.
+
+    Parameters
+    ----------
+    caster : RayCaster
+        The surface, prepared for rays.
+    count : int
+        Number of locations; a smaller number returns a prefix of the same walk.
+    generator : numpy.random.Generator
+        Source of the random numbers.
+
+    Returns
+    -------
+    ProbingLocations
+        The locations with outward normals; fewer than `count` if the walk finds no way on.
     """
-    places = [_first(caster, generator)]
-    while places[-1] is not None and len(places) < count:
-        places.append(_next(caster, places[-1], generator))
-    found = [place for place in places if place is not None][:count]
-    points, normals, faces = zip(*found, strict=True) if found else ([], [], [])
+    steps = [_first(caster, generator)]
+    while steps[-1] is not None and len(steps) < count:
+        steps.append(_next(caster, steps[-1], generator))
+    locations = [location for location in steps if location is not None][:count]
+    points, normals, faces = zip(*locations, strict=True) if locations else ([], [], [])
     return ProbingLocations(
         np.array(points, dtype=np.float64).reshape(-1, 3),
         np.array(normals, dtype=np.float64).reshape(-1, 3),
@@ -66,11 +81,11 @@ def walk(caster: RayCaster, count: int, generator: np.random.Generator) -> Probi
 
 
 Vector = FloatArray
-Place = tuple[Vector, Vector, int]
+Location = tuple[Vector, Vector, int]
 """A point, its outward normal, and its face."""
 
 
-def _first(caster: RayCaster, generator: np.random.Generator) -> Place | None:
+def _first(caster: RayCaster, generator: np.random.Generator) -> Location | None:
     for _ in range(FRUITLESS_BATCHES):
         drawn = face_outwards(caster, draw_by_area(caster.surface, BATCH, generator))
         free = np.flatnonzero(_is_open(caster, drawn.points, drawn.normals))
@@ -80,27 +95,30 @@ def _first(caster: RayCaster, generator: np.random.Generator) -> Place | None:
     return None
 
 
-def _next(caster: RayCaster, place: Place, generator: np.random.Generator) -> Place | None:
+def _next(caster: RayCaster, location: Location, generator: np.random.Generator) -> Location | None:
     for angle in generator.uniform(0.0, 2.0 * np.pi, ATTEMPTS):
-        found = _step(caster, place, _tangent(place[1], angle))
-        if found is not None and _is_open(caster, found[0][None], found[1][None])[0]:
-            return found
+        reached = _step(caster, location, _tangent(location[1], angle))
+        if reached is not None and _is_open(caster, reached[0][None], reached[1][None])[0]:
+            return reached
     return None
 
 
-def _step(caster: RayCaster, place: Place, direction: Vector) -> Place | None:
+def _step(caster: RayCaster, location: Location, direction: Vector) -> Location | None:
     for _ in range(MOVES):
-        moved = _move(caster, place, direction)
+        moved = _move(caster, location, direction)
         if moved is None:
             return None
-        place, direction = moved
-    return place
+        location, direction = moved
+    return location
 
 
-def _move(caster: RayCaster, place: Place, direction: Vector) -> tuple[Place, Vector] | None:
-    """Move straight on; give the place and the direction there, or nothing where no way is found."""
-    point, normal, _ = place
+def _move(
+    caster: RayCaster, location: Location, direction: Vector
+) -> tuple[Location, Vector] | None:
+    """Return location and direction after a straight move; None without a way on."""
+    point, normal, _ = location
     length = STEP / MOVES
+    # Four rays in order of preference: ahead; down at the end; back below the edge; up to the other side.
     above = point + _LIFT * normal
     below = point - length * normal
     ahead = length * direction
@@ -110,18 +128,18 @@ def _move(caster: RayCaster, place: Place, direction: Vector) -> tuple[Place, Ve
     hits = caster.first_hits(origins, directions)
     faces = np.where(hits.hit, hits.face, 0)
     sides = np.einsum("nd,nd->n", caster.surface.face_normals[faces], directions)
-    met = np.flatnonzero(hits.hit & (hits.distance <= farthest) & (sides != 0.0))
-    if not len(met):
+    near_hits = np.flatnonzero(hits.hit & (hits.distance <= farthest) & (sides != 0.0))
+    if not len(near_hits):
         return None
-    row = met[0]
+    row = near_hits[0]
     face = int(faces[row])
-    turned = -np.sign(sides[row]) * caster.surface.face_normals[face]
-    found = origins[row] + hits.distance[row] * directions[row]
-    return (found, turned, face), _carry(direction, normal, turned)
+    new_normal = -np.sign(sides[row]) * caster.surface.face_normals[face]
+    new_point = origins[row] + hits.distance[row] * directions[row]
+    return (new_point, new_normal, face), _carry(direction, normal, new_normal)
 
 
 def _carry(direction: Vector, before: Vector, after: Vector) -> Vector:
-    """Turn a tangent by the least rotation from a normal to another; right round, it goes back."""
+    """Turn a tangent by the smallest rotation between two normals; opposite normals reverse the tangent."""
     half = 1.0 + dot(before, after)
     if half < _ROUNDING:
         return -direction
@@ -131,7 +149,7 @@ def _carry(direction: Vector, before: Vector, after: Vector) -> Vector:
 
 
 def _tangent(normal: Vector, angle: float) -> Vector:
-    """Give the unit tangent at an angle from one that depends on the normal alone."""
+    """Return the unit tangent at an angle, radians, from a reference tangent that depends only on the normal."""
     axis = np.eye(3)[np.argmin(np.abs(normal))]
     first = unit_vectors(np.cross(normal, axis))
     sine, cosine = sin_cos(angle)

@@ -1,4 +1,4 @@
-"""Policy `seek_relief`: touch where the imprints so far let expect relief, or where nothing near was touched."""
+"""Policy `seek_relief`: touch where earlier imprints predict relief, or far from all earlier touches."""
 
 from __future__ import annotations
 
@@ -11,29 +11,28 @@ from visuohaptic.fixations.policies import Felt, PolicyView
 from visuohaptic.geometry.elementary import arc_tangent
 
 VARIANCE_WEIGHT = 1.0
-"""Weight of how much near imprints differ, α."""
+"""Weight α of the variance of the relief nearby; default of GLIS, the package of the method's author."""
 
 DISTANCE_WEIGHT = 0.5
-"""Weight of how far the place is from all touches, δ; α and δ are the defaults of the authors' package GLIS."""
+"""Weight δ of the distance from all touches; default of GLIS."""
 
 TOUCHED = 1e-6
-"""A place that is as near to a touch, object radii, is not touched again."""
+"""A location within this distance of a touch, object radii, is not touched again."""
 
 
 def next_location(view: PolicyView, touches: Sequence[Felt]) -> FloatArray | None:
-    """Return the place that the viewpoint sees with the largest score; any place before the first touch.
+    """Return the visible location (3,), object frame, with the largest score; a random location for the first touch.
 
-    Relief is the standard deviation of an imprint, and 0 where the sensor could not come. The score is
-    the acquisition function of A. Bemporad, Comput. Optim. Appl. 77, 2020, eq. 11, for the largest relief
-    instead of the least cost: the relief expected by inverse-distance weighting, the spread of the relief
-    around, and the distance to all touches.
+    The score is the acquisition function of A. Bemporad, Comput. Optim. Appl. 77, 2020, eq. 11, with relief to be
+    maximised in place of a cost. It sums the relief expected by inverse-distance weighting, the spread of relief
+    nearby, and the distance from all touches. Relief is the standard deviation of an imprint, 0 without an imprint.
     """
     points = view.places.points
     if not len(points):
         return None
     if not touches:
         return points[view.generator.integers(len(points))]
-    squares = np.stack([_squares(points, felt.point) for felt in touches], axis=1)
+    squares = np.stack([_squared_distances(points, felt.point) for felt in touches], axis=1)
     relief = np.array([_relief(felt) for felt in touches])
     scores = acquisition(squares, relief)
     scores[(squares <= TOUCHED**2).any(axis=1)] = -np.inf
@@ -42,7 +41,10 @@ def next_location(view: PolicyView, touches: Sequence[Felt]) -> FloatArray | Non
 
 
 def acquisition(squares: FloatArray, values: FloatArray) -> FloatArray:
-    """Compute the score of p places, by squared distances (p, n) to n touches with values (n,): shape (p,)."""
+    """Compute the scores (p,) of p locations.
+
+    `squares` (p, n) are squared distances from the locations to n touches, `values` (n,) the touches' reliefs.
+    """
     weights = 1.0 / np.maximum(squares, TOUCHED**2)
     total = weights.sum(axis=1)
     shares = weights / total[:, None]
@@ -57,6 +59,6 @@ def _relief(felt: Felt) -> float:
     return 0.0 if felt.imprint is None else float(felt.imprint.std(dtype=np.float64))
 
 
-def _squares(points: FloatArray, point: FloatArray) -> FloatArray:
+def _squared_distances(points: FloatArray, point: FloatArray) -> FloatArray:
     steps = points - point
     return np.einsum("nd,nd->n", steps, steps)

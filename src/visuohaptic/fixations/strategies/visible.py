@@ -1,4 +1,4 @@
-"""Random places among those that the viewpoint sees."""
+"""Strategy `random_visible`: locations uniform by area over the visible surface."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from visuohaptic.fixations.places import (
     FRUITLESS_BATCHES,
     ProbingLocations,
     draw_by_area,
-    sees,
+    is_visible,
     turn_towards,
 )
 from visuohaptic.fixations.viewpoints import Camera
@@ -19,29 +19,29 @@ from visuohaptic.geometry.raycasting import RayCaster
 
 
 def choose(
-    one: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
+    viewpoint: Viewpoint, attention: AttentionParameters, generator: np.random.Generator
 ) -> ProbingLocations:
-    """Choose among what the viewpoint sees."""
-    return draw_visible(one.caster, one.camera, attention.fixations, generator)
+    """Draw locations over the visible surface."""
+    return draw_visible(viewpoint.caster, viewpoint.camera, attention.fixations, generator)
 
 
 def draw_visible(
     caster: RayCaster, camera: Camera, count: int, generator: np.random.Generator
 ) -> ProbingLocations:
-    """Draw points uniformly, by area, over what a viewpoint sees, with normals towards the camera.
+    """Draw points uniformly by area over the visible surface, with normals towards the camera.
 
-    Fewer are the first of more. They are drawn over the whole surface and kept where seen: pixels would
-    count slanted parts less, and hold no place between them.
+    A smaller `count` returns a prefix of the same points. Points are drawn over the whole surface, and hidden points
+    are rejected. A draw of pixels would have fewer points on slanted parts.
     """
     parts: list[ProbingLocations] = []
-    found = fruitless = 0
-    while found < count and fruitless < FRUITLESS_BATCHES:
+    total = fruitless = 0
+    while total < count and fruitless < FRUITLESS_BATCHES:
         drawn = draw_by_area(caster.surface, BATCH, generator)
-        parts.append(drawn.take(np.flatnonzero(sees(caster, camera, drawn.points))))
-        found += len(parts[-1].faces)
-        fruitless = 0 if len(parts[-1].faces) else fruitless + 1
-    seen = _join(parts).take(np.arange(min(count, found)))
-    return turn_towards(seen, camera)
+        visible = drawn.take(np.flatnonzero(is_visible(caster, camera, drawn.points)))
+        parts.append(visible)
+        total += len(visible.faces)
+        fruitless = 0 if len(visible.faces) else fruitless + 1
+    return turn_towards(_join(parts).take(np.arange(min(count, total))), camera)
 
 
 def _join(parts: list[ProbingLocations]) -> ProbingLocations:

@@ -242,8 +242,8 @@ class Stage:
         with _timed(seconds, phase.verb):
             timed = replace(block, find_caster=lambda: caster)
             done = run_phase(phase, timed, self.tables, parameters)
-            if phase.verb == "look" and done.needs_looks:
-                for part, name in (("render", "seen"), ("attend", "looks")):
+            if phase.verb == "look" and done.needs_views:
+                for part, name in (("render", "rendered"), ("attend", "attended_views")):
                     with _timed(seconds, part):
                         getattr(done, name)
             tables = self.tables | tables_for_next(phase, done)

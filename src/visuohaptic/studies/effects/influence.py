@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from visuohaptic.fixations.parameters import RenderingParameters
-from visuohaptic.fixations.rendering import Views, colour_views, meet_surface
+from visuohaptic.fixations.rendering import Views, cast_pixel_rays, colour_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import object_of, read_surface
@@ -24,13 +24,13 @@ from visuohaptic.scene.parameters import (
 from visuohaptic.scene.records import EffectRecord
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import Placed
-from visuohaptic.sensor.touching import Touches, feel
+from visuohaptic.sensor.touching import Touches, sense
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FIXATIONS, by_object
 from visuohaptic.tables.schema import build_rows, read_table, write_table
 from visuohaptic.tables.studies import EFFECT_INFLUENCE
-from visuohaptic.touches.choosing import Wanted, choose_places
-from visuohaptic.touches.touching import place_at, random_fields
+from visuohaptic.touches.choosing import Wanted, choose_locations
+from visuohaptic.touches.touching import place_sensors_at, random_fields
 
 ROUNDS = 3
 """Times are medians over so many rounds, modes in turn."""
@@ -67,8 +67,8 @@ def touch_influence(
     def felt(scene: Scene, turn: int) -> Touches:
         mode = scene.effects.adaptive_size
         if (mode, turn) not in placed:
-            placed[mode, turn] = list(place_at(caster, fixations, sensor, mode))
-        return feel(placed[mode, turn], sensor, scene, fields)
+            placed[mode, turn] = list(place_sensors_at(caster, fixations, sensor, mode))
+        return sense(placed[mode, turn], sensor, scene, fields)
 
     return [
         influence
@@ -84,7 +84,7 @@ def view_influence(
     modes: EffectModes,
 ) -> list[Row]:
     """Measure the effects of the view from at least one camera, all from one cast of its rays."""
-    met = list(meet_surface(caster, cameras, rendering))
+    met = list(cast_pixel_rays(caster, cameras, rendering))
 
     def seen(modes: EffectModes) -> Views:
         return colour_views(caster, cameras, met, rendering, modes)
@@ -146,7 +146,7 @@ def make_effect_influence(step: StepInputs) -> None:
         if key not in located:  # set aside, or too slender for any view
             continue
         caster = RayCaster(read_surface(mesh))
-        table, _ = choose_places(caster, located[key], run.sensor, wanted)
+        table, _ = choose_locations(caster, located[key], run.sensor, wanted)
         if not table.num_rows:
             continue
         seen_from = sorted(set(table.column("viewpoint").to_pylist()))
