@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
 .PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws turned baselines bench wheels release paper readme params format lock clean
-.PHONY: lint lint-types lint-code lint-workflow installed-alone installed-dvc
+.PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
 JOBS ?= all
@@ -120,6 +120,10 @@ readme: $(DEVELOP) report
 	python -m touch_curves.make_page
 	python docs/make_scaling.py
 	python docs/make_overview_picture.py
+
+# The documentation as a site, in build/site; a warning is an error, such as a link that leads nowhere.
+site: $(DEVELOP)
+	@python docs/make_site.py
 
 # params.yaml, and its schema for editors, from the descriptions in the code; values that you changed are reset.
 params: $(READY)

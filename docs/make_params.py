@@ -65,12 +65,12 @@ def _fields(model: BaseModel, indent: str) -> Iterator[str]:
         if isinstance(value, BaseModel):
             if not indent:
                 yield ""
-            yield from _comment(_summary(value), indent)
+            yield from _comment(first_sentence(value), indent)
             yield f"{indent}{name}:"
             yield from _fields(value, f"{indent}  ")
             continue
-        choices = _choices(schema["properties"][name])
-        comment = _with_choices(field.description or "", choices, _summary(model))
+        choices = allowed_texts(schema["properties"][name])
+        comment = with_choices(field.description or "", choices, first_sentence(model))
         line = f"{indent}{name}:{_written(value, indent)}"
         if len(f"{line}  # {comment}") <= WIDTH:
             yield f"{line}  # {comment}"
@@ -86,13 +86,13 @@ def _comment(text: str, indent: str) -> list[str]:
     )  # fmt: skip
 
 
-def _summary(model: BaseModel) -> str:
+def first_sentence(model: BaseModel) -> str:
     """Give the first sentence of a section's docstring, without its full stop."""
     first = inspect.cleandoc(type(model).__doc__ or "").split("\n\n")[0]
     return " ".join(first.split()).removesuffix(".")
 
 
-def _with_choices(description: str, choices: Sequence[str], context: str) -> str:
+def with_choices(description: str, choices: Sequence[str], context: str) -> str:
     """Add the values that are allowed, where the words do not name them already."""
     named = re.findall(r"[\w-]+", f"{context} {description}")
     if set(choices) <= set(named):
@@ -100,11 +100,11 @@ def _with_choices(description: str, choices: Sequence[str], context: str) -> str
     return f"{description} [{' | '.join(choices)}]"
 
 
-def _choices(schema: Mapping[str, Any]) -> list[str]:
+def allowed_texts(schema: Mapping[str, Any]) -> list[str]:
     """List the texts among which a value, or each of several, is chosen."""
     found = list(schema.get("enum", []))
     for each in (*schema.get("anyOf", []), schema.get("items")):
-        found += _choices(each) if each else []
+        found += allowed_texts(each) if each else []
     return found
 
 

@@ -2,7 +2,7 @@
 
 Python is run. Of a command in a shell block at least the words are checked, by the program's own parser:
 the commands, options and values are there. Light ones run elsewhere: those of the tour in
-tests/cli/test_tour.py, the workflow's and DVC's in tests/workflow. A command of a program that
+tests/cli/test_tour.py and test_your_question.py, the workflow's and DVC's in tests/workflow. A command of a program that
 this test does not know fails it.
 """
 
@@ -45,7 +45,7 @@ PAGES = (
     *sorted((ROOT / "packages").glob("*/**/*.md")),
 )
 # Pages whose Python has a test of its own.
-RUN_ELSEWHERE = {"tour.md"}
+RUN_ELSEWHERE = {"tour.md", "your_question.md"}
 OF_RULES = "".join(file.read_text() for file in ROOT.glob("workflow/rules/*.smk"))
 RULES = {"all", *re.findall(r"^rule (\w+):", OF_RULES, re.M)}
 RULES |= {name for phase in OF_OBJECT for name in (phase.name, f"{phase.name}_all")}

@@ -37,10 +37,11 @@ def tables(
     makers = [phase.name for phase in PHASES if name in phase.writes]
     written = f"; written by phase {' and '.join(makers)}" if makers else ""
     say(f"{name}: one row per {', '.join(schema.keys)}{written}")
-    _say_rows([_row(column) for column in schema.columns])
+    _say_rows([describe_column(column) for column in schema.columns])
 
 
-def _row(column: Column) -> tuple[str, ...]:
+def describe_column(column: Column) -> tuple[str, ...]:
+    """Return the name, type, unit with range, and meaning of a column, as text."""
     kind = TYPES.get(str(column.dtype), str(column.dtype))
     ends = (column.minimum, column.maximum)
     low, high = ("…" if end is None else f"{end:g}" for end in ends)
