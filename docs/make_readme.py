@@ -11,7 +11,7 @@ from filling import DOCS, SETS, fill_page, read_json, share, table
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import read_tables
-from visuohaptic.report.questions import fixation_answer, recognition_answer
+from visuohaptic.report.questions import Answer, fixation_answer, recognition_answer
 from visuohaptic.report.sections import kept_leads
 from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.variants import read_variants
@@ -97,15 +97,20 @@ def answers(metrics: dict[str, Any]) -> str:
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
         fixation_answer(tables, variants, kept_leads(variants, IntervalParameters())),
     )
-    sentences = [
-        " ".join((f"**{one.question}** {one.finding}: {one.number} {one.sentence}", *one.beside))
-        for one in found
-        if one
-    ]
-    text = "\n\n".join(
-        textwrap.fill(sentence, 100, break_on_hyphens=False) for sentence in sentences
-    )
+    text = "\n\n".join(_answer_lines(one) for one in found if one)
     return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def _answer_lines(answer: Answer) -> str:
+    """Write an answer as a paragraph and one list item per further sentence."""
+    first = f"**{answer.question}** {answer.finding}: {answer.number} {answer.sentence}"
+    lines = [_wrapped(first), ""] if answer.beside else [_wrapped(first)]
+    lines += [_wrapped(f"- {sentence}", "  ") for sentence in answer.beside]
+    return "\n".join(lines)
+
+
+def _wrapped(text: str, indent: str = "") -> str:
+    return textwrap.fill(text, 100, break_on_hyphens=False, subsequent_indent=indent)
 
 
 def speed_table(results: dict[str, Any]) -> str:
@@ -121,7 +126,7 @@ def speed_table(results: dict[str, Any]) -> str:
         f"On {machine['processor']}, {machine['cores']} cores, load {workflow['load_before']} before, "
         f"with bytecode; {workflow['jobs']} jobs in a cold run. `make bench` measures again."
     )
-    measured = table(["run", "both pipelines", "of processors", "the paper's alone"], rows)
+    measured = table(["run", "both pipelines", "processor time", "the paper's only"], rows)
     return f"{measured}\n\n{textwrap.fill(sentence, 100, break_on_hyphens=False)}"
 
 

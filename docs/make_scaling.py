@@ -24,7 +24,7 @@ def rows_of(counts: Mapping[int, Steps]) -> Rows:
     whole = {count: steps["whole run"] for count, steps in counts.items()}
     return {
         "whole run": ("s", {count: one["seconds"] for count, one in whole.items()}),
-        "the same, of processors": ("s", {count: one["processor_s"] for count, one in whole.items()}),
+        "whole run, processor time": ("s", {count: one["processor_s"] for count, one in whole.items()}),
         "looking, touching, describing": ("s", _sums(whole, OBJECTS)),
         "recognition and frontier": ("s", _sums(whole, LEARNING)),
         "report": ("s", {count: one["report"]["seconds"] for count, one in counts.items()}),
@@ -58,7 +58,7 @@ def draw(rows: Rows) -> Figure:
     """Draw seconds and memory by number of objects, all axes logarithmic."""
     figure = Figure(figsize=(10, 4.6), layout="constrained")
     panels = dict(zip(("s", "MB"), figure.subplots(1, 2), strict=True))
-    drawn = [name for name in rows if name != "the same, of processors"]
+    drawn = [name for name in rows if name != "whole run, processor time"]
     for place, name in enumerate(drawn):
         unit, values = rows[name]
         panels[unit].loglog(

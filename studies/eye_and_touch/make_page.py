@@ -119,7 +119,7 @@ def worth_table(sets: Mapping[str, Figures]) -> str:
             rise = 100 * row["accuracy_a_second"]
             price = f"more than {1 / rise:.2g} s" if rise > 0 else "never"
             rows.append([SETS[name], row["sight"], row["touches"], f"{rise:.2f}", price])
-    bring = ("points a second of touching", "a touch pays where a point is worth")
+    bring = ("points per second of touching", "a touch pays where a point is worth")
     return table(["objects", "sight", "touches", *bring], rows)
 
 

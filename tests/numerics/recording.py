@@ -59,11 +59,12 @@ class Recorder:
         figures.write_text(json.dumps(totals, indent=1) + "\n")
         processor = dict(describe_machine())["Processor"]
         intro = (
-            f"`make test-hard` writes this page. On {made['date']}, with version {made['version']} on {processor}, it "
-            f"tried {totals['cases']:,} cases of {len(results)} kinds in {seconds / 60:.1f} minutes. "
+            "For people who rely on the numbers: the largest error of each kind of hard case, beside its tolerance. "
+            f"`make test-hard` wrote this page on {made['date']}, with version {made['version']} on {processor}, from "
+            f"{totals['cases']:,} cases of {len(results)} kinds in {seconds / 60:.1f} minutes. "
             f"{sum(result.held for result in results)} kinds are within their tolerance, and "
-            f"{sum(result.worst_error == 0 for result in results)} have no error at all. How errors are measured is in "
-            "[stability.md](stability.md), the reason of each tolerance in `tests/numerics/tolerances.py`."
+            f"{sum(result.worst_error == 0 for result in results)} have no error at all. [stability.md](stability.md) "
+            "explains how errors are measured, and `tests/numerics/tolerances.py` gives the reason of each tolerance."
         )
         paragraphs = [intro, *(in_a_sentence(result) for result in results if not result.held)]
         text = "\n\n".join(
