@@ -1,4 +1,4 @@
-"""`visuohaptic meshes`: bring models, check them, and name who made them."""
+"""`visuohaptic meshes`: download models, check them, and list their authors."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from visuohaptic.meshes.catalogue import (
     write_credits,
 )
 
-app = typer.Typer(help="The models that objects come from.", no_args_is_help=True)
+app = typer.Typer(help="Download, check and credit the models of objects.", no_args_is_help=True)
 
 
-SetOption = Annotated[ObjectSet, typer.Option("--set", help="Which objects of the catalogue.")]
+SetOption = Annotated[ObjectSet, typer.Option("--set", help="Set of objects in the catalogue.")]
 FolderOption = Annotated[
     Path, typer.Option("--meshes", help="Folder with catalogue.csv, paper/, own/ and downloaded/.")
 ]
@@ -31,12 +31,14 @@ FolderOption = Annotated[
 def fetch(
     object_set: SetOption = "benchmark",
     meshes: FolderOption = Path("meshes"),
-    cache: Annotated[Path, typer.Option(help="Where archives are kept.")] = Path(".cache/models"),
+    cache: Annotated[Path, typer.Option(help="Folder for downloaded archives.")] = Path(
+        ".cache/models"
+    ),
     jobs: Annotated[int, typer.Option(min=1, help="Processes that pack models.")] = 2,
 ) -> None:
-    """Bring the models of a set that the repository does not hold.
+    """Download the models of a set that the repository does not contain.
 
-    What has come stays; a second call goes on from there.
+    Finished downloads are kept; run the command again to continue.
 
     Example: visuohaptic meshes fetch --set benchmark
     """
@@ -55,9 +57,9 @@ def check(
     meshes: FolderOption = Path("meshes"),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Prepare each model of a set and each own one, and tell which can't be touched and why.
+    """Prepare each model of a set and each of your own models, and report models that can't be touched.
 
-    Ends with 1 where there is such a model.
+    Ends with status 1 if a model can't be touched.
 
     Example: visuohaptic meshes check --set paper
     """
@@ -103,7 +105,7 @@ def show_credits(
     meshes: FolderOption = Path("meshes"),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Name who made each model of a set, and its licence.
+    """List author and licence of each model of a set.
 
     Example: visuohaptic meshes credits --set benchmark
     """

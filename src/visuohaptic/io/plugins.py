@@ -166,7 +166,7 @@ def _registry_of(entry: object) -> tuple[str, str]:
 
 @contextmanager
 def _loading(source: str, name: str, package: str | None = None) -> Iterator[None]:
-    """Record the registries that a plug-in uses, and raise `PlugInError` in place of any error."""
+    """Record the registries that a plug-in uses, and turn any error into `PlugInError`."""
     registries: set[str] = set()
     _loading_now.append((source, registries))
     try:

@@ -86,7 +86,7 @@ class TextTable:
             return np.empty((len(self.lines), 0))
         return np.stack([self._parsed(index, cells[index]) for index in chosen], axis=1)
 
-    def place(self, row: int, column: int | None = None) -> str:
+    def position(self, row: int, column: int | None = None) -> str:
         """Return the position of a row or cell in the file, for errors: ``poses.csv, line 3, column x``."""
         line = f"{self.source}, line {self.lines[row]}"
         if column is None:
@@ -124,7 +124,7 @@ class TextTable:
 
     def _error(self, row: int, index: int, reason: str) -> TableError:
         text = self.columns[index][row].as_py()
-        return TableError(f"{self.place(row, index)} is {_short(text)}: {reason}.")
+        return TableError(f"{self.position(row, index)} is {_short(text)}: {reason}.")
 
 
 def read_text_table(
