@@ -133,6 +133,6 @@ def test_a_broken_row_is_named(tmp_path, old, new, sentence):
 
 def test_too_few_classes_to_tell_apart_are_said_before_anything_runs():
     check_classes(["plant/a", "plant/b", "cup/a", "cup/b", "pen/a"])
-    for keys, says in ((["plant/a", "plant/b", "cup/a"], "only plant"), ([], "none")):
+    for keys, says in ((["plant/a", "plant/b", "cup/a"], "only plant"), ([], "no class")):
         with pytest.raises(CatalogueError, match=rf"{says} has them: .* features_all"):
             check_classes(keys)

@@ -125,7 +125,7 @@ HOSTILE = {
     "nothing.gltf": (gltf(rows_without_data), "5000000 rows without data"),
     "sparse.gltf": (gltf(lambda document: document["accessors"][1].update(sparse={})), "accessor 1 needs 'count'"),
     "images.gltf": (gltf(large_images), "image 0 has 12000 × 12000 pixels"),
-    "cycle.gltf": (gltf(nodes=[{"children": [1]}, {"children": [0]}], scenes=[{"nodes": [0]}]), "node 0 stands twice"),
+    "cycle.gltf": (gltf(nodes=[{"children": [1]}, {"children": [0]}], scenes=[{"nodes": [0]}]), "node 0 is twice in the scene"),
     "view.gltf": (gltf(lambda document: document["bufferViews"][1].update(byteLength=9999)), "can't be read as GLTF"),
     "two_parts.gltf": (gltf(two_parts), "names vertex 3; 0 to 2|one surface"),
     "draco.gltf": (gltf(extensionsRequired=["KHR_draco"]), "KHR_draco, which"),
