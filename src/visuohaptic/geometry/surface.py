@@ -279,7 +279,7 @@ def _plain_file(path: Path, largest_megabytes: float) -> Iterator[BinaryIO]:
             unpacked.write(block)
             if unpacked.tell() > largest_megabytes * 1e6:
                 raise MeshError(
-                    f"{path} unpacks to more than {largest_megabytes:g} MB; at most so much is allowed "
+                    f"{path} unpacks to more than {largest_megabytes:g} MB, which is the largest allowed size "
                     "(meshes.largest_megabytes)."
                 )
         unpacked.seek(0)
