@@ -50,7 +50,7 @@ class MissingPackageError(VisuohapticError):
 
 
 class ReportError(VisuohapticError):
-    """The report can't be made from the tables of the run."""
+    """The tables of the run are not sufficient for the report."""
 
 
 class ExportError(VisuohapticError):

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.cast_rays import Scene
 from visuohaptic.geometry.nearest import nearest_on
-from visuohaptic.geometry.overlaps import in_parts, overlapping_faces, paired
+from visuohaptic.geometry.overlaps import blocks_by_count, overlapping_faces, repeat_with_ranges
 from visuohaptic.geometry.scenes import SCENES, installed_package
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import cross, dot
@@ -290,7 +290,7 @@ class RayCaster:
         corners, starts, faces = self._faces_of_vertices
         pairs = np.unique(np.stack([rays, corners[candidates[rays, candidate], corner]]), axis=1)
         starts, ends = starts[pairs[1]], starts[pairs[1] + 1]
-        pair_rays, positions = paired(pairs[0], starts, ends - starts)
+        pair_rays, positions = repeat_with_ranges(pairs[0], starts, ends - starts)
         yield pair_rays, faces[positions]
 
     @cached_property
@@ -311,8 +311,8 @@ class RayCaster:
             return
         counts = self._twin_counts.take(faces)
         rays = np.flatnonzero(counts)
-        for block in in_parts(rays, counts[rays], _MOST_PAIRS):
-            pair_rays, positions = paired(block, starts[faces[block]], counts[block])
+        for block in blocks_by_count(rays, counts[rays], _MOST_PAIRS):
+            pair_rays, positions = repeat_with_ranges(block, starts[faces[block]], counts[block])
             yield pair_rays, twins[positions]
 
     def _narrow_pairs(self, origins: FloatArray, directions: FloatArray) -> Pairs:
@@ -322,7 +322,7 @@ class RayCaster:
         rays = _as_float32(origins, directions)
         counts = self._around_narrow.count_crossings(rays)
         near = np.flatnonzero(counts)
-        for block in in_parts(near, counts[near], _MOST_PAIRS):
+        for block in blocks_by_count(near, counts[near], _MOST_PAIRS):
             if not len(block):
                 continue
             block_rays, box_faces = self._around_narrow.crossings(rays[block])

@@ -138,9 +138,9 @@ def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModel
         model = Model(file.parent.name, file.stem)
         reason = _reason_against(model, file, folder)
         if reason is None and model in models:
-            reason = f"is object {model.key}, as {models[model]} is already; rename one."
+            reason = f"is object {model.key}, as {models[model]} is already; rename one of them."
         elif reason is None and model.key in taken:
-            reason = f"is object {model.key}, as one of the catalogue is already; rename it."
+            reason = f"is object {model.key}, as a model of the catalogue is already; rename it."
         if reason is None:
             models[model] = file
         else:

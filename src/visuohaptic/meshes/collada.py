@@ -17,8 +17,8 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.turning import rotation_matrices
 from visuohaptic.meshes.collada_document import (
+    Appearance,
     ColladaDocument,
-    Look,
     integers,
     numbers,
     parse_collada,
@@ -44,7 +44,7 @@ _LONGEST_SHOWN = 80
 
 
 @dataclass(frozen=True)
-class _Shown:
+class _SceneInstance:
     """An instance of a geometry or controller, with the matrix (4, 4) and label of its node."""
 
     instance: Any
@@ -81,32 +81,36 @@ def read_collada(data: bytes, companions: Companions) -> list[Part]:
     del data
     document = ColladaDocument(root, companions)
     companions.up_axis = document.up_axis
-    shown, worlds = _scene(document)
-    return [part for instance in shown for part in _parts(document, instance, worlds)]
+    scene_instances, world_matrices = _scene(document)
+    return [
+        part
+        for scene_instance in scene_instances
+        for part in _parts(document, scene_instance, world_matrices)
+    ]
 
 
-def _scene(document: ColladaDocument) -> tuple[list[_Shown], dict[Any, FloatArray]]:
+def _scene(document: ColladaDocument) -> tuple[list[_SceneInstance], dict[Any, FloatArray]]:
     """Return the instances in the scene, and the matrix of the first occurrence of each node."""
-    waiting = [(node, np.eye(4)) for node in _roots(document)][::-1]
-    shown: list[_Shown] = []
-    worlds: dict[Any, FloatArray] = {}
-    parts, corners = len(waiting), 0
-    while waiting:
-        node, matrix = waiting.pop()
+    stack = [(node, np.eye(4)) for node in _roots(document)][::-1]
+    scene_instances: list[_SceneInstance] = []
+    world_matrices: dict[Any, FloatArray] = {}
+    parts, corners = len(stack), 0
+    while stack:
+        node, matrix = stack.pop()
         label = f"node {(node.get('id') or node.get('name') or '')[:_LONGEST_SHOWN]!r}"
         for child in node:
             if tag(child) in _TRANSFORMS:
                 matrix = matrix @ _transform(child, label)
-        worlds.setdefault(node, matrix)
+        world_matrices.setdefault(node, matrix)
         children, instances = _children_and_instances(document, node, label)
         for instance in instances:
-            shown.append(_Shown(instance, matrix, label))
+            scene_instances.append(_SceneInstance(instance, matrix, label))
             primitives, most_corners = _size(document, instance, label)
             parts, corners = parts + primitives, corners + most_corners
         parts += len(children)
         check_parts(parts, "parts or more, each counted per instance", corners)
-        waiting += [(child, matrix) for child in children[::-1]]
-    return shown, worlds
+        stack += [(child, matrix) for child in children[::-1]]
+    return scene_instances, world_matrices
 
 
 def _roots(document: ColladaDocument) -> list[Any]:
@@ -116,7 +120,7 @@ def _roots(document: ColladaDocument) -> list[Any]:
         return list(scene.iterfind("{*}node"))
     scenes = list(document.root.iterfind("{*}library_visual_scenes/{*}visual_scene"))
     if len(scenes) != 1:
-        raise MeshError(f"it names no scene and has {len(scenes)}; one is needed")
+        raise MeshError(f"it names no scene and has {len(scenes)}; 1 is needed")
     return list(scenes[0].iterfind("{*}node"))
 
 
@@ -225,10 +229,10 @@ def _label_of(element: Any) -> str:
 
 
 def _parts(
-    document: ColladaDocument, shown: _Shown, worlds: dict[Any, FloatArray]
+    document: ColladaDocument, scene_instance: _SceneInstance, world_matrices: dict[Any, FloatArray]
 ) -> Iterator[Part]:
-    geometry, controllers = _geometry(document, shown.instance, shown.label)
-    label, matrix = _label_of(geometry), shown.matrix
+    geometry, controllers = _geometry(document, scene_instance.instance, scene_instance.label)
+    label, matrix = _label_of(geometry), scene_instance.matrix
     mesh = geometry.find("{*}mesh")
     if mesh is None:
         kinds = [tag(child) for child in geometry if tag(child) not in _HARMLESS]
@@ -242,10 +246,14 @@ def _parts(
             positions = _morphed(document, deformer, positions, part_label)
         else:
             positions = _skinned(
-                document, deformer, positions, _skeleton(document, shown, worlds), part_label
+                document,
+                deformer,
+                positions,
+                _skeleton(document, scene_instance, world_matrices),
+                part_label,
             )
             matrix = np.eye(4)
-    bindings = _bindings(document, shown)
+    bindings = _bindings(document, scene_instance)
     for number, primitive in enumerate(child for child in mesh if tag(child) not in _MESH_DATA):
         kind = tag(primitive)
         part_label = f"{label}, {kind} {number}"
@@ -305,19 +313,19 @@ def _morphed(
 
 
 def _skeleton(
-    document: ColladaDocument, shown: _Shown, worlds: dict[Any, FloatArray]
+    document: ColladaDocument, scene_instance: _SceneInstance, world_matrices: dict[Any, FloatArray]
 ) -> dict[str, FloatArray]:
     """Return the matrices of possible joints of a skin by id, name and sid of the node."""
     roots = [
         document.named("node", (element.text or "").strip().removeprefix("#"))
-        for element in shown.instance.iterfind("{*}skeleton")
+        for element in scene_instance.instance.iterfind("{*}skeleton")
     ]
     below = {node for root in roots if root is not None for node in root.iter("{*}node")}
     matrices: dict[str, FloatArray] = {}
     # Of equal names, the node below the roots of the skeleton counts.
-    for nodes in (worlds.keys() - below, worlds.keys() & below):
+    for nodes in (world_matrices.keys() - below, world_matrices.keys() & below):
         for key in ("name", "id", "sid"):
-            matrices |= {node.get(key): worlds[node] for node in nodes if node.get(key)}
+            matrices |= {node.get(key): world_matrices[node] for node in nodes if node.get(key)}
     return matrices
 
 
@@ -376,16 +384,16 @@ def _chosen(rows: FloatArray, index: IntArray, label: str) -> FloatArray:
     return rows[index]
 
 
-def _bindings(document: ColladaDocument, shown: _Shown) -> dict[str, _Binding]:
+def _bindings(document: ColladaDocument, scene_instance: _SceneInstance) -> dict[str, _Binding]:
     return {
         binding.get("symbol", ""): _Binding(
-            document.referred(binding, "material", shown.label, "target").get("id"),
+            document.referred(binding, "material", scene_instance.label, "target").get("id"),
             {
                 vertex_input.get("semantic", ""): int(vertex_input.get("input_set", 0))
                 for vertex_input in binding.iterfind("{*}bind_vertex_input")
             },
         )
-        for binding in shown.instance.iterfind(
+        for binding in scene_instance.instance.iterfind(
             "{*}bind_material/{*}technique_common/{*}instance_material"
         )
     }
@@ -437,9 +445,9 @@ class _Primitive:
         except MeshError as error:
             raise MeshError(f"{self._label}: {error}") from error
         triangles = self._triangles(positions, named)
-        look, sets = self._look(bindings)
-        paint = self._paint(look, sets, triangles)
-        return Part(positions, named[triangles], self._colours(look, triangles), paint)
+        appearance, sets = self._appearance(bindings)
+        paint = self._paint(appearance, sets, triangles)
+        return Part(positions, named[triangles], self._colours(appearance, triangles), paint)
 
     def _triangles(self, positions: FloatArray, named: IntArray) -> IntArray:
         """Return triangles (t, 3) as rows of the corners."""
@@ -468,17 +476,19 @@ class _Primitive:
             )
         return triangulate(positions, named, counts)[0]
 
-    def _look(self, bindings: dict[str, _Binding]) -> tuple[Look, dict[str, int]]:
+    def _appearance(self, bindings: dict[str, _Binding]) -> tuple[Appearance, dict[str, int]]:
         symbol = self._element.get("material", "")
         if symbol in bindings:
-            return self._document.look(bindings[symbol].material), bindings[symbol].sets
+            return self._document.appearance(bindings[symbol].material), bindings[symbol].sets
         # Some programs write the id of the material instead of a symbol.
         if self._document.named("material", symbol) is not None:
-            return self._document.look(symbol), {}
-        return Look(), {}
+            return self._document.appearance(symbol), {}
+        return Appearance(), {}
 
-    def _paint(self, look: Look, sets: dict[str, int], triangles: IntArray) -> Paint | None:
-        if look.image is None:
+    def _paint(
+        self, appearance: Appearance, sets: dict[str, int], triangles: IntArray
+    ) -> Paint | None:
+        if appearance.image is None:
             return None
         columns = {
             texcoords.number: texcoords
@@ -490,14 +500,14 @@ class _Primitive:
                 f"has an image on {self._label}, which has no TEXCOORD; the image is not read"
             )
             return None
-        column = columns.get(sets.get(look.coordinates, -1), columns[min(columns)])
+        column = columns.get(sets.get(appearance.coordinates, -1), columns[min(columns)])
         rows = self._document.rows(column.source)
         if rows.shape[1] < 2:
             raise MeshError(f"{self._label} has image coordinates of {rows.shape[1]} numbers")
         corners = _chosen(rows, self._corners[:, column.offset], self._label)[:, :2]
-        return Paint(look.image, corners[triangles], look.wraps)
+        return Paint(appearance.image, corners[triangles], appearance.wraps)
 
-    def _colours(self, look: Look, triangles: IntArray) -> NDArray[np.uint8] | None:
+    def _colours(self, appearance: Appearance, triangles: IntArray) -> NDArray[np.uint8] | None:
         """Return the mean colour of the corners, or the colour of the material if all corners are white."""
         columns = [column for column in self._columns if column.semantic == "COLOR"]
         if columns:
@@ -508,7 +518,7 @@ class _Primitive:
             if corners.shape[1] == 3 and (corners != largest).any():
                 stored = np.clip(np.nan_to_num(corners / largest), 0.0, 1.0)[triangles]
                 return np.rint(255.0 * stored.mean(axis=1)).astype(np.uint8)
-        if look.colour is None:
+        if appearance.colour is None:
             return None
-        colour = np.rint(255.0 * np.array(look.colour)).astype(np.uint8)
+        colour = np.rint(255.0 * np.array(appearance.colour)).astype(np.uint8)
         return np.tile(colour, (len(triangles), 1))

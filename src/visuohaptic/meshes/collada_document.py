@@ -21,7 +21,7 @@ from visuohaptic.meshes.limits import parse_xml
 from visuohaptic.meshes.textures import PackedImage
 
 MOST_ELEMENTS = 200_000
-"""Largest number of XML elements, without the elements ``p``, of which old files have one per polygon."""
+"""Largest number of XML elements, without elements ``p``: old files have one per polygon."""
 
 _UP_AXES: dict[str, Literal["x", "y", "z"]] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 _LONGEST_SHOWN = 80
@@ -43,7 +43,7 @@ _MOVES = {
 
 
 @dataclass(frozen=True)
-class Look:
+class Appearance:
     """Appearance of a material: diffuse colour (sRGB, 0 to 1), or image and name of its image coordinates."""
 
     colour: tuple[float, float, float] | None = None
@@ -89,7 +89,7 @@ class ColladaDocument:
                 for scope in (None, _scope(element)):
                     self._named.setdefault((scope, tag(element), element.get("id")), element)
         self._arrays: dict[Any, FloatArray] = {}
-        self._looks: dict[str, Look] = {}
+        self._appearances: dict[str, Appearance] = {}
         self._images: dict[str, PackedImage | None] = {}
 
     @property
@@ -152,13 +152,13 @@ class ColladaDocument:
                 return list(text.split())
         raise MeshError(f"source {source.get('id', '')[:_LONGEST_SHOWN]!r} has no names")
 
-    def look(self, material: str) -> Look:
+    def appearance(self, material: str) -> Appearance:
         """Return the appearance of the material with this id."""
-        if material not in self._looks:
-            self._looks[material] = self._read_look(material)
-        return self._looks[material]
+        if material not in self._appearances:
+            self._appearances[material] = self._read_appearance(material)
+        return self._appearances[material]
 
-    def _read_look(self, material: str) -> Look:
+    def _read_appearance(self, material: str) -> Appearance:
         label = f"material {material[:_LONGEST_SHOWN]!r}"
         entry = self.named("material", material)
         instance = entry.find("{*}instance_effect")
@@ -168,16 +168,18 @@ class ColladaDocument:
         profile = effect.find("{*}profile_COMMON")
         if profile is None:
             self.companions.notes.append(f"has no plain colour for {label}, which is read as grey")
-            return Look()
+            return Appearance()
         for shader in _SHADERS:
             diffuse = profile.find(f"{{*}}technique/{{*}}{shader}/{{*}}diffuse")
             if diffuse is not None:
                 return self._of_diffuse(diffuse, profile, effect, label)
         # A constant shader has its colour in `emission`.
         emission = profile.find("{*}technique/{*}constant/{*}emission")
-        return Look() if emission is None else self._of_diffuse(emission, profile, effect, label)
+        return (
+            Appearance() if emission is None else self._of_diffuse(emission, profile, effect, label)
+        )
 
-    def _of_diffuse(self, diffuse: Any, profile: Any, effect: Any, label: str) -> Look:
+    def _of_diffuse(self, diffuse: Any, profile: Any, effect: Any, label: str) -> Appearance:
         texture, colour = diffuse.find("{*}texture"), diffuse.find("{*}color")
         if texture is not None:
             return self._of_texture(texture, profile, effect, label)
@@ -191,13 +193,13 @@ class ColladaDocument:
                         (value.text for value in candidate if tag(value).startswith("float")), None
                     )
         if text is None:
-            return Look()
+            return Appearance()
         values = np.clip(np.nan_to_num(numbers(text, label)[:3]), 0.0, 1.0)
         if len(values) < 3:
             raise MeshError(f"{label} has a colour of {len(values)} numbers; 3 or 4 are needed")
-        return Look((float(values[0]), float(values[1]), float(values[2])))
+        return Appearance((float(values[0]), float(values[1]), float(values[2])))
 
-    def _of_texture(self, texture: Any, profile: Any, effect: Any, label: str) -> Look:
+    def _of_texture(self, texture: Any, profile: Any, effect: Any, label: str) -> Appearance:
         for move in texture.iter(*(f"{{*}}{name}" for name in _MOVES)):
             if numbers(move.text, label).tolist() != [_MOVES[tag(move)]]:
                 self.companions.notes.append(
@@ -222,7 +224,7 @@ class ColladaDocument:
         surface = parameters.get(name)
         if surface is not None:
             name = (surface.findtext(".//{*}init_from") or "").strip()
-        return Look(None, self._image(name, label), wraps, texture.get("texcoord", ""))
+        return Appearance(None, self._image(name, label), wraps, texture.get("texcoord", ""))
 
     def _image(self, name: str, label: str) -> PackedImage | None:
         if name in self._images:

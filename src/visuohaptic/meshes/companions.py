@@ -188,7 +188,7 @@ def _in_any_case(folder: Path, path: str) -> Path | None:
 
 
 def _check_suffix(name: str) -> None:
-    # The workflow watches only the files that `catalogue.companions` lists, so no others may be read.
+    # The workflow watches only files that `catalogue.companions` lists, so only these may be read.
     if Path(name).suffix.lower() not in COMPANION_SUFFIXES:
         raise MeshError(
             f"has a suffix that is not read; {', '.join(COMPANION_SUFFIXES)} are allowed"

@@ -123,7 +123,7 @@ class GltfDocument:
     def stored(self, accessor: int, label: str, *widths: int) -> NDArray[Any]:
         """Return the stored numbers of an accessor, shape (n, k); k must be in `widths`."""
         described = self.entry("accessors", accessor, label)
-        refuse_unknown(described, f"accessor {accessor}", ())
+        check_extensions(described, f"accessor {accessor}", ())
         width = _WIDTHS.get(described.get("type", ""), 0)
         if width not in widths or described.get("componentType") not in _COMPONENTS:
             raise MeshError(
@@ -158,7 +158,7 @@ class GltfDocument:
     def image(self, index: int, label: str) -> PackedImage | None:
         """Open an image; if that fails, return None and add the reason to `companions.missing`."""
         described = self.entry("images", index, label)
-        refuse_unknown(described, f"image {index}", ())
+        check_extensions(described, f"image {index}", ())
         key = described.get("uri", ("view", described.get("bufferView")))
         if key not in self._images:
             self._images[key] = self._opened(described, index)
@@ -219,7 +219,7 @@ class GltfDocument:
 
     def _view(self, index: Any, label: str) -> memoryview:
         described = self.entry("bufferViews", index, label)
-        refuse_unknown(described, f"buffer view {index}", ())
+        check_extensions(described, f"buffer view {index}", ())
         data = self._buffer(described.get("buffer"), f"buffer view {index}")
         start, length = described.get("byteOffset", 0), described.get("byteLength", 0)
         if start < 0 or length < 0 or start + length > len(data):
@@ -231,7 +231,7 @@ class GltfDocument:
 
     def _buffer(self, index: Any, label: str) -> memoryview:
         described = self.entry("buffers", index, label)
-        refuse_unknown(described, f"buffer {index}", ())
+        check_extensions(described, f"buffer {index}", ())
         if (described.get("uri") or "").startswith(_INLINE):
             # `pop` frees the address, which is as long as the data.
             self._buffers[index] = memoryview(_decoded_address(described.pop("uri")))
@@ -263,7 +263,7 @@ def required(holder: dict[str, Any], name: str, kind: type, label: str) -> Any:
     return holder[name]
 
 
-def refuse_unknown(holder: dict[str, Any], label: str, known: Collection[str]) -> None:
+def check_extensions(holder: dict[str, Any], label: str, known: Collection[str]) -> None:
     """Raise `MeshError` if an entry has an extension that is neither in `known` nor harmless."""
     for name in holder.get("extensions", {}):
         if name not in known and name not in HARMLESS_EXTENSIONS | _WITH_FALLBACK:
@@ -272,7 +272,7 @@ def refuse_unknown(holder: dict[str, Any], label: str, known: Collection[str]) -
             )
 
 
-def refuse_other_keys(holder: dict[str, Any], label: str, known: Collection[str]) -> None:
+def check_keys(holder: dict[str, Any], label: str, known: Collection[str]) -> None:
     """Raise `MeshError` if an entry has a key that is not in glTF 2.0."""
     for name in holder:
         if name not in known and name not in {"name", "extras", "extensions"}:

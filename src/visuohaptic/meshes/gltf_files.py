@@ -22,8 +22,8 @@ from visuohaptic.geometry.turning import rotation_matrices
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.gltf_document import (
     GltfDocument,
-    refuse_other_keys,
-    refuse_unknown,
+    check_extensions,
+    check_keys,
     required,
 )
 from visuohaptic.meshes.limits import check_parts
@@ -64,16 +64,16 @@ _WRAPS = {10497: REPEAT, 33071: CLAMP, 33648: MIRROR}
 
 
 @dataclass(frozen=True)
-class _Shown:
+class _MeshNode:
     """A node with a mesh: its number, its entry, and the matrices (n, 4, 4) of its instances."""
 
     number: int
-    node: dict[str, Any]
+    entry: dict[str, Any]
     matrices: FloatArray
 
 
 @dataclass(frozen=True)
-class _Look:
+class _Appearance:
     """Base colour of a material, linear, and its reference to an image; `label` names the material in errors."""
 
     factor: FloatArray
@@ -92,34 +92,34 @@ def read_gltf(data: bytes, companions: Companions) -> list[Part]:
     document = GltfDocument(data, companions)
     # Free the content of the file, which the document has divided into buffers.
     del data
-    shown = _shown(document)
-    _check_size(document, shown)
-    return [part for node in shown for part in _mesh_parts(document, node)]
+    mesh_nodes = _mesh_nodes(document)
+    _check_size(document, mesh_nodes)
+    return [part for node in mesh_nodes for part in _mesh_parts(document, node)]
 
 
-def _shown(document: GltfDocument) -> list[_Shown]:
+def _mesh_nodes(document: GltfDocument) -> list[_MeshNode]:
     """Return the nodes with a mesh in the default scene, in the order of the tree."""
-    waiting = [(number, np.eye(4)) for number in _roots(document)][::-1]
-    shown, visited = [], set()
-    while waiting:
-        number, above = waiting.pop()
+    stack = [(number, np.eye(4)) for number in _roots(document)][::-1]
+    mesh_nodes, visited = [], set()
+    while stack:
+        number, parent_matrix = stack.pop()
         if number in visited:
             raise MeshError(f"node {number} is twice in the scene; a tree is needed")
         visited.add(number)
         check_parts(len(visited), "nodes")
         node = document.entry("nodes", number, "the scene")
         label = f"node {number}"
-        refuse_other_keys(node, label, _NODE_KEYS)
-        refuse_unknown(node, label, (_INSTANCING, _VISIBILITY))
+        check_keys(node, label, _NODE_KEYS)
+        check_extensions(node, label, (_INSTANCING, _VISIBILITY))
         extensions = node.get("extensions", {})
         if not extensions.get(_VISIBILITY, {}).get("visible", True):
             continue
-        world = above @ _local(node, label)
+        matrix = parent_matrix @ _local(node, label)
         if "mesh" in node:
             instances = _instances(document, extensions.get(_INSTANCING), label)
-            shown.append(_Shown(number, node, world @ instances))
-        waiting += [(child, world) for child in reversed(node.get("children", ()))]
-    return shown
+            mesh_nodes.append(_MeshNode(number, node, matrix @ instances))
+        stack += [(child, matrix) for child in reversed(node.get("children", ()))]
+    return mesh_nodes
 
 
 def _roots(document: GltfDocument) -> Sequence[int]:
@@ -129,7 +129,7 @@ def _roots(document: GltfDocument) -> Sequence[int]:
         if len(scenes) > 1:
             document.companions.notes.append(f"has {len(scenes)} scenes; scene {number} is read")
         scene = document.entry("scenes", number, "the file")
-        refuse_unknown(scene, f"scene {number}", ())
+        check_extensions(scene, f"scene {number}", ())
         roots: list[int] = scene.get("nodes", [])
         return roots
     if not nodes and document.tree.get("meshes"):
@@ -191,56 +191,58 @@ def _instances(document: GltfDocument, extension: dict[str, Any] | None, label: 
     return _placements(*columns)
 
 
-def _check_size(document: GltfDocument, shown: Sequence[_Shown]) -> None:
+def _check_size(document: GltfDocument, mesh_nodes: Sequence[_MeshNode]) -> None:
     """Raise `MeshError` for too many primitives or corners, counted per instance, before data is read."""
     parts, corners = 0, 0
-    for node in shown:
-        mesh = document.entry("meshes", node.node["mesh"], f"node {node.number}")
-        primitives = required(mesh, "primitives", list, f"mesh {node.node['mesh']}")
+    for mesh_node in mesh_nodes:
+        mesh = document.entry("meshes", mesh_node.entry["mesh"], f"node {mesh_node.number}")
+        primitives = required(mesh, "primitives", list, f"mesh {mesh_node.entry['mesh']}")
         parts += len(primitives)
         for primitive in primitives:
             attributes = required(
-                primitive, "attributes", dict, f"a primitive of node {node.number}"
+                primitive, "attributes", dict, f"a primitive of node {mesh_node.number}"
             )
             accessors = [attributes.get("POSITION"), primitive.get("indices")]
             counts = [
                 document.count(index, "a primitive") for index in accessors if index is not None
             ]
-            corners += len(node.matrices) * sum(counts)
+            corners += len(mesh_node.matrices) * sum(counts)
         check_parts(parts, "primitives, each counted per instance", corners)
 
 
-def _mesh_parts(document: GltfDocument, shown: _Shown) -> Iterator[Part]:
-    number = shown.node["mesh"]
-    mesh = document.entry("meshes", number, f"node {shown.number}")
-    refuse_unknown(mesh, f"mesh {number}", ())
-    weights = shown.node.get("weights", mesh.get("weights", ()))
+def _mesh_parts(document: GltfDocument, mesh_node: _MeshNode) -> Iterator[Part]:
+    number = mesh_node.entry["mesh"]
+    mesh = document.entry("meshes", number, f"node {mesh_node.number}")
+    check_extensions(mesh, f"mesh {number}", ())
+    weights = mesh_node.entry.get("weights", mesh.get("weights", ()))
     for index, described in enumerate(mesh["primitives"]):
         primitive = _Primitive(document, described, weights, f"mesh {number}, primitive {index}")
         faces = primitive.faces()
         if len(faces):
-            vertices, matrices = _posed(document, shown, primitive)
+            vertices, matrices = _posed(document, mesh_node, primitive)
             for part in primitive.painted(vertices, faces):
                 yield from placed(part, matrices)
 
 
 def _posed(
-    document: GltfDocument, shown: _Shown, primitive: _Primitive
+    document: GltfDocument, mesh_node: _MeshNode, primitive: _Primitive
 ) -> tuple[FloatArray, FloatArray]:
     """Return the vertices of a primitive and the matrices of its instances; with a skin, one unit matrix."""
-    vertices, skin = primitive.positions(), shown.node.get("skin")
+    vertices, skin = primitive.positions(), mesh_node.entry.get("skin")
     if skin is None:
-        return vertices, shown.matrices
-    if len(shown.matrices) != 1:
-        raise MeshError(f"node {shown.number} has a skin and instances, which is not read")
+        return vertices, mesh_node.matrices
+    if len(mesh_node.matrices) != 1:
+        raise MeshError(f"node {mesh_node.number} has a skin and instances, which is not read")
     names = sorted(name for name in primitive.attributes if name.startswith("JOINTS_"))
     if not names:
-        raise MeshError(f"node {shown.number} has a skin, and {primitive.label} has no JOINTS_0")
+        raise MeshError(
+            f"node {mesh_node.number} has a skin, and {primitive.label} has no JOINTS_0"
+        )
     joints = np.hstack([primitive.stored(name, 4).astype(np.int64) for name in names])
     weights = np.hstack(
         [primitive.fractions(name.replace("JOINTS", "WEIGHTS"), 4) for name in names]
     )
-    matrices = _joint_matrices(document, skin, f"node {shown.number}")
+    matrices = _joint_matrices(document, skin, f"node {mesh_node.number}")
     # The transform of a node with a skin is ignored (section 3.7.3.3).
     rows = np.repeat(np.arange(len(vertices)), joints.shape[1])
     vertices = skinned(vertices, rows, joints.ravel(), weights.ravel(), matrices)
@@ -249,7 +251,7 @@ def _posed(
 
 def _joint_matrices(document: GltfDocument, skin: Any, label: str) -> FloatArray:
     described = document.entry("skins", skin, label)
-    refuse_unknown(described, f"skin {skin}", ())
+    check_extensions(described, f"skin {skin}", ())
     joints, parents = required(described, "joints", list, f"skin {skin}"), _parents(document)
     worlds = np.array([_world(document, joint, parents) for joint in joints])
     if "inverseBindMatrices" not in described:
@@ -291,8 +293,8 @@ class _Primitive:
         weights: Sequence[float],
         label: str,
     ) -> None:
-        refuse_other_keys(described, label, _PRIMITIVE_KEYS)
-        refuse_unknown(described, label, ())
+        check_keys(described, label, _PRIMITIVE_KEYS)
+        check_extensions(described, label, ())
         self.document, self.described, self.label = document, described, label
         self.attributes: dict[str, int] = described["attributes"]
         for name in self.attributes:
@@ -362,29 +364,31 @@ class _Primitive:
 
     def painted(self, vertices: FloatArray, faces: IntArray) -> Iterator[Part]:
         """Yield the triangles as parts with face colours, or with one image each."""
-        look = _look(self.document, self.described, self.label)
-        image = None if look.texture is None else self._image(look)
+        appearance = _appearance(self.document, self.described, self.label)
+        image = None if appearance.texture is None else self._image(appearance)
         if image is None:
-            encoded = np.concatenate([encode_bytes(light) for light in self._light(look, faces)])
+            encoded = np.concatenate(
+                [encode_bytes(light) for light in self._light(appearance, faces)]
+            )
             yield Part(vertices, faces, np.broadcast_to(encoded, (len(faces), 3)))
             return
-        light = np.concatenate(list(self._light(look, faces)))
-        coordinates, wraps = self._coordinates(look), self._wraps(look)
+        light = np.concatenate(list(self._light(appearance, faces)))
+        coordinates, wraps = self._coordinates(appearance), self._wraps(appearance)
         for chosen, tint in self._tints(light, len(faces)):
             red, green, blue = map(float, tint)
             paint = Paint(image, coordinates[faces[chosen]], wraps, (red, green, blue), linear=True)
             yield Part(vertices, faces[chosen], None, paint)
 
-    def _light(self, look: _Look, faces: IntArray) -> Iterator[FloatArray]:
+    def _light(self, appearance: _Appearance, faces: IntArray) -> Iterator[FloatArray]:
         """Yield linear colours of faces, (n, 3), in blocks; a single row if vertices have no colours."""
         if "COLOR_0" not in self.attributes:
-            yield np.clip(look.factor[None], 0.0, 1.0)
+            yield np.clip(appearance.factor[None], 0.0, 1.0)
             return
         corners = self._morphed("COLOR_0", self.fractions("COLOR_0", 3, 4))[:, :3]
         corners = np.nan_to_num(corners)
         for start in range(0, len(faces), _AT_ONCE):
             mean = corners[faces[start : start + _AT_ONCE]].mean(axis=1)
-            yield np.clip(look.factor * mean, 0.0, 1.0)
+            yield np.clip(appearance.factor * mean, 0.0, 1.0)
 
     def _tints(self, light: FloatArray, count: int) -> Iterator[tuple[Any, FloatArray]]:
         """Yield groups of faces with the same tint of their image, and the tint, (3,), linear."""
@@ -401,17 +405,17 @@ class _Primitive:
                 chosen = np.flatnonzero(group.reshape(count) == number)
                 yield chosen, light[chosen].mean(axis=0)
 
-    def _image(self, look: _Look) -> Any:
-        info = look.texture or {}
-        refuse_unknown(info, f"the image of {look.label}", (_TRANSFORM,))
-        if self._texcoord(look) not in self.attributes:
+    def _image(self, appearance: _Appearance) -> Any:
+        info = appearance.texture or {}
+        check_extensions(info, f"the image of {appearance.label}", (_TRANSFORM,))
+        if self._texcoord(appearance) not in self.attributes:
             self.document.companions.notes.append(
-                f"has an image on {self.label}, which has no {self._texcoord(look)}; the image is not read"
+                f"has an image on {self.label}, which has no {self._texcoord(appearance)}; the image is not read"
             )
             return None
-        texture = self.document.entry("textures", info.get("index"), look.label)
+        texture = self.document.entry("textures", info.get("index"), appearance.label)
         label = f"texture {info.get('index')}"
-        refuse_unknown(texture, label, _IMAGE_EXTENSIONS)
+        check_extensions(texture, label, _IMAGE_EXTENSIONS)
         extensions = texture.get("extensions", {})
         sources = [
             extensions[name].get("source") for name in _IMAGE_EXTENSIONS if name in extensions
@@ -427,30 +431,32 @@ class _Primitive:
                     self.document.companions.missing.append(clause)
         return None
 
-    def _texcoord(self, look: _Look) -> str:
-        info = look.texture or {}
+    def _texcoord(self, appearance: _Appearance) -> str:
+        info = appearance.texture or {}
         extension = info.get("extensions", {}).get(_TRANSFORM, {})
         return f"TEXCOORD_{extension.get('texCoord', info.get('texCoord', 0))}"
 
-    def _coordinates(self, look: _Look) -> FloatArray:
+    def _coordinates(self, appearance: _Appearance) -> FloatArray:
         """Return image coordinates (v, 2); the second coordinate points up."""
-        name = self._texcoord(look)
+        name = self._texcoord(appearance)
         stored = self._morphed(name, self.numbers(name, 2))
-        extension = (look.texture or {}).get("extensions", {}).get(_TRANSFORM, {})
-        across, down = (stored * _vector(extension, "scale", np.ones(2), look.label)).T
+        extension = (appearance.texture or {}).get("extensions", {}).get(_TRANSFORM, {})
+        across, down = (stored * _vector(extension, "scale", np.ones(2), appearance.label)).T
         # The rotation is counter-clockwise in coordinates whose v points down.
         angle = extension.get("rotation", 0.0)
         cosine, sine = np.cos(angle), np.sin(angle)
         turned = np.column_stack([cosine * across + sine * down, cosine * down - sine * across])
-        moved = turned + _vector(extension, "offset", np.zeros(2), look.label)
+        moved = turned + _vector(extension, "offset", np.zeros(2), appearance.label)
         return np.column_stack([moved[:, 0], 1.0 - moved[:, 1]])
 
-    def _wraps(self, look: _Look) -> tuple[int, int]:
-        texture = self.document.entry("textures", (look.texture or {}).get("index"), look.label)
+    def _wraps(self, appearance: _Appearance) -> tuple[int, int]:
+        texture = self.document.entry(
+            "textures", (appearance.texture or {}).get("index"), appearance.label
+        )
         if "sampler" not in texture:
             return REPEAT, REPEAT
-        sampler = self.document.entry("samplers", texture["sampler"], look.label)
-        refuse_unknown(sampler, f"sampler {texture['sampler']}", ())
+        sampler = self.document.entry("samplers", texture["sampler"], appearance.label)
+        check_extensions(sampler, f"sampler {texture['sampler']}", ())
         across, up = (_WRAPS.get(sampler.get(name, 0), REPEAT) for name in ("wrapS", "wrapT"))
         return across, up
 
@@ -477,14 +483,14 @@ class _Primitive:
         return rows
 
 
-def _look(document: GltfDocument, primitive: dict[str, Any], label: str) -> _Look:
+def _appearance(document: GltfDocument, primitive: dict[str, Any], label: str) -> _Appearance:
     """Return base colour and image of a primitive; white without a material (section 3.7.2.1)."""
     if "material" not in primitive:
-        return _Look(np.ones(3), None, label)
+        return _Appearance(np.ones(3), None, label)
     number = primitive["material"]
     label = f"material {number}"
     material = document.entry("materials", number, label)
-    refuse_unknown(material, label, (_GLOSSINESS,))
+    check_extensions(material, label, (_GLOSSINESS,))
     shading = material.get("extensions", {}).get(_GLOSSINESS)
     names = ("diffuseFactor", "diffuseTexture")
     if shading is None:
@@ -492,4 +498,4 @@ def _look(document: GltfDocument, primitive: dict[str, Any], label: str) -> _Loo
         shading = material.get("pbrMetallicRoughness", {})
     factor_key, texture_key = names
     colour = _vector(shading, factor_key, np.ones(4), label)[:3]
-    return _Look(np.nan_to_num(colour), shading.get(texture_key), label)
+    return _Appearance(np.nan_to_num(colour), shading.get(texture_key), label)

@@ -16,7 +16,7 @@ from visuohaptic.meshes.mtl_files import Material, Materials, image_name, read_l
 from visuohaptic.meshes.obj_statements import MOST_SHOWN, ObjStatements, Polygons, read_statements
 from visuohaptic.meshes.parts import GREY, Paint, Part
 from visuohaptic.meshes.polygons import cuts
-from visuohaptic.meshes.wavefront import as_utf_8, shown
+from visuohaptic.meshes.wavefront import as_utf_8, quoted
 
 _NO_MATERIAL = frozenset({"", "None", "(null)"})  # names that Blender writes for no material
 _BLOCK_FACES = 1 << 16  # faces
@@ -31,7 +31,7 @@ class _Vertices:
 
     points: FloatArray
     colours: NDArray[np.float32] | None
-    places: FloatArray
+    coordinates: FloatArray
 
 
 def read_obj(data: bytes, companions: Companions) -> list[Part]:
@@ -54,7 +54,7 @@ def read_obj(data: bytes, companions: Companions) -> list[Part]:
     vertices = _Vertices(
         np.frombuffer(statements.points).reshape(-1, 3),
         _vertex_colours(statements, companions),
-        np.frombuffer(statements.places).reshape(-1, 2),
+        np.frombuffer(statements.coordinates).reshape(-1, 2),
     )
     parts = []
     while statements.polygons:
@@ -85,7 +85,7 @@ def _note_unread(statements: ObjStatements, materials: Materials, companions: Co
 
 def _listed(names: Sequence[str]) -> str:
     more = [f"{len(names) - MOST_SHOWN} more"] if len(names) > MOST_SHOWN else []
-    return ", ".join([*(shown(name.encode()) for name in names[:MOST_SHOWN]), *more])
+    return ", ".join([*(quoted(name.encode()) for name in names[:MOST_SHOWN]), *more])
 
 
 def _vertex_colours(
@@ -127,14 +127,14 @@ def _parts(
     image = companions.image(image_name(image_map, companions), image_map.beside)
     if image is None:
         return [without_image]
-    if not polygons.places:
+    if not polygons.coordinates:
         companions.notes.append("names images for faces that have no image coordinates (vt)")
         return [without_image]
-    coordinates = _coordinate_rows(polygons, len(vertices.places), companions)[triangles]
+    coordinates = _coordinate_rows(polygons, len(vertices.coordinates), companions)[triangles]
     painted: BoolArray = np.all(coordinates >= 0, axis=1)
     if not painted.any():
         return [without_image]
-    uv = image_map.placed(vertices.places[coordinates[painted]])
+    uv = image_map.placed(vertices.coordinates[coordinates[painted]])
     with_image = replace(
         _subset(without_image, painted), paint=Paint(image, uv, image_map.wraps, material.tint)
     )
@@ -156,7 +156,7 @@ def _corners(polygons: Polygons, vertices: int) -> NDArray[np.int32]:
 def _coordinate_rows(polygons: Polygons, count: int, companions: Companions) -> NDArray[np.int32]:
     """Return the row of image coordinates of each corner; -1 for a corner without."""
     corners = np.zeros(len(polygons.corners), dtype=np.int32)
-    corners[: len(polygons.places)] = polygons.places
+    corners[: len(polygons.coordinates)] = polygons.coordinates
     wrong = np.flatnonzero((corners < 0) | (corners > count))
     if len(wrong):
         companions.notes.append(
@@ -199,7 +199,7 @@ def _triangles(
 
 def _all_or_none_have_coordinates(polygons: Polygons) -> bool:
     """Return whether all corners have image coordinates, or no corner has."""
-    coordinates = np.frombuffer(polygons.places, np.int32)
+    coordinates = np.frombuffer(polygons.coordinates, np.int32)
     return not len(coordinates) or (
         len(coordinates) == len(polygons.corners) and bool(coordinates.all())
     )

@@ -12,7 +12,7 @@ from itertools import repeat
 import numpy as np
 
 from visuohaptic.base.errors import MeshError
-from visuohaptic.meshes.wavefront import numbers_of, rest_of, shown, statements, wrong_number
+from visuohaptic.meshes.wavefront import numbers_of, quoted, rest_of, statements, wrong_number
 
 MOST_SHOWN = 3
 """Largest number of names in a message."""
@@ -45,7 +45,7 @@ class Polygons:
     ----------
     corners : array of int
         Index of the vertex, from 1, per corner, polygon after polygon.
-    places : array of int
+    coordinates : array of int
         Index of the image coordinates, from 1, per corner; 0 for a corner without. The array ends with the last
         polygon that has image coordinates.
     counts : array of int
@@ -55,7 +55,7 @@ class Polygons:
     """
 
     corners: array[int] = field(default_factory=_integers)
-    places: array[int] = field(default_factory=_integers)
+    coordinates: array[int] = field(default_factory=_integers)
     counts: array[int] = field(default_factory=_integers)
     lines: array[int] = field(default_factory=_integers)
 
@@ -71,7 +71,7 @@ class ObjStatements:
     colours : array of float
         Three numbers per vertex, NaN where a vertex has no colour. The array ends with the last vertex
         that has a colour.
-    places : array of float
+    coordinates : array of float
         Two numbers per image coordinates (``vt``).
     polygons : dict
         `Polygons` per name of a material, "" for none, in the order in which materials are first used.
@@ -87,7 +87,7 @@ class ObjStatements:
 
     points: array[float] = field(default_factory=lambda: array("d"))
     colours: array[float] = field(default_factory=lambda: array("f"))
-    places: array[float] = field(default_factory=lambda: array("d"))
+    coordinates: array[float] = field(default_factory=lambda: array("d"))
     polygons: dict[str, Polygons] = field(default_factory=dict)
     libraries: dict[str, None] = field(default_factory=dict)
     without_area: dict[str, int] = field(default_factory=dict)
@@ -106,7 +106,7 @@ class ObjStatements:
         elif word in {b"f", b"fo"}:
             self._add_polygon(numbers_of(line), number)
         elif word == b"vt":
-            self._add_place(numbers_of(line))
+            self._add_coordinates(numbers_of(line))
         elif word not in _PASSED_OVER and not word.startswith(b"#"):
             self._add_rare(word, line, number)
 
@@ -118,10 +118,10 @@ class ObjStatements:
             self.colours.extend(repeat(np.nan, len(self.points) - 3 - len(self.colours)))
             self.colours.extend(map(float, numbers[3:6]))
 
-    def _add_place(self, numbers: list[bytes]) -> None:
+    def _add_coordinates(self, numbers: list[bytes]) -> None:
         if not numbers:
             raise MeshError("image coordinates have no number; 2 are needed")
-        self.places.extend(map(float, (*numbers, b"0")[:2]))
+        self.coordinates.extend(map(float, (*numbers, b"0")[:2]))
 
     def _add_polygon(self, words: list[bytes], line: int) -> None:
         rows = [[int(number or 0) for number in word.split(b"/")] for word in words]
@@ -135,8 +135,10 @@ class ObjStatements:
         corners = [row[0] for row in rows]
         coordinates = [row[1] if len(row) > 1 else 0 for row in rows]
         if any(coordinates):
-            polygons.places.extend(repeat(0, len(polygons.corners) - len(polygons.places)))
-            polygons.places.extend(_from_first(coordinates, len(self.places) // 2))
+            polygons.coordinates.extend(
+                repeat(0, len(polygons.corners) - len(polygons.coordinates))
+            )
+            polygons.coordinates.extend(_from_first(coordinates, len(self.coordinates) // 2))
         polygons.corners.extend(_from_first(corners, len(self.points) // 3))
         polygons.counts.append(len(rows))
         polygons.lines.append(line)
@@ -156,9 +158,9 @@ class ObjStatements:
         elif lower != word:
             self.add(line.replace(word, lower, 1), number)
         elif _is_number(word):
-            raise MeshError(f"the line begins with the number {shown(word)}; a word is needed")
+            raise MeshError(f"the line begins with the number {quoted(word)}; a word is needed")
         elif len(self.unknown) < MOST_SHOWN:
-            self.unknown.setdefault(shown(word), number)
+            self.unknown.setdefault(quoted(word), number)
 
 
 def read_statements(data: bytes) -> ObjStatements:

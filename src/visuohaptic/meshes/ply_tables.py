@@ -59,7 +59,7 @@ def decoded(header: bytes) -> str:
 def _tables_by_plyfile(
     data: bytes, plain: bytes, header: PlyHeader, columns: Mapping[str, Collection[str]]
 ) -> dict[str, Table]:
-    """Read tables with plyfile, row by row, whose errors name the wrong row."""
+    """Read tables with plyfile, row by row; its errors name the wrong row."""
     with tempfile.TemporaryFile() as file:
         file.write(plain)
         file.write(memoryview(data)[header.length :])

@@ -37,10 +37,10 @@ def read_3mf(data: bytes, companions: Companions) -> list[Part]:
 
 
 def _placed_parts(package: Package, companions: Companions) -> Iterator[Part]:
-    waiting = package.model(package.start()).items[::-1]
+    stack = package.model(package.start()).items[::-1]
     placements, corners = [], 0
-    while waiting:
-        key, matrix = waiting.pop()
+    while stack:
+        key, matrix = stack.pop()
         model_object = package.find(key)
         if model_object.kind in _NOT_BUILT:
             companions.notes.append(f"has an object of type {model_object.kind}, which is left out")
@@ -51,12 +51,12 @@ def _placed_parts(package: Package, companions: Companions) -> Iterator[Part]:
             )
         placements.append((key, model_object, matrix))
         corners += len(model_object.vertices) + model_object.faces.size
-        waiting += [
+        stack += [
             (component, matrix @ component_matrix)
             for component, component_matrix in reversed(model_object.components)
         ]
         check_parts(
-            len(placements) + len(waiting), "parts or more, each counted per instance", corners
+            len(placements) + len(stack), "parts or more, each counted per instance", corners
         )
     for key, model_object, matrix in placements:
         for part in _parts(package, key[0], model_object, companions):

@@ -81,11 +81,11 @@ def wrong_number(words: Sequence[bytes], kind: type[float | int] = float) -> str
         except ValueError:
             kind_name = "whole number" if kind is int else "number"
             advice = "; numbers need a decimal point" if b"," in number else ""
-            return f"{shown(number)} is no {kind_name}{advice}"
+            return f"{quoted(number)} is no {kind_name}{advice}"
     return "a number is too large"
 
 
-def shown(word: bytes) -> str:
+def quoted(word: bytes) -> str:
     """Return a word for messages, shortened."""
     cut = "…" if len(word) > _LONGEST_SHOWN else ""
     return repr(word[:_LONGEST_SHOWN].decode("utf-8", "backslashreplace") + cut)

@@ -48,12 +48,12 @@ class Schema:
 
     name: str
     key_columns: tuple[Column, ...]
-    others: tuple[Column, ...]
+    other_columns: tuple[Column, ...]
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
         """All columns; the columns that identify a row come first."""
-        return (*self.key_columns, *self.others)
+        return (*self.key_columns, *self.other_columns)
 
     @property
     def keys(self) -> tuple[str, ...]:
