@@ -80,7 +80,10 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert "5 touches from 1 viewpoints by fixation" in said.out
     assert re.match(r"5 touches in \d+\.\d s \(", said.out.splitlines()[-1])
     assert values["class"] in said.out
-    assert "an object with a higher novelty score than nearly all of these is called unknown" in said.out
+    assert (
+        "an object with a higher novelty score than nearly all of these is called unknown"
+        in said.out
+    )
 
 
 def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):

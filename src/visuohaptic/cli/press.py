@@ -31,15 +31,15 @@ def press(
         float | None,
         typer.Option(
             help="Largest depth below its plane that a sensor feels, in the mesh's unit.",
-            show_default="a third of the width",
+            show_default="a third of the larger side",
         ),
     ] = None,
     scene: Annotated[
-        str | None, typer.Option(help="Preset of the sensor: ideal, fsr400 or worn_fsr.")
+        str | None, typer.Option(help="Preset of simulated effects: ideal, fsr400 or worn_fsr.")
     ] = None,
     unit: Annotated[
         Literal["mm", "cm", "m", "in"] | None,
-        typer.Option(help="Unit of length of the mesh; --scene needs it."),
+        typer.Option(help="Unit of length of the mesh, for --scene."),
     ] = None,
     out: Annotated[
         Path, typer.Option(parser=folder_to_write, help="Folder for the imprints and the picture.")

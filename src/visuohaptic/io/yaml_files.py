@@ -88,10 +88,16 @@ class _Spelling:
         kind = getattr(node, "id", None)
         if kind == "scalar":
             _check_scalar(node, f"{self.source}: {above} (line {node.start_mark.line + 1})")
-        for item in node.value if kind == "sequence" else ():
-            self.check(item, above, depth + 1)
+        elif kind == "sequence":
+            for item in node.value:
+                self.check(item, above, depth + 1)
+        elif kind == "mapping":
+            self._check_mapping(node, above, depth)
+
+    def _check_mapping(self, node: Any, above: str, depth: int) -> None:
+        """Raise `ParameterError` for a wrong or repeated name, or a wrong value, in a mapping."""
         lines: dict[str, int] = {}
-        for key, value in node.value if kind == "mapping" else ():
+        for key, value in node.value:
             name = f"{above}.{key.value}" if above else str(key.value)
             line = key.start_mark.line + 1
             if name in lines:

@@ -210,6 +210,7 @@ class ColladaDocument:
             for parameter in [*effect.iterfind("{*}newparam"), *profile.iter("{*}newparam")]
         }
         name, wraps = texture.get("texture", ""), (REPEAT, REPEAT)
+        # COLLADA 1.4 refers to an image by sampler and surface, 1.5 by sampler and instance_image.
         sampler = parameters.get(name)
         if sampler is not None:
             across, up = (

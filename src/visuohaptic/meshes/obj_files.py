@@ -178,21 +178,21 @@ def _triangles(
     counts = np.frombuffer(polygons.counts, np.int32)
     if (counts == 3).all():
         return np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
-    cut = cuts(points, corners.astype(np.int64), counts.astype(np.int64))
+    triangles_of = cuts(points, corners.astype(np.int64), counts.astype(np.int64))
     starts = np.cumsum(counts, dtype=np.int32) - counts
-    if not cut and (counts == 4).all() and _all_or_none_have_coordinates(polygons):
+    if not triangles_of and (counts == 4).all() and _all_or_none_have_coordinates(polygons):
         # All first halves come first: the surfaces of the benchmark keep this order of faces.
         return np.concatenate([starts[:, None] + half for half in _HALVES])
-    sizes = counts - 2
-    for polygon, triangles in cut.items():
-        sizes[polygon] = len(triangles)
-    owners = np.repeat(np.arange(len(counts), dtype=np.int32), sizes)
-    firsts = np.cumsum(sizes, dtype=np.int32) - sizes
-    second = np.arange(1, len(owners) + 1, dtype=np.int32) - firsts[owners]
+    pieces = counts - 2
+    for polygon, triangles in triangles_of.items():
+        pieces[polygon] = len(triangles)
+    owners = np.repeat(np.arange(len(counts), dtype=np.int32), pieces)
+    begins = np.cumsum(pieces, dtype=np.int32) - pieces
+    second = np.arange(1, len(owners) + 1, dtype=np.int32) - begins[owners]
     fans = np.column_stack([np.zeros_like(second), second, second + 1])
     fans[(counts[owners] == 4) & (second == 2)] = _HALVES[1]
-    for polygon, triangles in cut.items():
-        fans[firsts[polygon] : firsts[polygon] + len(triangles)] = triangles
+    for polygon, triangles in triangles_of.items():
+        fans[begins[polygon] : begins[polygon] + len(triangles)] = triangles
     fans += starts[owners, None]
     return fans
 

@@ -161,19 +161,20 @@ def _strips(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> 
         return
     strips, vertex = tables[_STRIPS].lists[name], tables["vertex"]
     # The end of a row also ends a strip.
-    rows = np.insert(_integers(strips.values).astype(np.int64), np.cumsum(strips.counts), -1)
-    three = np.lib.stride_tricks.sliding_window_view(rows, 3) if len(rows) > 2 else rows[:0]
-    three = three.reshape(-1, 3)
-    starts = np.maximum.accumulate(np.where(rows == -1, np.arange(len(rows)) + 1, 0))
-    starts = np.concatenate([[0], starts])[: len(three)]
-    odd = (np.arange(len(three)) - starts) % 2 == 1
-    triangles = np.where(odd[:, None], three[:, [1, 0, 2]], three)
-    # Repeated vertices only join parts of a strip; they are no triangles.
-    kept = (triangles >= 0).all(axis=1) & (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(
-        axis=1
+    corners = np.insert(_integers(strips.values).astype(np.int64), np.cumsum(strips.counts), -1)
+    windows = (
+        np.lib.stride_tricks.sliding_window_view(corners, 3) if len(corners) > 2 else corners[:0]
     )
-    named = triangles[kept]
-    check_corners(rows[rows != -1], len(points))
+    windows = windows.reshape(-1, 3)
+    starts = np.maximum.accumulate(np.where(corners == -1, np.arange(len(corners)) + 1, 0))
+    starts = np.concatenate([[0], starts])[: len(windows)]
+    is_flipped = (np.arange(len(windows)) - starts) % 2 == 1
+    triangles = np.where(is_flipped[:, None], windows[:, [1, 0, 2]], windows)
+    # Repeated vertices only join parts of a strip; they are no triangles.
+    within_strip = (triangles >= 0).all(axis=1)
+    distinct = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
+    named = triangles[within_strip & distinct]
+    check_corners(corners[corners != -1], len(points))
     colours = mean_of_corners(_colours(vertex), named)
     first_image = np.zeros(len(named), dtype=np.int32)
     for chosen, paint in images.paints(

@@ -209,7 +209,11 @@ class _Reader:
                     parent = element.getparent()
                     del parent[: parent.index(element)]
                     elements_in_tree = 0
-        root = parsed.root
+        self._check_root(parsed.root)
+        return self._model
+
+    def _check_root(self, root: Any) -> None:
+        """Raise `MeshError` if the document has a DOCTYPE, or requires an extension that is not read."""
         if root.getroottree().docinfo.internalDTD is not None:
             raise MeshError("it has a DOCTYPE, which could name other files; none is allowed")
         for prefix in root.get("requiredextensions", "").split():
@@ -218,7 +222,6 @@ class _Reader:
                 raise MeshError(
                     f"{self._file} requires the extension {space[:_LONGEST_SHOWN]}, which is not read"
                 )
-        return self._model
 
     def _vertex(self, element: Any) -> None:
         get = element.get
