@@ -1,7 +1,7 @@
 """Cast rays at a triangle surface with Embree, and compute hits in float64.
 
 Embree finds the first face of a ray in float32; the distance is computed in float64 from the plane of that face. Within
-about 1e-7 of an edge, Embree may return a wrong face, or different faces on different processors, and it misses faces
+about 1e-7 of an edge, Embree may return a wrong face, or different faces on different processors. It also misses faces
 that are narrower than that. Such doubtful rays are recomputed in float64, with these rules:
 
 - A ray through an edge or a vertex hits the face there with the nearest plane along the ray; of equally near planes,

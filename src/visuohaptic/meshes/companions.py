@@ -84,8 +84,8 @@ class Companions:
 class FolderCompanions(Companions):
     """The files in a model's folder and below.
 
-    A symbolic link may lead into the folder of the model, into the store that the model is linked from, or into the
-    git-annex or DVC store of the repository. Any other link raises `MeshError`.
+    A symbolic link may lead into the folder of the model, or into the store that the model is linked from. It may also
+    lead into the git-annex or DVC store of the repository. Any other link raises `MeshError`.
     """
 
     def __init__(self, model: Path) -> None:

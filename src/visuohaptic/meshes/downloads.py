@@ -1,7 +1,7 @@
 """Download the models of the catalogue, and write each as a coloured surface.
 
-With apt, models come from a Debian package, otherwise from the upstream archives. Archives are not unpacked to disk:
-members are read by their names in the catalogue, limited in size, and checked against the digests in the catalogue.
+With apt, models come from a Debian package, otherwise from the upstream archives. Archives are not unpacked to disk.
+Members are read by their names in the catalogue. Their size is limited, and their digest is checked.
 """
 
 from __future__ import annotations

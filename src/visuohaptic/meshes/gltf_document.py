@@ -126,9 +126,10 @@ class GltfDocument:
         check_extensions(described, f"accessor {accessor}", ())
         width = _WIDTHS.get(described.get("type", ""), 0)
         if width not in widths or described.get("componentType") not in _COMPONENTS:
+            allowed = [name for name, numbers in _WIDTHS.items() if numbers in widths]
             raise MeshError(
                 f"{label} is accessor {accessor}, of {str(described.get('type'))[:9]} and component type "
-                f"{str(described.get('componentType'))[:9]}, which can't be"
+                f"{str(described.get('componentType'))[:9]}; {' or '.join(allowed)} of a type of glTF 2.0 is needed"
             )
         dtype = np.dtype(_COMPONENTS[described["componentType"]])
         count = self.count(accessor, label)
@@ -175,7 +176,7 @@ class GltfDocument:
         self._image_bytes += len(data)
         if self._image_bytes > MOST_IMAGE_BYTES:
             raise MeshError(
-                f"its images have more than {MOST_IMAGE_BYTES / 1e6:.0f} MB, which are allowed"
+                f"its images are too large together; {MOST_IMAGE_BYTES / 1e6:.0f} MB are allowed"
             )
         image = open_image(data, f"image {index}")
         if image is None:
@@ -207,7 +208,7 @@ class GltfDocument:
         count = required(sparse, "count", int, label)
         indices, values = (required(sparse, name, dict, label) for name in ("indices", "values"))
         if indices.get("componentType") not in {5121, 5123, 5125}:
-            raise MeshError(f"{label} has sparse rows whose numbers are no unsigned integers")
+            raise MeshError(f"{label} has sparse indices that are no unsigned integers")
         numbers = self._rows(
             indices, np.dtype(_COMPONENTS[indices["componentType"]]), count, 1, label
         )

@@ -59,7 +59,7 @@ _PRIMITIVE_KEYS = ("attributes", "indices", "material", "mode", "targets")
 _ATTRIBUTE = re.compile(r"(POSITION|NORMAL|TANGENT|(TEXCOORD|COLOR|JOINTS|WEIGHTS)_\d+|_.*)")
 _NO_SURFACE = {0, 1, 2, 3}  # points and lines
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_AT_ONCE = 1 << 16  # faces
+_BLOCK_FACES = 1 << 16
 _WRAPS = {10497: REPEAT, 33071: CLAMP, 33648: MIRROR}
 
 
@@ -386,8 +386,8 @@ class _Primitive:
             return
         corners = self._morphed("COLOR_0", self.fractions("COLOR_0", 3, 4))[:, :3]
         corners = np.nan_to_num(corners)
-        for start in range(0, len(faces), _AT_ONCE):
-            mean = corners[faces[start : start + _AT_ONCE]].mean(axis=1)
+        for start in range(0, len(faces), _BLOCK_FACES):
+            mean = corners[faces[start : start + _BLOCK_FACES]].mean(axis=1)
             yield np.clip(appearance.factor * mean, 0.0, 1.0)
 
     def _tints(self, light: FloatArray, count: int) -> Iterator[tuple[Any, FloatArray]]:

@@ -1,7 +1,6 @@
 """Limits on the size of models, and reading of XML within the limits.
 
-A short file can take any amount of time and memory: by a count in its header, by repeated references to a part, or by
-very many small parts. With these limits and `meshes.largest_megabytes`, reading takes at most about 5 µs and 400
+A short file can take any amount of time and memory: by a count in its header, or by many references to a part. With these limits and `meshes.largest_megabytes`, reading takes at most about 5 µs and 400
 bytes per byte of the file, and a second per thousand parts.
 """
 

@@ -19,7 +19,7 @@ from visuohaptic.meshes.polygons import cuts
 from visuohaptic.meshes.wavefront import as_utf_8, quoted
 
 _NO_MATERIAL = frozenset({"", "None", "(null)"})  # names that Blender writes for no material
-_BLOCK_FACES = 1 << 16  # faces
+_BLOCK_FACES = 1 << 16
 _LARGEST_BYTE = 255.0
 _HALVES = np.array([[0, 1, 2], [2, 3, 0]], dtype=np.int32)  # triangles of a quadrilateral
 _ALMOST_ONE = 1.05  # largest colour that counts as 1 with rounding

@@ -30,7 +30,7 @@ _COUNTS = re.compile(
     rb"\s*(?:(\d+)[ \t]+(\d+)(?:[ \t]+\d+)?[ \t]*(?:\n|$)|(\d+)\s+(\d+)\s+\d+(?=\s|$))"
 )
 _COMMENT = re.compile(rb"#[^\n]*")
-_BLOCK_FACES = 1 << 14  # faces
+_BLOCK_FACES = 1 << 14
 
 
 @dataclass(frozen=True)

@@ -34,11 +34,11 @@ _BLOCK_BYTES = 1 << 20
 def read_stl(data: bytes, companions: Companions) -> list[Part]:  # noqa: ARG001 - the signature of all readers
     """Read an STL file as one part; its faces share no vertices.
 
-    Colours of a binary file are read in the convention of Magics if the header has ``COLOR=``, otherwise of VisCAM and
+    If the header of a binary file has ``COLOR=``, colours follow the convention of Magics, otherwise of VisCAM and
     SolidView (en.wikipedia.org/wiki/STL_(file_format), "Color in binary STL").
 
-    Raises `MeshError` with the reason if the size of a binary file differs from its header, or a text has unequal
-    numbers of faces and ends, or a face has not three corners.
+    Raises `MeshError` with the reason if the size of a binary file differs from its header. For a text, the numbers of
+    faces and ends must be equal, and each face needs three corners.
     """
     promised = int.from_bytes(data[_HEADER_BYTES - 4 : _HEADER_BYTES], "little")
     size = _HEADER_BYTES + _FACE.itemsize * promised

@@ -2,8 +2,8 @@
 
 The bank is a binary tree of two-channel ladders. Every sample of every channel belongs to a pixel of
 the image, so the whole tree can be computed in place. Two tables of pixel indices describe a ladder
-step: the pixels that the step replaces, and the rectangle of pixels, with borders, that its separable
-filter covers. This module only computes the tables.
+step: the pixels that the step replaces, and the rectangle of pixels, with borders, under its separable
+filter. This module only computes the tables.
 
 The sampling matrices are those of M. N. Do, "Directional multiresolution image representations"
 (thesis, EPFL 2001), chapter 3, in the arrangement of his Contourlet Toolbox: quincunx matrices

@@ -2,8 +2,8 @@
 
 A. L. da Cunha, J. Zhou, M. N. Do, "The nonsubsampled contourlet transform: theory, design, and
 applications", IEEE Trans. Image Processing 15(10), 2006. This implementation uses the filters of the
-decimated transform: every ladder step of `directional` is applied to all pixels instead of one coset,
-and the filters of the pyramid are dilated from level to level instead of halving the image.
+decimated transform. Every ladder step of `directional` is applied to all pixels instead of one coset.
+The filters of the pyramid are dilated from level to level instead of halving the image.
 
 With the zero-phase filter B of a ladder, its channels are y0 = (1 + B) x / 2 and
 y1 = −(1 − B (1 + B) / 2) x, and x = (1 + B/2 − B²/2) y0 − (1 − B) y1 / 2. All of these are polynomials

@@ -2,8 +2,8 @@
 
 For images of 16 × 16 pixels, a product with a fixed matrix is about seven times as fast as the ladder;
 for 32 × 32, both take about the same time. BLAS may choose another kernel for another number of rows,
-which changes the last bits of a row. Therefore products are computed in blocks of `BLOCK_IMAGES` rows,
-with zeros after the last row, so that each image has the same result in any batch.
+which changes the last bits of a row. Products are therefore computed in blocks of `BLOCK_IMAGES` rows,
+the last block filled up with zeros. So each image has the same result in any batch.
 """
 
 from __future__ import annotations
