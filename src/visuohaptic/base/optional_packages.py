@@ -20,9 +20,9 @@ def missing_packages(extra: str, *packages: str) -> str | None:
     if not missing:
         return None
     verb = "is" if len(missing) == 1 else "are"
-    named = " and ".join(filter(None, [", ".join(missing[:-1]), missing[-1]]))
+    names = " and ".join(filter(None, [", ".join(missing[:-1]), missing[-1]]))
     return (
-        f"{named} {verb} not installed; "
+        f"{names} {verb} not installed; "
         f"`pip install 'visuohaptic[{extra}]'` brings {'it' if verb == 'is' else 'them'}."
     )
 

@@ -97,11 +97,13 @@ def touch(
     from visuohaptic.parameters import as_parameters, read_parameters
 
     folders = _folders(meshes, out)
-    chosen = as_parameters(None) if parameters is None else read_parameters(parameters)
+    experiment_parameters = (
+        as_parameters(None) if parameters is None else read_parameters(parameters)
+    )
     _check_strategy(strategy)
 
     def touch_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
-        exploration = _explore(mesh, up, unit, viewpoints, strategy, chosen)
+        exploration = _explore(mesh, up, unit, viewpoints, strategy, experiment_parameters)
         files = exploration.save(folders[mesh])
         touches, views = exploration.touches.num_rows, exploration.views.num_rows
         values = {
@@ -150,12 +152,12 @@ def recognise(
     """
     chosen_model = model or default_model()
     recogniser = read_recogniser(chosen_model)
-    strategy, chosen = recogniser.model.strategy, recogniser.parameters
+    strategy, parameters = recogniser.model.strategy, recogniser.parameters
     # The up axis belongs to the file, not to the training objects of the model.
     up = up or "file"
 
     def recognise_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
-        exploration = _explore(mesh, up, None, viewpoints, strategy, chosen)
+        exploration = _explore(mesh, up, None, viewpoints, strategy, parameters)
         recognition, views = exploration.recognise(recogniser), exploration.views.num_rows
         values = {
             "mesh": mesh,
@@ -216,10 +218,10 @@ def _answer_line(mesh: Path, recognition: Recognition) -> str:
     novelty = f"novelty score above {100 * recognition.strangeness:.0f} % of known objects"
     if recognition.unknown:
         return f"{mesh}: {recognition.name}, {novelty}; the nearest known class is {likeliest}"
-    named = ", ".join(recognition.candidates or ()) or "none"
+    candidates = ", ".join(recognition.candidates or ()) or "none"
     return (
         f"{mesh}: {recognition.name}, {100 * recognition.probabilities[likeliest]:.1f} %; "
-        f"in {100 * recognition.coverage:g} % of cases one of: {named}; {novelty}"
+        f"in {100 * recognition.coverage:g} % of cases one of: {candidates}; {novelty}"
     )
 
 
@@ -272,13 +274,13 @@ def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
 
 def _check_strategy(name: str) -> None:
     if name not in STRATEGIES.names:
-        why = (
+        reason = (
             "; only study touch_curves can use it (`touch_curves_all`)"
             if name == "adaptive"
             else ""
         )
         raise typer.BadParameter(
-            f"{name!r} is no strategy of touch{why}; {', '.join(STRATEGIES.names)} are allowed.",
+            f"{name!r} is no strategy of touch{reason}; {', '.join(STRATEGIES.names)} are allowed.",
             param_hint="--strategy",
         )
 

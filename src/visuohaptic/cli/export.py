@@ -97,7 +97,7 @@ def _write_touches(files: Sequence[Path], path: Path) -> int:
     index = TOUCHES.arrow.get_field_index("image")
     imprint = pa.field("imprint", pa.list_(pa.list_(pa.float32())), nullable=False)
     schema = TOUCHES.arrow.set(index, imprint.with_metadata(TOUCHES.arrow.field(index).metadata))
-    written, edge = 0, 0
+    rows_written, edge = 0, 0
     with pq.ParquetWriter(path, schema, compression="zstd") as writer:
         for file in files:
             for batch in pq.ParquetFile(file).iter_batches(ROWS):
@@ -112,8 +112,8 @@ def _write_touches(files: Sequence[Path], path: Path) -> int:
                 lines = pa.ListArray.from_arrays(ends * edge, imprints.ravel())
                 nested = pa.ListArray.from_arrays(ends[: len(imprints) + 1] * edge, lines)
                 writer.write_table(table.set_column(index, imprint, nested).cast(schema))
-                written += len(imprints)
-    return written
+                rows_written += len(imprints)
+    return rows_written
 
 
 def _card(objects: Sequence[str], credited: Mapping[str, Credit], touches: int) -> str:

@@ -74,10 +74,10 @@ def check(
             f"{len(missing)} models of set {object_set} are not there, such as {missing[0]}; "
             f"run `make meshes SET={object_set}`."
         )
-    own = find_own_models(meshes / "own", {model.key for model in models})
-    files |= own.models
+    own_models = find_own_models(meshes / "own", {model.key for model in models})
+    files |= own_models.models
     findings: dict[str, dict[str, Any]] = {
-        str(file): {"error": sentence} for file, sentence in own.set_aside.items()
+        str(file): {"error": sentence} for file, sentence in own_models.set_aside.items()
     }
     for model, file in show_progress(list(files.items()), "checking models"):
         try:
@@ -110,11 +110,11 @@ def show_credits(
     Example: visuohaptic meshes credits --set benchmark
     """
     models = models_of_set(meshes / "catalogue.csv", object_set)
-    named = {model.key: asdict(model.credit) for model in models if model.credit is not None}
+    credit_of = {model.key: asdict(model.credit) for model in models if model.credit is not None}
     if as_json:
-        say_json(named)
+        say_json(credit_of)
         return
-    for key, credit in named.items():
+    for key, credit in credit_of.items():
         address = f", {credit['source_url']}" if credit["source_url"] else ""
         say(f"{key}: {credit['author']}, {credit['licence']}{address}")
 

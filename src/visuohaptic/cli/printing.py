@@ -25,8 +25,8 @@ WHOLE_LINE = 500
 def say(text: str) -> None:
     """Print a line of results; characters that the terminal can't show are escaped."""
     encoding = sys.stdout.encoding or "utf-8"
-    shown = printable(text).encode(encoding, "backslashreplace").decode(encoding)
-    sys.stdout.write(f"{shown}\n")
+    escaped = printable(text).encode(encoding, "backslashreplace").decode(encoding)
+    sys.stdout.write(f"{escaped}\n")
 
 
 def say_json(values: object) -> None:

@@ -36,8 +36,8 @@ def tables(
         raise typer.BadParameter(f"there is no table {name!r}; {', '.join(SCHEMAS)} are allowed.")
     schema = SCHEMAS[name]
     makers = [phase.name for phase in PHASES if name in phase.writes]
-    written = f"; written by phase {' and '.join(makers)}" if makers else ""
-    say(f"{name}: {_row_key(schema)}{written}")
+    phase_note = f"; written by phase {' and '.join(makers)}" if makers else ""
+    say(f"{name}: {_row_key(schema)}{phase_note}")
     _say_rows([_row(column) for column in schema.columns])
 
 

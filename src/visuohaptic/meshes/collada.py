@@ -296,7 +296,7 @@ def _morphed(
     targets, weights = _required_sources(sources, ("MORPH_TARGET", "MORPH_WEIGHT"), label)
     pairs = list(zip(document.words(targets), document.rows(weights)[:, 0], strict=True))
     relative = morph.get("method", "NORMALIZED") == "RELATIVE"
-    moved = positions * (1.0 if relative else 1.0 - sum(weight for _, weight in pairs))
+    morphed = positions * (1.0 if relative else 1.0 - sum(weight for _, weight in pairs))
     for name, weight in pairs:
         if weight:
             target = document.named("geometry", name)
@@ -308,8 +308,8 @@ def _morphed(
                 raise MeshError(
                     f"{label} has a target of {len(target_positions)} vertices; {len(positions)} are needed"
                 )
-            moved = moved + weight * target_positions
-    return moved
+            morphed = morphed + weight * target_positions
+    return morphed
 
 
 def _skeleton(
@@ -343,7 +343,7 @@ def _skinned(
     names, inverse = _required_sources(of_joints, ("JOINT", "INV_BIND_MATRIX"), label)
     inverses = document.rows(inverse).reshape(-1, 4, 4)
     weights = skin.find("{*}vertex_weights")
-    named, shares = _required_sources(
+    joint_source, weight_source = _required_sources(
         _sources_by_semantic(document, weights, label), ("JOINT", "WEIGHT"), label
     )
     matrices = dict(zip(document.words(names), inverses, strict=True))
@@ -352,8 +352,8 @@ def _skinned(
             raise MeshError(f"{label} follows joint {name[:_LONGEST_SHOWN]!r}, which is no node")
         matrices[name] = joints[name] @ inverse_bind
     # Joint -1 means the bind shape itself.
-    table = np.array([matrices[name] for name in document.words(named)] + [np.eye(4)])
-    rows, joint, weight = _influences(document, weights, shares, len(positions), label)
+    table = np.array([matrices[name] for name in document.words(joint_source)] + [np.eye(4)])
+    rows, joint, weight = _influences(document, weights, weight_source, len(positions), label)
     return skinned(positions, rows, np.where(joint == -1, len(table) - 1, joint), weight, table)
 
 
@@ -439,19 +439,21 @@ class _Primitive:
         vertex = next((column for column in self._columns if column.semantic == "VERTEX"), None)
         if vertex is None:
             raise MeshError(f"{self._label} has no input VERTEX")
-        named = self._corners[:, vertex.offset]
+        corner_vertices = self._corners[:, vertex.offset]
         try:
-            check_corners(named, len(positions))
+            check_corners(corner_vertices, len(positions))
         except MeshError as error:
             raise MeshError(f"{self._label}: {error}") from error
-        triangles = self._triangles(positions, named)
+        triangles = self._triangles(positions, corner_vertices)
         appearance, sets = self._appearance(bindings)
         paint = self._paint(appearance, sets, triangles)
-        return Part(positions, named[triangles], self._colours(appearance, triangles), paint)
+        return Part(
+            positions, corner_vertices[triangles], self._colours(appearance, triangles), paint
+        )
 
-    def _triangles(self, positions: FloatArray, named: IntArray) -> IntArray:
+    def _triangles(self, positions: FloatArray, corner_vertices: IntArray) -> IntArray:
         """Return triangles (t, 3) as rows of the corners."""
-        kind, count = tag(self._element), len(named)
+        kind, count = tag(self._element), len(corner_vertices)
         if kind == "triangles":
             if count % 3:
                 raise MeshError(f"{self._label} has {count} corners, no multiple of 3")
@@ -474,7 +476,7 @@ class _Primitive:
             raise MeshError(
                 f"{self._label}: polygons claim {counts.sum()} corners, and {count} are there"
             )
-        return triangulate(positions, named, counts)[0]
+        return triangulate(positions, corner_vertices, counts)[0]
 
     def _appearance(self, bindings: dict[str, _Binding]) -> tuple[Appearance, dict[str, int]]:
         symbol = self._element.get("material", "")

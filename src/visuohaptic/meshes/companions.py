@@ -141,14 +141,14 @@ def _candidates(name: str, beside: str) -> Iterator[str]:
     if _is_address(name):
         return
     folder = posixpath.dirname(beside.replace("\\", "/"))
-    seen = set()
+    yielded = set()
     for path in dict.fromkeys((_as_posix(name), _as_posix(unquote(name)))):
         parts = path.split("/")
         tails = ["/".join(parts[start:]) for start in range(len(parts))]
         for candidate in (posixpath.join(folder, path), *tails, posixpath.join(folder, parts[-1])):
             path_inside = posixpath.normpath(candidate)
-            if _is_inside(path_inside) and path_inside not in seen:
-                seen.add(path_inside)
+            if _is_inside(path_inside) and path_inside not in yielded:
+                yielded.add(path_inside)
                 yield path_inside
 
 

@@ -264,19 +264,19 @@ def required(holder: dict[str, Any], name: str, kind: type, label: str) -> Any:
     return holder[name]
 
 
-def check_extensions(holder: dict[str, Any], label: str, known: Collection[str]) -> None:
-    """Raise `MeshError` if an entry has an extension that is neither in `known` nor harmless."""
+def check_extensions(holder: dict[str, Any], label: str, supported: Collection[str]) -> None:
+    """Raise `MeshError` if an entry has an extension that is neither in `supported` nor harmless."""
     for name in holder.get("extensions", {}):
-        if name not in known and name not in HARMLESS_EXTENSIONS | _WITH_FALLBACK:
+        if name not in supported and name not in HARMLESS_EXTENSIONS | _WITH_FALLBACK:
             raise MeshError(
                 f"{label} has the extension {name[:_LONGEST_SHOWN]}, which is not read; export it without the extension"
             )
 
 
-def check_keys(holder: dict[str, Any], label: str, known: Collection[str]) -> None:
-    """Raise `MeshError` if an entry has a key that is not in glTF 2.0."""
+def check_keys(holder: dict[str, Any], label: str, supported: Collection[str]) -> None:
+    """Raise `MeshError` if an entry has a key that is neither in `supported` nor general."""
     for name in holder:
-        if name not in known and name not in {"name", "extras", "extensions"}:
+        if name not in supported and name not in {"name", "extras", "extensions"}:
             raise MeshError(f"{label} has {name[:_LONGEST_SHOWN]!r}, which is not read")
 
 
@@ -292,7 +292,7 @@ def _unpacked(data: bytes) -> tuple[bytes, memoryview | None]:
             f"it is truncated: its header promises {promised} bytes, and {len(data)} are there"
         )
     chunks: dict[bytes, memoryview] = {}
-    start, whole = _GLB_HEADER.size, memoryview(data)
+    start, content = _GLB_HEADER.size, memoryview(data)
     while start + _CHUNK_HEADER.size <= promised:
         length, kind = _CHUNK_HEADER.unpack_from(data, start)
         start += _CHUNK_HEADER.size
@@ -300,7 +300,7 @@ def _unpacked(data: bytes) -> tuple[bytes, memoryview | None]:
             raise MeshError(
                 f"it is truncated: a chunk promises {length} bytes, and {promised - start} are there"
             )
-        chunks.setdefault(kind, whole[start : start + length])
+        chunks.setdefault(kind, content[start : start + length])
         start += length
     if b"JSON" not in chunks:
         raise MeshError("it has no chunk of JSON, as a GLB has")

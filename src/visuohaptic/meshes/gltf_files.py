@@ -374,10 +374,12 @@ class _Primitive:
             return
         light = np.concatenate(list(self._light(appearance, faces)))
         coordinates, wraps = self._coordinates(appearance), self._wraps(appearance)
-        for chosen, tint in self._tints(light, len(faces)):
+        for tinted_faces, tint in self._tints(light, len(faces)):
             red, green, blue = map(float, tint)
-            paint = Paint(image, coordinates[faces[chosen]], wraps, (red, green, blue), linear=True)
-            yield Part(vertices, faces[chosen], None, paint)
+            paint = Paint(
+                image, coordinates[faces[tinted_faces]], wraps, (red, green, blue), linear=True
+            )
+            yield Part(vertices, faces[tinted_faces], None, paint)
 
     def _light(self, appearance: _Appearance, faces: IntArray) -> Iterator[FloatArray]:
         """Yield linear colours of faces, (n, 3), in blocks; a single row if vertices have no colours."""
@@ -402,8 +404,8 @@ class _Primitive:
             yield slice(None), light.mean(axis=0)
         else:
             for number in range(len(tones)):
-                chosen = np.flatnonzero(group.reshape(count) == number)
-                yield chosen, light[chosen].mean(axis=0)
+                tinted_faces = np.flatnonzero(group.reshape(count) == number)
+                yield tinted_faces, light[tinted_faces].mean(axis=0)
 
     def _image(self, appearance: _Appearance) -> Any:
         info = appearance.texture or {}
@@ -445,9 +447,9 @@ class _Primitive:
         # The rotation is counter-clockwise in coordinates whose v points down.
         angle = extension.get("rotation", 0.0)
         cosine, sine = np.cos(angle), np.sin(angle)
-        turned = np.column_stack([cosine * across + sine * down, cosine * down - sine * across])
-        moved = turned + _vector(extension, "offset", np.zeros(2), appearance.label)
-        return np.column_stack([moved[:, 0], 1.0 - moved[:, 1]])
+        rotated = np.column_stack([cosine * across + sine * down, cosine * down - sine * across])
+        shifted = rotated + _vector(extension, "offset", np.zeros(2), appearance.label)
+        return np.column_stack([shifted[:, 0], 1.0 - shifted[:, 1]])
 
     def _wraps(self, appearance: _Appearance) -> tuple[int, int]:
         texture = self.document.entry(

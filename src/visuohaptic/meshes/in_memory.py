@@ -50,9 +50,9 @@ def parts_of_trimesh(mesh: Any) -> Iterator[Part]:
         shape = mesh.geometry[geometry]
         if hasattr(shape, "faces"):
             # `Scene.dump` would copy the images of each part.
-            moved = shape.copy(include_visual=False)
-            moved.apply_transform(transform)
-            yield _part(shape, moved.vertices, moved.faces)
+            transformed = shape.copy(include_visual=False)
+            transformed.apply_transform(transform)
+            yield _part(shape, transformed.vertices, transformed.faces)
 
 
 def _part_of_arrays(vertices: ArrayLike, faces: ArrayLike) -> Part:

@@ -239,8 +239,8 @@ def _options(text: str) -> Iterator[tuple[str, tuple[float, ...], str, str]]:
         for _ in range(_WORDS_OF.get(name, 0)):
             if (word := _WORD.match(text, start)) is not None:
                 start = word.end()
-        written, text = text[:start].strip(), text[start:]
-        yield name, tuple(numbers), written, text
+        option_text, text = text[:start].strip(), text[start:]
+        yield name, tuple(numbers), option_text, text
 
 
 def _as_name(text: str) -> str:

@@ -232,5 +232,5 @@ def _subset(part: Part, faces: BoolArray) -> Part:
 
 def _without_other_vertices(part: Part) -> Part:
     """Return a part without the vertices of other parts."""
-    named, faces = np.unique(part.faces, return_inverse=True)
-    return replace(part, vertices=part.vertices[named], faces=faces.reshape(-1, 3))
+    used, faces = np.unique(part.faces, return_inverse=True)
+    return replace(part, vertices=part.vertices[used], faces=faces.reshape(-1, 3))

@@ -15,7 +15,7 @@ from visuohaptic.meshes.colours import as_bytes, mean_of_corners
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_lines
 from visuohaptic.meshes.parts import GREY, Part
-from visuohaptic.meshes.polygons import check_corners, index_runs, named_triangles
+from visuohaptic.meshes.polygons import check_corners, index_runs, triangulate_points
 from visuohaptic.meshes.text_numbers import (
     blocks_of_lines,
     blocks_of_words,
@@ -82,10 +82,12 @@ def read_off(data: bytes, companions: Companions) -> list[Part]:
     rows, faces = _join_blocks(*blocks)
     points = np.ascontiguousarray(rows[:, :3])
     check_corners(faces.corners, len(points))
-    named, pieces = named_triangles(points, faces.corners, faces.counts)
+    triangles, pieces = triangulate_points(points, faces.corners, faces.counts)
     if header.texture:
         companions.notes.append("has image coordinates, but OFF can't name an image")
-    return [Part(points, named, _colours(faces, pieces, _vertex_colours(header, rows), named))]
+    return [
+        Part(points, triangles, _colours(faces, pieces, _vertex_colours(header, rows), triangles))
+    ]
 
 
 def _read_header(text: bytes) -> _Header:
@@ -182,7 +184,7 @@ def _divide_numbers(
     if header.vertices * columns > len(numbers):
         raise _size_error("it is truncated", header, widths)
     rows = numbers[: header.vertices * columns].reshape(-1, columns)
-    of_faces, lines = numbers[rows.size :], _lines_behind(widths, rows.size)
+    of_faces, lines = numbers[rows.size :], _lines_after(widths, rows.size)
     if lines is None or len(lines) != header.faces:
         lines = _widths_by_counts(header, of_faces, lines)
     blocks, end = [_no_faces()], 0
@@ -203,12 +205,12 @@ def _columns(header: _Header, widths: NDArray[np.int32]) -> int:
     return 3 + 3 * header.normals + 4 * header.colours + 2 * header.texture
 
 
-def _lines_behind(widths: NDArray[np.int32], count: int) -> NDArray[np.int32] | None:
+def _lines_after(widths: NDArray[np.int32], count: int) -> NDArray[np.int32] | None:
     """Return the widths of the lines after the first `count` numbers; None if a line crosses that limit."""
     ends = np.cumsum(widths, dtype=np.int64)
     lines = int(np.searchsorted(ends, count, side="right"))
-    whole = count == 0 or (lines > 0 and ends[lines - 1] == count)
-    return widths[lines:] if whole else None
+    ends_with_line = count == 0 or (lines > 0 and ends[lines - 1] == count)
+    return widths[lines:] if ends_with_line else None
 
 
 def _widths_by_counts(
@@ -248,8 +250,8 @@ def _faces_of_rows(numbers: FloatArray, widths: IntArray, first: int) -> _Faces:
     corners = _integers(numbers[index_runs(starts + 1, counts)])
     # A single number is an index into a colour table of Geomview.
     coloured = widths - 1 - counts >= 3
-    behind = (starts + 1 + counts)[coloured]
-    return _Faces(corners, counts, numbers[behind[:, None] + np.arange(3)], coloured)
+    colour_starts = (starts + 1 + counts)[coloured]
+    return _Faces(corners, counts, numbers[colour_starts[:, None] + np.arange(3)], coloured)
 
 
 def _integers(numbers: FloatArray) -> IntArray:
@@ -260,10 +262,13 @@ def _integers(numbers: FloatArray) -> IntArray:
 
 
 def _colours(
-    faces: _Faces, pieces: NDArray[np.int32], of_vertices: NDArray[np.uint8] | None, named: IntArray
+    faces: _Faces,
+    pieces: NDArray[np.int32],
+    of_vertices: NDArray[np.uint8] | None,
+    triangles: IntArray,
 ) -> NDArray[np.uint8] | None:
     """Return the colours (t, 3) of triangles: of the face, else mean of the vertices, else grey; None without colours."""
-    colours = mean_of_corners(of_vertices, named)
+    colours = mean_of_corners(of_vertices, triangles)
     if not faces.coloured.any():
         return colours
     of_faces = np.zeros((len(faces.counts), 3), np.uint8)

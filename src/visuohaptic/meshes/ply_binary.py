@@ -48,10 +48,10 @@ def read_binary_tables(
     """
     tables = {}
     for element, count in elements:
-        wanted = columns.get(element.name, ())
-        table_and_end = _read_even(data, start, element, count, order, wanted)
+        column_names = columns.get(element.name, ())
+        table_and_end = _read_even(data, start, element, count, order, column_names)
         if table_and_end is None:
-            table_and_end = _read_uneven(data, start, element, count, order, wanted)
+            table_and_end = _read_uneven(data, start, element, count, order, column_names)
         if table_and_end is None:
             return None
         table, start = table_and_end
@@ -61,7 +61,12 @@ def read_binary_tables(
 
 
 def _read_even(
-    data: bytes, start: int, element: PlyElement, count: int, order: str, wanted: Collection[str]
+    data: bytes,
+    start: int,
+    element: PlyElement,
+    count: int,
+    order: str,
+    column_names: Collection[str],
 ) -> tuple[Table, int] | None:
     """Return the table of rows of equal length, and the end of the rows; None if lengths differ or rows are missing."""
     dtype = _type_of_first_row(data, start, element, count, order)
@@ -70,7 +75,7 @@ def _read_even(
     rows = np.frombuffer(data, dtype, count, start) if count else np.empty(0, dtype)
     if not _have_one_length(rows, element):
         return None
-    return _table_of_rows(rows, element, wanted), start + rows.nbytes
+    return _table_of_rows(rows, element, column_names), start + rows.nbytes
 
 
 def _type_of_first_row(
@@ -113,10 +118,10 @@ def _name_of_length(prop: PlyListProperty) -> str:
     return f"{prop.name}\nlength"
 
 
-def _table_of_rows(rows: NDArray[Any], element: PlyElement, wanted: Collection[str]) -> Table:
+def _table_of_rows(rows: NDArray[Any], element: PlyElement, column_names: Collection[str]) -> Table:
     columns, lists = {}, {}
     for prop in element.properties:
-        if not is_read(prop, wanted):
+        if not is_read(prop, column_names):
             continue
         values = rows[prop.name]
         # Copy: a view would keep the whole file in memory.
@@ -130,27 +135,32 @@ def _table_of_rows(rows: NDArray[Any], element: PlyElement, wanted: Collection[s
 
 
 def _read_uneven(
-    data: bytes, start: int, element: PlyElement, count: int, order: str, wanted: Collection[str]
+    data: bytes,
+    start: int,
+    element: PlyElement,
+    count: int,
+    order: str,
+    column_names: Collection[str],
 ) -> tuple[Table, int] | None:
     """Return the table of rows with lists of any length, and the end of the rows; None if rows are missing."""
     kinds = [_kinds(prop, order) for prop in element.properties]
     if any(length is not None and length.kind == "f" for length, _ in kinds):
         return None
-    table, left = GrowingTable(element, wanted), count
-    while left:
+    table, rows_left = GrowingTable(element, column_names), count
+    while rows_left:
         if start >= len(data):
             return None
-        starts = _row_starts(data, start, kinds, left)
+        starts = _row_starts(data, start, kinds, rows_left)
         value_starts, lengths, ends = _claimed(data, starts, kinds)
         if ends[-1] > len(data) or any((counts < 0).any() for counts in lengths):
             return None
         for column, prop in enumerate(element.properties):
-            if is_read(prop, wanted):
+            if is_read(prop, column_names):
                 kind = kinds[column][1]
                 index = index_runs(value_starts[column], lengths[column], kind.itemsize)
                 table.add_values(prop, _at_each_byte(data, kind)[index], lengths[column])
         table.add_rows(len(starts))
-        left -= len(starts)
+        rows_left -= len(starts)
         start = int(ends[-1])
     return table.finished(), start
 

@@ -48,16 +48,16 @@ class Table:
     lists: dict[str, Lists]
 
 
-def is_read(prop: PlyProperty, wanted: Collection[str]) -> bool:
-    """Return whether a property is part of a table: a list, or a column in `wanted`."""
-    return isinstance(prop, PlyListProperty) or prop.name in wanted
+def is_read(prop: PlyProperty, column_names: Collection[str]) -> bool:
+    """Return whether a property is part of a table: a list, or a column in `column_names`."""
+    return isinstance(prop, PlyListProperty) or prop.name in column_names
 
 
 class GrowingTable:
     """A table that is built from blocks of rows; its arrays grow without a second copy."""
 
-    def __init__(self, element: PlyElement, wanted: Collection[str]) -> None:
-        self._properties = [prop for prop in element.properties if is_read(prop, wanted)]
+    def __init__(self, element: PlyElement, column_names: Collection[str]) -> None:
+        self._properties = [prop for prop in element.properties if is_read(prop, column_names)]
         self._values = {prop.name: bytearray() for prop in self._properties}
         self._counts = {prop.name: bytearray() for prop in self._properties}
         self._rows = 0

@@ -19,7 +19,7 @@ from visuohaptic.meshes.limits import check_lines, check_parts
 from visuohaptic.meshes.parts import GREY, Paint, Part
 from visuohaptic.meshes.ply_columns import Lists, Table
 from visuohaptic.meshes.ply_tables import decoded, read_tables
-from visuohaptic.meshes.polygons import check_corners, named_triangles, triangulate
+from visuohaptic.meshes.polygons import check_corners, triangulate, triangulate_points
 from visuohaptic.meshes.text_numbers import plain_lines
 
 _CORNERS = ("vertex_indices", "vertex_index")
@@ -100,9 +100,9 @@ class _Images:
         opened = [self._companions.image(name) for name in self.names]
         of_triangles = np.repeat(image_indices, pieces)
         for index in np.unique(of_triangles):
-            chosen = of_triangles == index
+            with_image = of_triangles == index
             image = opened[index] if 0 <= index < len(opened) else None
-            yield chosen, None if image is None else Paint(image, coordinates[chosen])
+            yield with_image, None if image is None else Paint(image, coordinates[with_image])
 
 
 def _faces(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> Iterator[Part]:
@@ -125,14 +125,16 @@ def _faces(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> I
         coordinates = _face_coordinates(
             face.lists[_FACE_COORDINATES], polygons.counts, complete, triangles, pieces
         )
-        named = corners[triangles].astype(np.int64, copy=False)
+        faces = corners[triangles].astype(np.int64, copy=False)
     else:
-        named, pieces = named_triangles(points, corners, polygons.counts)
-        coordinates = _vertex_coordinates(tables["vertex"], named)
+        faces, pieces = triangulate_points(points, corners, polygons.counts)
+        coordinates = _vertex_coordinates(tables["vertex"], faces)
     del polygons, corners
-    colours = _face_colours(tables, pieces, named)
-    for chosen, paint in images.paints(coordinates, image_indices, pieces):
-        yield Part(points, named[chosen], None if colours is None else colours[chosen], paint)
+    colours = _face_colours(tables, pieces, faces)
+    for with_image, paint in images.paints(coordinates, image_indices, pieces):
+        yield Part(
+            points, faces[with_image], None if colours is None else colours[with_image], paint
+        )
 
 
 def _face_coordinates(
@@ -173,14 +175,16 @@ def _strips(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> 
     # Repeated vertices only join parts of a strip; they are no triangles.
     within_strip = (triangles >= 0).all(axis=1)
     distinct = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
-    named = triangles[within_strip & distinct]
+    faces = triangles[within_strip & distinct]
     check_corners(corners[corners != -1], len(points))
-    colours = mean_of_corners(_colours(vertex), named)
-    first_image = np.zeros(len(named), dtype=np.int32)
-    for chosen, paint in images.paints(
-        _vertex_coordinates(vertex, named), first_image, first_image + 1
+    colours = mean_of_corners(_colours(vertex), faces)
+    first_image = np.zeros(len(faces), dtype=np.int32)
+    for with_image, paint in images.paints(
+        _vertex_coordinates(vertex, faces), first_image, first_image + 1
     ):
-        yield Part(points, named[chosen], None if colours is None else colours[chosen], paint)
+        yield Part(
+            points, faces[with_image], None if colours is None else colours[with_image], paint
+        )
 
 
 def _name_of_corners(element: Table) -> str | None:
@@ -197,23 +201,23 @@ def _integers(corners: NDArray[Any]) -> NDArray[np.integer]:
     return corners.astype(np.int64)
 
 
-def _vertex_coordinates(vertex: Table, named: IntArray) -> FloatArray | None:
+def _vertex_coordinates(vertex: Table, triangles: IntArray) -> FloatArray | None:
     for names in _VERTEX_COORDINATES:
         if set(names) <= set(vertex.columns):
             coordinates = np.column_stack([vertex.columns[name] for name in names]).astype(
                 np.float64
             )
-            return coordinates[named]
+            return coordinates[triangles]
     return None
 
 
 def _face_colours(
-    tables: dict[str, Table], pieces: NDArray[np.int32], named: IntArray
+    tables: dict[str, Table], pieces: NDArray[np.int32], triangles: IntArray
 ) -> NDArray[np.uint8] | None:
     """Return the colours (t, 3) of triangles: mean of vertices, else of the polygon, else of its material; None without."""
     of_vertices = _colours(tables["vertex"])
     if of_vertices is not None:
-        return mean_of_corners(of_vertices, named)
+        return mean_of_corners(of_vertices, triangles)
     face = tables["face"]
     of_faces = _colours(face)
     if of_faces is not None:

@@ -82,7 +82,7 @@ def _tables_by_plyfile(
             ) from error
 
 
-def _table_of_objects(element: PlyElement, wanted: Collection[str]) -> Table:
+def _table_of_objects(element: PlyElement, column_names: Collection[str]) -> Table:
     """Return the table of an element of plyfile; plyfile stores lists as Python objects."""
     columns, lists = {}, {}
     for prop in element.properties:
@@ -90,6 +90,6 @@ def _table_of_objects(element: PlyElement, wanted: Collection[str]) -> Table:
         if isinstance(prop, PlyListProperty):
             counts = np.fromiter(map(len, rows), np.int32, len(rows))
             lists[prop.name] = Lists(np.concatenate([np.empty(0, np.int64), *rows]), counts)
-        elif prop.name in wanted:
+        elif prop.name in column_names:
             columns[prop.name] = rows
     return Table(len(element.data), columns, lists)

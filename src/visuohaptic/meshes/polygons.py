@@ -142,7 +142,7 @@ def _fans(
     return triangles
 
 
-def named_triangles(
+def triangulate_points(
     points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
 ) -> tuple[IntArray, NDArray[np.int32]]:
     """Cut polygons into triangles as rows of `points`.

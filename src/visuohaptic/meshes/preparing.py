@@ -147,9 +147,9 @@ def _translate_and_divide(shift: FloatArray, length: float) -> FloatArray:
     return matrix
 
 
-def _compose(then: FloatArray, first: FloatArray) -> FloatArray:
+def _compose(second: FloatArray, first: FloatArray) -> FloatArray:
     with np.errstate(over="ignore", invalid="ignore"):
-        return product(then, first)
+        return product(second, first)
 
 
 def clean(surface: Surface, merge_tolerance: float) -> Surface:

@@ -23,12 +23,12 @@ def placed(part: Part, matrices: FloatArray) -> Iterator[Part]:
     if not mirrored.all():
         yield _repeated(part, matrices[~mirrored])
     if mirrored.any():
-        turned = replace(
+        reversed_part = replace(
             part,
             faces=part.faces[:, ::-1],
             paint=_with_corners(part.paint, lambda corners: corners[:, ::-1]),
         )
-        yield _repeated(turned, matrices[mirrored])
+        yield _repeated(reversed_part, matrices[mirrored])
 
 
 def skinned(
@@ -48,16 +48,16 @@ def skinned(
         wrong = numbers[(numbers < 0) | (numbers >= len(allowed))]
         if len(wrong):
             raise MeshError(f"its skin names {kind} {wrong[0]}; 0 to {len(allowed) - 1} are there")
-    moved = np.zeros_like(vertices)
+    weighted = np.zeros_like(vertices)
     for start in range(0, len(rows), _BLOCK_ROWS):
         block = slice(start, start + _BLOCK_ROWS)
         joint_matrices, share = matrices[joints[block]], weights[block, None]
         points = np.einsum("nij,nj->ni", joint_matrices[:, :3, :3], vertices[rows[block]])
         points = share * (points + joint_matrices[:, :3, 3])
         for axis in range(3):
-            moved[:, axis] += np.bincount(rows[block], points[:, axis], len(vertices))
+            weighted[:, axis] += np.bincount(rows[block], points[:, axis], len(vertices))
     sums = np.bincount(rows, weights, len(vertices))[:, None]
-    return np.divide(moved, sums, out=vertices.copy(), where=sums > 0)
+    return np.divide(weighted, sums, out=vertices.copy(), where=sums > 0)
 
 
 def strip_faces(corners: IntArray) -> IntArray:

@@ -105,6 +105,6 @@ def check_number(word: bytes, label: str) -> None:
     try:
         float(word)
     except ValueError:
-        shown = word[:_LONGEST_SHOWN].decode("latin-1")
+        text = word[:_LONGEST_SHOWN].decode("latin-1")
         advice = "; decimal points are needed, not commas" if b"," in word else ""
-        raise MeshError(f"{label} holds {shown!r}, which is no number{advice}") from None
+        raise MeshError(f"{label} holds {text!r}, which is no number{advice}") from None

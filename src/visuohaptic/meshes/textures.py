@@ -201,20 +201,22 @@ def _pixels(image: PackedImage | Image) -> NDArray[np.uint8]:
 
 def _tinted(image: NDArray[np.uint8], paint: Paint) -> NDArray[np.uint8]:
     stored, tint = np.arange(256)[:, None] / 255.0, np.array(paint.tint)
-    seen = encode_srgb(decode_srgb(stored) * tint) if paint.linear else stored * tint
-    table = np.rint(255.0 * seen).astype(np.uint8)
+    tinted = encode_srgb(decode_srgb(stored) * tint) if paint.linear else stored * tint
+    table = np.rint(255.0 * tinted).astype(np.uint8)
     return np.stack([table[:, channel][image[..., channel]] for channel in range(3)], axis=-1)
 
 
 def _without_plain_images(texture: Texture) -> Texture | None:
     """Return the texture without images of a single colour, which face colours replace; None if no image is left."""
-    kept = [index for index, image in enumerate(texture.images) if (image != image[0, 0]).any()]
-    if not kept:
+    kept_images = [
+        index for index, image in enumerate(texture.images) if (image != image[0, 0]).any()
+    ]
+    if not kept_images:
         return None
     new_index = np.full(len(texture.images) + 1, NO_IMAGE, dtype=np.int32)
-    new_index[kept] = np.arange(len(kept))
-    images = tuple(texture.images[index] for index in kept)
+    new_index[kept_images] = np.arange(len(kept_images))
+    images = tuple(texture.images[index] for index in kept_images)
     # Index -1, `NO_IMAGE`, selects the last entry.
     return replace(
-        texture, image=new_index[texture.image], images=images, wraps=texture.wraps[kept]
+        texture, image=new_index[texture.image], images=images, wraps=texture.wraps[kept_images]
     )

@@ -71,26 +71,26 @@ def _parts(
     colours = np.tile(np.array(GREY, dtype=np.uint8), (len(model_object.faces), 1))
     without_image = np.ones(len(model_object.faces), dtype=bool)
     for number in np.unique(model_object.groups[model_object.groups != NO_GROUP]):
-        name, chosen = model_object.group_ids[number], model_object.groups == number
+        name, in_group = model_object.group_ids[number], model_object.groups == number
         if name not in model.groups:
             raise MeshError(f"a triangle has the property group {name[:80]!r}, which is not there")
         group = model.groups[name]
         if group.kind in _COLOURED:
-            corners = _corner_properties(group.colours, model_object, chosen, name)
+            corners = _corner_properties(group.colours, model_object, in_group, name)
             # A base material colours whole triangles, so the first corner decides.
             averaged = corners if group.kind == "colorgroup" else corners[:, :1]
-            colours[chosen] = np.rint(averaged.mean(axis=1))
+            colours[in_group] = np.rint(averaged.mean(axis=1))
         elif group.kind == "texture2dgroup":
             paint = _paint(
                 package,
                 file,
                 group,
-                _corner_properties(group.coordinates, model_object, chosen, name),
+                _corner_properties(group.coordinates, model_object, in_group, name),
                 companions,
             )
             if paint is not None:
-                without_image &= ~chosen
-                yield _part_with_image(model_object, chosen, paint)
+                without_image &= ~in_group
+                yield _part_with_image(model_object, in_group, paint)
         else:
             companions.notes.append(f"has colours of kind {group.kind}, which are not read")
     if without_image.any():
@@ -103,9 +103,9 @@ def _parts(
 
 
 def _corner_properties(
-    rows: NDArray[Any], model_object: ModelObject, chosen: BoolArray, name: str
+    rows: NDArray[Any], model_object: ModelObject, in_group: BoolArray, name: str
 ) -> NDArray[Any]:
-    properties = model_object.properties[chosen]
+    properties = model_object.properties[in_group]
     if properties.min(initial=0) < 0 or properties.max(initial=0) >= len(rows):
         raise MeshError(
             f"a triangle has property {properties.max()} of group {name[:80]!r}; {len(rows)} are there"
@@ -126,6 +126,6 @@ def _paint(
     return Paint(image, corners, wraps)
 
 
-def _part_with_image(model_object: ModelObject, chosen: BoolArray, paint: Paint) -> Part:
-    used, faces = np.unique(model_object.faces[chosen], return_inverse=True)
+def _part_with_image(model_object: ModelObject, in_group: BoolArray, paint: Paint) -> Part:
+    used, faces = np.unique(model_object.faces[in_group], return_inverse=True)
     return replace(Part(model_object.vertices[used], faces.reshape(-1, 3)), paint=paint)

@@ -230,8 +230,8 @@ class _Reader:
     def _triangle(self, element: Any) -> None:
         get = element.get
         self._corners.extend((int(get("v1")), int(get("v2")), int(get("v3"))))
-        first = get("p1")
-        if first is None:
+        first_property = get("p1")
+        if first_property is None:
             self._groups.append(-2 if get("pid") is None else NO_GROUP)
             self._properties.extend((0, 0, 0))
             return
@@ -240,7 +240,9 @@ class _Reader:
         self._groups.append(
             -3 if group is None else self._group_ids.setdefault(group, len(self._group_ids))
         )
-        self._properties.extend((int(first), int(get("p2", first)), int(get("p3", first))))
+        self._properties.extend(
+            (int(first_property), int(get("p2", first_property)), int(get("p3", first_property)))
+        )
 
     def _object(self, element: Any) -> None:
         vertices = np.frombuffer(self._points, dtype=np.float64).reshape(-1, 3)
@@ -290,23 +292,21 @@ class _Reader:
 
 
 def _first_unknown(element: Any) -> str:
-    inside = _unknown_tags(element, _INSIDE_OBJECT)
+    unknown_tags = _unknown_tags(element, _INSIDE_OBJECT)
     for mesh in element.iterfind("{*}mesh"):
-        inside += _unknown_tags(mesh, _INSIDE_MESH)
-    return inside[0] if inside else ""
+        unknown_tags += _unknown_tags(mesh, _INSIDE_MESH)
+    return unknown_tags[0] if unknown_tags else ""
 
 
-def _unknown_tags(element: Any, known: set[str]) -> list[str]:
-    return [_tag(child)[:_LONGEST_SHOWN] for child in element if _tag(child) not in known]
+def _unknown_tags(element: Any, known_tags: set[str]) -> list[str]:
+    return [_tag(child)[:_LONGEST_SHOWN] for child in element if _tag(child) not in known_tags]
 
 
 def _colour(element: Any, name: str) -> list[int]:
-    written = element.get(name) or ""
-    if written[:1] != "#" or len(written) not in {7, 9}:
-        raise MeshError(
-            f"{_tag(element)} has {name} {written[:_LONGEST_SHOWN]!r}; #RRGGBB is needed"
-        )
-    return list(bytes.fromhex(written[1:7]))
+    text = element.get(name) or ""
+    if text[:1] != "#" or len(text) not in {7, 9}:
+        raise MeshError(f"{_tag(element)} has {name} {text[:_LONGEST_SHOWN]!r}; #RRGGBB is needed")
+    return list(bytes.fromhex(text[1:7]))
 
 
 def _reference(element: Any, file: str) -> tuple[Key, FloatArray]:
@@ -321,11 +321,11 @@ def _paths(element: Any) -> Iterator[str]:
 
 def _transform(element: Any) -> FloatArray:
     """Return the transform of an element as a matrix (4, 4) for column vectors; the file has it for row vectors."""
-    written = element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()
-    if len(written) != 12:
-        raise MeshError(f"a transform has {len(written)} numbers; 12 are needed")
+    words = element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()
+    if len(words) != 12:
+        raise MeshError(f"a transform has {len(words)} numbers; 12 are needed")
     matrix = np.eye(4)
-    matrix[:3] = np.array([float(word) for word in written]).reshape(4, 3).T
+    matrix[:3] = np.array([float(word) for word in words]).reshape(4, 3).T
     return matrix
 
 
