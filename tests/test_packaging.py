@@ -130,7 +130,7 @@ def test_what_needs_an_extra_says_so(extra, refusing):
         node.args[0].value
         for node in ast.walk(ast.parse((ROOT / refusing).read_text()))
         if isinstance(node, ast.Call)
-        and getattr(node.func, "id", None) in {"require", "what_is_missing"}
+        and getattr(node.func, "id", None) in {"require", "missing_packages"}
     ]
     assert extra in calls
 

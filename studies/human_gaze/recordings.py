@@ -194,7 +194,7 @@ def _unnamed_columns(table: TextTable) -> tuple[str, ...]:
     if width not in _COLUMNS:
         allowed = ", ".join(map(str, _COLUMNS))
         raise GazeError(
-            f"{table.place(0)} has {width} columns; without a header {allowed} are allowed."
+            f"{table.position(0)} has {width} columns; without a header {allowed} are allowed."
         )
     return _COLUMNS[width]
 

@@ -30,7 +30,7 @@ def test_the_shares_are_printed_and_the_rows_are_left_in_the_run(visuohaptic, mo
     ended = visuohaptic("evaluate", model, "--run", "run")
     assert (ended.code, ended.err) == (0, "")
     head, one, two, file = ended.out.splitlines()
-    assert head == "Touches by fixation, a model that learnt 4 objects:"
+    assert head == "Touches by fixation, a model trained on 4 objects:"
     assert one.startswith("   1 view: ")
     assert two.startswith("   2 views: ")
     assert "of the sets, stated 90 %, with" in two

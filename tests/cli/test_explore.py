@@ -80,7 +80,10 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert "5 touches from 1 viewpoints by fixation" in said.out
     assert re.match(r"5 touches in \d+\.\d s \(", said.out.splitlines()[-1])
     assert values["class"] in said.out
-    assert "an object that is stranger than nearly all of these is called unknown" in said.out
+    assert (
+        "an object with a higher novelty score than nearly all of these is called unknown"
+        in said.out
+    )
 
 
 def test_recognise_says_by_which_strategies_the_model_learnt_if_not_by_this_one(

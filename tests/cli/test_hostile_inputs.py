@@ -80,7 +80,7 @@ WRONG = [
     ((), "Usage: visuohaptic"),
     (("touch", ""), "the name is empty; a file is needed"),
     ((*RING, "--strategy", "guess"), "'guess' is no strategy of touch; fixation, random"),
-    ((*RING, "--strategy", "adaptive"), "for only study touch_curves can use it"),
+    ((*RING, "--strategy", "adaptive"), "only study touch_curves can use it"),
     ((*RING, "--viewpoints", "0"), "--viewpoints"),
     (("touch", "one/a.obj", "two/a.obj"), "would both be written to touched/a"),
     ((*RING, "--out", ""), "the name is empty; a folder is needed"),

@@ -116,9 +116,9 @@ def test_tables_of_every_kind_have_the_same_figure(features, kind):
             lambda table: table.to_pandas().assign(x=float("nan")),
             "column x has .* missing values|NaN",
         ),
-        (lambda table: {"x": [1.0], "y": [1.0, 2.0]}, "Arrow can't take it over"),
-        (lambda table: [1, 2], "it is of type list"),
-        (lambda table: None, "it is of type NoneType"),
+        (lambda table: {"x": [1.0], "y": [1.0, 2.0]}, "Arrow can't convert the given table"),
+        (lambda table: [1, 2], "is given as list"),
+        (lambda table: None, "is given as NoneType"),
     ],
 )
 def test_tables_that_lack_something_are_refused_in_a_sentence(features, change, sentence):

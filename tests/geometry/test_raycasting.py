@@ -82,7 +82,7 @@ def test_a_ray_is_compared_with_the_narrow_faces_near_it_alone(monkeypatch):
     monkeypatch.setattr(RayCaster, "_nearest_of", counting)
     caster.first_hits(origins, directions)
     assert sum(compared) < 0.1 * len(origins) * (len(surface.faces) - 2)
-    monkeypatch.setattr(raycasting, "_PAIRS", 50)
+    monkeypatch.setattr(raycasting, "_MOST_PAIRS", 50)
     found = caster.first_hits(origins, directions)
     np.testing.assert_array_equal(found.distance, expected.distance)
     np.testing.assert_array_equal(found.face, expected.face)
@@ -106,7 +106,7 @@ def test_rays_through_many_narrow_faces_are_compared_with_some_of_these_at_a_tim
     caster = RayCaster(surface_of(np.concatenate(slivers), np.arange(120).reshape(-1, 3)))
     origins = np.column_stack([np.linspace(-0.6, 0.6, 500), np.zeros(500), np.full(500, 2.0)])
     directions = np.tile([0.0, 0.0, -1.0], (500, 1))
-    monkeypatch.setattr(raycasting, "_PAIRS", 1000)
+    monkeypatch.setattr(raycasting, "_MOST_PAIRS", 1000)
     parts = [len(rays) for rays, _ in caster._narrow_pairs(origins, directions)]
     assert sum(parts) == 500 * 40
     assert max(parts) <= 1000 + 40

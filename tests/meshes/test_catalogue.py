@@ -66,7 +66,7 @@ def test_a_file_in_a_class_folder_is_an_object(tmp_path):
         (os.fsdecode(b"cup/\xff\xfe.obj"), "can't name a class or an object"),
         ("cup/link.obj", "is no file"),
         ("cup/good.ply", "as {own}/cup/good.obj is already"),
-        ("cup/known.obj", "one of the catalogue"),
+        ("cup/known.obj", "a model of the catalogue"),
     ],
 )
 def test_a_file_that_is_no_object_is_named_with_what_to_do(tmp_path, name, says):
@@ -133,6 +133,6 @@ def test_a_broken_row_is_named(tmp_path, old, new, sentence):
 
 def test_too_few_classes_to_tell_apart_are_said_before_anything_runs():
     check_classes(["plant/a", "plant/b", "cup/a", "cup/b", "pen/a"])
-    for keys, says in ((["plant/a", "plant/b", "cup/a"], "only plant"), ([], "none")):
+    for keys, says in ((["plant/a", "plant/b", "cup/a"], "only plant"), ([], "no class")):
         with pytest.raises(CatalogueError, match=rf"{says} has them: .* features_all"):
             check_classes(keys)

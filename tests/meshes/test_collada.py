@@ -325,7 +325,7 @@ def spoilt(old, new, **more):
 
 REFUSED = {
     "geometry": (spoilt('url="#g"', 'url="#h"'), "node 'n' refers to geometry '#h', which is not there"),
-    "other file": (spoilt('url="#g"', 'url="b.dae#g"'), "refers to 'b.dae#g'; only what is in the file"),
+    "other file": (spoilt('url="#g"', 'url="b.dae#g"'), "refers to 'b.dae#g'; only references within the file"),
     "unknown in a node": (spoilt("<instance_geometry", "<instance_hair/><instance_geometry"), "node 'n' has instance_hair"),
     "skew": (spoilt("<instance_geometry", "<skew>1 2</skew><instance_geometry"), "node 'n' has skew"),
     "matrix": (spoilt("<instance_geometry", "<matrix>1 2</matrix><instance_geometry"), "matrix of 2 numbers; 16"),

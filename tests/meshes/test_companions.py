@@ -63,7 +63,7 @@ def test_a_file_beside_the_companion_that_names_it_comes_first(tmp_path):
         ("http://localhost/a.mtl", "is outside its folder"),
         ("a\0.mtl", "is not there"),
         ("x" * 5000 + ".mtl", "is not there"),
-        ("notes.txt", "is of a kind that is not read"),
+        ("notes.txt", "has a suffix that is not read"),
         ("large.png", "has 60 MB; 50 MB"),
         ("link.png", "is a link that leads outside"),
         ("..", "is outside its folder"),

@@ -75,7 +75,7 @@ def test_a_download_is_whole_and_checked_and_not_asked_for_again(address, tmp_pa
 
 
 def test_a_download_with_another_hash_or_too_large_is_thrown_away(address, tmp_path, monkeypatch):
-    with pytest.raises(DownloadError, match="0000; nothing of it was used"):
+    with pytest.raises(DownloadError, match="0000; the file was not used"):
         download(address, tmp_path / "a.zip", "0000")
     monkeypatch.setattr(downloads, "_LARGEST_ARCHIVE_BYTES", 1000)
     with pytest.raises(DownloadError, match="not the pinned archive"):

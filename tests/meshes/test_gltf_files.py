@@ -145,7 +145,7 @@ def test_a_scene_that_is_not_the_default_is_not_read_and_this_is_said():
     companions = Companions()
     surface = read(file.text(scene=1), companions)
     np.testing.assert_allclose(extent(surface), [[5, 0, 0], [6, 1, 1]])
-    assert companions.notes == ["has 2 scenes, of which number 1 is read"]
+    assert companions.notes == ["has 2 scenes; scene 1 is read"]
     with pytest.raises(MeshError, match="no faces"):
         read(file.text(scene=0))
 
@@ -421,7 +421,7 @@ def test_few_vertex_colours_upon_an_image_are_kept_and_of_many_the_mean_is_said(
     del primitive["indices"]
     assert len(colours(read(file.text(), companions))) == 1
     assert companions.notes == [
-        "has 12 vertex colours upon an image (mesh 0, primitive 0), of which the mean is read"
+        "has 12 vertex colours on an image (mesh 0, primitive 0); their mean is read"
     ]
 
 
@@ -493,7 +493,7 @@ REFUSED = {
     "mode": (lambda tree: tree["meshes"][0]["primitives"][0].update(mode=7), "primitive 0 is of mode 7"),
     "required": (lambda tree: tree.update(extensionsRequired=["KHR_draco_mesh_compression"]), "requires .*KHR_draco"),
     "version": (lambda tree: tree["asset"].update(version="1.0"), "version 1.0 of glTF"),
-    "cycle": (lambda tree: tree["nodes"][0].update(children=[0]), "node 0 stands twice"),
+    "cycle": (lambda tree: tree["nodes"][0].update(children=[0]), "node 0 is twice in the scene"),
     "node that is not there": (lambda tree: tree["nodes"][0].update(children=[9]), "number 9 of its nodes; 1 are there"),
     "node below 0": (lambda tree: tree["nodes"][0].update(children=[-1]), "number -1 of its nodes"),
     "matrix": (lambda tree: tree["nodes"][0].update(matrix=[1, 0]), "node 0 has matrix of 2 numbers; 16"),

@@ -94,7 +94,7 @@ def test_colours_of_vertices_and_faces_are_read(text, expected):
         (off("4OFF", of_vertices="1"), "4 dimensions"),
         ("OFF BINARY\n" + off(), "binary OFF"),
         (off(counts="\n4"), "truncated|promise"),
-        ("OFF\n", "promise a number"),
+        ("OFF\n", "have the numbers of vertices"),
         (off(counts="\n4 9 0"), "truncated: .* 9 faces"),
         (off(counts="\n9 2 0"), "truncated: .* 9 vertices|names vertex"),
     ],

@@ -110,7 +110,7 @@ def test_an_image_that_is_missing_or_has_no_coordinates_is_said(tmp_path):
     assert "a.ply refers to 'gone.png', which is not there" in note
     (tmp_path / "a.ply").write_text(text([], [], rows(), ["TextureFile gone.png"]))
     (note,) = read_mesh(tmp_path / "a.ply").notes
-    assert "names an image and has no coordinates on it" in note
+    assert "names an image and has no image coordinates" in note
 
 
 def test_strips_alternate_their_winding_and_end_at_minus_one():
@@ -236,7 +236,7 @@ def test_any_coloured_polygons_are_those_that_plyfile_wrote(mesh, form, of_verti
         (text([], [], rows()).replace("1 1 0", "1 1-2 0"), "row 2: property 'y': malformed"),
         (
             text([], [], rows()).replace("3 0 1 2 \n3 0", "3 0 1 \n2 3 0"),
-            "'face', and 0 are there whole",
+            "'face', and 0 are complete",
         ),
         (text([], [], rows()).replace("float x", "float a"), "no numbers x, y and z"),
         (
@@ -264,6 +264,6 @@ def test_what_is_no_mesh_is_refused_by_its_place(data, says):
 
 def test_a_truncated_list_is_named_by_its_row():
     data = generated.as_ply(SQUARE, [[0, 1, 2, 3], [0, 1, 2]])
-    with pytest.raises(MeshError, match="2 rows of 'face', and 1 are there whole"):
+    with pytest.raises(MeshError, match="2 rows of 'face', and 1 are complete"):
         read(data[:-3])
     assert struct.calcsize("<B3i") == 13

@@ -10,7 +10,13 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import UP_AXES, clean, normalise, place, prepare_object
+from visuohaptic.meshes.preparing import (
+    UP_AXES,
+    clean,
+    normalise,
+    normalise_with_matrix,
+    prepare_object,
+)
 
 
 def surface_of(mesh):
@@ -60,7 +66,7 @@ def test_the_way_leads_to_the_vertices_also_where_faces_go(lopsided):
         np.concatenate([lopsided.faces, twice]),
         np.concatenate([lopsided.face_colours, lopsided.face_colours[:300]]),
     )
-    made, way = place(doubled, "doubled", UP_AXES["z"], (1, 2, 3))
+    made, way = normalise_with_matrix(doubled, "doubled", UP_AXES["z"], (1, 2, 3))
     led = doubled.triangles @ way[:3, :3].T + way[:3, 3]
     np.testing.assert_allclose(led[: len(made.faces)], made.triangles, atol=1e-6)
 
@@ -90,7 +96,7 @@ TRIANGLE = np.array([[0, 1, 2]])
 @pytest.mark.parametrize(
     ("vertices", "faces", "sentence"),
     [
-        ([[0.0, 0, 0], [1, 0, 0], [0, np.nan, 0]], TRIANGLE, "has 1 NaN or infinite vertices, the first is number 2"),
+        ([[0.0, 0, 0], [1, 0, 0], [0, np.nan, 0]], TRIANGLE, "has 1 NaN or infinite vertices, the first has index 2"),
         ([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]], TRIANGLE, "has no area"),
         ([[1.0, 1, 1]] * 3, TRIANGLE, "all its vertices are at one point"),
         ([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], np.zeros((0, 3), int), "has no faces"),

@@ -99,7 +99,7 @@ def test_colours_are_read_as_viscam_and_magics_write_them(header, attributes, ex
         (text().replace("vertex 1.0 0.0 1.0", "vertex 1.0 x 1.0").encode(), "face 2 holds 'x'"),
         (
             text().replace("  vertex 0.0 1.0 1.0\n", "").encode(),
-            "2 faces and so 6 corners .* 5 corners",
+            "2 faces, which need 6 corners, .* 5 corners",
         ),
         (text().rpartition("endsolid")[0].encode(), "no end of the last solid"),
         (text().rpartition("endfacet")[0].encode(), "1 ends of faces"),

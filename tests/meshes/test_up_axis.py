@@ -12,7 +12,7 @@ from numerics.surfaces import build_plain_surface, of_trimesh
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import UP_AXES, place_object
+from visuohaptic.meshes.preparing import UP_AXES, prepare_with_matrix
 from visuohaptic.meshes.up_axis import steadiest_axis, tipping_angle
 
 Y_OR_Z = {axis: UP_AXES[axis] for axis in "yz"}
@@ -38,8 +38,12 @@ def test_a_table_is_found_upright_in_either_axis_and_placed_as_that_axis_does():
     assert steadiest_axis(of_trimesh(table()), Y_OR_Z) == "y"
     turned = of_trimesh(table().apply_transform(Y_TO_Z))
     assert steadiest_axis(turned, Y_OR_Z) == "z"
-    found, way = place_object(Model("a", "table"), turned, MeshParameters(own_up_axis="auto"))
-    named, named_way = place_object(Model("a", "table"), turned, MeshParameters(own_up_axis="z"))
+    found, way = prepare_with_matrix(
+        Model("a", "table"), turned, MeshParameters(own_up_axis="auto")
+    )
+    named, named_way = prepare_with_matrix(
+        Model("a", "table"), turned, MeshParameters(own_up_axis="z")
+    )
     np.testing.assert_array_equal(found.vertices, named.vertices)
     np.testing.assert_array_equal(way, named_way)
 
@@ -55,7 +59,7 @@ def test_every_axis_is_turned_to_y_by_a_rotation():
 def test_the_file_says_which_axis_points_up_unless_the_user_does(axis):
     tower = replace(of_trimesh(trimesh.creation.box((1, 2, 3))), up_axis=axis)
     for asked, taken in (("file", axis), ("y", "y"), ("z", "z")):
-        made, way = place_object(Model("a", "b"), tower, MeshParameters(own_up_axis=asked))
+        made, way = prepare_with_matrix(Model("a", "b"), tower, MeshParameters(own_up_axis=asked))
         assert np.abs(way[1, :3]).argmax() == "xyz".index(taken)
         assert (made.notes, made.up_axis) == ((), None)
 
@@ -68,7 +72,7 @@ def test_a_model_that_hardly_stands_is_said_to_be_taken_as_y_up_where_nobody_say
         (replace(lying, up_axis="y"), "file", 0),
         (of_trimesh(table()), "file", 0),
     ):
-        made, way = place_object(Model("a", "b"), surface, MeshParameters(own_up_axis=asked))
+        made, way = prepare_with_matrix(Model("a", "b"), surface, MeshParameters(own_up_axis=asked))
         assert np.abs(way[1, :3]).argmax() == 1
         assert ["taken as y-up" in note for note in made.notes] == [True] * count
 
@@ -76,4 +80,4 @@ def test_a_model_that_hardly_stands_is_said_to_be_taken_as_y_up_where_nobody_say
 def test_a_surface_without_area_is_refused_as_always():
     flat = build_plain_surface(np.zeros((3, 3)), [[0, 1, 2]])
     with pytest.raises(MeshError):
-        place_object(Model("a", "flat"), flat, MeshParameters(own_up_axis="auto"))
+        prepare_with_matrix(Model("a", "flat"), flat, MeshParameters(own_up_axis="auto"))

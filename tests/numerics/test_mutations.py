@@ -38,7 +38,7 @@ MUTATIONS = (
              "np.clip(2 * half_sizes * (1 - _STAND_CLEAR), smallest, largest)",
              "2 * half_sizes * (1 - _STAND_CLEAR)", ("wild_surfaces",)),
     Mutation("float32 in the distances of the re-cast", "visuohaptic.geometry.raycasting:_put",
-             "= others.distance", "= others.distance.astype(np.float32)", ("vertices_and_edges", "random_triangles")),
+             "= new_hits.distance", "= new_hits.distance.astype(np.float32)", ("vertices_and_edges", "random_triangles")),
     Mutation("distances as Embree's float32 has them", "visuohaptic.geometry.raycasting:RayCaster._cast",
              "np.divide(planes[3] - dot(planes.T, origins), along, out=distance, where=met)",
              'distance[met] = answer["t_hit"].numpy()[met]', ("random_triangles",)),

@@ -351,5 +351,5 @@ def test_tables_of_pandas_and_of_other_types_of_text_get_the_same_answer():
         rows.to_pandas().astype({"class": "category"}),
     ):
         assert model.answer(same) == expected
-    with pytest.raises(RecognitionError, match="it is of type list"):
+    with pytest.raises(RecognitionError, match="is given as list"):
         model.answer([1])

@@ -56,7 +56,7 @@ def test_a_folder_of_parts_reads_as_one_table_sorted_by_its_keys(tmp_path):
         ("x", np.full(5, np.nan), "column x has NaN or infinite values"),
         ("x", np.full(5, 2.0), "column x spans 2.0 to 2.0; -1.0001 to 1.0001 is allowed"),
         ("saliency", np.full(5, -0.1), "column saliency spans -0.1"),
-        ("touch", np.arange(-1, 4), "column touch spans -1 to 3; 0 to anything is allowed"),
+        ("touch", np.arange(-1, 4), "column touch spans -1 to 3; 0 to any number is allowed"),
         ("touch", np.zeros(5, dtype=int), "4 rows repeat the key"),
         ("touch", np.full(5, 0.5), "column touch does not fit int32"),
         ("face", [None] * 5, "column face has 5 missing values"),

@@ -1,1 +1,1 @@
-"""Modules that every folder may import: types of arrays, errors, seeds, registries, atomic files, optional packages."""
+"""Modules that every folder may import: array types, errors, seeds, registries, atomic files, optional packages."""

@@ -17,7 +17,7 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
     """Yield the path of an empty hidden file, and rename the file to `path` when the block ends.
 
     If the block raises, the hidden file is removed and an old file at `path` stays. Missing folders of `path` are
-    made. The hidden name ends in random characters, so that readers of ``*.parquet`` do not find the file.
+    created. The hidden name ends in random characters, so that readers of ``*.parquet`` do not find the file.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

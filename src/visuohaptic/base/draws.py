@@ -1,4 +1,4 @@
-"""Names of draws: the locations of a random strategy may be drawn several times."""
+"""Names of draws: a run may draw the locations of a random strategy several times."""
 
 from __future__ import annotations
 

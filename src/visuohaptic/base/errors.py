@@ -1,8 +1,8 @@
-"""Errors that a caller can act on; each message is one sentence that says what to do."""
+"""Errors that a caller can handle; each message is one sentence that says what to do."""
 
 
 class VisuohapticError(Exception):
-    """Base of every error that this package raises on purpose."""
+    """Base class of all errors of this package."""
 
 
 class MeshError(VisuohapticError):
@@ -34,7 +34,7 @@ class PlugInError(RegistryError):
 
 
 class PolicyError(VisuohapticError):
-    """A policy raised, took longer than its bound, or chose a place that can't be touched."""
+    """A policy raised an error, took longer than its bound, or chose a location that can't be touched."""
 
 
 class TableError(VisuohapticError):
@@ -50,7 +50,7 @@ class MissingPackageError(VisuohapticError):
 
 
 class ReportError(VisuohapticError):
-    """The report can't be made from the tables of the run."""
+    """The tables of the run are not sufficient for the report."""
 
 
 class ExportError(VisuohapticError):

@@ -10,19 +10,19 @@ from visuohaptic.base.errors import MissingPackageError
 
 def require(extra: str, *packages: str) -> None:
     """Raise `MissingPackageError` if any of `packages`, which `extra` installs, is missing."""
-    if sentence := what_is_missing(extra, *packages):
+    if sentence := missing_packages(extra, *packages):
         raise MissingPackageError(sentence)
 
 
-def what_is_missing(extra: str, *packages: str) -> str | None:
+def missing_packages(extra: str, *packages: str) -> str | None:
     """Return a sentence that names the missing packages and the extra that installs them; None if all are installed."""
     missing = [name for name in packages if find_spec(name) is None]
     if not missing:
         return None
     verb = "is" if len(missing) == 1 else "are"
-    named = " and ".join(filter(None, [", ".join(missing[:-1]), missing[-1]]))
+    names = " and ".join(filter(None, [", ".join(missing[:-1]), missing[-1]]))
     return (
-        f"{named} {verb} not installed; "
+        f"{names} {verb} not installed; "
         f"`pip install 'visuohaptic[{extra}]'` brings {'it' if verb == 'is' else 'them'}."
     )
 

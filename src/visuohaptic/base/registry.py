@@ -71,7 +71,7 @@ class Registry(Generic[Entry]):
             len(entries),
         )
         entries.insert(index, entry)
-        # Update in place: callers may hold a view of this dict.
+        # Keep the dict object: callers may hold a view of it.
         self._entries.clear()
         self._entries.update((other.name, other) for other in entries)
 

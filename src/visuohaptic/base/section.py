@@ -15,7 +15,7 @@ class Section(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _numbers_are_no_truth_values(cls, value: object, info: ValidationInfo) -> object:
+    def _refuse_booleans_as_numbers(cls, value: object, info: ValidationInfo) -> object:
         # Pydantic reads true as 1.
         if _holds_truth_value(value) and _is_number(
             cls.model_fields[str(info.field_name)].annotation

@@ -24,23 +24,23 @@ from visuohaptic.io.moved import COMMANDS
 
 
 class _Commands(TyperGroup):
-    """The sub-commands; an old name of a command or an option is refused with where it is now."""
+    """The sub-commands; a former name of a command or an option raises an error with its successor."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command that the first argument names."""
-        name, *others = args
-        options = others[: others.index("--")] if "--" in others else others
-        for option in ("", *(one.partition("=")[0] for one in options)):
-            where = COMMANDS.get(f"{name} {option}".strip())
-            if where and not ctx.resilient_parsing:
-                kind = f"option {option} of {name}" if option else f"command {name}"
-                ctx.fail(f"there is no {kind}: {where}.")
+        """Return the command that the first argument names."""
+        name, *rest = args
+        options = rest[: rest.index("--")] if "--" in rest else rest
+        for option in ("", *(argument.partition("=")[0] for argument in options)):
+            successor = COMMANDS.get(f"{name} {option}".strip())
+            if successor and not ctx.resilient_parsing:
+                former = f"option {option} of {name}" if option else f"command {name}"
+                ctx.fail(f"there is no {former}: {successor}.")
         return super().resolve_command(ctx, args)
 
 
 app = typer.Typer(
     cls=_Commands,
-    help="Look at a 3D object, touch it where the eye would rest, and recognise it from touch alone.",
+    help="Look at a 3D object, touch the places where the eye would fixate, and recognise the object only from touch.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -53,11 +53,11 @@ for command in (
 app.add_typer(meshes.app, name="meshes")
 
 
-DebugOption = Annotated[bool, typer.Option(DEBUG, help="Show where an error arose.")]
+DebugOption = Annotated[bool, typer.Option(DEBUG, help="Print the traceback of an error.")]
 
 
-def _show_version(asked: bool) -> None:  # noqa: FBT001 - as typer calls it
-    if asked:
+def _show_version(is_given: bool) -> None:  # noqa: FBT001 - typer calls the function so
+    if is_given:
         say(f"visuohaptic {__version__}")
         raise typer.Exit
 
@@ -69,4 +69,4 @@ VersionOption = Annotated[
 
 @app.callback()
 def _options(debug: DebugOption = False, version: VersionOption = False) -> None:  # noqa: FBT002
-    """Take the options that stand before a sub-command; `main` looks for `--debug` itself."""
+    """Declare the options before a sub-command; `main.run` reads `--debug`."""

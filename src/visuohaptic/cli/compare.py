@@ -1,4 +1,4 @@
-"""`visuohaptic compare`: parameters and accuracies in which runs differ, as a table."""
+"""`visuohaptic compare`: a table of the parameters and accuracies in which runs differ."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from visuohaptic.cli.printing import JsonOption, say, say_json
 RunsArgument = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="A B...", help="Metrics, runs' folders, DVC experiments, Git revisions."
+        metavar="A B...", help="Metrics files, folders of runs, DVC experiments or Git revisions."
     ),
 ]
 
@@ -22,12 +22,12 @@ RunsArgument = Annotated[
 def compare(
     runs: RunsArgument = None,
     experiments: Annotated[  # noqa: FBT002
-        bool, typer.Option("--experiments", help="Add all experiments that DVC keeps.")
+        bool, typer.Option("--experiments", help="Add all DVC experiments.")
     ] = False,
-    csv: Annotated[Path | None, typer.Option("--csv", help="Write the table to a file.")] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", help="CSV file for the table.")] = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Compare runs with the first: changed parameters, accuracies, and paired differences over objects.
+    """Compare runs with the first run: changed parameters, accuracies, and paired differences over objects.
 
     Example: visuohaptic compare before.json reports/metrics.json --csv runs.csv
     """

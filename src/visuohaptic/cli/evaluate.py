@@ -1,9 +1,10 @@
-"""`visuohaptic evaluate`: how right a model or a classifier is on objects that it has not learnt."""
+"""`visuohaptic evaluate`: accuracy of a model or a classifier on objects that are not in its training set."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,9 +15,12 @@ from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, re
 
 TABLE = "reports/evaluation.parquet"
 
+# The help text of these options names the default.
+_option = partial(typer.Option, show_default=False)
+
 
 class InputsName(StrEnum):
-    """Kinds of input of `visuohaptic.evaluation.inputs`."""
+    """Names of the inputs in `visuohaptic.evaluation.inputs`."""
 
     features = "features"
     descriptors = "descriptors"
@@ -29,62 +33,56 @@ def evaluate(
         typer.Argument(
             metavar="[MODEL]...",
             parser=file_to_read,
-            help=f"Fitted recognition models, one a strategy.  [default: {DEFAULT_MODEL}]",
+            help=f"Fitted recognition models, one per strategy.  [default: {DEFAULT_MODEL}]",
             show_default=False,
         ),
     ] = None,
     run: Annotated[
-        Path, typer.Option(help="Folder whose results/features has the objects.", show_default=".")
+        Path,
+        typer.Option(help="Folder of the run; results/features has the objects.", show_default="."),
     ] = Path(),
     classifier: Annotated[
         str | None,
-        typer.Option(
-            help="Registered classifier to train and test on the run's splits, instead of a fitted model.",
-            show_default=False,
+        _option(
+            help="Registered classifier to train and test on the splits of the run, instead of a fitted model."
         ),
     ] = None,
     inputs: Annotated[
         InputsName | None,
-        typer.Option(
-            help="What --classifier gets per sequence: the paper's features, our descriptors, or imprints and "
-            "poses of the touches.  [default: features]",
-            show_default=False,
+        _option(
+            help="Input of --classifier per sequence: the paper's features, the descriptors of pipeline order_free, "
+            "or imprints and poses of the touches.  [default: features]"
         ),
     ] = None,
     strategy: Annotated[
         str | None,
-        typer.Option(
-            help="How the touches of --classifier were chosen.  [default: fixation]",
-            show_default=False,
-        ),
+        _option(help="Probing strategy of the touches for --classifier.  [default: fixation]"),
     ] = None,
     splits: Annotated[
         int | None,
-        typer.Option(
-            min=1,
-            help="At most so many splits of --classifier.  [default: all]",
-            show_default=False,
-        ),
+        _option(min=1, help="Largest number of splits for --classifier.  [default: all]"),
     ] = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Classify the objects of a run that a model or a classifier has not learnt, and count correct answers.
+    """Classify the objects of a run that are not in the training set, and count correct predictions.
 
-    With a model: prints the share correctly classified, the share whose class is in the prediction set, beside
-    what that states, the set's mean size, and the share called unknown, from 1, 4 and 16 views, with intervals
-    over objects. They must be touched with the parameters that lie beside the model. The rows are written to
-    reports/evaluation.parquet, and the report shows them.
+    With a model: classifies from 1, 4 and 16 views. Prints the share of objects that is correctly classified, and
+    the share with its class in the prediction set, beside the stated coverage. Also prints the mean size of the
+    sets and the share called unknown. Intervals are over objects. The touches must come from the parameters in
+    the model's folder. The rows are written to reports/evaluation.parquet, for the report.
 
-    With --classifier: trains and tests a classifier on the splits of the run, by its params.yaml, and prints its
-    accuracy with interval and the seconds that fits and predictions took. A classifier that takes imprints and
-    poses comes from a plug-in.
+    With --classifier: trains and tests a classifier on the splits of the run, with the run's params.yaml. Prints
+    the accuracy with its interval, and the seconds of fits and predictions. A classifier of imprints and poses
+    comes from a plug-in.
 
     Examples: visuohaptic evaluate results/models/recogniser.skops --run .
     visuohaptic evaluate --classifier linear_discriminant --inputs descriptors
     """
     if classifier is not None:
         if models:
-            raise typer.BadParameter("a model and --classifier exclude each other.")
+            raise typer.BadParameter(
+                "a model and --classifier exclude each other; name only one of them."
+            )
         _evaluate_classifier(
             classifier, run, inputs or InputsName.features, strategy, splits, as_json=as_json
         )
@@ -101,20 +99,19 @@ def evaluate(
 
     recognisers = [read_recogniser(model) for model in models or [default_model()]]
     features = read_table(FEATURES, run / "results/features")
-    table = pa.concat_tables(evaluate_model(one.model, features) for one in recognisers)
+    fitted_models = [recogniser.model for recogniser in recognisers]
+    table = pa.concat_tables(evaluate_model(model, features) for model in fitted_models)
     write_table(EVALUATION, table, run / TABLE)
-    first = recognisers[0]
-    rows = summarise_evaluation(table, first.model.parameters.intervals)
+    rows = summarise_evaluation(table, fitted_models[0].parameters.intervals)
     if as_json:
         say_json(rows)
         return
-    for one in recognisers:
-        learnt = len(one.model.objects)
-        for name in one.model.strategies:
-            say(f"Touches by {name}, a model that learnt {learnt} objects:")
+    for model in fitted_models:
+        for name in model.strategies:
+            say(f"Touches by {name}, a model trained on {len(model.objects)} objects:")
             for row in rows:
                 if row["strategy"] == name:
-                    say(_line(row))
+                    say(_result_line(row))
     say(f"{run / TABLE}")
 
 
@@ -130,49 +127,49 @@ def _evaluate_classifier(
     from visuohaptic.evaluation.evaluating import evaluate as evaluate_classifier
     from visuohaptic.parameters import ExperimentParameters, read_parameters
 
-    own = run / "params.yaml"
-    parameters = read_parameters(own) if own.exists() else ExperimentParameters()
+    params_file = run / "params.yaml"
+    parameters = read_parameters(params_file) if params_file.exists() else ExperimentParameters()
     table = "touches" if inputs == InputsName.touches else "features"
-    chosen = "fixation" if strategy is None else strategy
-    found = evaluate_classifier(
+    strategy = "fixation" if strategy is None else strategy
+    evaluation = evaluate_classifier(
         name,
         run / "results" / table,
         parameters.recognition,
-        chosen,
+        strategy,
         parameters.seed,
         inputs=inputs.value,
         splits=splits,
     )
+    accuracy = [evaluation.accuracy, evaluation.low, evaluation.high]
     if as_json:
         row = {
-            "classifier": name, "inputs": inputs.value, "strategy": chosen,
-            "accuracy": [found.accuracy, found.low, found.high],
-            "objects": len(found.by_object), "splits": found.splits,
-            "fit": vars(found.fit), "predict": vars(found.predict),
+            "classifier": name, "inputs": inputs.value, "strategy": strategy,
+            "accuracy": accuracy,
+            "objects": len(evaluation.by_object), "splits": evaluation.splits,
+            "fit": vars(evaluation.fit), "predict": vars(evaluation.predict),
         }  # fmt: skip
         say_json(row)
         return
-    interval = _share([found.accuracy, found.low, found.high])
     say(
-        f"{name} on {inputs.value} of touches by {chosen}: {interval} correctly classified, "
-        f"{len(found.by_object)} objects, {found.splits} splits"
+        f"{name} on {inputs.value} of touches by {strategy}: {_percent(accuracy)} correctly classified, "
+        f"{len(evaluation.by_object)} objects, {evaluation.splits} splits"
     )
-    say(f"  fits took {found.fit}, predictions {found.predict}")
+    say(f"  fits took {evaluation.fit}, predictions {evaluation.predict}")
 
 
-def _line(row: Mapping[str, Any]) -> str:
+def _result_line(row: Mapping[str, Any]) -> str:
     views = f"{row['views']:>2} {'view' if row['views'] == 1 else 'views'}"
     line = (
-        f"  {views}: {_share(row['accuracy'])} correctly classified; the class is in "
-        f"{_share(row['coverage'])} of the sets, stated {100 * row['stated']:g} %, with "
-        f"{row['set_size']:.2f} classes on average; {_share(row['false_unknown'])} called unknown"
+        f"  {views}: {_percent(row['accuracy'])} correctly classified; the class is in "
+        f"{_percent(row['coverage'])} of the sets, stated {100 * row['stated']:g} %, with "
+        f"{row['set_size']:.2f} classes on average; {_percent(row['false_unknown'])} called unknown"
     )
     if "found_unknown" in row:
-        line += f"; of classes that it does not know, {_share(row['found_unknown'])} called unknown"
+        line += f"; of objects of unknown classes, {_percent(row['found_unknown'])} called unknown"
     return line
 
 
-def _share(interval: Sequence[float | None]) -> str:
+def _percent(interval: Sequence[float | None]) -> str:
     # A single object has no interval.
     mean, *ends = (100 * value for value in interval if value is not None)
     return f"{mean:.1f} %" + (" ({:.1f} to {:.1f})".format(*ends) if ends else "")

@@ -1,4 +1,4 @@
-"""`visuohaptic touch` and `visuohaptic recognise`: one mesh file, without the workflow."""
+"""`visuohaptic touch` and `visuohaptic recognise`: commands on mesh files, without the workflow."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ StrategyOption = Annotated[
     typer.Option(
         metavar=f"[{'|'.join(STRATEGIES.names)}]",
         autocompletion=lambda: list(STRATEGIES.names),
-        help="How to choose where to touch.",
+        help="How the probing locations are chosen.",
     ),
 ]
 ViewpointsOption = Annotated[
@@ -56,14 +56,15 @@ UpOption = Annotated[
     Literal["file", "y", "z", "auto"] | None,
     typer.Option(
         "--up",
-        help="Axis of the file that points up; auto takes the one of y and z on which the object stands steadier.",
+        help="Axis of the file that points up; auto takes y or z, the axis on which the object stands more steadily.",
         show_default="as the file says, else y",
     ),
 ]
 UnitOption = Annotated[
     Literal["mm", "cm", "m", "in"] | None,
     typer.Option(
-        "--unit", help="The files' unit of length: effects then know the objects' real size."
+        "--unit",
+        help="Unit of length of the files, which gives effects of the sensor the real size of the objects.",
     ),
 ]
 
@@ -79,7 +80,7 @@ def touch(
         typer.Option(
             "--params",
             parser=file_to_read,
-            help="All other parameters, as in params.yaml; the plug-ins that it names are run.",
+            help="File of all other parameters, such as params.yaml; plug-ins that the file names are run.",
         ),
     ] = None,
     out: Annotated[
@@ -87,41 +88,45 @@ def touch(
     ] = Path("touched"),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Look at objects and touch them: fixations, imprints, features and a picture.
+    """Look at objects and touch them; write fixations, imprints, features and a picture.
 
-    Of several, each has a folder of its own in the folder that --out names.
+    With several meshes, each mesh has its own folder in the folder that --out names.
 
     Example: visuohaptic touch mug.obj --out mug
     """
     from visuohaptic.parameters import as_parameters, read_parameters
 
     folders = _folders(meshes, out)
-    chosen = as_parameters(None) if parameters is None else read_parameters(parameters)
+    experiment_parameters = (
+        as_parameters(None) if parameters is None else read_parameters(parameters)
+    )
     _check_strategy(strategy)
 
     def touch_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
-        found = _explore(mesh, up, unit, viewpoints, strategy, chosen)
-        files = found.save(folders[mesh])
-        touches, views = found.touches.num_rows, found.views.num_rows
+        exploration = _explore(mesh, up, unit, viewpoints, strategy, experiment_parameters)
+        files = exploration.save(folders[mesh])
+        touches, views = exploration.touches.num_rows, exploration.views.num_rows
         values = {
             "mesh": mesh,
-            "notes": found.surface.notes,
-            "strategy": found.strategy,
+            "notes": exploration.surface.notes,
+            "strategy": exploration.strategy,
             "viewpoints": views,
             "touches": touches,
-            "features": found.features.drop_columns(["class", "object", "strategy"]).to_pylist(),
-            "seconds": dict(found.seconds),
-            "up": found.frame.up_axis,
+            "features": exploration.features.drop_columns(
+                ["class", "object", "strategy"]
+            ).to_pylist(),
+            "seconds": dict(exploration.seconds),
+            "up": exploration.frame.up_axis,
             "out": folders[mesh],
             "files": files,
         }
         return values, [
-            f"{mesh}: {touches} touches from {views} viewpoints by {found.strategy}",
-            *_lines_on_file(up, found),
+            f"{mesh}: {touches} touches from {views} viewpoints by {exploration.strategy}",
+            *_file_lines(up, exploration),
             *(f"  {file}" for file in files),
         ]
 
-    _each(meshes, touch_one, as_json=as_json)
+    _run_on_each(meshes, touch_one, as_json=as_json)
 
 
 def recognise(
@@ -130,7 +135,7 @@ def recognise(
         Path | None,
         typer.Option(
             parser=file_to_read,
-            help="A fitted recognition model; without it the run's own, or else the package's.",
+            help="A fitted recognition model; without it, the model of the run in this folder, or else of the package.",
             show_default=str(DEFAULT_MODEL),
         ),
     ] = None,
@@ -147,11 +152,11 @@ def recognise(
     up: UpOption = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Classify objects from touch alone, with a model that `snakemake model_all` fitted.
+    """Classify objects only from touch, with a model that `snakemake model_all` fitted.
 
-    They are touched as the objects were from which the model learnt; with another --strategy a line says
-    so, and no prediction set is stated. Where no run has fitted one, the model that comes with the package
-    is taken: bottle, car, chair or quadruped.
+    The objects are touched with the parameters of the model's training objects, and with their strategy unless
+    --strategy names another one. Then a line says so, and no prediction set is stated. Without a model of a run,
+    the model of the package is used, which knows bottle, car, chair and quadruped.
 
     Example: visuohaptic recognise mug.obj --model results/models/recogniser.skops
     """
@@ -161,85 +166,90 @@ def recognise(
         strategy = recogniser.model.strategies[0]
     else:
         _check_strategy(strategy)
-    chosen = recogniser.parameters
-    # Which axis points up is a matter of the file, whatever the model learnt from.
+    parameters = recogniser.parameters
+    # The up axis belongs to the file, not to the training objects of the model.
     up = up or "file"
 
     def recognise_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
-        made = _explore(mesh, up, None, viewpoints, strategy, chosen)
-        found, views = made.recognise(recogniser), made.views.num_rows
+        exploration = _explore(mesh, up, None, viewpoints, strategy, parameters)
+        recognition, views = exploration.recognise(recogniser), exploration.views.num_rows
         values = {
             "mesh": mesh,
-            "notes": made.surface.notes,
+            "notes": exploration.surface.notes,
             "model": chosen_model,
-            "class": found.name,
-            "probabilities": dict(found.probabilities),
-            "candidates": found.candidates,
-            "coverage": found.coverage,
-            "unknown": found.unknown,
-            "strangeness": found.strangeness,
-            "strategy": made.strategy,
+            "class": recognition.name,
+            "probabilities": dict(recognition.probabilities),
+            "candidates": recognition.candidates,
+            "coverage": recognition.coverage,
+            "unknown": recognition.unknown,
+            "strangeness": recognition.strangeness,
+            "strategy": exploration.strategy,
             "learnt_strategies": recogniser.model.strategies,
-            "caution": found.caution,
+            "caution": recognition.caution,
             "viewpoints": views,
-            "touches": found.touches,
-            "touched": made.touches.select(_TOUCH_COLUMNS).to_pylist(),
-            "seconds": dict(found.seconds),
+            "touches": recognition.touches,
+            "touched": exploration.touches.select(_TOUCH_COLUMNS).to_pylist(),
+            "seconds": dict(recognition.seconds),
         }
         return values, [
-            _answer_line(mesh, found),
-            *(f"  {name:<20} {100 * value:5.1f} %" for name, value in found.probabilities.items()),
-            *([] if found.caution is None else [f"  caution: {found.caution}"]),
-            *_lines_on_file(up, made),
-            f"  {found.touches} touches from {views} viewpoints by {strategy}",
+            _answer_line(mesh, recognition),
+            *(
+                f"  {name:<20} {100 * value:5.1f} %"
+                for name, value in recognition.probabilities.items()
+            ),
+            *([] if recognition.caution is None else [f"  caution: {recognition.caution}"]),
+            *_file_lines(up, exploration),
+            f"  {recognition.touches} touches from {views} viewpoints by {strategy}",
         ]
 
-    learnt, classes = len(recogniser.model.objects), len(recogniser.model.classes)
+    objects, classes = len(recogniser.model.objects), len(recogniser.model.classes)
     classifier = recogniser.model.classifier.replace("_", " ")
     limits = (
-        "an object of another class is classified as one of these all the same"
+        "an object of another class also gets one of these classes"
         if recogniser.model.learnt(strategy) not in recogniser.model.certainties
-        else "an object that is stranger than nearly all of these is called unknown"
+        else "an object with a higher novelty score than nearly all of these is called unknown"
     )
-    of_model = f"{chosen_model}: {classifier}, which learnt {learnt} objects of {classes} classes; {limits}"
-    _each(meshes, recognise_one, of_model, as_json=as_json)
+    remark = (
+        f"{chosen_model}: {classifier}, trained on {objects} objects of {classes} classes; {limits}"
+    )
+    _run_on_each(meshes, recognise_one, remark, as_json=as_json)
 
 
-def _lines_on_file(up: str | None, found: Exploration) -> list[str]:
-    notes = [f"  note: {note}" for note in found.surface.notes]
-    axis = found.frame.up_axis
+def _file_lines(up: str | None, exploration: Exploration) -> list[str]:
+    notes = [f"  note: {note}" for note in exploration.surface.notes]
+    axis = exploration.frame.up_axis
     if up == "auto":
         notes.append(
-            f"  {axis} is taken as up, as the object stands steadier so; --up says otherwise"
+            f"  {axis} is taken as up, because the object stands more steadily so; --up sets another axis"
         )
     elif up in {None, "file"} and axis != "y":
-        notes.append(f"  {axis} is taken as up, as the file says; --up says otherwise")
+        notes.append(f"  {axis} is taken as up, as the file says; --up sets another axis")
     return notes
 
 
-def _answer_line(mesh: Path, found: Recognition) -> str:
-    likeliest = next(iter(found.probabilities))
-    if found.strangeness is None or found.coverage is None:
-        return f"{mesh}: {found.name}, {100 * found.probabilities[likeliest]:.1f} %"
-    stranger = f"stranger than {100 * found.strangeness:.0f} % of known objects"
-    if found.unknown:
-        return f"{mesh}: {found.name}, {stranger}; the nearest known class is {likeliest}"
-    named = ", ".join(found.candidates or ()) or "none"
+def _answer_line(mesh: Path, recognition: Recognition) -> str:
+    likeliest = next(iter(recognition.probabilities))
+    if recognition.strangeness is None or recognition.coverage is None:
+        return f"{mesh}: {recognition.name}, {100 * recognition.probabilities[likeliest]:.1f} %"
+    novelty = f"novelty score above {100 * recognition.strangeness:.0f} % of known objects"
+    if recognition.unknown:
+        return f"{mesh}: {recognition.name}, {novelty}; the nearest known class is {likeliest}"
+    candidates = ", ".join(recognition.candidates or ()) or "none"
     return (
-        f"{mesh}: {found.name}, {100 * found.probabilities[likeliest]:.1f} %; "
-        f"in {100 * found.coverage:g} % of cases one of: {named}; {stranger}"
+        f"{mesh}: {recognition.name}, {100 * recognition.probabilities[likeliest]:.1f} %; "
+        f"in {100 * recognition.coverage:g} % of cases one of: {candidates}; {novelty}"
     )
 
 
-def _each(
+def _run_on_each(
     meshes: list[Path],
     work: Callable[[Path], tuple[Mapping[str, Any], list[str]]],
     *remarks: str,
     as_json: bool,
 ) -> None:
-    """Print each mesh's lines, the remarks and the seconds, or all values as JSON; one of several may fail."""
+    """Print lines per mesh, remarks and seconds, or all values as JSON; of several meshes, some may fail."""
     keep_pandas_out()
-    found: list[Mapping[str, Any]] = []
+    results: list[Mapping[str, Any]] = []
     for mesh in meshes:
         try:
             values, lines = work(mesh)
@@ -248,20 +258,20 @@ def _each(
                 raise
             say_error(error)
             continue
-        found.append(values)
+        results.append(values)
         for line in () if as_json else lines:
             say(line)
     if as_json:
-        say_json(found[0] if len(meshes) == 1 else found)
-    elif found:
-        for line in (*remarks, _touches_and_seconds(found)):
+        say_json(results[0] if len(meshes) == 1 else results)
+    elif results:
+        for line in (*remarks, _touches_and_seconds(results)):
             say(line)
-    if len(found) < len(meshes):
+    if len(results) < len(meshes):
         raise typer.Exit(1)
 
 
 def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
-    """Give each mesh its folder: `out` for one alone, else one below it, named as the mesh."""
+    """Return the folder of each mesh: `out` for a single mesh, else a folder in `out`, named as the mesh."""
     if len(meshes) == 1:
         return {meshes[0]: out}
     owners: dict[Path, Path] = {}
@@ -280,13 +290,13 @@ def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
 
 def _check_strategy(name: str) -> None:
     if name not in STRATEGIES.names:
-        why = (
-            ", for only study touch_curves can use it (`touch_curves_all`)"
+        reason = (
+            "; only study touch_curves can use it (`touch_curves_all`)"
             if name == "adaptive"
             else ""
         )
         raise typer.BadParameter(
-            f"{name!r} is no strategy of touch{why}; {', '.join(STRATEGIES.names)} are allowed.",
+            f"{name!r} is no strategy of touch{reason}; {', '.join(STRATEGIES.names)} are allowed.",
             param_hint="--strategy",
         )
 
@@ -301,18 +311,18 @@ def _explore(
 ) -> Exploration:
     from visuohaptic.exploration.exploring import load
 
-    turned = {} if up is None else {"own_up_axis": up}
+    up_axis = {} if up is None else {"own_up_axis": up}
     with warnings.catch_warnings():
-        # They are printed as lines of the command.
+        # The command prints the warnings as lines.
         warnings.simplefilter("ignore", MeshWarning)
-        ready = load(mesh, parameters=parameters.meshes.model_copy(update=turned), unit=unit)
+        touchable = load(mesh, parameters=parameters.meshes.model_copy(update=up_axis), unit=unit)
     track: Any = partial(show_progress, doing=f"touching {mesh.name}")
-    return ready.touch(viewpoints, strategy, parameters, track)
+    return touchable.touch(viewpoints, strategy, parameters, track)
 
 
-def _touches_and_seconds(found: list[Mapping[str, Any]]) -> str:
-    touches, seconds = sum(one["touches"] for one in found), Counter[str]()
-    for one in found:
-        seconds.update(one["seconds"])
+def _touches_and_seconds(results: list[Mapping[str, Any]]) -> str:
+    touches, seconds = sum(result["touches"] for result in results), Counter[str]()
+    for result in results:
+        seconds.update(result["seconds"])
     phases = ", ".join(f"{phase} {value:.2f}" for phase, value in seconds.items())
     return f"{touches} touches in {seconds.total():.1f} s ({phases})"

@@ -16,11 +16,11 @@ from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
 from visuohaptic.meshes.catalogue import Credit, read_credits
 
 ROWS = 1024
-"""Touches in memory at a time, and in a row group: 4 MB of imprints of 32 × 32."""
+"""Touches in memory at a time and per row group: 4 MB for imprints of 32 × 32."""
 
 CREDITS = ("meshes/catalogue.csv", "meshes/paper/credits.csv")
 
-_KNOWN = ("cc0-1.0", "cc-by-3.0", "cc-by-4.0", "unknown")  # to the Hub
+_KNOWN = ("cc0-1.0", "cc-by-3.0", "cc-by-4.0", "unknown")  # licence names of the Hub
 
 _CARD = """
 # Touches of 3D objects
@@ -50,13 +50,13 @@ An imprint derives from its object's model. The models are by:
 
 def export(
     folder: Annotated[
-        Path, typer.Argument(metavar="FOLDER", parser=folder_to_write, help="New or empty.")
+        Path, typer.Argument(metavar="FOLDER", parser=folder_to_write, help="New or empty folder.")
     ],
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Write the finished run in the working folder as a data set for Hugging Face `datasets`.
 
-    It has touches.parquet with the imprints, features.parquet, and README.md with licences and authors.
+    Writes touches.parquet with the imprints, features.parquet, and README.md with licences and authors.
 
     Example: visuohaptic export touches
     """
@@ -66,9 +66,9 @@ def export(
     files = sorted(Path("results/touches").rglob("*.parquet"))
     if not files:
         raise ExportError("results/touches holds no touches; run `snakemake -j2` here first.")
-    held = sorted(folder.iterdir()) if folder.is_dir() else []
-    if held:
-        raise ExportError(f"{held[0]} is there already; name a new or an empty folder.")
+    existing = sorted(folder.iterdir()) if folder.is_dir() else []
+    if existing:
+        raise ExportError(f"{existing[0]} is there already; name a new or an empty folder.")
     features = read_table(FEATURES, "results/features")
     objects = sorted(keys_of(features).unique().to_pylist())
     with atomic_file(folder / "touches.parquet") as unfinished:
@@ -97,29 +97,31 @@ def _write_touches(files: Sequence[Path], path: Path) -> int:
     index = TOUCHES.arrow.get_field_index("image")
     imprint = pa.field("imprint", pa.list_(pa.list_(pa.float32())), nullable=False)
     schema = TOUCHES.arrow.set(index, imprint.with_metadata(TOUCHES.arrow.field(index).metadata))
-    written, edge = 0, 0
+    rows_written, edge = 0, 0
     with pq.ParquetWriter(path, schema, compression="zstd") as writer:
         for file in files:
             for batch in pq.ParquetFile(file).iter_batches(ROWS):
                 table = pa.Table.from_batches([batch])
                 check_table(TOUCHES, table)
-                found = images(table)
-                edge = edge or found.shape[1]
-                if found.shape[1] != edge:
-                    sizes = f"{found.shape[1]} rows, and others have {edge}"
+                imprints = images(table)
+                edge = edge or imprints.shape[1]
+                if imprints.shape[1] != edge:
+                    sizes = f"{imprints.shape[1]} rows; other files have {edge}"
                     raise ExportError(f"{file} has imprints of {sizes}; run `snakemake -j2` first.")
-                ends = np.arange(len(found) * edge + 1, dtype=np.int32)
-                lines = pa.ListArray.from_arrays(ends * edge, found.ravel())
-                nested = pa.ListArray.from_arrays(ends[: len(found) + 1] * edge, lines)
+                ends = np.arange(len(imprints) * edge + 1, dtype=np.int32)
+                lines = pa.ListArray.from_arrays(ends * edge, imprints.ravel())
+                nested = pa.ListArray.from_arrays(ends[: len(imprints) + 1] * edge, lines)
                 writer.write_table(table.set_column(index, imprint, nested).cast(schema))
-                written += len(found)
-    return written
+                rows_written += len(imprints)
+    return rows_written
 
 
 def _card(objects: Sequence[str], credited: Mapping[str, Credit], touches: int) -> str:
-    """Compose the card: the header that `datasets` and the Hub read, and the models' authors."""
+    """Return README.md: the header that `datasets` and the Hub read, and the authors of the models."""
     rows = [(key, credited.get(key)) for key in objects]
-    names = {one.licence.lower().removesuffix("-us") if one else "unknown" for _, one in rows}
+    names = {
+        credit.licence.lower().removesuffix("-us") if credit else "unknown" for _, credit in rows
+    }
     header = {
         "pretty_name": "Touches of 3D objects",
         "license": sorted({name if name in _KNOWN else "other" for name in names}),
@@ -130,12 +132,12 @@ def _card(objects: Sequence[str], credited: Mapping[str, Credit], touches: int) 
     }
     classes = len({key.partition("/")[0] for key in objects})
     text = _CARD.format(touches=touches, objects=len(objects), classes=classes)
-    for key, one in rows:
-        known = (one.author, one.licence, one.source_url) if one else ("not known",) * 3
-        text += f"| {' | '.join(map(_escaped, (key, *known)))} |\n"
+    for key, credit in rows:
+        cells = (credit.author, credit.licence, credit.source_url) if credit else ("not known",) * 3
+        text += f"| {' | '.join(map(_escaped, (key, *cells)))} |\n"
     return f"---\n{yaml.safe_dump(header, sort_keys=False)}---\n{text}"
 
 
 def _escaped(text: str) -> str:
-    """Escape what Markdown would read as markup in a name, line breaks among it."""
+    """Escape Markdown markup in a name, and join its lines."""
     return re.sub(r"([\\`*\[\]<>|~$]|\b_|_\b)", r"\\\1", " ".join(text.split()))

@@ -1,4 +1,4 @@
-"""How the command `visuohaptic` starts and ends; everything else is imported once Ctrl-C is heeded."""
+"""Entry point of the command `visuohaptic`; installs the handler of Ctrl-C before slow imports."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from visuohaptic.io.interrupts import end_at_interrupt
 
 
 def main() -> None:
-    """Run the command, and then end the process, which Ctrl-C may do before, with status 130."""
+    """Run the command and end the process; Ctrl-C ends the process with status 130."""
     end_at_interrupt(remove_unfinished)
     run(sys.argv[1:])
 
 
 def run(arguments: list[str]) -> None:
-    """Run the command; end with 0, 1 (failed) or 2 (wrong use), an error in one sentence.
+    """Run the command; end with status 0, 1 (failed) or 2 (wrong use), and print an error as one sentence.
 
-    A reader that closes the pipe early has seen enough: that is no error.
+    A reader that closes the pipe early, such as ``head``, is no error.
     """
     debug = DEBUG in arguments[: arguments.index("--")] if "--" in arguments else DEBUG in arguments
     if debug:
@@ -32,24 +32,24 @@ def run(arguments: list[str]) -> None:
         try:
             app(arguments, prog_name="visuohaptic")
         except SystemExit as end:
-            # Typer ends with 1 where a pipe breaks, for example of `--help`.
+            # Typer ends with 1 when a pipe breaks, for example in `--help | head`.
             broken = isinstance(end.__context__, BrokenPipeError)
             raise SystemExit(0 if broken or not _flush() else end.code) from None
     except Exception as error:
         if debug:
             raise
         say_error(error)
-        with suppress(OSError):  # what can't be written is given up, and named above
+        with suppress(OSError):  # the error was printed above
             _flush()
         raise SystemExit(1) from None
 
 
 def _flush() -> bool:
-    """Write out what was printed; tell whether anyone took it."""
+    """Flush standard output; return whether its reader is still there."""
     try:
         sys.stdout.flush()
     except OSError as error:
-        # The interpreter flushes once more at its end, and would complain.
+        # The interpreter flushes again at its end, and would print an error.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(error, BrokenPipeError):
             return False

@@ -1,4 +1,4 @@
-"""`visuohaptic meshes`: bring models, check them, and name who made them."""
+"""`visuohaptic meshes`: download models, check them, and list their authors."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from visuohaptic.meshes.catalogue import (
     write_credits,
 )
 
-app = typer.Typer(help="The models that objects come from.", no_args_is_help=True)
+app = typer.Typer(help="Download, check and credit the models of objects.", no_args_is_help=True)
 
 
-SetOption = Annotated[ObjectSet, typer.Option("--set", help="Which objects of the catalogue.")]
+SetOption = Annotated[ObjectSet, typer.Option("--set", help="Set of objects in the catalogue.")]
 FolderOption = Annotated[
     Path, typer.Option("--meshes", help="Folder with catalogue.csv, paper/, own/ and downloaded/.")
 ]
@@ -31,12 +31,14 @@ FolderOption = Annotated[
 def fetch(
     object_set: SetOption = "benchmark",
     meshes: FolderOption = Path("meshes"),
-    cache: Annotated[Path, typer.Option(help="Where archives are kept.")] = Path(".cache/models"),
+    cache: Annotated[Path, typer.Option(help="Folder for downloaded archives.")] = Path(
+        ".cache/models"
+    ),
     jobs: Annotated[int, typer.Option(min=1, help="Processes that pack models.")] = 2,
 ) -> None:
-    """Bring the models of a set that the repository does not hold.
+    """Download the models of a set that the repository does not contain.
 
-    What has come stays; a second call goes on from there.
+    Finished downloads are kept; run the command again to continue.
 
     Example: visuohaptic meshes fetch --set benchmark
     """
@@ -55,9 +57,9 @@ def check(
     meshes: FolderOption = Path("meshes"),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Prepare each model of a set and each own one, and tell which can't be touched and why.
+    """Prepare each model of a set and each of your own models, and report models that can't be touched.
 
-    Ends with 1 where there is such a model.
+    Ends with status 1 if a model can't be touched.
 
     Example: visuohaptic meshes check --set paper
     """
@@ -72,10 +74,10 @@ def check(
             f"{len(missing)} models of set {object_set} are not there, such as {missing[0]}; "
             f"run `make meshes SET={object_set}`."
         )
-    own = find_own_models(meshes / "own", {model.key for model in models})
-    files |= own.models
+    own_models = find_own_models(meshes / "own", {model.key for model in models})
+    files |= own_models.models
     findings: dict[str, dict[str, Any]] = {
-        str(file): {"error": sentence} for file, sentence in own.set_aside.items()
+        str(file): {"error": sentence} for file, sentence in own_models.set_aside.items()
     }
     for model, file in show_progress(list(files.items()), "checking models"):
         try:
@@ -103,16 +105,16 @@ def show_credits(
     meshes: FolderOption = Path("meshes"),
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
-    """Name who made each model of a set, and its licence.
+    """List author and licence of each model of a set.
 
     Example: visuohaptic meshes credits --set benchmark
     """
     models = models_of_set(meshes / "catalogue.csv", object_set)
-    named = {model.key: asdict(model.credit) for model in models if model.credit is not None}
+    credit_of = {model.key: asdict(model.credit) for model in models if model.credit is not None}
     if as_json:
-        say_json(named)
+        say_json(credit_of)
         return
-    for key, credit in named.items():
+    for key, credit in credit_of.items():
         address = f", {credit['source_url']}" if credit["source_url"] else ""
         say(f"{key}: {credit['author']}, {credit['licence']}{address}")
 

@@ -1,4 +1,4 @@
-"""`visuohaptic press`: sensors at poses of one's own on a mesh, in the frame of its file."""
+"""`visuohaptic press`: sensors at given poses on a mesh, in the frame of its file."""
 
 from __future__ import annotations
 
@@ -18,24 +18,28 @@ def press(
         Path,
         typer.Option(
             parser=file_to_read,
-            help="CSV file: x, y, z in the mesh's unit, and qw, qx, qy, qz, or normal_x, normal_y, normal_z and roll in degrees.",
+            help="CSV file of poses: x, y, z in the mesh's unit, and qw, qx, qy, qz, or normal_x, normal_y, normal_z and roll in degrees.",
         ),
     ],
     size: Annotated[float, typer.Option(help="Width of the sensors, in the mesh's unit.")],
     height: Annotated[
-        float | None, typer.Option(help="Their height.", show_default="the width")
+        float | None,
+        typer.Option(help="Height of the sensors, in the mesh's unit.", show_default="the width"),
     ] = None,
     resolution: Annotated[int, typer.Option(help="Sensing points along the width.")] = 32,
     depth: Annotated[
         float | None,
-        typer.Option(help="How deep below its plane a sensor feels.", show_default="a third"),
+        typer.Option(
+            help="Largest depth below its plane that a sensor feels, in the mesh's unit.",
+            show_default="a third of the larger side",
+        ),
     ] = None,
     scene: Annotated[
-        str | None, typer.Option(help="What is simulated: ideal, fsr400 or worn_fsr.")
+        str | None, typer.Option(help="Preset of simulated effects: ideal, fsr400 or worn_fsr.")
     ] = None,
     unit: Annotated[
         Literal["mm", "cm", "m", "in"] | None,
-        typer.Option(help="The mesh's unit of length, for a scene."),
+        typer.Option(help="Unit of length of the mesh, for --scene."),
     ] = None,
     out: Annotated[
         Path, typer.Option(parser=folder_to_write, help="Folder for the imprints and the picture.")
@@ -43,8 +47,8 @@ def press(
 ) -> None:
     """Press sensors on a mesh at given poses.
 
-    Writes imprints.npy, heights.npy and picture.png. `visuohaptic touch` writes poses of its own, which
-    can be pressed again, as poses.csv.
+    Writes imprints.npy, heights.npy and picture.png. The file poses.csv of `visuohaptic touch` can be used as
+    --poses.
 
     Example: visuohaptic press mug.stl --poses poses.csv --size 10
     """
@@ -55,13 +59,13 @@ def press(
     from visuohaptic.meshes.model_files import read_mesh
 
     surface = read_mesh(mesh)
-    tall = size if height is None else height
+    sensor_height = size if height is None else height
     pressed = press_sensors(
         surface,
         poses=read_poses(poses),
-        size=(size, tall),
+        size=(size, sensor_height),
         resolution=(
-            max(2, round(resolution * tall / size)) if size > 0 else resolution,
+            max(2, round(resolution * sensor_height / size)) if size > 0 else resolution,
             resolution,
         ),
         depth=depth,

@@ -1,4 +1,4 @@
-"""What the command says: results, progress, errors."""
+"""Print results, progress and errors of the command, and check its arguments."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from visuohaptic.base.errors import VisuohapticError
 
 Item = TypeVar("Item")
 
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON, for machines.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 WHOLE_LINE = 500
-"""Longest error, in characters; an object's own text may be of any length."""
+"""Largest number of characters of a printed error; longer errors are cut."""
 
 
 def say(text: str) -> None:
-    """Print a line of results, whatever characters a file's name brings into it."""
+    """Print a line of results; characters that the terminal can't show are escaped."""
     encoding = sys.stdout.encoding or "utf-8"
-    shown = printable(text).encode(encoding, "backslashreplace").decode(encoding)
-    sys.stdout.write(f"{shown}\n")
+    escaped = printable(text).encode(encoding, "backslashreplace").decode(encoding)
+    sys.stdout.write(f"{escaped}\n")
 
 
 def say_json(values: object) -> None:
-    """Print values for machines, in ASCII, so that no encoding can spoil them."""
+    """Print values as JSON, in ASCII, which every encoding can show."""
     sys.stdout.write(json.dumps(values, indent=2, default=_plain) + "\n")
 
 
@@ -40,34 +40,34 @@ def say_error(error: Exception) -> None:
 
 
 def show_progress(steps: list[Item], doing: str) -> Iterable[Item]:
-    """Go through steps with a bar on standard error; without one where nobody is looking."""
+    """Iterate over steps with a progress bar on standard error, if standard error is a terminal."""
     return tqdm(steps, desc=printable(doing), leave=False, disable=None, file=sys.stderr)
 
 
 def folder_to_write(name: str) -> Path:
-    """Take the name of a folder for results; refuse, before any work, one that can't be written."""
+    """Return the path of a folder for results; raise ``BadParameter`` if the folder can't be written."""
     if not name:
         raise typer.BadParameter("the name is empty; a folder is needed.")
     folder = Path(name)
     try:
-        there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-        if not there.is_dir():
-            raise typer.BadParameter(f"{printable(str(there))} is a file; a folder is needed.")
-        with tempfile.TemporaryFile(dir=there):
+        existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+        if not existing.is_dir():
+            raise typer.BadParameter(f"{printable(str(existing))} is a file; a folder is needed.")
+        with tempfile.TemporaryFile(dir=existing):
             return folder
     except OSError as error:
         raise typer.BadParameter(f"{printable(name)} can't be written: {error.strerror}.") from None
 
 
 def file_to_read(name: str) -> Path:
-    """Take the name of a file; an empty one would mean this folder."""
+    """Return the path of a file; raise ``BadParameter`` for an empty name, which would be the working folder."""
     if not name:
         raise typer.BadParameter("the name is empty; a file is needed.")
     return Path(name)
 
 
 def printable(text: str) -> str:
-    """Write out control characters, line breaks among them, that a file's name may hold."""
+    """Escape control characters and line breaks, which names of files may contain."""
     return "".join(
         character if character.isprintable() else character.encode("unicode_escape").decode()
         for character in text
@@ -75,8 +75,8 @@ def printable(text: str) -> str:
 
 
 def sentence_of(error: Exception) -> str:
-    """Give an error as one line: a sentence that names the thing and a way out."""
-    sentence = f"{type(error).__name__}: {error}; `visuohaptic --debug ...` shows where it arose."
+    """Return an error as one line."""
+    sentence = f"{type(error).__name__}: {error}; `visuohaptic --debug ...` prints the traceback."
     if isinstance(error, VisuohapticError):
         sentence = str(error)
     elif isinstance(error, MemoryError):

@@ -1,4 +1,4 @@
-"""`visuohaptic report`: the page of a finished run, without the workflow."""
+"""`visuohaptic report`: write the report of a finished run, without the workflow."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def report(
 ) -> None:
     """Write the report of a finished run: one HTML page that needs no network.
 
-    The workflow writes the same page to reports/report.html; here nothing is run or changed.
+    The workflow writes the same page to reports/report.html. This command neither runs phases nor changes the run.
 
     Example: visuohaptic report . --out report
     """

@@ -1,4 +1,4 @@
-"""`visuohaptic tables`: the columns of a table, from the schema that its files are checked against."""
+"""`visuohaptic tables`: list the columns of a table from its schema."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ TYPES = {"string": "text", "binary": "bytes"}
 
 
 def tables(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="A table.", show_default=False)] = "",
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Name of a table.", show_default=False)
+    ] = "",
 ) -> None:
-    """List the tables, or the columns of one: type, unit, closed range of the values, and meaning.
+    """List all tables, or the columns of a table: type, unit, closed range of the values, and meaning.
 
-    A table is Parquet: one file, or a folder of files that reads as one. Each field's metadata holds
-    its unit and meaning. Lengths are in object radii: the bounding sphere's centre is the origin, its
-    radius 1, and y points up.
+    A table is a Parquet file or a folder of Parquet files. Metadata of each field has its unit and meaning.
+    Lengths are in object radii: the bounding sphere has its centre in the origin and radius 1, and y points up.
 
     Example: visuohaptic tables touches
     """
@@ -29,14 +30,16 @@ def tables(
     from visuohaptic.tables.schemas import SCHEMAS
 
     if not name:
-        _say_rows([(one.name, f"one row per {', '.join(one.keys)}") for one in SCHEMAS.values()])
+        _say_rows(
+            [(table.name, f"one row per {', '.join(table.keys)}") for table in SCHEMAS.values()]
+        )
         return
     if name not in SCHEMAS:
         raise typer.BadParameter(f"there is no table {name!r}; {', '.join(SCHEMAS)} are allowed.")
     schema = SCHEMAS[name]
     makers = [phase.name for phase in PHASES if name in phase.writes]
-    written = f"; written by phase {' and '.join(makers)}" if makers else ""
-    say(f"{name}: one row per {', '.join(schema.keys)}{written}")
+    phase_note = f"; written by phase {' and '.join(makers)}" if makers else ""
+    say(f"{name}: one row per {', '.join(schema.keys)}{phase_note}")
     _say_rows([describe_column(column) for column in schema.columns])
 
 

@@ -69,7 +69,7 @@ def read_poses(path: str | Path) -> FloatArray:
     zero = np.flatnonzero(lengths == 0)
     if len(zero):
         raise ParameterError(
-            f"{table.place(int(zero[0]))}: {', '.join(axes)} are all 0; a direction is needed."
+            f"{table.position(int(zero[0]))}: {', '.join(axes)} are all 0; a direction is needed."
         )
     directions /= lengths
     if not is_quaternion:
@@ -117,7 +117,7 @@ def _read_table(path: str | Path) -> TextTable:
         raise ParameterError(str(error)) from error
     if not table.names:
         raise ParameterError(
-            f"{table.place(0)} holds numbers; a header is needed in the first line: {', '.join(PLACE)} and "
+            f"{table.position(0)} holds numbers; a header is needed in the first line: {', '.join(PLACE)} and "
             f"{', '.join(QUATERNION)} or {', '.join(NORMAL)}."
         )
     return table
@@ -140,6 +140,6 @@ def _numbers(table: TextTable, names: Sequence[str]) -> FloatArray:
     if len(large):
         row, column = large[0].tolist()
         raise ParameterError(
-            f"{table.place(row, chosen[column])} is {values[row, column]:g}; numbers below {FARTHEST:g} are allowed."
+            f"{table.position(row, chosen[column])} is {values[row, column]:g}; numbers below {FARTHEST:g} are allowed."
         )
     return values

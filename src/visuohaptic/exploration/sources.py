@@ -11,7 +11,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import Model, read_catalogue
 from visuohaptic.meshes.model_files import PACKED, Source, name_of
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import place_object
+from visuohaptic.meshes.preparing import prepare_with_matrix
 from visuohaptic.parameters import ExperimentParameters, as_parameters
 
 UNKNOWN_CLASS = "unknown"
@@ -26,7 +26,7 @@ def read_source(
     object, can't be read, or has no surface.
     """
     model = _model_of(source)
-    return model.key, *place_object(model, source, parameters, file_type)
+    return model.key, *prepare_with_matrix(model, source, parameters, file_type)
 
 
 def is_one_source(value: Any) -> bool:

@@ -1,8 +1,8 @@
 """Compute elementary functions with the same bits on every processor.
 
-NumPy and the C library choose instructions by processor, so that last digits differ. The functions of this module use
-only additions, multiplications, divisions and square roots of float64, which IEEE 754 rounds in one way. Errors are some
-units in the last place.
+NumPy and the C library choose instructions by processor, so last digits differ between processors. The functions of this module use
+only additions, multiplications, divisions and square roots of float64, because IEEE 754 defines their rounding. Errors are
+a few units in the last place.
 """
 
 from __future__ import annotations

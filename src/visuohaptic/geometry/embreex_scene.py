@@ -9,7 +9,7 @@ from embreex.rtcore_scene import EmbreeScene
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.cast_rays import Crossings, FirstFaces, Rays
 from visuohaptic.geometry.nearest import nearest_on
-from visuohaptic.geometry.overlaps import in_parts
+from visuohaptic.geometry.overlaps import blocks_by_count
 from visuohaptic.geometry.vectors import dot
 
 # Pairs of a ray or point and a face that are compared at once; limits the memory.
@@ -39,7 +39,7 @@ class EmbreexScene:
         """Return all hits of rays; rays with a first hit are compared with all faces."""
         hitting = np.flatnonzero(self.first_faces(rays)[0] >= 0)
         hits = [(hitting[:0], hitting[:0])]
-        for block in in_parts(hitting, np.full(len(hitting), len(self._triangles)), _PAIRS):
+        for block in blocks_by_count(hitting, np.full(len(hitting), len(self._triangles)), _PAIRS):
             rows, faces = np.nonzero(_meets(self._triangles, rays[block].astype(np.float64)))
             hits.append((block[rows], faces))
         ray_indices, face_indices = zip(*hits, strict=True)
@@ -52,7 +52,7 @@ class EmbreexScene:
     def nearest_faces(self, points: FloatArray) -> IntArray:
         """Return the face nearest to each point, compared with all faces."""
         nearest = [np.zeros(0, np.int64)]
-        for block in in_parts(
+        for block in blocks_by_count(
             np.arange(len(points)), np.full(len(points), len(self._triangles)), _PAIRS
         ):
             pairs = (len(block), len(self._triangles), 3)

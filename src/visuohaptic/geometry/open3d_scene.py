@@ -33,7 +33,7 @@ class Open3DScene:
 
     def crossings(self, rays: Rays) -> Crossings:
         """Return all hits of rays, as ray indices and face indices."""
-        if not len(rays):  # Open3D ends the process for no rays
+        if not len(rays):  # Open3D ends the process if there are no rays
             return np.zeros(0, np.int64), np.zeros(0, np.int64)
         answer = self._scene.list_intersections(self._tensor(rays))
         rays_hit, faces_hit = (

@@ -69,12 +69,12 @@ def _candidates(surface: Surface, cells: FloatArray) -> Iterator[tuple[IntArray,
     order = np.argsort(low, kind="stable")
     faces, low, high = faces[order], low[order], high[order]
     follow = np.searchsorted(low, high, side="right") - np.arange(len(low)) - 1
-    for block in in_parts(np.arange(len(low)), follow, _PAIRS):
-        first, second = paired(block, block + 1, follow[block])
+    for block in blocks_by_count(np.arange(len(low)), follow, _PAIRS):
+        first, second = repeat_with_ranges(block, block + 1, follow[block])
         yield faces[first], faces[second]
 
 
-def in_parts(rows: IntArray, counts: IntArray, most: int) -> list[IntArray]:
+def blocks_by_count(rows: IntArray, counts: IntArray, most: int) -> list[IntArray]:
     """Divide rows (n,) into consecutive blocks with counts (n,) of about `most` in sum.
 
     A block ends where the cumulative sum of the counts passes a multiple of `most`.
@@ -83,7 +83,9 @@ def in_parts(rows: IntArray, counts: IntArray, most: int) -> list[IntArray]:
     return np.split(rows, np.flatnonzero(np.diff(ends)) + 1)
 
 
-def paired(rows: IntArray, starts: IntArray, counts: IntArray) -> tuple[IntArray, IntArray]:
+def repeat_with_ranges(
+    rows: IntArray, starts: IntArray, counts: IntArray
+) -> tuple[IntArray, IntArray]:
     """Return each row `counts` times, paired with start, start + 1, … of that row.
 
     All arrays have the shape (n,); the two results have the shape (sum of `counts`,).

@@ -1,14 +1,14 @@
-"""Rays against a triangle surface, many at once, through Embree.
+"""Cast rays at a triangle surface with Embree, and compute hits in float64.
 
-Embree says which face a ray meets first, in float32; float64 says where: on the plane of that face.
-Embree may take the wrong face within about 1e-7 of an edge, takes another one on another processor,
-and passes faces as narrow as that: such rays are settled in float64, by these rules.
+Embree finds the first face of a ray in float32; the distance is computed in float64 from the plane of that face. Within
+about 1e-7 of an edge, Embree may return a wrong face, or different faces on different processors. It also misses faces
+that are narrower than that. Such doubtful rays are recomputed in float64, with these rules:
 
-- A ray through an edge or a vertex meets one of the faces there: the nearest of their planes along the
-  ray and, of equally near ones, the face of the lowest number.
-- A ray through faces that lie on each other meets the nearest of them, of equally near ones the lowest number.
-- A ray that lies in the plane of a face does not meet that face, but those beside it.
-- A face without area is met by no ray.
+- A ray through an edge or a vertex hits the face there with the nearest plane along the ray; of equally near planes,
+  the face with the lowest index.
+- A ray through faces that lie on each other hits the nearest face; of equally near faces, the lowest index.
+- A ray in the plane of a face does not hit this face, but may hit its neighbours.
+- No ray hits a face without area.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.cast_rays import Scene
 from visuohaptic.geometry.nearest import nearest_on
-from visuohaptic.geometry.overlaps import in_parts, overlapping_faces, paired
+from visuohaptic.geometry.overlaps import blocks_by_count, overlapping_faces, repeat_with_ranges
 from visuohaptic.geometry.scenes import SCENES, installed_package
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import cross, dot
@@ -32,12 +32,12 @@ from visuohaptic.geometry.vectors import cross, dot
 MISS = -1
 
 Pairs = Iterator[tuple[IntArray, IntArray]]
-"""Rays, ascending, each with a face that it may meet, some at a time."""
+"""Blocks of pairs: indices of rays, ascending, and of faces that they may hit."""
 
 Suspects = Callable[[FloatArray], BoolArray]
 
-# Embree's float32 may take a ray this far (in the surface's unit) to the wrong side of an edge:
-# eight roundings of coordinates of size 3.
+# Largest error of Embree's float32 across a ray, in units of the surface: eight roundings of coordinates
+# of size 3. Within this distance of an edge, Embree may find the wrong face.
 LATERAL_ERROR = 2e-6
 # Rays that look for candidate faces around a doubtful ray are offset by this distance.
 _BUNDLE_RADIUS = 3e-6
@@ -46,17 +46,17 @@ _BUNDLE = np.array(
 )
 # Rounding of a triple product of float64 vectors, relative to their lengths.
 _ROUNDING = 2e-15
-# A face this high may lie between the rays of a bundle, and float32 may take the one at its middle past it.
+# A face lower than this may lie between the rays of a bundle, and float32 may miss it.
 _NARROW = 2 * (LATERAL_ERROR + _BUNDLE_RADIUS)
-# Of faces that lie on each other, float32 may take the one behind, this far in the surface's unit.
+# Of two faces closer than this (units of the surface), float32 may find the farther face.
 _DEPTH_ERROR = 4e-6
-# A face lower than this is a line in float64, too.
+# A face lower than this, relative to its longest edge, is a line in float64.
 _LINE = 1e-12
-# Only rays that come so near to a narrow face are compared with it.
-_ROOM = 1e-4
-# Pairs of a ray and a face, or a box around one, that are compared at once, for the memory that they take.
-_PAIRS = 1 << 16
-# Corners and faces of a cube about the origin, whose edges are 1.
+# Rays within this distance of a narrow face are compared with it.
+_BOX_MARGIN = 1e-4
+# Largest number of pairs of a ray and a face that are compared at once; limits the memory.
+_MOST_PAIRS = 1 << 16
+# Corners and faces of a cube with edges of length 1, centred at the origin.
 _BOX_CORNERS = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
 _BOX_FACES = np.array(
     [
@@ -68,10 +68,14 @@ _BOX_FACES = np.array(
 
 @dataclass(frozen=True)
 class Hits:
-    """Where each of n rays first meets the surface.
+    """First hits of n rays.
 
-    `distance` (n,), float64, is along the ray in lengths of its direction, infinite for a miss;
-    `face` (n,), int64, is the face that was hit, or `MISS`.
+    Attributes
+    ----------
+    distance : ndarray of shape (n,), float64
+        Distance along the ray in lengths of its direction; infinite for a miss.
+    face : ndarray of shape (n,), int64
+        Index of the face that was hit, or `MISS`.
     """
 
     distance: FloatArray
@@ -79,15 +83,26 @@ class Hits:
 
     @property
     def hit(self) -> BoolArray:
-        """Whether each ray met the surface, shape (n,)."""
+        """Whether each ray hits the surface, shape (n,)."""
         return self.face != MISS
 
 
 class RayCaster:
-    """A surface prepared for rays; `bounds` (2, 3) are the lower and upper corner of its bounding box.
+    """A surface prepared for ray casting.
 
-    Keep it near the origin and near unit size, for faces are found in float32. Of `scenes.SCENES`
-    the one that is named by `package` casts the rays, or else the first one that is installed.
+    Parameters
+    ----------
+    surface : Surface
+        The surface; near the origin and of about unit size, because faces are found in float32.
+    package : str, optional
+        Name of a package in `scenes.SCENES`; by default the first installed package.
+
+    Attributes
+    ----------
+    surface : Surface
+        The surface.
+    bounds : ndarray of shape (2, 3)
+        Lower and upper corner of the bounding box.
     """
 
     def __init__(self, surface: Surface, package: str | None = None) -> None:
@@ -108,44 +123,58 @@ class RayCaster:
 
     @property
     def reach(self) -> float:
-        """A length that no two points of the surface are farther apart than."""
-        across = self.bounds[1] - self.bounds[0]
-        return float(np.sqrt(dot(across, across)))
+        """Diagonal of the bounding box: an upper bound of the distance between points of the surface."""
+        diagonal = self.bounds[1] - self.bounds[0]
+        return float(np.sqrt(dot(diagonal, diagonal)))
 
     def first_hits(
         self, origins: FloatArray, directions: FloatArray, suspects: Suspects | None = None
     ) -> Hits:
-        """Cast rays (n, 3) and give the first hit of each, the same bits on every x86-64 processor.
+        """Compute the first hit of each ray, with the same bits on every x86-64 processor.
 
-        Doubtful is a ray that meets its face so near an edge or vertex, or so grazing, that float32 may
-        have taken the wrong face; and all that `suspects` names, such as a miss between hits: it
-        takes the distances (n,) of the first cast and gives further doubtful rays (n,), bool. These
-        are settled in float64. A ray's hit is independent of what else is in the batch as far as
-        `suspects` is.
+        Rays that hit near an edge or vertex, or at a grazing angle, are recomputed in float64, because float32 may
+        have found the wrong face.
+
+        Parameters
+        ----------
+        origins, directions : ndarray of shape (n, 3)
+            Origin and direction of each ray.
+        suspects : callable, optional
+            Takes the distances (n,) of the first cast and returns further rays to recompute, (n,), bool, such as a
+            miss between hits. The hit of a ray depends on the other rays only if `suspects` does.
+
+        Returns
+        -------
+        Hits
+            First hit of each ray.
         """
         hits, doubtful = self._cast(origins, directions)
         if suspects is not None:
             doubtful |= suspects(hits.distance)
-        narrow_rays, narrow = self._nearest_pairs(
+        narrow_rays, narrow_hits = self._nearest_pairs(
             self._narrow_pairs(origins, directions), origins, directions
         )
-        # A doubtful face is not kept where the ray meets another one for sure.
-        unsure = narrow_rays[doubtful[narrow_rays]]
-        hits.distance[unsure], hits.face[unsure] = np.inf, MISS
-        again = np.flatnonzero(doubtful)
-        if len(again):
-            first = _take(hits, again)
-            _put(hits, again, self._settle(origins[again], directions[again], first))
-        nearer = narrow.distance < hits.distance[narrow_rays]
-        _put(hits, narrow_rays[nearer], _take(narrow, nearer))
+        # A ray that surely hits a narrow face loses its doubtful hit, so that `_recompute` can't keep it.
+        doubtful_narrow = narrow_rays[doubtful[narrow_rays]]
+        hits.distance[doubtful_narrow], hits.face[doubtful_narrow] = np.inf, MISS
+        doubtful_rays = np.flatnonzero(doubtful)
+        if len(doubtful_rays):
+            first_cast = _take(hits, doubtful_rays)
+            _put(
+                hits,
+                doubtful_rays,
+                self._recompute(origins[doubtful_rays], directions[doubtful_rays], first_cast),
+            )
+        nearer = narrow_hits.distance < hits.distance[narrow_rays]
+        _put(hits, narrow_rays[nearer], _take(narrow_hits, nearer))
         twins = self._nearest_pairs(self._twin_pairs(hits.face), origins, directions)
         _put_nearer(hits, *twins)
         return hits
 
     def weights(self, points: FloatArray, faces: IntArray) -> FloatArray:
-        """Give barycentric weights (n, 3) of points (n, 3), each on the plane of its face, which has an area.
+        """Compute the barycentric weights (n, 3) of points (n, 3) on the planes of faces (n,) with an area.
 
-        They are at least 0, and a point's sum is 1.
+        Weights are at least 0, and their sum per point is 1.
         """
         tables = self._weight_rows.take(faces, axis=1)
         offsets = points.T - tables[6:]
@@ -157,18 +186,18 @@ class RayCaster:
 
     @cached_property
     def _weight_rows(self) -> FloatArray:
-        """Both slopes and the first corner of each face, shape (9, f): NumPy gathers single numbers fastest."""
+        """Both slopes and the first corner of each face, shape (9, f), because NumPy gathers single numbers fastest."""
         slopes = self.slopes.reshape(-1, 6).T
         return np.ascontiguousarray(np.concatenate([slopes, self._corners[:, 0].T]))
 
     @cached_property
     def face_normal_rows(self) -> FloatArray:
-        """Components of the unit normal of each face by its winding, shape (3, f)."""
+        """Components of the unit normal of each face on the side of its winding, shape (3, f)."""
         return np.ascontiguousarray(self.surface.face_normals.T)
 
     @cached_property
     def slopes(self) -> FloatArray:
-        """How the weights of each face's second and third corner grow in space, shape (f, 2, 3)."""
+        """Gradients in space of the barycentric weights of the second and third corner of each face, shape (f, 2, 3)."""
         crosses = self.surface.face_crosses
         squares = dot(crosses, crosses)
         edges = self._corners[:, 1:] - self._corners[:, :1]
@@ -181,23 +210,22 @@ class RayCaster:
         )
 
     def winding_numbers(self, origins: FloatArray, directions: FloatArray) -> IntArray:
-        """Count in how many solids each ray begins: faces by which it leaves less those by which it enters.
+        """Compute the winding number (n,) of the origin of each ray: faces that it leaves through minus faces it enters.
 
-        Of a closed surface whose faces are wound alike it is the winding number of the origin, 0
-        outside of all solids. Faces are found in float32; one that is met on its edge may count
-        twice.
+        For a closed surface with consistent windings, this is the number of solids around the origin; 0 is outside.
+        Faces are found in float32. A face that is hit on its edge may count twice.
         """
-        which, faces = self._scene.crossings(_as_float32(origins, directions))
-        leaving = np.sign(dot(self._planes[faces], directions[which]))
-        return np.bincount(which, leaving, minlength=len(origins)).astype(np.int64)
+        rays, faces = self._scene.crossings(_as_float32(origins, directions))
+        leaving = np.sign(dot(self._planes[faces], directions[rays]))
+        return np.bincount(rays, leaving, minlength=len(origins)).astype(np.int64)
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Give the surface's nearest points (n, 3) to points (n, 3), and their faces (n,), found in float32."""
+        """Return the nearest points (n, 3) on the surface to points (n, 3), and their faces (n,), found in float32."""
         faces = self._scene.nearest_faces(points)
         return nearest_on(self._corners[faces], points), faces
 
     def _cast(self, origins: FloatArray, directions: FloatArray) -> tuple[Hits, BoolArray]:
-        """Cast rays once: their hits, and which of them float32 may have given the wrong face."""
+        """Return the hits of rays, and whether each hit is doubtful: float32 may have found the wrong face."""
         faces, second, third = self._scene.first_faces(_as_float32(origins, directions))
         hit = faces != MISS
         planes = self._plane_rows.take(faces, axis=1)
@@ -210,37 +238,37 @@ class RayCaster:
         doubtful = hit & (least_weight * np.abs(along) < planes[4] * length)
         return Hits(distance, faces), doubtful
 
-    def _settle(self, origins: FloatArray, directions: FloatArray, first: Hits) -> Hits:
-        """Choose each ray's face in float64, among those that rays close by meet."""
+    def _recompute(self, origins: FloatArray, directions: FloatArray, first: Hits) -> Hits:
+        """Compute the first hit of each ray in float64, among the faces that nearby rays hit."""
         candidates = self._faces_around(origins, directions)
         exact = self._nearest_of(candidates, origins, directions)
         at_corners = self._corner_pairs(candidates, origins, directions)
         _put_nearer(exact, *self._nearest_pairs(at_corners, origins, directions))
-        # Among faces smaller than the bundle none may be found, though no ray gets through.
-        kept = ~exact.hit & np.isfinite(first.distance) & (candidates != MISS).all(axis=1)
+        # Faces may be smaller than the bundle. If all rays of the bundle hit, the first hit is kept.
+        keeps_first = ~exact.hit & np.isfinite(first.distance) & (candidates != MISS).all(axis=1)
         return Hits(
-            np.where(kept, first.distance, exact.distance),
-            np.where(kept, first.face, exact.face),
+            np.where(keeps_first, first.distance, exact.distance),
+            np.where(keeps_first, first.face, exact.face),
         )
 
     def _nearest_pairs(
         self, pairs: Pairs, origins: FloatArray, directions: FloatArray
     ) -> tuple[NDArray[np.intp], Hits]:
-        """Give the rays that meet a face of their pairs, ascending, and where each meets the first of them."""
-        nothing = np.zeros(0, np.int64)
-        met_rays, met = [nothing], [Hits(np.zeros(0), nothing)]
+        """Return the rays that hit a face of their pairs, ascending, and the first hit of each."""
+        no_rays = np.zeros(0, np.int64)
+        hit_rays, hit_blocks = [no_rays], [Hits(np.zeros(0), no_rays)]
         for rays, faces in pairs:
-            found = self._nearest_of(faces[:, None], origins[rays], directions[rays])
-            met_rays.append(rays[found.hit])
-            met.append(_take(found, found.hit))
-        rays, hits = np.concatenate(met_rays), _join(met)
+            block_hits = self._nearest_of(faces[:, None], origins[rays], directions[rays])
+            hit_rays.append(rays[block_hits.hit])
+            hit_blocks.append(_take(block_hits, block_hits.hit))
+        rays, hits = np.concatenate(hit_rays), _join(hit_blocks)
         order = np.lexsort((hits.face, hits.distance, rays))
         _, first = np.unique(rays[order], return_index=True)
         return rays[order[first]], _take(hits, order[first])
 
     @cached_property
-    def _faces_at(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Number each face's corners by their places, (f, 3); where a place's faces begin in a list; and the list."""
+    def _faces_of_vertices(self) -> tuple[IntArray, IntArray, IntArray]:
+        """Vertex indices (f, 3) after merging equal positions, start of each vertex in a list of faces, and the list."""
         _, corners = np.unique(self._corners.reshape(-1, 3), axis=0, return_inverse=True)
         corners = corners.reshape(-1)
         order = np.argsort(corners, kind="stable")
@@ -250,64 +278,64 @@ class RayCaster:
     def _corner_pairs(
         self, candidates: IntArray, origins: FloatArray, directions: FloatArray
     ) -> Pairs:
-        """Give rays that pass a corner of a candidate, and all faces there, of which a bundle may have missed some."""
+        """Yield rays near a corner of a candidate, with all faces at this corner, because the bundle may miss some."""
         offsets = cross(
             self._corners[candidates] - origins[:, None, None], directions[:, None, None]
         )
         reach = (LATERAL_ERROR + _BUNDLE_RADIUS) ** 2 * dot(directions, directions)
         near = dot(offsets, offsets) < reach[:, None, None]
-        rays, which, corner = np.nonzero(near & (candidates != MISS)[..., None])
+        rays, candidate, corner = np.nonzero(near & (candidates != MISS)[..., None])
         if not len(rays):
             return
-        corners, starts, faces = self._faces_at
-        pairs = np.unique(np.stack([rays, corners[candidates[rays, which], corner]]), axis=1)
+        corners, starts, faces = self._faces_of_vertices
+        pairs = np.unique(np.stack([rays, corners[candidates[rays, candidate], corner]]), axis=1)
         starts, ends = starts[pairs[1]], starts[pairs[1] + 1]
-        met, places = paired(pairs[0], starts, ends - starts)
-        yield met, faces[places]
+        pair_rays, positions = repeat_with_ranges(pairs[0], starts, ends - starts)
+        yield pair_rays, faces[positions]
 
     @cached_property
     def _twins(self) -> tuple[IntArray, IntArray]:
-        """Each face's twins, which lie on it: where they begin in a list of faces, shape (f + 1,), and the list."""
+        """Twins (faces that lie on each other): start of each face in a list of twins, shape (f + 1,), and the list."""
         pairs = overlapping_faces(self.surface, _DEPTH_ERROR)
         return np.searchsorted(pairs[:, 0], np.arange(len(self.surface.faces) + 1)), pairs[:, 1]
 
     @cached_property
     def _twin_counts(self) -> IntArray:
-        """How many twins each face has, shape (f + 1,); the last number is that of `MISS`."""
+        """Number of twins of each face, shape (f + 1,); the last number, 0, is for `MISS`."""
         return np.append(np.diff(self._twins[0]), 0)
 
-    def _twin_pairs(self, met: IntArray) -> Pairs:
-        """Give rays and the twins of the faces that they met, some pairs at a time."""
+    def _twin_pairs(self, faces: IntArray) -> Pairs:
+        """Yield blocks of rays and twins of the faces that they hit, `faces` (n,)."""
         starts, twins = self._twins
         if not len(twins):
             return
-        counts = self._twin_counts.take(met)
+        counts = self._twin_counts.take(faces)
         rays = np.flatnonzero(counts)
-        for part in in_parts(rays, counts[rays], _PAIRS):
-            again, places = paired(part, starts[met[part]], counts[part])
-            yield again, twins[places]
+        for block in blocks_by_count(rays, counts[rays], _MOST_PAIRS):
+            pair_rays, positions = repeat_with_ranges(block, starts[faces[block]], counts[block])
+            yield pair_rays, twins[positions]
 
     def _narrow_pairs(self, origins: FloatArray, directions: FloatArray) -> Pairs:
-        """Give rays and the narrow faces that they come near to, some pairs at a time."""
+        """Yield blocks of rays and narrow faces near the rays."""
         if not len(self._narrow):
             return
         rays = _as_float32(origins, directions)
         counts = self._around_narrow.count_crossings(rays)
         near = np.flatnonzero(counts)
-        for part in in_parts(near, counts[near], _PAIRS):
-            if not len(part):
+        for block in blocks_by_count(near, counts[near], _MOST_PAIRS):
+            if not len(block):
                 continue
-            which, met = self._around_narrow.crossings(rays[part])
-            pairs = np.unique(which * len(self._narrow) + met // len(_BOX_FACES))
-            yield part[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
+            block_rays, box_faces = self._around_narrow.crossings(rays[block])
+            pairs = np.unique(block_rays * len(self._narrow) + box_faces // len(_BOX_FACES))
+            yield block[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
 
     def _nearest_of(
         self, candidates: IntArray, origins: FloatArray, directions: FloatArray
     ) -> Hits:
-        """Meet each of m rays with its own candidates, shape (m, c), in float64."""
+        """Compute the first hit of each of m rays among its candidate faces (m, c), in float64."""
         corners = self._corners[candidates] - origins[:, None, None, :]
-        # Two faces at an edge have exactly opposite numbers for it, so no ray slips between;
-        # at a vertex rounding alone decides, and every face that it may have cut off counts.
+        # The two faces at an edge compute exactly opposite numbers, so no ray passes between them. At a vertex
+        # rounding decides, so every face within the rounding error counts.
         sides = cross(corners, corners[:, :, [1, 2, 0]])
         sides = dot(sides, directions[:, None, None])
         farthest = dot(corners, corners).max(axis=2, keepdims=True)
@@ -320,7 +348,7 @@ class RayCaster:
         distances = np.divide(above, along, out=np.full(above.shape, np.inf), where=inside)
         distances[distances < 0] = np.inf
 
-        # Equal distances go to the lower face, so that the answer depends on the ray alone.
+        # Of equal distances, the lowest face index wins, so that the hit depends only on the ray.
         nearest = np.lexsort((candidates, distances), axis=1)[:, :1]
         distance = np.take_along_axis(distances, nearest, axis=1)[:, 0]
         face = np.take_along_axis(candidates, nearest, axis=1)[:, 0]
@@ -340,7 +368,7 @@ class RayCaster:
 
 def _as_float32(origins: FloatArray, directions: FloatArray) -> NDArray[np.float32]:
     rays = np.empty((len(origins), 6), dtype=np.float32)
-    # Column by column, for inner loops of three are slow.
+    # Column by column, because inner loops of length three are slow.
     for axis in range(3):
         rays[:, axis] = origins[:, axis]
         rays[:, 3 + axis] = directions[:, axis]
@@ -348,9 +376,9 @@ def _as_float32(origins: FloatArray, directions: FloatArray) -> NDArray[np.float
 
 
 def _face_planes(surface: Surface) -> FloatArray:
-    """Give normal (not unit), offset, and the edge band of each face, shape (f, 5)."""
-    # The distance from a point to a face's nearest edge is at least its least barycentric weight ×
-    # twice the area / the longest edge; `RayCaster` compares that with `LATERAL_ERROR` undivided.
+    """Return normal (not of unit length), offset, and width of the edge band of each face, shape (f, 5)."""
+    # The distance of a point from the nearest edge is at least (least barycentric weight) × (twice the area) /
+    # (longest edge). `RayCaster` compares this with `LATERAL_ERROR`, multiplied by the longest edge.
     corners, crosses = surface.triangles, surface.face_crosses
     edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
     offsets = dot(crosses, corners[:, 0])
@@ -358,15 +386,20 @@ def _face_planes(surface: Surface) -> FloatArray:
 
 
 def _boxes_around(triangles: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Give vertices and faces of a closed box along the longest edge of each narrow triangle."""
+    """Return vertices and faces of a closed box around the longest edge of each narrow triangle."""
     edges = np.roll(triangles, -1, axis=1) - triangles
     rows = np.arange(len(triangles))
     longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
     edge = edges[rows, longest]
     along = _unit(edge)
-    aside = _unit(cross(along, np.eye(3)[np.argmin(np.abs(along), axis=1)]))
+    across = _unit(cross(along, np.eye(3)[np.argmin(np.abs(along), axis=1)]))
     axes = np.stack(
-        [edge + 2 * _ROOM * along, 2 * _ROOM * aside, 2 * _ROOM * cross(along, aside)], axis=1
+        [
+            edge + 2 * _BOX_MARGIN * along,
+            2 * _BOX_MARGIN * across,
+            2 * _BOX_MARGIN * cross(along, across),
+        ],
+        axis=1,
     )
     centres = triangles[rows, longest] + 0.5 * edge
     vertices = centres[:, None] + np.einsum("ca,nad->ncd", _BOX_CORNERS, axes)
@@ -374,17 +407,17 @@ def _boxes_around(triangles: FloatArray) -> tuple[FloatArray, IntArray]:
     return vertices.reshape(-1, 3), faces.reshape(-1, 3)
 
 
-def _put(hits: Hits, rays: NDArray[np.intp], others: Hits) -> None:
-    hits.distance[rays] = others.distance
-    hits.face[rays] = others.face
+def _put(hits: Hits, rays: NDArray[np.intp], new_hits: Hits) -> None:
+    hits.distance[rays] = new_hits.distance
+    hits.face[rays] = new_hits.face
 
 
-def _put_nearer(hits: Hits, rays: NDArray[np.intp], others: Hits) -> None:
-    """Put hits where they are nearer, or as near on a face of a lower number."""
-    now = _take(hits, rays)
-    equal = others.distance == now.distance
-    nearer = (others.distance < now.distance) | (equal & (others.face < now.face))
-    _put(hits, rays[nearer], _take(others, nearer))
+def _put_nearer(hits: Hits, rays: NDArray[np.intp], candidates: Hits) -> None:
+    """Replace hits by candidates that are nearer, or equally near on a face with a lower index."""
+    current = _take(hits, rays)
+    equal = candidates.distance == current.distance
+    nearer = (candidates.distance < current.distance) | (equal & (candidates.face < current.face))
+    _put(hits, rays[nearer], _take(candidates, nearer))
 
 
 def _join(parts: list[Hits]) -> Hits:
@@ -400,5 +433,5 @@ def _take(hits: Hits, rays: NDArray[np.intp] | BoolArray) -> Hits:
 
 def _unit(vectors: FloatArray) -> FloatArray:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    # A ray without direction goes nowhere; dividing by zero would make it NaN.
+    # A vector of length 0 stays 0 instead of NaN.
     return vectors / np.where(lengths > 0, lengths, 1.0)

@@ -108,7 +108,7 @@ def as_stored(surface: Surface) -> Surface:
 
 
 def write_set_aside(path: str | Path, reason: str) -> None:
-    """Write an empty surface with the reason, one sentence, in place of a model that can't be used."""
+    """Write an empty surface for a model that can't be used, with the reason, one sentence."""
     empty = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros((0, 3), np.uint8))
     _write(empty, path, [f"{_SET_ASIDE}{json.dumps(reason)}"])
 
@@ -157,7 +157,7 @@ def usable_meshes(paths: Iterable[str | Path]) -> list[Path]:
 
 
 def write_surface(surface: Surface, path: str | Path) -> None:
-    """Write a surface as binary PLY, compressed with gzip if the name ends in ``.gz``. Missing folders are made.
+    """Write a surface as binary PLY, compressed with gzip if the name ends in ``.gz``. Missing folders are created.
 
     Vertices are stored as float32, the precision of the ray caster. With a texture, each face has the index of its
     image and the texture coordinates of its corners. Elements `image` and `texel`, which other programs ignore, follow.
@@ -261,7 +261,7 @@ def _check_header(stream: BinaryIO) -> None:
     header = read_ply_header(stream.read(LONGEST))
     if header.ascii:
         raise ValueError(
-            "its rows are text, and binary rows are needed; your own PLY file must not end in .gz"
+            "its rows are text; binary rows are needed (your own PLY files must not end in .gz)"
         )
     check_ply_size(header, stream.seek(0, io.SEEK_END))
     stream.seek(0)
@@ -279,7 +279,7 @@ def _plain_file(path: Path, largest_megabytes: float) -> Iterator[BinaryIO]:
             unpacked.write(block)
             if unpacked.tell() > largest_megabytes * 1e6:
                 raise MeshError(
-                    f"{path} unpacks to more than {largest_megabytes:g} MB; at most so much is allowed "
+                    f"{path} unpacks to more than {largest_megabytes:g} MB, which is the largest allowed size "
                     "(meshes.largest_megabytes)."
                 )
         unpacked.seek(0)

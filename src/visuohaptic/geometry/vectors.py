@@ -37,11 +37,11 @@ def cross(first: FloatArray, second: FloatArray) -> FloatArray:
     # np.cross takes longer to check its axes than to multiply some hundred vectors.
     x, y, z = (first[..., axis] for axis in range(3))
     u, v, w = (second[..., axis] for axis in range(3))
-    found = np.empty(np.broadcast_shapes(first.shape, second.shape))
-    np.subtract(y * w, z * v, out=found[..., 0])
-    np.subtract(z * u, x * w, out=found[..., 1])
-    np.subtract(x * v, y * u, out=found[..., 2])
-    return found
+    result = np.empty(np.broadcast_shapes(first.shape, second.shape))
+    np.subtract(y * w, z * v, out=result[..., 0])
+    np.subtract(z * u, x * w, out=result[..., 1])
+    np.subtract(x * v, y * u, out=result[..., 2])
+    return result
 
 
 def product(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -1,1 +1,1 @@
-"""Around the phases: phases on files, plug-ins, logs of jobs, signals, names of former versions."""
+"""Input and output around the phases: phases on files, plug-ins, job logs, Ctrl-C, YAML, text tables, former names."""

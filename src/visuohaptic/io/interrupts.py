@@ -10,13 +10,13 @@ from collections.abc import Callable
 STOPPED = 130
 """Exit status of a command that the user stopped: 128 + SIGINT, as in shells."""
 
-_CLEAR_LINE = "\r\033[K"  # of a progress bar
+_CLEAR_LINE = "\r\033[K"  # clears a progress bar
 
 
 def end_at_interrupt(tidy_up: Callable[[], None]) -> None:
     """Install a handler of Ctrl-C that calls `tidy_up`, prints one line, and ends the process with status `STOPPED`.
 
-    No KeyboardInterrupt is raised: libraries may catch it, and callbacks may print it without stopping.
+    No KeyboardInterrupt is raised: libraries may catch it, and callbacks may print it and continue.
     """
 
     def end(*_: object) -> None:

@@ -96,13 +96,13 @@ FOLDERS = {"plugins/": "plug_ins/"}
 
 
 def unknown_parameter(name: str) -> str:
-    """Return the clause that there is no parameter of this dotted name, and its new place if it was moved."""
+    """Return the clause that no parameter has this dotted name, with its successor if the parameter was renamed."""
     parts = name.split(".")
     prefixes = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
-    new_place = next((PARAMETERS[prefix] for prefix in prefixes if prefix in PARAMETERS), None)
-    return f"{name} is no parameter" + (f": {new_place}" if new_place else "")
+    successor = next((PARAMETERS[prefix] for prefix in prefixes if prefix in PARAMETERS), None)
+    return f"{name} is no parameter" + (f": {successor}" if successor else "")
 
 
 def moved_value(name: str, value: object) -> str:
-    """Return the new place of a former value of the parameter with this dotted name; "" for other values."""
+    """Return the successor of a former value of the parameter with this dotted name; "" for other values."""
     return VALUES.get((name, value), "") if isinstance(value, str) else ""

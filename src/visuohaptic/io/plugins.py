@@ -1,7 +1,7 @@
 """Plug-ins: the user's own strategies, policies, channels, effects, classifiers, maps and descriptors.
 
-A plug-in is Python code that calls `register`. There are three kinds: a file that ``plugins`` in ``params.yaml`` names,
-a module of an installed package (entry points of the group ``visuohaptic.io.plugins``), and a cell of a notebook.
+A plug-in is Python code that calls `register`. It can be a file that ``plugins`` in ``params.yaml`` names, or a cell of
+a notebook. It can also be a module of an installed package, by an entry point of the group ``visuohaptic.io.plugins``.
 A plug-in runs with all rights of the user, as any code that the user writes or installs.
 """
 
@@ -166,7 +166,7 @@ def _registry_of(entry: object) -> tuple[str, str]:
 
 @contextmanager
 def _loading(source: str, name: str, package: str | None = None) -> Iterator[None]:
-    """Record the registries that a plug-in uses, and raise `PlugInError` in place of any error."""
+    """Record the registries that a plug-in uses, and turn any error into `PlugInError`."""
     registries: set[str] = set()
     _loading_now.append((source, registries))
     try:

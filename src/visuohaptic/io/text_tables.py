@@ -86,7 +86,7 @@ class TextTable:
             return np.empty((len(self.lines), 0))
         return np.stack([self._parsed(index, cells[index]) for index in chosen], axis=1)
 
-    def place(self, row: int, column: int | None = None) -> str:
+    def position(self, row: int, column: int | None = None) -> str:
         """Return the position of a row or cell in the file, for errors: ``poses.csv, line 3, column x``."""
         line = f"{self.source}, line {self.lines[row]}"
         if column is None:
@@ -124,7 +124,7 @@ class TextTable:
 
     def _error(self, row: int, index: int, reason: str) -> TableError:
         text = self.columns[index][row].as_py()
-        return TableError(f"{self.place(row, index)} is {_short(text)}: {reason}.")
+        return TableError(f"{self.position(row, index)} is {_short(text)}: {reason}.")
 
 
 def read_text_table(
@@ -259,8 +259,8 @@ def _read_header(
         # Some programs end rows, but not the header, with a separator.
         if len(names) + 1 == len(cells) > 2 and not cells[-1]:
             return [*names, ""], candidate
-    both = f"{line.strip()}{row.strip()}"
-    if "," not in line and not any(candidate in both for candidate in ";\t|"):
+    both_lines = f"{line.strip()}{row.strip()}"
+    if "," not in line and not any(candidate in both_lines for candidate in ";\t|"):
         return [line.strip()], _NO_SEPARATOR
     common = separator or _first_separator(line)
     raise TableError(
@@ -269,9 +269,9 @@ def _read_header(
     )
 
 
-def _separator_of_numbers(first: tuple[int, str], source: str, widths: Collection[int]) -> str:
+def _separator_of_numbers(first_row: tuple[int, str], source: str, widths: Collection[int]) -> str:
     """Return the separator of a table without a header, from its first row."""
-    number, line = first
+    number, line = first_row
     bare = _unquoted(line.split("#")[0])
     for separator in _SEPARATORS[:3]:
         if separator in bare:
@@ -301,14 +301,17 @@ def _separator_of_numbers(first: tuple[int, str], source: str, widths: Collectio
 
 
 def _commented_header(
-    lines: list[tuple[int, str]], first: tuple[int, str], separator: str, needed: Collection[str]
+    lines: list[tuple[int, str]],
+    first_row: tuple[int, str],
+    separator: str,
+    needed: Collection[str],
 ) -> list[str]:
     """Return the names in the comment right above the first row; [] if the comment is no header."""
-    row_number, row = first
-    above = [line for number, line in lines if number < row_number]
-    if not above or not needed:
+    row_number, row = first_row
+    lines_above = [line for number, line in lines if number < row_number]
+    if not lines_above or not needed:
         return []
-    names = _cells(above[-1].lstrip("#%/ \t"), separator)
+    names = _cells(lines_above[-1].lstrip("#%/ \t"), separator)
     has_needed = {name.lower() for name in names} >= set(needed)
     return names if has_needed and len(names) == len(_cells(row, separator)) else []
 

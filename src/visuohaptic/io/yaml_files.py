@@ -14,7 +14,7 @@ from visuohaptic.base.errors import ParameterError
 
 LARGEST_BYTES = 5 * 10**6
 MOST_VALUES = 1_000_000
-"""Values of a file at most; values of an alias count at every use."""
+"""Largest number of values in a file; values of an alias count at each use."""
 DEEPEST = 50
 
 
@@ -58,7 +58,7 @@ def _checked_text(path: str | Path) -> str:
             data = stream.read(LARGEST_BYTES + 1)
         if len(data) > LARGEST_BYTES:
             raise ParameterError(
-                f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB, which is the most."
+                f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB; at most {LARGEST_BYTES / 1e6:g} MB are allowed."
             )
         text = data.decode("utf-8-sig")
         _Spelling(str(path)).check(yaml.compose(text, Loader=yaml.SafeLoader))
@@ -79,7 +79,7 @@ class _Spelling:
         self.values = 0
 
     def check(self, node: Any, above: str = "", depth: int = 0) -> None:
-        """Raise `ParameterError` for a wrong value in a node or in the nodes below; `above` is the dotted name of the node."""
+        """Raise `ParameterError` for a wrong value in a node or below; `above` is the dotted name of the node."""
         self.values += 1
         if self.values > MOST_VALUES or depth > DEEPEST:
             raise ParameterError(
@@ -88,10 +88,16 @@ class _Spelling:
         kind = getattr(node, "id", None)
         if kind == "scalar":
             _check_scalar(node, f"{self.source}: {above} (line {node.start_mark.line + 1})")
-        for item in node.value if kind == "sequence" else ():
-            self.check(item, above, depth + 1)
+        elif kind == "sequence":
+            for item in node.value:
+                self.check(item, above, depth + 1)
+        elif kind == "mapping":
+            self._check_mapping(node, above, depth)
+
+    def _check_mapping(self, node: Any, above: str, depth: int) -> None:
+        """Raise `ParameterError` for a wrong or repeated name, or a wrong value, in a mapping."""
         lines: dict[str, int] = {}
-        for key, value in node.value if kind == "mapping" else ():
+        for key, value in node.value:
             name = f"{above}.{key.value}" if above else str(key.value)
             line = key.start_mark.line + 1
             if name in lines:

@@ -1,4 +1,4 @@
-"""Which objects take part: rows of `meshes/catalogue.csv`, and files in `meshes/own/<class>/`."""
+"""The objects of the experiment: rows of `meshes/catalogue.csv`, and files in `meshes/own/<class>/`."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from typing import Literal
 from visuohaptic.base.errors import CatalogueError
 
 ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd"]
-"""`paper`: 12 objects in 4 classes. `benchmark`: 142 in 12, the 12 among them; `outside`: the other 130.
+"""Names of sets of objects.
 
-`hard`: the plants. `odd`: 22 unusual objects of four of the twelve classes, for tests alone.
+`paper`: 12 objects in 4 classes. `benchmark`: 142 objects in 12 classes, with all objects of `paper`. `outside`: the
+130 objects of `benchmark` that are not in `paper`. `hard`: the plants. `odd`: 22 unusual objects of four of the twelve
+classes, only for tests.
 """
 
 MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
@@ -23,11 +25,11 @@ COMPANION_SUFFIXES = (
     *(".mtl", ".bin"),
     *(".png", ".jpg", ".jpeg", ".bmp", ".tga", ".webp", ".tif", ".tiff", ".gif"),
 )
-"""Materials, buffers and textures: what a model may refer to, beside its file or below."""
+"""Suffixes of materials, buffers and textures, which a model may refer to in its folder or below."""
 
 _WITH_COMPANIONS = (".obj", ".ply", ".glb", ".gltf", ".dae")
 
-# Nobody takes these for models.
+# Files that are ignored in the folder of own models.
 _NO_MODEL_SUFFIXES = (*COMPANION_SUFFIXES, ".txt", ".md", ".csv", ".pdf")
 
 _MEMBERS_OF_SET = {
@@ -37,14 +39,14 @@ _MEMBERS_OF_SET = {
     "hard": ("hard",),
     "odd": ("odd",),
 }
-# Snakemake takes <name> for a variable of its own; U+D800 to U+DFFF are bytes that are no text.
+# Snakemake reads <name> as a variable; U+D800 to U+DFFF are undecodable bytes of a name.
 _FORBIDDEN_IN_NAMES = re.compile(r"[\x00-\x1f\ud800-\udfff/\\{}<>*?\[\]]|^[.\-_ ]|[. ]$")
 _LONGEST_NAME = 100
 
 
 @dataclass(frozen=True)
 class Credit:
-    """Who made a model, and under which licence it may be passed on."""
+    """Author, licence and address of a model."""
 
     author: str
     licence: str
@@ -53,10 +55,11 @@ class Credit:
 
 @dataclass(frozen=True)
 class Model:
-    """One object of the experiment: file `member`, of a hash, in archive `library`; an own file has neither.
+    """An object of the experiment.
 
-    `dimensions` are width, height and depth in cm (x, y and z after `rotation`); None keeps the
-    file's own. `rotation` are nine numbers, row by row, that turn the model upright.
+    `member` is its file in archive `library`, with digest `sha256`; all three are empty for own models.
+    `dimensions` are width, height and depth in cm (x, y and z after `rotation`); None keeps the size of the file.
+    `rotation` is the matrix, row by row, that turns the model upright.
     """
 
     category: str
@@ -70,7 +73,7 @@ class Model:
 
     @property
     def key(self) -> str:
-        """`class/name`, which is unique among all objects."""
+        """Unique key of the object, `class/name`."""
         return f"{self.category}/{self.name}"
 
 
@@ -87,18 +90,18 @@ def models_of_set(path: str | Path, object_set: ObjectSet) -> list[Model]:
 
 
 def read_credits(paths: Iterable[str | Path]) -> dict[str, Credit]:
-    """Read the credits of objects, by `class/name`, from those CSV files that are there."""
-    found: dict[str, Credit] = {}
+    """Read the credits of objects, by `class/name`, from CSV files; missing files are skipped."""
+    credit_of: dict[str, Credit] = {}
     for path in map(Path, paths):
         if path.is_file():
             with path.open(newline="", encoding="utf-8") as stream:
                 for row in csv.DictReader(stream):
-                    found[f"{row['class']}/{row['object']}"] = _credit(row)
-    return found
+                    credit_of[f"{row['class']}/{row['object']}"] = _credit(row)
+    return credit_of
 
 
 def write_credits(models: Iterable[Model], path: str | Path) -> None:
-    """Write as CSV who made each model that has a credit, and under which licence."""
+    """Write author, licence and address of each model with a credit as CSV."""
     with Path(path).open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(("class", "object", "author", "licence", "source_url"))
@@ -113,55 +116,56 @@ def _credit(row: Mapping[str, str]) -> Credit:
 
 @dataclass(frozen=True)
 class OwnModels:
-    """The user's own models with their files, and, for each file that can't take part, what to do."""
+    """The user's own models with their files, and for each unusable file a sentence with the reason."""
 
     models: dict[Model, Path]
     set_aside: dict[Path, str]
 
 
 def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModels:
-    """Find the user's own models, ``<class>/<name>.<suffix>``, sorted, but those whose keys are taken.
+    """Return the user's own models, ``<class>/<name>.<suffix>``, sorted.
 
-    Hidden files, textures, materials and texts are left alone; any other file is set aside.
+    Hidden files, textures, materials and texts are ignored. Any other unusable file is set aside with a reason, also
+    a model whose key is in `taken`.
     """
     folder = Path(folder)
     models: dict[Model, Path] = {}
     set_aside: dict[Path, str] = {}
-    # A class may be a link to a folder elsewhere, which `**` alone would not follow.
+    # The folder of a class may be a symbolic link, which `**` does not follow.
     for file in sorted({*folder.glob("*"), *folder.glob("*/**/*")}):
-        if not _may_be_meant(file, folder):
+        if not _is_candidate(file, folder):
             continue
-        found = Model(file.parent.name, file.stem)
-        why = _why_not(found, file, folder)
-        if why is None and found in models:
-            why = f"is object {found.key}, as {models[found]} is already; rename one."
-        elif why is None and found.key in taken:
-            why = f"is object {found.key}, as one of the catalogue is already; rename it."
-        if why is None:
-            models[found] = file
+        model = Model(file.parent.name, file.stem)
+        reason = _reason_against(model, file, folder)
+        if reason is None and model in models:
+            reason = f"is object {model.key}, as {models[model]} is already; rename one of them."
+        elif reason is None and model.key in taken:
+            reason = f"is object {model.key}, as a model of the catalogue is already; rename it."
+        if reason is None:
+            models[model] = file
         else:
-            set_aside[file] = f"{_shown(file)} {why}"
+            set_aside[file] = f"{_shown(file)} {reason}"
     return OwnModels(models, set_aside)
 
 
-def _may_be_meant(file: Path, folder: Path) -> bool:
+def _is_candidate(file: Path, folder: Path) -> bool:
     hidden = any(part.startswith(".") for part in file.relative_to(folder).parts)
     return not (hidden or file.is_dir() or file.suffix.lower() in _NO_MODEL_SUFFIXES)
 
 
-def _why_not(found: Model, file: Path, folder: Path) -> str | None:
-    """Tell why a file can't be an object, and what to do."""
+def _reason_against(model: Model, file: Path, folder: Path) -> str | None:
+    """Return why a file can't be an object, with advice; None if it can."""
     if not file.is_file():
         return "is no file; a file is needed."
-    if why := why_unreadable(file.suffix):
-        return why
+    if reason := why_unreadable(file.suffix):
+        return reason
     parts = file.relative_to(folder).parts
     if len(parts) == 1:
-        return f"lies in no class's folder; move it to {folder}/<class>/{_shown(file.name)}."
+        return f"is not in the folder of a class; move it to {folder}/<class>/{_shown(file.name)}."
     if len(parts) > 2:
-        return f"lies too deep; move it to {folder}/{_shown(parts[0])}/{_shown(file.name)}."
+        return f"is too deep; move it to {folder}/{_shown(parts[0])}/{_shown(file.name)}."
     try:
-        for name in (found.category, found.name):
+        for name in (model.category, model.name):
             check_name(name, "")
     except CatalogueError as error:
         return f"can't take part: {str(error).removeprefix(': ')}"
@@ -169,7 +173,7 @@ def _why_not(found: Model, file: Path, folder: Path) -> str | None:
 
 
 def why_unreadable(suffix: str) -> str | None:
-    """Return why files of a suffix can't be read, or None."""
+    """Return why files of a suffix can't be read; None if they can."""
     if suffix.lower() in MODEL_SUFFIXES:
         return None
     ending = repr(suffix) if suffix else "nothing"
@@ -177,35 +181,37 @@ def why_unreadable(suffix: str) -> str | None:
 
 
 def _shown(name: str | Path) -> str:
-    """Write out bytes of a name that are no text."""
+    """Escape undecodable bytes of a name."""
     return str(name).encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def check_classes(keys: Iterable[str]) -> None:
-    """Refuse, before anything runs, fewer than two classes that have two objects or more."""
+    """Raise `CatalogueError` unless at least two classes have at least two objects."""
     counts = Counter(key.split("/")[0] for key in keys)
-    enough = sorted(name for name, count in counts.items() if count >= 2)
-    if len(enough) < 2:
-        found = f"only {enough[0]} has" if enough else "none has"
+    large_enough = sorted(name for name, count in counts.items() if count >= 2)
+    if len(large_enough) < 2:
+        shortage = f"only {large_enough[0]} has" if large_enough else "no class has"
         raise CatalogueError(
-            f"Recognition needs two classes with two objects each, and {found} them: put objects into "
-            "meshes/own/<class>/, choose another meshes.set, or go as far as features with "
+            f"Recognition needs two classes with two objects each, and {shortage} them: put objects into "
+            "meshes/own/<class>/, choose another meshes.set, or stop at features with "
             "`snakemake -j2 features_all`."
         )
 
 
 def companions(models: Iterable[str | Path]) -> dict[Path, list[Path]]:
-    """List for each model the files beside it and below that `FolderCompanions` reads for it."""
-    found: dict[Path, list[Path]] = {}
-    in_folder: dict[Path, list[Path]] = {}
+    """Return the files per model that `FolderCompanions` may read: companions in its folder and below."""
+    files_of: dict[Path, list[Path]] = {}
+    files_in: dict[Path, list[Path]] = {}
     for file in map(Path, models):
-        found[file] = []
+        files_of[file] = []
         if file.suffix.lower() in _WITH_COMPANIONS:
-            if file.parent not in in_folder:
-                inside = sorted(file.parent.rglob("*"))
-                in_folder[file.parent] = [one for one in inside if _is_companion(one)]
-            found[file] = in_folder[file.parent]
-    return found
+            if file.parent not in files_in:
+                below = sorted(file.parent.rglob("*"))
+                files_in[file.parent] = [
+                    candidate for candidate in below if _is_companion(candidate)
+                ]
+            files_of[file] = files_in[file.parent]
+    return files_of
 
 
 def _is_companion(file: Path) -> bool:
@@ -213,11 +219,11 @@ def _is_companion(file: Path) -> bool:
 
 
 def check_name(name: str, source: str | Path) -> None:
-    """Refuse a class or object name that can't be a file name everywhere; errors name the source."""
+    """Raise `CatalogueError` if a class or object name can't be a file name on every system; `source` is for the message."""
     if not name or len(name) > _LONGEST_NAME or _FORBIDDEN_IN_NAMES.search(name):
         raise CatalogueError(
             f"{source}: {_shown(name[:_LONGEST_NAME])!r} can't name a class or an object; 1 to {_LONGEST_NAME} "
-            "characters are allowed, none of / \\ { } < > * ? [ ], no blank or dot at an end."
+            "characters are allowed, none of / \\ { } < > * ? [ ], no blank or dot at the ends."
         )
 
 

@@ -1,7 +1,7 @@
-"""COLLADA files (.dae): what their scene shows, as parts.
+"""Read the scene of a COLLADA file (.dae) as parts.
 
-A node, shape or controller in use that is not read is refused by its name. Colours are stored ones
-(sRGB), as programs write them.
+An unsupported node, shape or controller that the scene uses raises an error with its name. Colours are taken as sRGB,
+as programs write them.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.turning import rotation_matrices
 from visuohaptic.meshes.collada_document import (
+    Appearance,
     ColladaDocument,
-    Look,
     integers,
     numbers,
     parse_collada,
@@ -37,23 +37,24 @@ from visuohaptic.meshes.scenes import (
 
 _SURFACES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
 _MESH_DATA = {"source", "vertices", "extra", "lines", "linestrips"}
-_CORNERS_A_NUMBER = 3  # what a polygon that is cut into a fan has at most
+# Largest number of triangle corners per stored index: a polygon may be cut into a fan.
+_CORNERS_PER_NUMBER = 3
 _HARMLESS = {"asset", "extra", "instance_camera", "instance_light"}
 _LONGEST_SHOWN = 80
 
 
 @dataclass(frozen=True)
-class _Shown:
-    """An instance of a geometry or controller, and the matrix (4, 4) of the node where it stands."""
+class _SceneInstance:
+    """An instance of a geometry or controller, with the matrix (4, 4) and label of its node."""
 
     instance: Any
     matrix: FloatArray
-    place: str
+    label: str
 
 
 @dataclass(frozen=True)
 class _Column:
-    """An input of a primitive: what it is, its numbers, which index of a corner names them, its set."""
+    """An input of a primitive: semantic, source of its numbers, offset of its index in a corner, and number of its set."""
 
     semantic: str
     source: Any
@@ -63,49 +64,53 @@ class _Column:
 
 @dataclass(frozen=True)
 class _Binding:
-    """The material of a symbol, and the set of image coordinates that each of its names means."""
+    """The material of a symbol, and the number of the set of image coordinates per name."""
 
     material: str
     sets: dict[str, int]
 
 
 def read_collada(data: bytes, companions: Companions) -> list[Part]:
-    """Read what the scene of a COLLADA file shows, each mesh where its nodes put it.
+    """Read the meshes in the scene of a COLLADA file, with the transforms of their nodes.
 
-    Parts are in the file's frame and unit; `companions.up_axis` is the axis that the file turns up. Skins
-    and morph targets are applied as the nodes stand. Raises `MeshError`, with the reason only, if the
-    file is broken, shows too much, or uses what is not read.
+    Parts are in the file's frame and unit; `companions.up_axis` becomes the file's up axis. Skins and morph targets
+    are applied in the pose of the nodes. Raises `MeshError` if the file is broken, has too many parts, or uses
+    an unsupported element. The message has only the reason; the caller adds the name of the file.
     """
     root = parse_collada(data)
     del data
     document = ColladaDocument(root, companions)
     companions.up_axis = document.up_axis
-    shown, worlds = _scene(document)
-    return [part for one in shown for part in _parts(document, one, worlds)]
+    scene_instances, world_matrices = _scene(document)
+    return [
+        part
+        for scene_instance in scene_instances
+        for part in _parts(document, scene_instance, world_matrices)
+    ]
 
 
-def _scene(document: ColladaDocument) -> tuple[list[_Shown], dict[Any, FloatArray]]:
-    """Return what the scene shows, and the matrix of each node where it stands first."""
-    waiting = [(node, np.eye(4)) for node in _roots(document)][::-1]
-    shown: list[_Shown] = []
-    worlds: dict[Any, FloatArray] = {}
-    parts, corners = len(waiting), 0
-    while waiting:
-        node, matrix = waiting.pop()
-        place = f"node {(node.get('id') or node.get('name') or '')[:_LONGEST_SHOWN]!r}"
-        for one in node:
-            if tag(one) in _TRANSFORMS:
-                matrix = matrix @ _transform(one, place)
-        worlds.setdefault(node, matrix)
-        inside, instances = _inside(document, node, place)
-        shown += [_Shown(one, matrix, place) for one in instances]
-        for one in instances:
-            count, size = _size(document, one, place)
-            parts, corners = parts + count, corners + size
-        parts += len(inside)
-        check_parts(parts, "parts or more, counted wherever one stands", corners)
-        waiting += [(child, matrix) for child in inside[::-1]]
-    return shown, worlds
+def _scene(document: ColladaDocument) -> tuple[list[_SceneInstance], dict[Any, FloatArray]]:
+    """Return the instances in the scene, and the matrix of the first occurrence of each node."""
+    stack = [(node, np.eye(4)) for node in _roots(document)][::-1]
+    scene_instances: list[_SceneInstance] = []
+    world_matrices: dict[Any, FloatArray] = {}
+    parts, corners = len(stack), 0
+    while stack:
+        node, matrix = stack.pop()
+        label = f"node {(node.get('id') or node.get('name') or '')[:_LONGEST_SHOWN]!r}"
+        for child in node:
+            if tag(child) in _TRANSFORMS:
+                matrix = matrix @ _transform(child, label)
+        world_matrices.setdefault(node, matrix)
+        children, instances = _children_and_instances(document, node, label)
+        for instance in instances:
+            scene_instances.append(_SceneInstance(instance, matrix, label))
+            primitives, most_corners = _size(document, instance, label)
+            parts, corners = parts + primitives, corners + most_corners
+        parts += len(children)
+        check_parts(parts, "parts or more, each counted per instance", corners)
+        stack += [(child, matrix) for child in children[::-1]]
+    return scene_instances, world_matrices
 
 
 def _roots(document: ColladaDocument) -> list[Any]:
@@ -115,35 +120,37 @@ def _roots(document: ColladaDocument) -> list[Any]:
         return list(scene.iterfind("{*}node"))
     scenes = list(document.root.iterfind("{*}library_visual_scenes/{*}visual_scene"))
     if len(scenes) != 1:
-        raise MeshError(f"it names no scene and has {len(scenes)}; one is needed")
+        raise MeshError(f"it names no scene and has {len(scenes)}; 1 is needed")
     return list(scenes[0].iterfind("{*}node"))
 
 
-def _inside(document: ColladaDocument, node: Any, place: str) -> tuple[list[Any], list[Any]]:
-    """Return the nodes below a node and the shapes that it shows; of a hidden node none."""
+def _children_and_instances(
+    document: ColladaDocument, node: Any, label: str
+) -> tuple[list[Any], list[Any]]:
+    """Return the child nodes and the shapes of a node; both empty if the node is hidden."""
     nodes, instances = [], []
-    hidden = node.iterfind("{*}extra/{*}technique/{*}visibility")
-    if any((one.text or "").strip().lower() in {"0", "false"} for one in hidden):
+    visibilities = node.iterfind("{*}extra/{*}technique/{*}visibility")
+    if any((element.text or "").strip().lower() in {"0", "false"} for element in visibilities):
         return [], []
-    for one in node:
-        kind = tag(one)
+    for child in node:
+        kind = tag(child)
         if kind == "node":
-            nodes.append(one)
+            nodes.append(child)
         elif kind == "instance_node":
-            nodes.append(document.referred(one, "node", place))
+            nodes.append(document.referred(child, "node", label))
         elif kind in {"instance_geometry", "instance_controller"}:
-            instances.append(one)
+            instances.append(child)
         elif kind not in _HARMLESS and kind not in _TRANSFORMS:
-            raise MeshError(f"{place} has {kind[:_LONGEST_SHOWN]}, which is not read")
+            raise MeshError(f"{label} has {kind[:_LONGEST_SHOWN]}, which is not read")
     return nodes, instances
 
 
-def _transform(element: Any, place: str) -> FloatArray:
+def _transform(element: Any, label: str) -> FloatArray:
     kind = tag(element)
-    values = numbers(element.text, f"{kind} of {place}")
+    values = numbers(element.text, f"{kind} of {label}")
     count, matrix_of = _TRANSFORMS[kind]
     if len(values) != count:
-        raise MeshError(f"{place} has {kind} of {len(values)} numbers; {count} are needed")
+        raise MeshError(f"{label} has {kind} of {len(values)} numbers; {count} are needed")
     return matrix_of(values)
 
 
@@ -182,140 +189,144 @@ _TRANSFORMS: dict[str, tuple[int, Callable[[FloatArray], FloatArray]]] = {
 }
 
 
-def _size(document: ColladaDocument, instance: Any, place: str) -> tuple[int, int]:
-    """Return how many primitives an instance shows, and how many corners at most."""
-    geometry, _ = _geometry(document, instance, place)
+def _size(document: ColladaDocument, instance: Any, label: str) -> tuple[int, int]:
+    """Return the number of primitives of an instance, and an upper bound of its corners."""
+    geometry, _ = _geometry(document, instance, label)
     primitives = list(geometry.iter(*(f"{{*}}{kind}" for kind in _SURFACES)))
-    # One text at a time: a primitive's is as large as its part of the file.
+    # A generator: the text of a primitive is as large as its part of the file.
     counts = (
-        (one.text or "").count(" ") + 1
+        (indices.text or "").count(" ") + 1
         for primitive in primitives
-        for one in primitive.iterfind("{*}p")
+        for indices in primitive.iterfind("{*}p")
     )
-    return len(primitives), _CORNERS_A_NUMBER * sum(counts)
+    return len(primitives), _CORNERS_PER_NUMBER * sum(counts)
 
 
-def _geometry(document: ColladaDocument, instance: Any, place: str) -> tuple[Any, list[Any]]:
-    """Return the geometry that an instance shows, and the controllers that deform it, the first one first."""
+def _geometry(document: ColladaDocument, instance: Any, label: str) -> tuple[Any, list[Any]]:
+    """Return the geometry of an instance, and its controllers in the order in which they deform the geometry."""
     controllers: list[Any] = []
     if tag(instance) == "instance_geometry":
-        return document.referred(instance, "geometry", place), controllers
-    controller = document.referred(instance, "controller", place)
+        return document.referred(instance, "geometry", label), controllers
+    controller = document.referred(instance, "controller", label)
     while True:
-        place = _place_of(controller)
+        label = _label_of(controller)
         deformer = _deformer(controller)
         if deformer is None or controller in controllers:
-            raise MeshError(f"{place} has neither skin nor morph, or deforms itself")
+            raise MeshError(f"{label} has neither skin nor morph, or deforms itself")
         controllers.insert(0, controller)
         inner = document.named("controller", (deformer.get("source") or "").strip()[1:])
         if inner is None:
-            return document.referred(deformer, "geometry", place, "source"), controllers
+            return document.referred(deformer, "geometry", label, "source"), controllers
         controller = inner
 
 
 def _deformer(controller: Any) -> Any:
-    return next((one for one in controller if tag(one) in {"skin", "morph"}), None)
+    return next((child for child in controller if tag(child) in {"skin", "morph"}), None)
 
 
-def _place_of(element: Any) -> str:
+def _label_of(element: Any) -> str:
     return f"{tag(element)} {(element.get('id') or '')[:_LONGEST_SHOWN]!r}"
 
 
 def _parts(
-    document: ColladaDocument, shown: _Shown, worlds: dict[Any, FloatArray]
+    document: ColladaDocument, scene_instance: _SceneInstance, world_matrices: dict[Any, FloatArray]
 ) -> Iterator[Part]:
-    geometry, controllers = _geometry(document, shown.instance, shown.place)
-    place, matrix = _place_of(geometry), shown.matrix
+    geometry, controllers = _geometry(document, scene_instance.instance, scene_instance.label)
+    label, matrix = _label_of(geometry), scene_instance.matrix
     mesh = geometry.find("{*}mesh")
     if mesh is None:
-        kinds = [tag(one) for one in geometry if tag(one) not in _HARMLESS]
+        kinds = [tag(child) for child in geometry if tag(child) not in _HARMLESS]
         raise MeshError(
-            f"{place} is of kind {(kinds or ['none'])[0][:_LONGEST_SHOWN]}; mesh is needed"
+            f"{label} is of kind {(kinds or ['none'])[0][:_LONGEST_SHOWN]}; mesh is needed"
         )
-    positions = _positions(document, mesh, place)
+    positions = _positions(document, mesh, label)
     for controller in controllers:
-        deformer, where = _deformer(controller), _place_of(controller)
+        deformer, part_label = _deformer(controller), _label_of(controller)
         if tag(deformer) == "morph":
-            positions = _morphed(document, deformer, positions, where)
+            positions = _morphed(document, deformer, positions, part_label)
         else:
             positions = _skinned(
-                document, deformer, positions, _skeleton(document, shown, worlds), where
+                document,
+                deformer,
+                positions,
+                _skeleton(document, scene_instance, world_matrices),
+                part_label,
             )
             matrix = np.eye(4)
-    bindings = _bindings(document, shown)
-    for number, primitive in enumerate(one for one in mesh if tag(one) not in _MESH_DATA):
+    bindings = _bindings(document, scene_instance)
+    for number, primitive in enumerate(child for child in mesh if tag(child) not in _MESH_DATA):
         kind = tag(primitive)
-        where = f"{place}, {kind} {number}"
+        part_label = f"{label}, {kind} {number}"
         if kind not in _SURFACES:
-            raise MeshError(f"{where} is not read; {', '.join(_SURFACES)} are")
-        part = _Primitive(document, primitive, where).part(positions, bindings)
+            raise MeshError(f"{part_label} is not read; {', '.join(_SURFACES)} are")
+        part = _Primitive(document, primitive, part_label).part(positions, bindings)
         if len(part.faces):
             yield from placed(part, matrix[None])
 
 
-def _positions(document: ColladaDocument, mesh: Any, place: str) -> FloatArray:
+def _positions(document: ColladaDocument, mesh: Any, label: str) -> FloatArray:
     position = mesh.find("{*}vertices/{*}input[@semantic='POSITION']")
     if position is None:
-        raise MeshError(f"{place} has no vertices with a POSITION")
-    rows = document.rows(document.referred(position, "source", place, "source"))
+        raise MeshError(f"{label} has no vertices with a POSITION")
+    rows = document.rows(document.referred(position, "source", label, "source"))
     if rows.shape[1] != 3:
-        raise MeshError(f"{place} has positions of {rows.shape[1]} numbers; 3 are needed")
+        raise MeshError(f"{label} has positions of {rows.shape[1]} numbers; 3 are needed")
     return rows
 
 
-def _inputs(document: ColladaDocument, holder: Any, place: str) -> dict[str, Any]:
+def _sources_by_semantic(document: ColladaDocument, holder: Any, label: str) -> dict[str, Any]:
     """Return the sources of a controller's inputs by their semantics."""
     return {
-        one.get("semantic", ""): document.referred(one, "source", place, "source")
-        for one in ([] if holder is None else holder.iterfind("{*}input"))
+        element.get("semantic", ""): document.referred(element, "source", label, "source")
+        for element in ([] if holder is None else holder.iterfind("{*}input"))
     }
 
 
-def _needed(found: dict[str, Any], names: Sequence[str], place: str) -> list[Any]:
+def _required_sources(sources: dict[str, Any], names: Sequence[str], label: str) -> list[Any]:
     for name in names:
-        if name not in found:
-            raise MeshError(f"{place} has no input {name}")
-    return [found[name] for name in names]
+        if name not in sources:
+            raise MeshError(f"{label} has no input {name}")
+    return [sources[name] for name in names]
 
 
 def _morphed(
-    document: ColladaDocument, morph: Any, positions: FloatArray, place: str
+    document: ColladaDocument, morph: Any, positions: FloatArray, label: str
 ) -> FloatArray:
-    found = _inputs(document, morph.find("{*}targets"), place)
-    targets, weights = _needed(found, ("MORPH_TARGET", "MORPH_WEIGHT"), place)
+    sources = _sources_by_semantic(document, morph.find("{*}targets"), label)
+    targets, weights = _required_sources(sources, ("MORPH_TARGET", "MORPH_WEIGHT"), label)
     pairs = list(zip(document.words(targets), document.rows(weights)[:, 0], strict=True))
     relative = morph.get("method", "NORMALIZED") == "RELATIVE"
-    moved = positions * (1.0 if relative else 1.0 - sum(weight for _, weight in pairs))
+    morphed = positions * (1.0 if relative else 1.0 - sum(weight for _, weight in pairs))
     for name, weight in pairs:
         if weight:
             target = document.named("geometry", name)
             mesh = None if target is None else target.find("{*}mesh")
             if mesh is None:
-                raise MeshError(f"{place} has target {name[:_LONGEST_SHOWN]!r}, which is no mesh")
-            to = _positions(document, mesh, _place_of(target))
-            if to.shape != positions.shape:
+                raise MeshError(f"{label} has target {name[:_LONGEST_SHOWN]!r}, which is no mesh")
+            target_positions = _positions(document, mesh, _label_of(target))
+            if target_positions.shape != positions.shape:
                 raise MeshError(
-                    f"{place} has a target of {len(to)} vertices; {len(positions)} are needed"
+                    f"{label} has a target of {len(target_positions)} vertices; {len(positions)} are needed"
                 )
-            moved = moved + weight * to
-    return moved
+            morphed = morphed + weight * target_positions
+    return morphed
 
 
 def _skeleton(
-    document: ColladaDocument, shown: _Shown, worlds: dict[Any, FloatArray]
+    document: ColladaDocument, scene_instance: _SceneInstance, world_matrices: dict[Any, FloatArray]
 ) -> dict[str, FloatArray]:
-    """Return the matrices of the nodes that a skin may name as joints, by id, name and sid."""
+    """Return the matrices of possible joints of a skin by id, name and sid of the node."""
     roots = [
-        document.named("node", (one.text or "").strip().removeprefix("#"))
-        for one in shown.instance.iterfind("{*}skeleton")
+        document.named("node", (element.text or "").strip().removeprefix("#"))
+        for element in scene_instance.instance.iterfind("{*}skeleton")
     ]
     below = {node for root in roots if root is not None for node in root.iter("{*}node")}
-    found: dict[str, FloatArray] = {}
-    # A name below the skeleton's own roots goes before the same one elsewhere.
-    for nodes in (worlds.keys() - below, worlds.keys() & below):
+    matrices: dict[str, FloatArray] = {}
+    # Of equal names, the node below the roots of the skeleton counts.
+    for nodes in (world_matrices.keys() - below, world_matrices.keys() & below):
         for key in ("name", "id", "sid"):
-            found |= {node.get(key): worlds[node] for node in nodes if node.get(key)}
-    return found
+            matrices |= {node.get(key): world_matrices[node] for node in nodes if node.get(key)}
+    return matrices
 
 
 def _skinned(
@@ -323,63 +334,66 @@ def _skinned(
     skin: Any,
     positions: FloatArray,
     joints: dict[str, FloatArray],
-    place: str,
+    label: str,
 ) -> FloatArray:
     text = skin.findtext("{*}bind_shape_matrix")
-    bind = np.eye(4) if text is None else numbers(text, place).reshape(4, 4)
+    bind = np.eye(4) if text is None else numbers(text, label).reshape(4, 4)
     positions = np.einsum("ij,vj->vi", bind[:3, :3], positions) + bind[:3, 3]
-    of_joints = _inputs(document, skin.find("{*}joints"), place)
-    names, inverse = _needed(of_joints, ("JOINT", "INV_BIND_MATRIX"), place)
+    of_joints = _sources_by_semantic(document, skin.find("{*}joints"), label)
+    names, inverse = _required_sources(of_joints, ("JOINT", "INV_BIND_MATRIX"), label)
     inverses = document.rows(inverse).reshape(-1, 4, 4)
     weights = skin.find("{*}vertex_weights")
-    named, shares = _needed(_inputs(document, weights, place), ("JOINT", "WEIGHT"), place)
+    joint_source, weight_source = _required_sources(
+        _sources_by_semantic(document, weights, label), ("JOINT", "WEIGHT"), label
+    )
     matrices = dict(zip(document.words(names), inverses, strict=True))
     for name, inverse_bind in matrices.items():
         if name not in joints:
-            raise MeshError(f"{place} follows joint {name[:_LONGEST_SHOWN]!r}, which is no node")
+            raise MeshError(f"{label} follows joint {name[:_LONGEST_SHOWN]!r}, which is no node")
         matrices[name] = joints[name] @ inverse_bind
-    # Joint -1 is the shape itself.
-    table = np.array([matrices[name] for name in document.words(named)] + [np.eye(4)])
-    rows, joint, weight = _influences(document, weights, shares, len(positions), place)
+    # Joint -1 means the bind shape itself.
+    table = np.array([matrices[name] for name in document.words(joint_source)] + [np.eye(4)])
+    rows, joint, weight = _influences(document, weights, weight_source, len(positions), label)
     return skinned(positions, rows, np.where(joint == -1, len(table) - 1, joint), weight, table)
 
 
 def _influences(
-    document: ColladaDocument, weights: Any, shares: Any, vertices: int, place: str
+    document: ColladaDocument, weights: Any, shares: Any, vertices: int, label: str
 ) -> tuple[IntArray, IntArray, FloatArray]:
-    """Return for each influence on a vertex its row, its joint, and its weight."""
+    """Return vertex, joint and weight of each influence, each of shape (n,)."""
     offsets = {
-        one.get("semantic"): int(one.get("offset", 0)) for one in weights.iterfind("{*}input")
+        element.get("semantic"): int(element.get("offset", 0))
+        for element in weights.iterfind("{*}input")
     }
-    counts = integers(weights.findtext("{*}vcount"), place)
-    pairs = integers(weights.findtext("{*}v"), place)
+    counts = integers(weights.findtext("{*}vcount"), label)
+    pairs = integers(weights.findtext("{*}v"), label)
     width = 1 + max(offsets.values())
     if counts.min(initial=0) < 0 or counts.sum() * width != len(pairs) or len(counts) > vertices:
         raise MeshError(
-            f"{place} claims {counts.sum()} weights of {len(counts)} vertices, and {len(pairs)} numbers "
-            f"for {vertices} are there"
+            f"{label} claims {counts.sum()} weights of {len(counts)} vertices; {len(pairs)} numbers "
+            f"for {vertices} vertices are there"
         )
     pairs = pairs.reshape(-1, width)
-    weight = _chosen(document.rows(shares), pairs[:, offsets["WEIGHT"]], place)[:, 0]
+    weight = _chosen(document.rows(shares), pairs[:, offsets["WEIGHT"]], label)[:, 0]
     return np.repeat(np.arange(len(counts)), counts), pairs[:, offsets["JOINT"]], weight
 
 
-def _chosen(rows: FloatArray, index: IntArray, place: str) -> FloatArray:
+def _chosen(rows: FloatArray, index: IntArray, label: str) -> FloatArray:
     if index.size and (index.min() < 0 or index.max() >= len(rows)):
-        raise MeshError(f"{place} names row {index.max()} of a source; {len(rows)} are there")
+        raise MeshError(f"{label} names row {index.max()} of a source; {len(rows)} are there")
     return rows[index]
 
 
-def _bindings(document: ColladaDocument, shown: _Shown) -> dict[str, _Binding]:
+def _bindings(document: ColladaDocument, scene_instance: _SceneInstance) -> dict[str, _Binding]:
     return {
-        one.get("symbol", ""): _Binding(
-            document.referred(one, "material", shown.place, "target").get("id"),
+        binding.get("symbol", ""): _Binding(
+            document.referred(binding, "material", scene_instance.label, "target").get("id"),
             {
-                bound.get("semantic", ""): int(bound.get("input_set", 0))
-                for bound in one.iterfind("{*}bind_vertex_input")
+                vertex_input.get("semantic", ""): int(vertex_input.get("input_set", 0))
+                for vertex_input in binding.iterfind("{*}bind_vertex_input")
             },
         )
-        for one in shown.instance.iterfind(
+        for binding in scene_instance.instance.iterfind(
             "{*}bind_material/{*}technique_common/{*}instance_material"
         )
     }
@@ -388,54 +402,61 @@ def _bindings(document: ColladaDocument, shown: _Shown) -> dict[str, _Binding]:
 class _Primitive:
     """Triangles or polygons of a mesh, with the inputs of their corners."""
 
-    def __init__(self, document: ColladaDocument, element: Any, place: str) -> None:
-        self._document, self._element, self._place = document, element, place
+    def __init__(self, document: ColladaDocument, element: Any, label: str) -> None:
+        self._document, self._element, self._label = document, element, label
         if element.find("{*}ph") is not None:
-            raise MeshError(f"{place} has polygons with holes (ph), which are not read")
+            raise MeshError(f"{label} has polygons with holes (ph), which are not read")
         self._columns = list(self._read_columns())
-        width = 1 + max((one.offset for one in self._columns), default=0)
-        rows = [integers(one.text, place) for one in element.iterfind("{*}p")]
-        if any(len(one) % width for one in rows):
-            raise MeshError(f"{place} has corners of {width} numbers each, and some are missing")
-        self._lengths = np.array([len(one) // width for one in rows], dtype=np.int64)
+        width = 1 + max((column.offset for column in self._columns), default=0)
+        rows = [integers(indices.text, label) for indices in element.iterfind("{*}p")]
+        if any(len(row) % width for row in rows):
+            raise MeshError(f"{label} has corners of {width} numbers each, and some are missing")
+        self._lengths = np.array([len(row) // width for row in rows], dtype=np.int64)
         self._corners = np.concatenate([np.empty(0, np.int64), *rows]).reshape(-1, width)
 
     def _read_columns(self) -> Iterator[_Column]:
-        for one in self._element.iterfind("{*}input"):
-            offset, number = int(one.get("offset", 0)), int(one.get("set", 0))
-            if one.get("semantic") != "VERTEX":
-                source = self._document.referred(one, "source", self._place, "source")
-                yield _Column(one.get("semantic", ""), source, offset, number)
+        for element in self._element.iterfind("{*}input"):
+            offset, number = int(element.get("offset", 0)), int(element.get("set", 0))
+            if element.get("semantic") != "VERTEX":
+                source = self._document.referred(element, "source", self._label, "source")
+                yield _Column(element.get("semantic", ""), source, offset, number)
                 continue
-            vertices = self._document.referred(one, "vertices", self._place, "source")
+            vertices = self._document.referred(element, "vertices", self._label, "source")
             yield _Column("VERTEX", None, offset, number)
-            for inner in vertices.iterfind("{*}input"):
-                source = self._document.referred(inner, "source", self._place, "source")
-                yield _Column(inner.get("semantic", ""), source, offset, int(inner.get("set", 0)))
+            for vertex_input in vertices.iterfind("{*}input"):
+                source = self._document.referred(vertex_input, "source", self._label, "source")
+                yield _Column(
+                    vertex_input.get("semantic", ""),
+                    source,
+                    offset,
+                    int(vertex_input.get("set", 0)),
+                )
 
     def part(self, positions: FloatArray, bindings: dict[str, _Binding]) -> Part:
-        """Return the triangles, with their colours or their image."""
+        """Return the triangles with their colours or their image."""
         if not len(self._corners):
             return Part(positions, np.zeros((0, 3), dtype=np.int64))
-        vertex = next((one for one in self._columns if one.semantic == "VERTEX"), None)
+        vertex = next((column for column in self._columns if column.semantic == "VERTEX"), None)
         if vertex is None:
-            raise MeshError(f"{self._place} has no input VERTEX")
-        named = self._corners[:, vertex.offset]
+            raise MeshError(f"{self._label} has no input VERTEX")
+        corner_vertices = self._corners[:, vertex.offset]
         try:
-            check_corners(named, len(positions))
+            check_corners(corner_vertices, len(positions))
         except MeshError as error:
-            raise MeshError(f"{self._place}: {error}") from error
-        triangles = self._triangles(positions, named)
-        look, sets = self._look(bindings)
-        paint = self._paint(look, sets, triangles)
-        return Part(positions, named[triangles], self._colours(look, triangles), paint)
+            raise MeshError(f"{self._label}: {error}") from error
+        triangles = self._triangles(positions, corner_vertices)
+        appearance, sets = self._appearance(bindings)
+        paint = self._paint(appearance, sets, triangles)
+        return Part(
+            positions, corner_vertices[triangles], self._colours(appearance, triangles), paint
+        )
 
-    def _triangles(self, positions: FloatArray, named: IntArray) -> IntArray:
-        """Return triangles (t, 3) of rows of the corners."""
-        kind, count = tag(self._element), len(named)
+    def _triangles(self, positions: FloatArray, corner_vertices: IntArray) -> IntArray:
+        """Return triangles (t, 3) as rows of the corners."""
+        kind, count = tag(self._element), len(corner_vertices)
         if kind == "triangles":
             if count % 3:
-                raise MeshError(f"{self._place} has {count} corners, no multiple of 3")
+                raise MeshError(f"{self._label} has {count} corners, no multiple of 3")
             return np.arange(count).reshape(-1, 3)
         if kind in {"tristrips", "trifans"}:
             faces_of = strip_faces if kind == "tristrips" else fan_faces
@@ -450,50 +471,56 @@ class _Primitive:
             )
         counts = self._lengths
         if kind == "polylist":
-            counts = integers(self._element.findtext("{*}vcount"), self._place)
+            counts = integers(self._element.findtext("{*}vcount"), self._label)
         if counts.min(initial=0) < 0 or counts.sum() != count:
             raise MeshError(
-                f"{self._place}: polygons claim {counts.sum()} corners, and {count} are there"
+                f"{self._label}: polygons claim {counts.sum()} corners, and {count} are there"
             )
-        return triangulate(positions, named, counts)[0]
+        return triangulate(positions, corner_vertices, counts)[0]
 
-    def _look(self, bindings: dict[str, _Binding]) -> tuple[Look, dict[str, int]]:
+    def _appearance(self, bindings: dict[str, _Binding]) -> tuple[Appearance, dict[str, int]]:
         symbol = self._element.get("material", "")
         if symbol in bindings:
-            return self._document.look(bindings[symbol].material), bindings[symbol].sets
-        # Some programs name the material itself.
+            return self._document.appearance(bindings[symbol].material), bindings[symbol].sets
+        # Some programs write the id of the material instead of a symbol.
         if self._document.named("material", symbol) is not None:
-            return self._document.look(symbol), {}
-        return Look(), {}
+            return self._document.appearance(symbol), {}
+        return Appearance(), {}
 
-    def _paint(self, look: Look, sets: dict[str, int], triangles: IntArray) -> Paint | None:
-        if look.image is None:
+    def _paint(
+        self, appearance: Appearance, sets: dict[str, int], triangles: IntArray
+    ) -> Paint | None:
+        if appearance.image is None:
             return None
-        columns = {one.number: one for one in self._columns if one.semantic == "TEXCOORD"}
+        columns = {
+            texcoords.number: texcoords
+            for texcoords in self._columns
+            if texcoords.semantic == "TEXCOORD"
+        }
         if not columns:
             self._document.companions.notes.append(
-                f"has an image on {self._place}, which has no TEXCOORD; the image is not read"
+                f"has an image on {self._label}, which has no TEXCOORD; the image is not read"
             )
             return None
-        column = columns.get(sets.get(look.coordinates, -1), columns[min(columns)])
+        column = columns.get(sets.get(appearance.coordinates, -1), columns[min(columns)])
         rows = self._document.rows(column.source)
         if rows.shape[1] < 2:
-            raise MeshError(f"{self._place} has image coordinates of {rows.shape[1]} numbers")
-        corners = _chosen(rows, self._corners[:, column.offset], self._place)[:, :2]
-        return Paint(look.image, corners[triangles], look.wraps)
+            raise MeshError(f"{self._label} has image coordinates of {rows.shape[1]} numbers")
+        corners = _chosen(rows, self._corners[:, column.offset], self._label)[:, :2]
+        return Paint(appearance.image, corners[triangles], appearance.wraps)
 
-    def _colours(self, look: Look, triangles: IntArray) -> NDArray[np.uint8] | None:
-        """Return the mean of the corners' colours, unless all are white, or else the material's colour."""
-        columns = [one for one in self._columns if one.semantic == "COLOR"]
+    def _colours(self, appearance: Appearance, triangles: IntArray) -> NDArray[np.uint8] | None:
+        """Return the mean colour of the corners, or the colour of the material if all corners are white."""
+        columns = [column for column in self._columns if column.semantic == "COLOR"]
         if columns:
-            column = min(columns, key=lambda one: one.number)
+            column = min(columns, key=lambda column: column.number)
             rows = self._document.rows(column.source)[:, :3]
-            corners = _chosen(rows, self._corners[:, column.offset], self._place)
+            corners = _chosen(rows, self._corners[:, column.offset], self._label)
             largest = 255.0 if corners.max(initial=0) > 1 else 1.0
             if corners.shape[1] == 3 and (corners != largest).any():
                 stored = np.clip(np.nan_to_num(corners / largest), 0.0, 1.0)[triangles]
                 return np.rint(255.0 * stored.mean(axis=1)).astype(np.uint8)
-        if look.colour is None:
+        if appearance.colour is None:
             return None
-        colour = np.rint(255.0 * np.array(look.colour)).astype(np.uint8)
+        colour = np.rint(255.0 * np.array(appearance.colour)).astype(np.uint8)
         return np.tile(colour, (len(triangles), 1))

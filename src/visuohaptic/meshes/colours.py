@@ -1,4 +1,4 @@
-"""Colours as model files have them, as bytes of sRGB."""
+"""Convert colours of model files to sRGB, uint8."""
 
 from __future__ import annotations
 
@@ -9,24 +9,25 @@ from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 
-_AT_ONCE = 1 << 14  # rows
+_BLOCK_ROWS = 1 << 14
 
 
 def as_bytes(colours: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return colours (n, 3) as uint8, by the range that their largest number tells.
+    """Return colours (n, 3) as uint8; the largest number decides their range.
 
-    Fractions of which none is above 1 are shares; numbers up to 255 stay; larger ones are of 16 bits.
+    Floating-point numbers up to 1 are fractions of full brightness. Other numbers up to 255 are bytes, and larger
+    numbers have 16 bits.
     """
     if colours.dtype == np.uint8:
         return colours
-    blocks = [slice(start, start + _AT_ONCE) for start in range(0, len(colours), _AT_ONCE)]
+    blocks = [slice(start, start + _BLOCK_ROWS) for start in range(0, len(colours), _BLOCK_ROWS)]
     largest = max((_as_float(colours[block]).max() for block in blocks), default=0.0)
     fractions = colours.dtype.kind == "f"
     scale = 255.0 if fractions and largest <= 1.0 else 1.0 if largest <= 255.0 else 255.0 / 65535.0
-    found = np.empty(colours.shape, dtype=np.uint8)
+    as_uint8 = np.empty(colours.shape, dtype=np.uint8)
     for block in blocks:
-        found[block] = np.rint(np.clip(scale * _as_float(colours[block]), 0.0, 255.0))
-    return found
+        as_uint8[block] = np.rint(np.clip(scale * _as_float(colours[block]), 0.0, 255.0))
+    return as_uint8
 
 
 def _as_float(colours: NDArray[Any]) -> FloatArray:
@@ -38,11 +39,11 @@ def mean_of_corners(colours: None, faces: IntArray) -> None: ...
 @overload
 def mean_of_corners(colours: NDArray[np.uint8], faces: IntArray) -> NDArray[np.uint8]: ...
 def mean_of_corners(colours: NDArray[np.uint8] | None, faces: IntArray) -> NDArray[np.uint8] | None:
-    """Compute colours (f, 3) of faces (f, 3) from those of vertices (v, 3); None stays None."""
+    """Compute the mean colour (f, 3) of the corners of faces (f, 3) from colours of vertices (v, 3); None stays None."""
     if colours is None:
         return None
     means = np.empty((len(faces), 3), dtype=np.uint8)
-    for start in range(0, len(faces), _AT_ONCE):
-        block = slice(start, start + _AT_ONCE)
+    for start in range(0, len(faces), _BLOCK_ROWS):
+        block = slice(start, start + _BLOCK_ROWS)
         means[block] = np.rint(colours[faces[block]].mean(axis=1))
     return means

@@ -1,4 +1,4 @@
-"""Files that a model refers to: materials, buffers and images, which lie beside it or below."""
+"""Read files that a model refers to: materials, buffers and images, in its folder or below."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES
 from visuohaptic.meshes.textures import PackedImage, open_image
 
 LARGEST_BYTES = 50 * 10**6
-"""A material or image above this size is not read; a buffer of a glTF neither."""
+"""Largest size of a material, image or glTF buffer."""
 
 _HASH = re.compile(r"[0-9a-f]{30,}")
 _FAN_OUT = re.compile(r"[0-9a-f]{2}")
@@ -24,17 +24,16 @@ _LONGEST_SHOWN = 100
 
 
 class Companions:
-    """The files that a model may refer to; this one has none, as an open file.
+    """The files that a model may refer to; this base class, for open files, has none.
 
     Attributes
     ----------
     missing : list of str
-        What the model refers to and does not get, each with the reason: "'a.mtl', which is not there".
+        Files that the model refers to and that can't be read, with the reason: "'a.mtl', which is not there".
     notes : list of str
-        What else a user should know of the model, each a clause whose subject is the file: "has
-        vertex colours that are not read".
+        Further remarks on the model, as clauses about the file: "has vertex colours that are not read".
     up_axis : str or None
-        The axis, x, y or z, that the file says points up; None where it says none.
+        Up axis of the file, x, y or z; None if the file does not name an axis.
     """
 
     def __init__(self) -> None:
@@ -43,10 +42,10 @@ class Companions:
         self.up_axis: Literal["x", "y", "z"] | None = None
 
     def read(self, name: str, beside: str = "") -> bytes:
-        """Read a file by the name by which the model, or its companion `beside`, refers to it.
+        """Read a file that the model, or its companion `beside`, refers to as `name`.
 
-        A name may have backslashes, another case, or ``%20`` for a blank; of a path on another computer
-        the last parts may lie here. Raises `MeshError` with the reason, which `missing` then holds, too.
+        A name may have backslashes, another case, or ``%20`` for a blank. For a path of another computer, its last
+        parts are looked for in the model's folder. Raises `MeshError` with the reason, and adds it to `missing`.
         """
         try:
             return self._read(name, beside)
@@ -57,7 +56,7 @@ class Companions:
             raise MeshError(f"it refers to {clause}") from None
 
     def has(self, name: str, beside: str = "") -> bool:
-        """Tell whether `read` returns a file by a name, which `missing` does not get."""
+        """Return whether `read` would return a file; nothing is added to `missing`."""
         try:
             self._read(name, beside)
         except MeshError:
@@ -65,9 +64,9 @@ class Companions:
         return True
 
     def image(self, name: str, beside: str = "") -> PackedImage | None:
-        """Return an image; None, and a clause in `missing`, where it is not there or no image.
+        """Read an image; if it is missing or no image, return None and add the reason to `missing`.
 
-        Raises `MeshError` for more pixels than any image may have.
+        Raises `MeshError` if the image has more pixels than `textures.MOST_PIXELS`.
         """
         try:
             data = self.read(name, beside)
@@ -78,15 +77,15 @@ class Companions:
             self.missing.append(f"{name[:_LONGEST_SHOWN]!r}, which is no image that can be read")
         return image
 
-    def _read(self, name: str, beside: str) -> bytes:  # noqa: ARG002 - the signature of all
-        raise MeshError("is not there, for an open file brings no files beside it")
+    def _read(self, name: str, beside: str) -> bytes:  # noqa: ARG002 - the signature of all subclasses
+        raise MeshError("is not there, for an open file has no folder")
 
 
 class FolderCompanions(Companions):
     """The files in a model's folder and below.
 
-    A symbolic link may lead into the store that the model itself is a link into, or to the store of
-    git-annex or DVC of the repository that holds it; a link to elsewhere is refused.
+    A symbolic link may lead into the folder of the model, or into the store that the model is linked from. It may also
+    lead into the git-annex or DVC store of the repository. Any other link raises `MeshError`.
     """
 
     def __init__(self, model: Path) -> None:
@@ -95,8 +94,8 @@ class FolderCompanions(Companions):
         self._roots = [self._folder.resolve(), *_stores_of(model)]
 
     def _read(self, name: str, beside: str) -> bytes:
-        for place in _places(name, beside):
-            path = _in_any_case(self._folder, place)
+        for candidate in _candidates(name, beside):
+            path = _in_any_case(self._folder, candidate)
             if path is None or not path.is_file():
                 continue
             if not self._may_be_read(path):
@@ -106,7 +105,7 @@ class FolderCompanions(Companions):
             _check_suffix(path.name)
             _check_size(path.stat().st_size)
             return path.read_bytes()
-        raise MeshError(f"is {_where(name)}; put that file beside it")
+        raise MeshError(f"is {_why_not_found(name)}; put that file beside it")
 
     def _may_be_read(self, path: Path) -> bool:
         target = path.resolve()
@@ -118,42 +117,42 @@ class FolderCompanions(Companions):
 
 
 class ArchiveCompanions(Companions):
-    """The files in the folder of a zip archive in which a model lies, and below."""
+    """The files of a zip archive in the folder of a model and below."""
 
     def __init__(self, archive: ZipFile, model: str) -> None:
         super().__init__()
         self._archive = archive
         self._folder = posixpath.dirname(model)
-        files = (one for one in archive.infolist() if not one.is_dir())
-        self._files = {one.filename.lower(): one for one in files}
+        files = (file for file in archive.infolist() if not file.is_dir())
+        self._files = {file.filename.lower(): file for file in files}
 
     def _read(self, name: str, beside: str) -> bytes:
-        for place in _places(name, beside):
-            found = self._files.get(posixpath.join(self._folder, place).lower())
-            if found is not None:
-                _check_suffix(found.filename)
-                _check_size(found.file_size)
-                return self._archive.read(found)
-        raise MeshError(f"is {_where(name)}")
+        for candidate in _candidates(name, beside):
+            file = self._files.get(posixpath.join(self._folder, candidate).lower())
+            if file is not None:
+                _check_suffix(file.filename)
+                _check_size(file.file_size)
+                return self._archive.read(file)
+        raise MeshError(f"is {_why_not_found(name)}")
 
 
-def _places(name: str, beside: str) -> Iterator[str]:
-    """Return where a file may lie, relative to the model's folder and within it, the likeliest first."""
+def _candidates(name: str, beside: str) -> Iterator[str]:
+    """Yield possible paths of a file within the model's folder, relative to the folder, the likeliest first."""
     if _is_address(name):
         return
     folder = posixpath.dirname(beside.replace("\\", "/"))
-    seen = set()
-    for path in dict.fromkeys((_plain(name), _plain(unquote(name)))):
+    yielded = set()
+    for path in dict.fromkeys((_as_posix(name), _as_posix(unquote(name)))):
         parts = path.split("/")
-        ends = ["/".join(parts[start:]) for start in range(len(parts))]
-        for place in (posixpath.join(folder, path), *ends, posixpath.join(folder, parts[-1])):
-            inside = posixpath.normpath(place)
-            if _is_inside(inside) and inside not in seen:
-                seen.add(inside)
-                yield inside
+        tails = ["/".join(parts[start:]) for start in range(len(parts))]
+        for candidate in (posixpath.join(folder, path), *tails, posixpath.join(folder, parts[-1])):
+            path_inside = posixpath.normpath(candidate)
+            if _is_inside(path_inside) and path_inside not in yielded:
+                yielded.add(path_inside)
+                yield path_inside
 
 
-def _plain(name: str) -> str:
+def _as_posix(name: str) -> str:
     return name.strip().strip('"').removeprefix("file://").replace("\\", "/")
 
 
@@ -161,38 +160,38 @@ def _is_address(name: str) -> bool:
     return "://" in name and not name.strip().startswith("file://")
 
 
-def _is_inside(place: str) -> bool:
-    """Tell whether a normal path leads to a file in the folder or below."""
-    return not place.startswith("/") and place.split("/", maxsplit=1)[0] not in {"", ".", ".."}
+def _is_inside(path: str) -> bool:
+    """Return whether a normalised path is in the folder or below."""
+    return not path.startswith("/") and path.split("/", maxsplit=1)[0] not in {"", ".", ".."}
 
 
-def _where(name: str) -> str:
-    inside = not _is_address(name) and _is_inside(posixpath.normpath(_plain(name)))
+def _why_not_found(name: str) -> str:
+    inside = not _is_address(name) and _is_inside(posixpath.normpath(_as_posix(name)))
     return "not there" if inside else "outside its folder"
 
 
-def _in_any_case(folder: Path, place: str) -> Path | None:
-    """Find a file by a path below a folder; where no name is equal, one that differs in case only."""
-    if os.path.lexists(folder / place):
-        return folder / place
-    for part in place.split("/"):
+def _in_any_case(folder: Path, path: str) -> Path | None:
+    """Return the file with a path below a folder, with equal case if there is one, else in any case; None if missing."""
+    if os.path.lexists(folder / path):
+        return folder / path
+    for part in path.split("/"):
         if not os.path.lexists(folder / part):
             try:
-                named = [one for one in os.listdir(folder) if one.lower() == part.lower()]  # noqa: PTH208
+                matches = [entry for entry in os.listdir(folder) if entry.lower() == part.lower()]  # noqa: PTH208
             except OSError:
                 return None
-            if not named:
+            if not matches:
                 return None
-            part = min(named)  # noqa: PLW2901
+            part = min(matches)  # noqa: PLW2901
         folder /= part
     return folder
 
 
 def _check_suffix(name: str) -> None:
-    # What the list of a model's companions lacks would be read unseen by those who watch it.
+    # The workflow watches only files that `catalogue.companions` lists, so only these may be read.
     if Path(name).suffix.lower() not in COMPANION_SUFFIXES:
         raise MeshError(
-            f"is of a kind that is not read; {', '.join(COMPANION_SUFFIXES)} are allowed"
+            f"has a suffix that is not read; {', '.join(COMPANION_SUFFIXES)} are allowed"
         )
 
 
@@ -202,14 +201,14 @@ def _check_size(size: int) -> None:
 
 
 def _stores_of(model: Path) -> list[Path]:
-    """Return the folder that holds the target of a model that is a link, and its siblings' targets."""
+    """Return the folder of the link target of a model and of other files of the same store; [] if the model is no link."""
     if not model.is_symlink():
         return []
     target = model.resolve()
-    # git-annex keeps each file in folders of its own: objects/XX/YY/KEY/KEY.
+    # git-annex has a folder per file: objects/XX/YY/KEY/KEY.
     if target.name == target.parent.name and len(target.parents) > 3:
         return [target.parents[3]]
-    # DVC keeps files by their hash: files/md5/2a/…; git's objects lie in the same way.
+    # DVC and git name files after their hash: files/md5/2a/….
     if _HASH.fullmatch(target.name) and _FAN_OUT.fullmatch(target.parent.name):
         return [target.parents[1]]
     return [target.parent]

@@ -1,8 +1,7 @@
-"""Bring catalogued models from where they are published, and pack each as a coloured surface.
+"""Download the models of the catalogue, and write each as a coloured surface.
 
-The Debian package is asked first, where apt is there; otherwise the upstream
-archives. Nothing of an archive is unpacked to disk: members are read by the exact
-names of the catalogue, bounded in size, and checked against its hashes.
+With apt, models come from a Debian package, otherwise from the upstream archives. Archives are not unpacked to disk.
+Members are read by their names in the catalogue. Their size is limited, and their digest is checked.
 """
 
 from __future__ import annotations
@@ -46,9 +45,9 @@ _BLOCK_BYTES = 10**6
 def fetch_models(
     models: Sequence[Model], folder: str | Path, cache: str | Path, jobs: int = 1
 ) -> None:
-    """Download models that are missing and write each as `<folder>/<class>/<name>.ply.gz`, `jobs` at once.
+    """Download missing models and write each as `<folder>/<class>/<name>.ply.gz`, in `jobs` processes.
 
-    Raises `DownloadError` if an archive can't be had or a model is not the one that is pinned.
+    Raises `DownloadError` if an archive can't be downloaded, or a model has another digest than in the catalogue.
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -61,7 +60,7 @@ def fetch_models(
 
 
 def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Path]:
-    """Bring furniture libraries, such as ``Scopia.sh3f``, into a cache folder, unless they are there."""
+    """Download missing furniture libraries, such as ``Scopia.sh3f``, into a cache folder; return their paths."""
     cache = Path(cache)
     cache.mkdir(parents=True, exist_ok=True)
     paths = {library: cache / Path(library).name for library in libraries}
@@ -82,37 +81,37 @@ def fetch_libraries(libraries: Sequence[str], cache: str | Path) -> dict[str, Pa
 
 
 def download(address: str, path: Path, sha256: str | None = None) -> Path:
-    """Download a file unless it is there already; it appears only when whole and of the given hash."""
+    """Download a file unless it exists; the file appears only if it is complete and has the given digest."""
     pooch.get_logger().setLevel(logging.WARNING)
-    known = f"sha256:{sha256}" if sha256 else None
+    known_hash = f"sha256:{sha256}" if sha256 else None
     try:
-        pooch.retrieve(address, known, path.name, path.parent, downloader=_download_bounded)
+        pooch.retrieve(address, known_hash, path.name, path.parent, downloader=_download_bounded)
     except (requests.RequestException, OSError) as error:
         raise DownloadError(f"{address} can't be downloaded: {error}; run again.") from error
     except ValueError as error:
         raise DownloadError(
-            f"{address} has not the pinned SHA-256 {sha256}; nothing of it was used, run again."
+            f"{address} does not have the pinned SHA-256 {sha256}; the file was not used, run again."
         ) from error
     return path
 
 
 def _download_bounded(address: str, path: str, _: object) -> None:
-    """Download no more than the largest archive that is expected."""
+    """Download a file; raise `DownloadError` above `_LARGEST_ARCHIVE_BYTES`."""
     with requests.get(address, stream=True, timeout=60) as answer, Path(path).open("wb") as stream:
         answer.raise_for_status()
         for block in tqdm(answer.iter_content(_BLOCK_BYTES), unit="MB", disable=None):
             stream.write(block)
             if stream.tell() > _LARGEST_ARCHIVE_BYTES:
                 raise DownloadError(
-                    f"{address} grows beyond {_LARGEST_ARCHIVE_BYTES / 1e6:.0f} MB; that is not the "
+                    f"{address} has more than {_LARGEST_ARCHIVE_BYTES / 1e6:.0f} MB and is not the "
                     "pinned archive."
                 )
 
 
 def extract_libraries(package: Path, libraries: Mapping[str, Path]) -> None:
-    """Copy furniture libraries out of a ``.deb`` by dpkg, which is where apt is, each in one step.
+    """Extract furniture libraries from a ``.deb`` with dpkg; each file is written whole or not at all.
 
-    Raises `DownloadError` if the package is not one, or lacks a library.
+    Raises `DownloadError` if `package` is no Debian package, or lacks a library.
     """
     wanted = {f"./{LIBRARY_FOLDER}/{library}": path for library, path in libraries.items()}
     command = ["dpkg-deb", "--fsys-tarfile", str(package)]
@@ -143,16 +142,16 @@ def extract_libraries(package: Path, libraries: Mapping[str, Path]) -> None:
 
 
 def pack_model(model: Model, library: Path, folder: Path) -> Path:
-    """Read one model from its library, check it, and write it as a coloured surface, in one step."""
+    """Read a model from its library, check its digest, and write it as a coloured surface; return the path."""
     data = read_member(library, model.member, _LARGEST_MEMBER_BYTES)
-    found = hashlib.sha256(data).hexdigest()
-    if found != model.sha256:
+    sha256 = hashlib.sha256(data).hexdigest()
+    if sha256 != model.sha256:
         raise DownloadError(
-            f"{library}: {model.member} has the SHA-256 {found}; {model.sha256} is pinned."
+            f"{library}: {model.member} has the SHA-256 {sha256}; {model.sha256} is pinned."
         )
     with zipfile.ZipFile(library) as archive:
         surface = surface_from_archive(data, model.member, archive)
-    # Whoever runs the experiment can't mend a pinned archive.
+    # Users can't mend a pinned archive, so notes on it are dropped.
     surface = replace(surface, notes=())
     path = folder / f"{model.key}.ply.gz"
     part = path.with_name(f".{path.name}")
@@ -162,14 +161,14 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
 
 
 def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
-    """Read one member of a zip archive into memory; `DownloadError` if it is not there or too large."""
+    """Return a member of a zip archive; raise `DownloadError` if the member is missing or too large."""
     try:
         with zipfile.ZipFile(archive) as opened, opened.open(member) as stream:
-            # What the archive says of a member's size may be wrong.
+            # The size of the member in the archive's directory may be wrong.
             data = stream.read(largest_bytes + 1)
     except KeyError as error:
         raise DownloadError(f"{archive} has no member {member}.") from error
-    # An encrypted member is a RuntimeError, an unknown compression a NotImplementedError.
+    # zipfile raises RuntimeError for encrypted members, and NotImplementedError for unknown compression.
     except (zipfile.BadZipFile, OSError, RuntimeError, EOFError, zlib.error) as error:
         raise DownloadError(
             f"{archive} can't be read: {error}; delete it and run again."
@@ -182,7 +181,7 @@ def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
 
 
 def _debian_address() -> str | None:
-    """Ask apt where the package lies; None where there is no apt, or it doesn't know the package."""
+    """Return the address of the package from apt; None without apt, or if apt does not know the pinned package."""
     apt = shutil.which("apt-get")
     if apt is None:
         return None

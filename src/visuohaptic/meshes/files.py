@@ -1,4 +1,4 @@
-"""From models' files to mesh files."""
+"""Write the mesh files of objects from their models."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ def make_meshes(
     parameters: MeshParameters,
     seed: int,
 ) -> None:
-    """Make the mesh files ``<class>/<name>.ply`` of some objects, by `class/name`; own models are None.
+    """Write the mesh files ``<class>/<name>.ply`` of objects in `folder`.
 
-    The seed decides how objects are turned, if `parameters` ask for that.
+    `models` and `sources` have keys `class/name`; the model is None for an own model. `seed` is the seed of the
+    random turns, if `parameters` ask for turns.
     """
     for key, model in models.items():
         make_mesh(key, model, sources[key], Path(folder) / f"{key}.ply", parameters, seed)
@@ -36,10 +37,9 @@ def make_mesh(
     parameters: MeshParameters,
     seed: int = 0,
 ) -> None:
-    """Make the mesh file of one object; of an own model that can't be used, an empty one with the reason.
+    """Write the mesh file of one object; for an unusable own model, write an empty mesh with the reason.
 
-    Raises `MeshError` if a catalogued model can't be read or has nothing to touch; nothing is
-    written then.
+    Raises `MeshError`, and writes nothing, if a model of the catalogue can't be read or has no area.
     """
     category, name = key.split("/")
     try:

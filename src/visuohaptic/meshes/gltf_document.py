@@ -21,7 +21,7 @@ from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.textures import PackedImage, open_image
 
 MOST_IMAGE_BYTES = 512 * 10**6
-"""Packed images of one file: many may refer to the same bytes."""
+"""Largest sum of the sizes of packed images; many images may refer to the same bytes."""
 
 READ_EXTENSIONS = frozenset(
     {
@@ -37,16 +37,16 @@ READ_EXTENSIONS = frozenset(
 
 HARMLESS_EXTENSIONS = frozenset(
     {
-        # How light is reflected, bent or sent out; the base colour stays what it is.
+        # Reflection, refraction or emission of light; the base colour stays the same.
         *(f"KHR_materials_{name}" for name in (
             "anisotropy", "clearcoat", "diffuse_transmission", "dispersion", "emissive_strength", "ior",
             "iridescence", "sheen", "specular", "transmission", "unlit", "volume", "volume_scatter",
         )),
         "VRMC_materials_mtoon", "VRMC_materials_hdr_emissiveMultiplier",
         "MSFT_packing_normalRoughnessMetallic", "MSFT_packing_occlusionRoughnessMetallic",
-        # Other materials and coarser shapes, which stand beside those that are shown first.
+        # Alternative materials and levels of detail; the default material and shape are read.
         "KHR_materials_variants", "MSFT_lod",
-        # Lights, sounds, motion, what may be clicked, and what is known about a part.
+        # Lights, sounds, motion, interaction and metadata.
         "KHR_lights_punctual", "EXT_lights_ies", "EXT_lights_image_based",
         "KHR_audio_emitter", "MSFT_audio_emitter", "KHR_animation_pointer",
         "KHR_node_hoverability", "KHR_node_selectability", "KHR_interactivity",
@@ -59,7 +59,7 @@ HARMLESS_EXTENSIONS = frozenset(
 )  # fmt: skip
 """Extensions that can change neither a surface nor its base colour."""
 
-# A file that does not require one of these has the same numbers or an image beside it, unpacked.
+# A file that does not require these extensions also has the same numbers or image without compression.
 _WITH_FALLBACK = frozenset({"KHR_draco_mesh_compression", "KHR_texture_basisu", "MSFT_texture_dds"})
 
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -78,7 +78,7 @@ class GltfDocument:
     tree : dict
         The JSON of the file.
     companions : Companions
-        The files beside it.
+        Files that the document refers to.
     """
 
     def __init__(self, data: bytes, companions: Companions) -> None:
@@ -96,46 +96,47 @@ class GltfDocument:
             if name not in READ_EXTENSIONS | HARMLESS_EXTENSIONS:
                 raise MeshError(
                     f"it requires the extension {str(name)[:_LONGEST_SHOWN]}, which is not read; export "
-                    "it without"
+                    "it without the extension"
                 )
 
-    def entry(self, kind: str, index: Any, place: str) -> dict[str, Any]:
-        """Return an entry of a list of the file, such as ``nodes``, that `place` refers to."""
+    def entry(self, kind: str, index: Any, label: str) -> dict[str, Any]:
+        """Return an entry of a list of the file, such as ``nodes``; `label` names the referring entry in errors."""
         entries = self.tree.get(kind, [])
         if not isinstance(index, int) or not 0 <= index < len(entries):
             raise MeshError(
-                f"{place} refers to number {str(index)[:_LONGEST_SHOWN]} of its {kind}; "
+                f"{label} refers to number {str(index)[:_LONGEST_SHOWN]} of its {kind}; "
                 f"{len(entries)} are there, counted from 0"
             )
-        found = entries[index]
-        if not isinstance(found, dict):
+        entry = entries[index]
+        if not isinstance(entry, dict):
             raise MeshError(f"number {index} of its {kind} is no object")
-        return found
+        return entry
 
-    def count(self, accessor: Any, place: str) -> int:
-        """Return the rows that an accessor claims; they need not be there."""
-        described = self.entry("accessors", accessor, place)
+    def count(self, accessor: Any, label: str) -> int:
+        """Return the number of rows that an accessor claims; the data may be shorter."""
+        described = self.entry("accessors", accessor, label)
         count: int = required(described, "count", int, f"accessor {accessor}")
         if count < 0:
             raise MeshError(f"accessor {accessor} has the count {str(count)[:_LONGEST_SHOWN]}")
         return count
 
-    def stored(self, accessor: int, place: str, *widths: int) -> NDArray[Any]:
-        """Return the numbers of an accessor as they are stored, shape (n, k), k one of `widths`."""
-        described = self.entry("accessors", accessor, place)
-        refuse_unknown(described, f"accessor {accessor}", ())
+    def stored(self, accessor: int, label: str, *widths: int) -> NDArray[Any]:
+        """Return the stored numbers of an accessor, shape (n, k); k must be in `widths`."""
+        described = self.entry("accessors", accessor, label)
+        check_extensions(described, f"accessor {accessor}", ())
         width = _WIDTHS.get(described.get("type", ""), 0)
         if width not in widths or described.get("componentType") not in _COMPONENTS:
+            allowed = [name for name, numbers in _WIDTHS.items() if numbers in widths]
             raise MeshError(
-                f"{place} is accessor {accessor}, of {str(described.get('type'))[:9]} and component type "
-                f"{str(described.get('componentType'))[:9]}, which can't be"
+                f"{label} is accessor {accessor}, of {str(described.get('type'))[:9]} and component type "
+                f"{str(described.get('componentType'))[:9]}; {' or '.join(allowed)} of a type of glTF 2.0 is needed"
             )
         dtype = np.dtype(_COMPONENTS[described["componentType"]])
-        count = self.count(accessor, place)
+        count = self.count(accessor, label)
         if "bufferView" in described:
             rows = self._rows(described, dtype, count, width, f"accessor {accessor}")
         elif "sparse" not in described:
-            raise MeshError(f"{place} is accessor {accessor}, which has no data")
+            raise MeshError(f"{label} is accessor {accessor}, which has no data")
         elif count > self._size:
             raise MeshError(f"it claims {count} rows without data in a file of {self._size} bytes")
         else:
@@ -144,21 +145,21 @@ class GltfDocument:
             rows = self._patched(rows, described["sparse"], f"accessor {accessor}")
         return rows
 
-    def numbers(self, accessor: int, place: str, *widths: int) -> FloatArray:
-        """Return the numbers of an accessor, integers divided by their largest if it says `normalized`."""
-        stored = self.stored(accessor, place, *widths)
-        if self.entry("accessors", accessor, place).get("normalized"):
-            return _shares(stored)
+    def numbers(self, accessor: int, label: str, *widths: int) -> FloatArray:
+        """Return the numbers of an accessor, float64; `normalized` integers become fractions of the largest integer."""
+        stored = self.stored(accessor, label, *widths)
+        if self.entry("accessors", accessor, label).get("normalized"):
+            return _fractions(stored)
         return stored.astype(np.float64)
 
-    def shares(self, accessor: int, place: str, *widths: int) -> FloatArray:
-        """Return the numbers of an accessor for which integers always stand for shares of their largest."""
-        return _shares(self.stored(accessor, place, *widths))
+    def fractions(self, accessor: int, label: str, *widths: int) -> FloatArray:
+        """Return the numbers of an accessor, float64; integers become fractions of the largest integer of their type."""
+        return _fractions(self.stored(accessor, label, *widths))
 
-    def image(self, index: int, place: str) -> PackedImage | None:
-        """Open an image, or return None and say in the companions' `missing` why it is not there."""
-        described = self.entry("images", index, place)
-        refuse_unknown(described, f"image {index}", ())
+    def image(self, index: int, label: str) -> PackedImage | None:
+        """Open an image; if that fails, return None and add the reason to `companions.missing`."""
+        described = self.entry("images", index, label)
+        check_extensions(described, f"image {index}", ())
         key = described.get("uri", ("view", described.get("bufferView")))
         if key not in self._images:
             self._images[key] = self._opened(described, index)
@@ -175,7 +176,7 @@ class GltfDocument:
         self._image_bytes += len(data)
         if self._image_bytes > MOST_IMAGE_BYTES:
             raise MeshError(
-                f"its images have more than {MOST_IMAGE_BYTES / 1e6:.0f} MB, which are allowed"
+                f"its images are too large together; {MOST_IMAGE_BYTES / 1e6:.0f} MB are allowed"
             )
         image = open_image(data, f"image {index}")
         if image is None:
@@ -186,40 +187,40 @@ class GltfDocument:
         return image
 
     def _rows(
-        self, described: dict[str, Any], dtype: np.dtype[Any], count: int, width: int, place: str
+        self, described: dict[str, Any], dtype: np.dtype[Any], count: int, width: int, label: str
     ) -> NDArray[Any]:
         index = described["bufferView"]
-        data = self._view(index, place)
+        data = self._view(index, label)
         row_bytes = width * dtype.itemsize
-        stride = self.entry("bufferViews", index, place).get("byteStride") or row_bytes
+        stride = self.entry("bufferViews", index, label).get("byteStride") or row_bytes
         start = described.get("byteOffset", 0)
         needed = start + stride * (count - 1) + row_bytes if count else 0
         if stride < row_bytes or start < 0 or needed > len(data):
             raise MeshError(
-                f"{place} is truncated: it needs {needed} bytes, in steps of {stride}, of buffer view "
+                f"{label} is truncated: it needs {needed} bytes, in steps of {stride}, of buffer view "
                 f"{index}, and {len(data)} are there"
             )
         if not count:
             return np.zeros((0, width), dtype)
         return np.ndarray((count, width), dtype, data, start, (stride, dtype.itemsize))
 
-    def _patched(self, rows: NDArray[Any], sparse: dict[str, Any], place: str) -> NDArray[Any]:
-        count = required(sparse, "count", int, place)
-        places, values = (required(sparse, name, dict, place) for name in ("indices", "values"))
-        if places.get("componentType") not in {5121, 5123, 5125}:
-            raise MeshError(f"{place} has sparse rows whose numbers are no unsigned integers")
+    def _patched(self, rows: NDArray[Any], sparse: dict[str, Any], label: str) -> NDArray[Any]:
+        count = required(sparse, "count", int, label)
+        indices, values = (required(sparse, name, dict, label) for name in ("indices", "values"))
+        if indices.get("componentType") not in {5121, 5123, 5125}:
+            raise MeshError(f"{label} has sparse indices that are no unsigned integers")
         numbers = self._rows(
-            places, np.dtype(_COMPONENTS[places["componentType"]]), count, 1, place
+            indices, np.dtype(_COMPONENTS[indices["componentType"]]), count, 1, label
         )
         if (numbers >= len(rows)).any():
-            raise MeshError(f"{place} has a sparse row {numbers.max()}; it has {len(rows)} rows")
+            raise MeshError(f"{label} has a sparse row {numbers.max()}; it has {len(rows)} rows")
         patched = rows.copy()
-        patched[numbers[:, 0]] = self._rows(values, rows.dtype, count, rows.shape[1], place)
+        patched[numbers[:, 0]] = self._rows(values, rows.dtype, count, rows.shape[1], label)
         return patched
 
-    def _view(self, index: Any, place: str) -> memoryview:
-        described = self.entry("bufferViews", index, place)
-        refuse_unknown(described, f"buffer view {index}", ())
+    def _view(self, index: Any, label: str) -> memoryview:
+        described = self.entry("bufferViews", index, label)
+        check_extensions(described, f"buffer view {index}", ())
         data = self._buffer(described.get("buffer"), f"buffer view {index}")
         start, length = described.get("byteOffset", 0), described.get("byteLength", 0)
         if start < 0 or length < 0 or start + length > len(data):
@@ -229,14 +230,14 @@ class GltfDocument:
             )
         return data[start : start + length]
 
-    def _buffer(self, index: Any, place: str) -> memoryview:
-        described = self.entry("buffers", index, place)
-        refuse_unknown(described, f"buffer {index}", ())
+    def _buffer(self, index: Any, label: str) -> memoryview:
+        described = self.entry("buffers", index, label)
+        check_extensions(described, f"buffer {index}", ())
         if (described.get("uri") or "").startswith(_INLINE):
-            # The address is as long as its bytes and is not needed beside them.
+            # `pop` frees the address, which is as long as the data.
             self._buffers[index] = memoryview(_decoded_address(described.pop("uri")))
         name = described.get("uri")
-        # Many buffers may name one file.
+        # Several buffers may refer to the same file.
         key = index if name is None else name
         if key not in self._buffers:
             self._buffers[key] = memoryview(self._loaded(name, index))
@@ -255,32 +256,32 @@ class GltfDocument:
         return self.companions.read(name)
 
 
-def required(holder: dict[str, Any], name: str, kind: type, place: str) -> Any:
-    """Return what an entry must have; raises `MeshError` if it has none or of another type."""
+def required(holder: dict[str, Any], name: str, kind: type, label: str) -> Any:
+    """Return a required value of an entry; raises `MeshError` if the value is missing or of another type."""
     if not isinstance(holder.get(name), kind):
-        found = "none" if name not in holder else type(holder[name]).__name__
-        raise MeshError(f"{place} needs {name!r} of type {kind.__name__}, and has {found}")
+        actual = "none" if name not in holder else type(holder[name]).__name__
+        raise MeshError(f"{label} needs {name!r} of type {kind.__name__}, and has {actual}")
     return holder[name]
 
 
-def refuse_unknown(holder: dict[str, Any], place: str, known: Collection[str]) -> None:
-    """Refuse an entry in use that has an extension neither `known` nor harmless."""
+def check_extensions(holder: dict[str, Any], label: str, supported: Collection[str]) -> None:
+    """Raise `MeshError` if an entry has an extension that is neither in `supported` nor harmless."""
     for name in holder.get("extensions", {}):
-        if name not in known and name not in HARMLESS_EXTENSIONS | _WITH_FALLBACK:
+        if name not in supported and name not in HARMLESS_EXTENSIONS | _WITH_FALLBACK:
             raise MeshError(
-                f"{place} has the extension {name[:_LONGEST_SHOWN]}, which is not read; export it without"
+                f"{label} has the extension {name[:_LONGEST_SHOWN]}, which is not read; export it without the extension"
             )
 
 
-def refuse_other_keys(holder: dict[str, Any], place: str, known: Collection[str]) -> None:
-    """Refuse an entry in use that has a key which glTF 2.0 does not have."""
+def check_keys(holder: dict[str, Any], label: str, supported: Collection[str]) -> None:
+    """Raise `MeshError` if an entry has a key that is neither in `supported` nor general."""
     for name in holder:
-        if name not in known and name not in {"name", "extras", "extensions"}:
-            raise MeshError(f"{place} has {name[:_LONGEST_SHOWN]!r}, which is not read")
+        if name not in supported and name not in {"name", "extras", "extensions"}:
+            raise MeshError(f"{label} has {name[:_LONGEST_SHOWN]!r}, which is not read")
 
 
 def _unpacked(data: bytes) -> tuple[bytes, memoryview | None]:
-    """Return the JSON of a GLB, and its binary chunk, if any."""
+    """Return the JSON of a GLB file and its binary chunk, or None without binary chunk."""
     if len(data) < _GLB_HEADER.size + _CHUNK_HEADER.size:
         raise MeshError(f"it is truncated: {len(data)} bytes are there")
     _, version, promised = _GLB_HEADER.unpack_from(data)
@@ -291,7 +292,7 @@ def _unpacked(data: bytes) -> tuple[bytes, memoryview | None]:
             f"it is truncated: its header promises {promised} bytes, and {len(data)} are there"
         )
     chunks: dict[bytes, memoryview] = {}
-    start, whole = _GLB_HEADER.size, memoryview(data)
+    start, content = _GLB_HEADER.size, memoryview(data)
     while start + _CHUNK_HEADER.size <= promised:
         length, kind = _CHUNK_HEADER.unpack_from(data, start)
         start += _CHUNK_HEADER.size
@@ -299,7 +300,7 @@ def _unpacked(data: bytes) -> tuple[bytes, memoryview | None]:
             raise MeshError(
                 f"it is truncated: a chunk promises {length} bytes, and {promised - start} are there"
             )
-        chunks.setdefault(kind, whole[start : start + length])
+        chunks.setdefault(kind, content[start : start + length])
         start += length
     if b"JSON" not in chunks:
         raise MeshError("it has no chunk of JSON, as a GLB has")
@@ -307,7 +308,7 @@ def _unpacked(data: bytes) -> tuple[bytes, memoryview | None]:
 
 
 def _decoded(text: bytes) -> str:
-    # Several programs fill the chunk up with NUL instead of blanks.
+    # Several programs pad the chunk with NUL instead of blanks.
     text = text.rstrip(b"\0 \t\r\n")
     try:
         return text.decode(json.detect_encoding(text), "surrogatepass")
@@ -323,7 +324,7 @@ def _parsed(text: str) -> dict[str, Any]:
 
 
 def _decoded_address(address: str) -> bytes:
-    """Return the bytes that a ``data:`` address holds (RFC 2397)."""
+    """Return the bytes of a ``data:`` address (RFC 2397)."""
     kind, _, data = address.partition(",")
     if kind.endswith(";base64"):
         # `base64.b64decode` would copy the text.
@@ -331,7 +332,7 @@ def _decoded_address(address: str) -> bytes:
     return unquote_to_bytes(data)
 
 
-def _shares(stored: NDArray[Any]) -> FloatArray:
+def _fractions(stored: NDArray[Any]) -> FloatArray:
     if stored.dtype.kind == "f":
         return stored.astype(np.float64)
     return np.maximum(stored / float(np.iinfo(stored.dtype).max), -1.0)

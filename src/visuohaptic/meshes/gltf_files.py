@@ -1,8 +1,7 @@
-"""glTF 2.0 files, as text (.gltf) or binary (.glb): what their scene shows, as parts.
+"""Read the default scene of a glTF 2.0 file, text (.gltf) or binary (.glb), as parts.
 
-Section numbers of comments are those of the specification (ISO/IEC 12113:2022). Colours are light in
-glTF and stored as sRGB here. A node, primitive, material or texture in use that carries what is not
-read is refused by its name.
+Comments have section numbers of the specification (ISO/IEC 12113:2022). Colours are linear in glTF and sRGB in
+parts. A node, primitive, material or texture of the scene with an unsupported key or extension raises an error.
 """
 
 from __future__ import annotations
@@ -23,8 +22,8 @@ from visuohaptic.geometry.turning import rotation_matrices
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.gltf_document import (
     GltfDocument,
-    refuse_other_keys,
-    refuse_unknown,
+    check_extensions,
+    check_keys,
     required,
 )
 from visuohaptic.meshes.limits import check_parts
@@ -38,7 +37,7 @@ from visuohaptic.meshes.scenes import (
 )
 
 MOST_TINTS = 16
-"""Vertex colours that multiply one image on one primitive; of more, their mean does."""
+"""Largest number of distinct vertex colours that multiply an image of a primitive; of more colours, the mean is used."""
 
 _INSTANCING, _VISIBILITY = "EXT_mesh_gpu_instancing", "KHR_node_visibility"
 _GLOSSINESS, _TRANSFORM = "KHR_materials_pbrSpecularGlossiness", "KHR_texture_transform"
@@ -60,67 +59,67 @@ _PRIMITIVE_KEYS = ("attributes", "indices", "material", "mode", "targets")
 _ATTRIBUTE = re.compile(r"(POSITION|NORMAL|TANGENT|(TEXCOORD|COLOR|JOINTS|WEIGHTS)_\d+|_.*)")
 _NO_SURFACE = {0, 1, 2, 3}  # points and lines
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_AT_ONCE = 1 << 16  # faces
+_BLOCK_FACES = 1 << 16
 _WRAPS = {10497: REPEAT, 33071: CLAMP, 33648: MIRROR}
 
 
 @dataclass(frozen=True)
-class _Shown:
-    """A node that shows a mesh: its number, its entry, and the matrices (n, 4, 4) of its instances."""
+class _MeshNode:
+    """A node with a mesh: its number, its entry, and the matrices (n, 4, 4) of its instances."""
 
     number: int
-    node: dict[str, Any]
+    entry: dict[str, Any]
     matrices: FloatArray
 
 
 @dataclass(frozen=True)
-class _Look:
-    """The base colour of a primitive's material, as light, and what it says of its image."""
+class _Appearance:
+    """Base colour of a material, linear, and its reference to an image; `label` names the material in errors."""
 
     factor: FloatArray
     texture: dict[str, Any] | None
-    place: str
+    label: str
 
 
 def read_gltf(data: bytes, companions: Companions) -> list[Part]:
-    """Read what the default scene of a glTF or GLB file shows, each mesh where its nodes put it.
+    """Read the meshes in the default scene of a glTF or GLB file, with the transforms of their nodes.
 
-    Parts are in the file's frame, in metres: instances, skins at their pose and morph targets at their
-    weights are applied. Colours are base colour times vertex colours, multiplied as light. Raises
-    `MeshError`, with the reason only, if the file is broken, shows too much, or uses what is not read.
+    Parts are in the file's frame, in metres. Instances, skins and morph targets are applied. Colours are base
+    colour times vertex colour, multiplied in linear light. Raises `MeshError` if the file is broken, has too many
+    parts, or uses an unsupported feature. The message has only the reason; the caller adds the name of the file.
     """
     companions.up_axis = "y"
     document = GltfDocument(data, companions)
-    # The file's text is not needed beside its buffers.
+    # Free the content of the file, which the document has divided into buffers.
     del data
-    shown = _shown(document)
-    _check_size(document, shown)
-    return [part for one in shown for part in _mesh_parts(document, one)]
+    mesh_nodes = _mesh_nodes(document)
+    _check_size(document, mesh_nodes)
+    return [part for node in mesh_nodes for part in _mesh_parts(document, node)]
 
 
-def _shown(document: GltfDocument) -> list[_Shown]:
-    """Return the nodes of the default scene that show a mesh, in the order of the tree."""
-    waiting = [(number, np.eye(4)) for number in _roots(document)][::-1]
-    shown, visited = [], set()
-    while waiting:
-        number, above = waiting.pop()
+def _mesh_nodes(document: GltfDocument) -> list[_MeshNode]:
+    """Return the nodes with a mesh in the default scene, in the order of the tree."""
+    stack = [(number, np.eye(4)) for number in _roots(document)][::-1]
+    mesh_nodes, visited = [], set()
+    while stack:
+        number, parent_matrix = stack.pop()
         if number in visited:
-            raise MeshError(f"node {number} stands twice in the scene; a tree is needed")
+            raise MeshError(f"node {number} is twice in the scene; a tree is needed")
         visited.add(number)
         check_parts(len(visited), "nodes")
         node = document.entry("nodes", number, "the scene")
-        place = f"node {number}"
-        refuse_other_keys(node, place, _NODE_KEYS)
-        refuse_unknown(node, place, (_INSTANCING, _VISIBILITY))
+        label = f"node {number}"
+        check_keys(node, label, _NODE_KEYS)
+        check_extensions(node, label, (_INSTANCING, _VISIBILITY))
         extensions = node.get("extensions", {})
         if not extensions.get(_VISIBILITY, {}).get("visible", True):
             continue
-        world = above @ _local(node, place)
+        matrix = parent_matrix @ _local(node, label)
         if "mesh" in node:
-            instances = _instances(document, extensions.get(_INSTANCING), place)
-            shown.append(_Shown(number, node, world @ instances))
-        waiting += [(child, world) for child in reversed(node.get("children", ()))]
-    return shown
+            instances = _instances(document, extensions.get(_INSTANCING), label)
+            mesh_nodes.append(_MeshNode(number, node, matrix @ instances))
+        stack += [(child, matrix) for child in reversed(node.get("children", ()))]
+    return mesh_nodes
 
 
 def _roots(document: GltfDocument) -> Sequence[int]:
@@ -128,11 +127,9 @@ def _roots(document: GltfDocument) -> Sequence[int]:
     if scenes:
         number = document.tree.get("scene", 0)
         if len(scenes) > 1:
-            document.companions.notes.append(
-                f"has {len(scenes)} scenes, of which number {number} is read"
-            )
+            document.companions.notes.append(f"has {len(scenes)} scenes; scene {number} is read")
         scene = document.entry("scenes", number, "the file")
-        refuse_unknown(scene, f"scene {number}", ())
+        check_extensions(scene, f"scene {number}", ())
         roots: list[int] = scene.get("nodes", [])
         return roots
     if not nodes and document.tree.get("meshes"):
@@ -141,22 +138,22 @@ def _roots(document: GltfDocument) -> Sequence[int]:
     return [number for number in range(len(nodes)) if number not in children]
 
 
-def _local(node: dict[str, Any], place: str) -> FloatArray:
+def _local(node: dict[str, Any], label: str) -> FloatArray:
     if "matrix" in node:
-        return _vector(node, "matrix", np.eye(4).ravel(), place).reshape(4, 4).T
+        return _vector(node, "matrix", np.eye(4).ravel(), label).reshape(4, 4).T
     return _placements(
-        _vector(node, "translation", np.zeros(3), place)[None],
-        _vector(node, "rotation", np.array([0.0, 0, 0, 1]), place)[None],
-        _vector(node, "scale", np.ones(3), place)[None],
+        _vector(node, "translation", np.zeros(3), label)[None],
+        _vector(node, "rotation", np.array([0.0, 0, 0, 1]), label)[None],
+        _vector(node, "scale", np.ones(3), label)[None],
     )[0]
 
 
-def _vector(holder: dict[str, Any], name: str, default: FloatArray, place: str) -> FloatArray:
+def _vector(holder: dict[str, Any], name: str, default: FloatArray, label: str) -> FloatArray:
     if name not in holder:
         return default
     numbers = np.array(holder[name], dtype=np.float64)
     if numbers.shape != default.shape:
-        raise MeshError(f"{place} has {name} of {numbers.size} numbers; {default.size} are needed")
+        raise MeshError(f"{label} has {name} of {numbers.size} numbers; {default.size} are needed")
     return numbers
 
 
@@ -167,14 +164,14 @@ def _placements(shifts: FloatArray, quaternions: FloatArray, scales: FloatArray)
     return matrices
 
 
-def _instances(document: GltfDocument, extension: dict[str, Any] | None, place: str) -> FloatArray:
-    """Return the matrices (n, 4, 4) of a node's instances; without the extension the unit matrix."""
+def _instances(document: GltfDocument, extension: dict[str, Any] | None, label: str) -> FloatArray:
+    """Return the matrices (n, 4, 4) of the instances of a node; without the extension, one unit matrix."""
     if extension is None:
         return np.eye(4)[None]
-    attributes = required(extension, "attributes", dict, f"{_INSTANCING} of {place}")
-    counts = {document.count(one, place) for one in attributes.values()}
+    attributes = required(extension, "attributes", dict, f"{_INSTANCING} of {label}")
+    counts = {document.count(accessor, label) for accessor in attributes.values()}
     if len(counts) != 1:
-        raise MeshError(f"{place} has instances whose attributes have {sorted(counts)} rows")
+        raise MeshError(f"{label} has instances whose attributes have {sorted(counts)} rows")
     (count,) = counts
     check_parts(0, "instances", count)
     columns = []
@@ -185,77 +182,85 @@ def _instances(document: GltfDocument, extension: dict[str, Any] | None, place: 
     ):
         rows = np.tile(default, (count, 1))
         if name in attributes:
-            what = f"{name} of the instances of {place}"
-            rows = document.numbers(attributes[name], what, len(default))
+            rows_label = f"{name} of the instances of {label}"
+            rows = document.numbers(attributes[name], rows_label, len(default))
         columns.append(rows)
     for name in attributes:
         if name not in {"TRANSLATION", "ROTATION", "SCALE"} and not name.startswith("_"):
-            raise MeshError(f"the instances of {place} have {name[:80]!r}, which is not read")
+            raise MeshError(f"the instances of {label} have {name[:80]!r}, which is not read")
     return _placements(*columns)
 
 
-def _check_size(document: GltfDocument, shown: Sequence[_Shown]) -> None:
-    """Refuse too many primitives or corners, each counted wherever it stands, before any is read."""
+def _check_size(document: GltfDocument, mesh_nodes: Sequence[_MeshNode]) -> None:
+    """Raise `MeshError` for too many primitives or corners, counted per instance, before data is read."""
     parts, corners = 0, 0
-    for one in shown:
-        mesh = document.entry("meshes", one.node["mesh"], f"node {one.number}")
-        primitives = required(mesh, "primitives", list, f"mesh {one.node['mesh']}")
+    for mesh_node in mesh_nodes:
+        mesh = document.entry("meshes", mesh_node.entry["mesh"], f"node {mesh_node.number}")
+        primitives = required(mesh, "primitives", list, f"mesh {mesh_node.entry['mesh']}")
         parts += len(primitives)
         for primitive in primitives:
             attributes = required(
-                primitive, "attributes", dict, f"a primitive of node {one.number}"
+                primitive, "attributes", dict, f"a primitive of node {mesh_node.number}"
             )
-            read = [attributes.get("POSITION"), primitive.get("indices")]
-            counts = [document.count(one, "a primitive") for one in read if one is not None]
-            corners += len(one.matrices) * sum(counts)
-        check_parts(parts, "primitives, counted wherever one stands", corners)
+            accessors = [attributes.get("POSITION"), primitive.get("indices")]
+            counts = [
+                document.count(index, "a primitive") for index in accessors if index is not None
+            ]
+            corners += len(mesh_node.matrices) * sum(counts)
+        check_parts(parts, "primitives, each counted per instance", corners)
 
 
-def _mesh_parts(document: GltfDocument, shown: _Shown) -> Iterator[Part]:
-    number = shown.node["mesh"]
-    mesh = document.entry("meshes", number, f"node {shown.number}")
-    refuse_unknown(mesh, f"mesh {number}", ())
-    weights = shown.node.get("weights", mesh.get("weights", ()))
-    for place, primitive in enumerate(mesh["primitives"]):
-        one = _Primitive(document, primitive, weights, f"mesh {number}, primitive {place}")
-        faces = one.faces()
+def _mesh_parts(document: GltfDocument, mesh_node: _MeshNode) -> Iterator[Part]:
+    number = mesh_node.entry["mesh"]
+    mesh = document.entry("meshes", number, f"node {mesh_node.number}")
+    check_extensions(mesh, f"mesh {number}", ())
+    weights = mesh_node.entry.get("weights", mesh.get("weights", ()))
+    for index, described in enumerate(mesh["primitives"]):
+        primitive = _Primitive(document, described, weights, f"mesh {number}, primitive {index}")
+        faces = primitive.faces()
         if len(faces):
-            vertices, matrices = _posed(document, shown, one)
-            for part in one.painted(vertices, faces):
+            vertices, matrices = _posed(document, mesh_node, primitive)
+            for part in primitive.painted(vertices, faces):
                 yield from placed(part, matrices)
 
 
-def _posed(document: GltfDocument, shown: _Shown, one: _Primitive) -> tuple[FloatArray, FloatArray]:
-    """Return the vertices of a primitive, and the matrices that place them; a skin places them itself."""
-    vertices, skin = one.positions(), shown.node.get("skin")
+def _posed(
+    document: GltfDocument, mesh_node: _MeshNode, primitive: _Primitive
+) -> tuple[FloatArray, FloatArray]:
+    """Return the vertices of a primitive and the matrices of its instances; with a skin, one unit matrix."""
+    vertices, skin = primitive.positions(), mesh_node.entry.get("skin")
     if skin is None:
-        return vertices, shown.matrices
-    if len(shown.matrices) != 1:
-        raise MeshError(f"node {shown.number} has a skin and instances, which is not read")
-    names = sorted(name for name in one.attributes if name.startswith("JOINTS_"))
+        return vertices, mesh_node.matrices
+    if len(mesh_node.matrices) != 1:
+        raise MeshError(f"node {mesh_node.number} has a skin and instances, which is not read")
+    names = sorted(name for name in primitive.attributes if name.startswith("JOINTS_"))
     if not names:
-        raise MeshError(f"node {shown.number} has a skin, and {one.place} has no JOINTS_0")
-    joints = np.hstack([one.stored(name, 4).astype(np.int64) for name in names])
-    weights = np.hstack([one.shares(name.replace("JOINTS", "WEIGHTS"), 4) for name in names])
-    matrices = _joint_matrices(document, skin, f"node {shown.number}")
-    # The node's own place does not count (section 3.7.3.3).
+        raise MeshError(
+            f"node {mesh_node.number} has a skin, and {primitive.label} has no JOINTS_0"
+        )
+    joints = np.hstack([primitive.stored(name, 4).astype(np.int64) for name in names])
+    weights = np.hstack(
+        [primitive.fractions(name.replace("JOINTS", "WEIGHTS"), 4) for name in names]
+    )
+    matrices = _joint_matrices(document, skin, f"node {mesh_node.number}")
+    # The transform of a node with a skin is ignored (section 3.7.3.3).
     rows = np.repeat(np.arange(len(vertices)), joints.shape[1])
     vertices = skinned(vertices, rows, joints.ravel(), weights.ravel(), matrices)
     return vertices, np.eye(4)[None]
 
 
-def _joint_matrices(document: GltfDocument, skin: Any, place: str) -> FloatArray:
-    described = document.entry("skins", skin, place)
-    refuse_unknown(described, f"skin {skin}", ())
-    joints, above = required(described, "joints", list, f"skin {skin}"), _parents(document)
-    worlds = np.array([_world(document, joint, above) for joint in joints])
+def _joint_matrices(document: GltfDocument, skin: Any, label: str) -> FloatArray:
+    described = document.entry("skins", skin, label)
+    check_extensions(described, f"skin {skin}", ())
+    joints, parents = required(described, "joints", list, f"skin {skin}"), _parents(document)
+    worlds = np.array([_world(document, joint, parents) for joint in joints])
     if "inverseBindMatrices" not in described:
         return worlds
-    what = f"inverseBindMatrices of skin {skin}"
-    bound = document.numbers(described["inverseBindMatrices"], what, 16)
-    if len(bound) < len(worlds):
-        raise MeshError(f"skin {skin} has {len(worlds)} joints and {len(bound)} matrices")
-    return worlds @ bound[: len(worlds)].reshape(-1, 4, 4).transpose(0, 2, 1)
+    matrices_label = f"inverseBindMatrices of skin {skin}"
+    inverses = document.numbers(described["inverseBindMatrices"], matrices_label, 16)
+    if len(inverses) < len(worlds):
+        raise MeshError(f"skin {skin} has {len(worlds)} joints and {len(inverses)} matrices")
+    return worlds @ inverses[: len(worlds)].reshape(-1, 4, 4).transpose(0, 2, 1)
 
 
 def _parents(document: GltfDocument) -> dict[int, int]:
@@ -266,15 +271,15 @@ def _parents(document: GltfDocument) -> dict[int, int]:
     }
 
 
-def _world(document: GltfDocument, joint: int, above: dict[int, int]) -> FloatArray:
+def _world(document: GltfDocument, joint: int, parents: dict[int, int]) -> FloatArray:
     matrix, number, steps = np.eye(4), joint, 0
     while True:
         node = document.entry("nodes", number, "a skin")
         matrix = _local(node, f"node {number}") @ matrix
-        if number not in above:
+        if number not in parents:
             return matrix
-        number, steps = above[number], steps + 1
-        if steps > len(above):
+        number, steps = parents[number], steps + 1
+        if steps > len(parents):
             raise MeshError(f"node {joint} is below itself; a tree is needed")
 
 
@@ -286,207 +291,213 @@ class _Primitive:
         document: GltfDocument,
         described: dict[str, Any],
         weights: Sequence[float],
-        place: str,
+        label: str,
     ) -> None:
-        refuse_other_keys(described, place, _PRIMITIVE_KEYS)
-        refuse_unknown(described, place, ())
-        self.document, self.described, self.place = document, described, place
+        check_keys(described, label, _PRIMITIVE_KEYS)
+        check_extensions(described, label, ())
+        self.document, self.described, self.label = document, described, label
         self.attributes: dict[str, int] = described["attributes"]
         for name in self.attributes:
             if not _ATTRIBUTE.fullmatch(name):
-                raise MeshError(f"{place} has the attribute {name[:80]!r}, which is not read")
+                raise MeshError(f"{label} has the attribute {name[:80]!r}, which is not read")
         targets = described.get("targets", [])
         if any(weights) and len(weights) != len(targets):
-            raise MeshError(f"{place} has {len(targets)} morph targets and {len(weights)} weights")
+            raise MeshError(f"{label} has {len(targets)} morph targets and {len(weights)} weights")
         pairs = zip(targets, weights, strict=False)
         self._targets = [(target, weight) for target, weight in pairs if weight]
 
     def faces(self) -> IntArray:
-        """Return triangles (f, 3); none of points and lines."""
+        """Return triangles (f, 3); points and lines give no triangle."""
         mode = self.described.get("mode", _TRIANGLES)
         if mode in _NO_SURFACE or "POSITION" not in self.attributes:
             return np.zeros((0, 3), dtype=np.int64)
         corners = self._corners()
         if mode == _TRIANGLES:
             if len(corners) % 3:
-                raise MeshError(f"{self.place} has {len(corners)} corners, no multiple of 3")
+                raise MeshError(f"{self.label} has {len(corners)} corners, no multiple of 3")
             return corners.reshape(-1, 3)
         if mode not in {_STRIP, _FAN}:
-            raise MeshError(f"{self.place} is of mode {str(mode)[:9]}; 0 to 6 are allowed")
+            raise MeshError(f"{self.label} is of mode {str(mode)[:9]}; 0 to 6 are allowed")
         if len(corners) < 3:
             return np.zeros((0, 3), dtype=np.int64)
         corners = corners.astype(np.int64)
         return strip_faces(corners) if mode == _STRIP else fan_faces(corners)
 
     def _corners(self) -> IntArray:
-        count = self.document.count(self.attributes["POSITION"], self.place)
+        count = self.document.count(self.attributes["POSITION"], self.label)
         if "indices" not in self.described:
             return np.arange(count)
-        stored = self.document.stored(self.described["indices"], f"indices of {self.place}", 1)
+        stored = self.document.stored(self.described["indices"], f"indices of {self.label}", 1)
         if stored.dtype.kind != "u":
-            raise MeshError(f"{self.place} has indices of {stored.dtype}; unsigned ones are needed")
+            raise MeshError(f"{self.label} has indices of {stored.dtype}; unsigned ones are needed")
         corners = stored[:, 0]
         try:
             check_corners(corners, count)
         except MeshError as error:
-            raise MeshError(f"{self.place}: {error}") from error
+            raise MeshError(f"{self.label}: {error}") from error
         return corners
 
     def positions(self) -> FloatArray:
-        """Return vertices (v, 3), the morph targets applied."""
-        position = self.document.entry("accessors", self.attributes["POSITION"], self.place)
+        """Return vertices (v, 3) with the morph targets applied."""
+        position = self.document.entry("accessors", self.attributes["POSITION"], self.label)
         if _DRACO in self.described.get("extensions", {}) and "bufferView" not in position:
-            raise MeshError(f"{self.place} has the extension {_DRACO}, which is not read")
+            raise MeshError(f"{self.label} has the extension {_DRACO}, which is not read")
         return self._morphed("POSITION", self.numbers("POSITION", 3))
 
     def numbers(self, name: str, *widths: int) -> FloatArray:
-        """Return an attribute, (v, k)."""
-        return self._whole(
-            name, self.document.numbers(self._accessor(name), self._what(name), *widths)
+        """Return an attribute, (v, k), float64; k must be in `widths`."""
+        return self._checked_rows(
+            name, self.document.numbers(self._accessor(name), self._label_of(name), *widths)
         )
 
-    def shares(self, name: str, *widths: int) -> FloatArray:
-        """Return an attribute, (v, k), whose integers stand for shares of their largest."""
-        return self._whole(
-            name, self.document.shares(self._accessor(name), self._what(name), *widths)
+    def fractions(self, name: str, *widths: int) -> FloatArray:
+        """Return an attribute, (v, k), float64; integers become fractions of the largest integer of their type."""
+        return self._checked_rows(
+            name, self.document.fractions(self._accessor(name), self._label_of(name), *widths)
         )
 
     def stored(self, name: str, *widths: int) -> NDArray[Any]:
-        """Return an attribute, (v, k), as it is stored."""
-        return self._whole(
-            name, self.document.stored(self._accessor(name), self._what(name), *widths)
+        """Return an attribute, (v, k), in its stored type."""
+        return self._checked_rows(
+            name, self.document.stored(self._accessor(name), self._label_of(name), *widths)
         )
 
     def painted(self, vertices: FloatArray, faces: IntArray) -> Iterator[Part]:
-        """Return the triangles as parts of one colour or image each."""
-        look = _look(self.document, self.described, self.place)
-        image = None if look.texture is None else self._image(look)
+        """Yield the triangles as parts with face colours, or with one image each."""
+        appearance = _appearance(self.document, self.described, self.label)
+        image = None if appearance.texture is None else self._image(appearance)
         if image is None:
-            encoded = np.concatenate([encode_bytes(light) for light in self._light(look, faces)])
+            encoded = np.concatenate(
+                [encode_bytes(light) for light in self._light(appearance, faces)]
+            )
             yield Part(vertices, faces, np.broadcast_to(encoded, (len(faces), 3)))
             return
-        light = np.concatenate(list(self._light(look, faces)))
-        coordinates, wraps = self._coordinates(look), self._wraps(look)
-        for chosen, tint in self._tints(light, len(faces)):
+        light = np.concatenate(list(self._light(appearance, faces)))
+        coordinates, wraps = self._coordinates(appearance), self._wraps(appearance)
+        for tinted_faces, tint in self._tints(light, len(faces)):
             red, green, blue = map(float, tint)
-            paint = Paint(image, coordinates[faces[chosen]], wraps, (red, green, blue), linear=True)
-            yield Part(vertices, faces[chosen], None, paint)
+            paint = Paint(
+                image, coordinates[faces[tinted_faces]], wraps, (red, green, blue), linear=True
+            )
+            yield Part(vertices, faces[tinted_faces], None, paint)
 
-    def _light(self, look: _Look, faces: IntArray) -> Iterator[FloatArray]:
-        """Yield the light of faces, (n, 3), in blocks; one row where no vertex has a colour."""
+    def _light(self, appearance: _Appearance, faces: IntArray) -> Iterator[FloatArray]:
+        """Yield linear colours of faces, (n, 3), in blocks; a single row if vertices have no colours."""
         if "COLOR_0" not in self.attributes:
-            yield np.clip(look.factor[None], 0.0, 1.0)
+            yield np.clip(appearance.factor[None], 0.0, 1.0)
             return
-        corners = self._morphed("COLOR_0", self.shares("COLOR_0", 3, 4))[:, :3]
+        corners = self._morphed("COLOR_0", self.fractions("COLOR_0", 3, 4))[:, :3]
         corners = np.nan_to_num(corners)
-        for start in range(0, len(faces), _AT_ONCE):
-            mean = corners[faces[start : start + _AT_ONCE]].mean(axis=1)
-            yield np.clip(look.factor * mean, 0.0, 1.0)
+        for start in range(0, len(faces), _BLOCK_FACES):
+            mean = corners[faces[start : start + _BLOCK_FACES]].mean(axis=1)
+            yield np.clip(appearance.factor * mean, 0.0, 1.0)
 
     def _tints(self, light: FloatArray, count: int) -> Iterator[tuple[Any, FloatArray]]:
-        """Return the faces that share a colour which multiplies their image."""
+        """Yield groups of faces with the same tint of their image, and the tint, (3,), linear."""
         tones, group = np.unique(encode_bytes(light), axis=0, return_inverse=True)
         if len(tones) == 1:
             yield slice(None), light.mean(axis=0)
         elif len(tones) > MOST_TINTS:
             self.document.companions.notes.append(
-                f"has {len(tones)} vertex colours upon an image ({self.place}), of which the mean is read"
+                f"has {len(tones)} vertex colours on an image ({self.label}); their mean is read"
             )
             yield slice(None), light.mean(axis=0)
         else:
             for number in range(len(tones)):
-                chosen = np.flatnonzero(group.reshape(count) == number)
-                yield chosen, light[chosen].mean(axis=0)
+                tinted_faces = np.flatnonzero(group.reshape(count) == number)
+                yield tinted_faces, light[tinted_faces].mean(axis=0)
 
-    def _image(self, look: _Look) -> Any:
-        info = look.texture or {}
-        refuse_unknown(info, f"the image of {look.place}", (_TRANSFORM,))
-        if self._texcoord(look) not in self.attributes:
+    def _image(self, appearance: _Appearance) -> Any:
+        info = appearance.texture or {}
+        check_extensions(info, f"the image of {appearance.label}", (_TRANSFORM,))
+        if self._texcoord(appearance) not in self.attributes:
             self.document.companions.notes.append(
-                f"has an image on {self.place}, which has no {self._texcoord(look)}; the image is not read"
+                f"has an image on {self.label}, which has no {self._texcoord(appearance)}; the image is not read"
             )
             return None
-        texture = self.document.entry("textures", info.get("index"), look.place)
-        place = f"texture {info.get('index')}"
-        refuse_unknown(texture, place, _IMAGE_EXTENSIONS)
+        texture = self.document.entry("textures", info.get("index"), appearance.label)
+        label = f"texture {info.get('index')}"
+        check_extensions(texture, label, _IMAGE_EXTENSIONS)
         extensions = texture.get("extensions", {})
         sources = [
             extensions[name].get("source") for name in _IMAGE_EXTENSIONS if name in extensions
         ]
         for source in [*sources, texture.get("source")]:
-            image = None if source is None else self.document.image(source, place)
+            image = None if source is None else self.document.image(source, label)
             if image is not None:
                 return image
         for name in extensions:
             if name in _PACKED_IMAGES and "source" not in texture:
-                clause = f"{place} by the extension {name}, which is not read"
+                clause = f"{label} by the extension {name}, which is not read"
                 if clause not in self.document.companions.missing:
                     self.document.companions.missing.append(clause)
         return None
 
-    def _texcoord(self, look: _Look) -> str:
-        info = look.texture or {}
+    def _texcoord(self, appearance: _Appearance) -> str:
+        info = appearance.texture or {}
         extension = info.get("extensions", {}).get(_TRANSFORM, {})
         return f"TEXCOORD_{extension.get('texCoord', info.get('texCoord', 0))}"
 
-    def _coordinates(self, look: _Look) -> FloatArray:
-        """Return the coordinates (v, 2) in the image, v upwards."""
-        name = self._texcoord(look)
+    def _coordinates(self, appearance: _Appearance) -> FloatArray:
+        """Return image coordinates (v, 2); the second coordinate points up."""
+        name = self._texcoord(appearance)
         stored = self._morphed(name, self.numbers(name, 2))
-        extension = (look.texture or {}).get("extensions", {}).get(_TRANSFORM, {})
-        across, down = (stored * _vector(extension, "scale", np.ones(2), look.place)).T
-        # Counter-clockwise where v points downwards.
+        extension = (appearance.texture or {}).get("extensions", {}).get(_TRANSFORM, {})
+        across, down = (stored * _vector(extension, "scale", np.ones(2), appearance.label)).T
+        # The rotation is counter-clockwise in coordinates whose v points down.
         angle = extension.get("rotation", 0.0)
         cosine, sine = np.cos(angle), np.sin(angle)
-        turned = np.column_stack([cosine * across + sine * down, cosine * down - sine * across])
-        moved = turned + _vector(extension, "offset", np.zeros(2), look.place)
-        return np.column_stack([moved[:, 0], 1.0 - moved[:, 1]])
+        rotated = np.column_stack([cosine * across + sine * down, cosine * down - sine * across])
+        shifted = rotated + _vector(extension, "offset", np.zeros(2), appearance.label)
+        return np.column_stack([shifted[:, 0], 1.0 - shifted[:, 1]])
 
-    def _wraps(self, look: _Look) -> tuple[int, int]:
-        texture = self.document.entry("textures", (look.texture or {}).get("index"), look.place)
+    def _wraps(self, appearance: _Appearance) -> tuple[int, int]:
+        texture = self.document.entry(
+            "textures", (appearance.texture or {}).get("index"), appearance.label
+        )
         if "sampler" not in texture:
             return REPEAT, REPEAT
-        sampler = self.document.entry("samplers", texture["sampler"], look.place)
-        refuse_unknown(sampler, f"sampler {texture['sampler']}", ())
+        sampler = self.document.entry("samplers", texture["sampler"], appearance.label)
+        check_extensions(sampler, f"sampler {texture['sampler']}", ())
         across, up = (_WRAPS.get(sampler.get(name, 0), REPEAT) for name in ("wrapS", "wrapT"))
         return across, up
 
     def _morphed(self, name: str, values: FloatArray) -> FloatArray:
         for target, weight in self._targets:
             if name in target:
-                what = f"the morph target's {name} of {self.place}"
-                moved = self.document.numbers(target[name], what, values.shape[1])
-                values = values + weight * self._whole(name, moved)
+                target_label = f"the morph target's {name} of {self.label}"
+                offsets = self.document.numbers(target[name], target_label, values.shape[1])
+                values = values + weight * self._checked_rows(name, offsets)
         return values
 
     def _accessor(self, name: str) -> int:
         if name not in self.attributes:
-            raise MeshError(f"{self.place} has no {name}")
+            raise MeshError(f"{self.label} has no {name}")
         return self.attributes[name]
 
-    def _what(self, name: str) -> str:
-        return f"{name} of {self.place}"
+    def _label_of(self, name: str) -> str:
+        return f"{name} of {self.label}"
 
-    def _whole(self, name: str, rows: NDArray[Any]) -> NDArray[Any]:
-        count = self.document.count(self.attributes["POSITION"], self.place)
+    def _checked_rows(self, name: str, rows: NDArray[Any]) -> NDArray[Any]:
+        count = self.document.count(self.attributes["POSITION"], self.label)
         if len(rows) != count:
-            raise MeshError(f"{self.place} has {len(rows)} rows of {name}; {count} are needed")
+            raise MeshError(f"{self.label} has {len(rows)} rows of {name}; {count} are needed")
         return rows
 
 
-def _look(document: GltfDocument, primitive: dict[str, Any], place: str) -> _Look:
-    """Return the base colour and image of a primitive; without a material white (section 3.7.2.1)."""
+def _appearance(document: GltfDocument, primitive: dict[str, Any], label: str) -> _Appearance:
+    """Return base colour and image of a primitive; white without a material (section 3.7.2.1)."""
     if "material" not in primitive:
-        return _Look(np.ones(3), None, place)
+        return _Appearance(np.ones(3), None, label)
     number = primitive["material"]
-    place = f"material {number}"
-    material = document.entry("materials", number, place)
-    refuse_unknown(material, place, (_GLOSSINESS,))
-    glossy = material.get("extensions", {}).get(_GLOSSINESS)
+    label = f"material {number}"
+    material = document.entry("materials", number, label)
+    check_extensions(material, label, (_GLOSSINESS,))
+    shading = material.get("extensions", {}).get(_GLOSSINESS)
     names = ("diffuseFactor", "diffuseTexture")
-    if glossy is None:
+    if shading is None:
         names = ("baseColorFactor", "baseColorTexture")
-        glossy = material.get("pbrMetallicRoughness", {})
-    factor, image = names
-    colour = _vector(glossy, factor, np.ones(4), place)[:3]
-    return _Look(np.nan_to_num(colour), glossy.get(image), place)
+        shading = material.get("pbrMetallicRoughness", {})
+    factor_key, texture_key = names
+    colour = _vector(shading, factor_key, np.ones(4), label)[:3]
+    return _Appearance(np.nan_to_num(colour), shading.get(texture_key), label)

@@ -1,4 +1,4 @@
-"""Meshes that a caller holds in memory: of trimesh, of Open3D, or two arrays."""
+"""Convert meshes in memory (trimesh, Open3D, or two arrays) to parts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ALLOWED = (
 def parts_in_memory(mesh: Any) -> list[Part]:
     """Return the parts of a mesh or scene of trimesh, a triangle mesh of Open3D, or two arrays.
 
-    Raises `MeshError`, with the reason only, if it is of another type, or an array of another shape.
+    Raises `MeshError` with the reason if `mesh` has another type, or an array another shape.
     """
     if isinstance(mesh, tuple) and len(mesh) == 2:
         return [_part_of_arrays(*mesh)]
@@ -37,10 +37,10 @@ def parts_in_memory(mesh: Any) -> list[Part]:
 
 
 def parts_of_trimesh(mesh: Any) -> Iterator[Part]:
-    """Return the parts of a ``trimesh.Trimesh`` or ``trimesh.Scene``, each where the scene puts it.
+    """Yield the parts of a ``trimesh.Trimesh`` or ``trimesh.Scene``, with the transforms of the scene.
 
-    glTF's base colour multiplies an image as light, an MTL's `Kd` as stored, unless it is black, as
-    some programs write it beside an image.
+    A glTF base colour multiplies the image in linear light. `Kd` of an MTL file multiplies the stored sRGB numbers.
+    A black `Kd` is ignored, because some programs write it beside an image.
     """
     if not hasattr(mesh, "geometry"):
         yield _part(mesh, mesh.vertices, mesh.faces)
@@ -49,10 +49,10 @@ def parts_of_trimesh(mesh: Any) -> Iterator[Part]:
         transform, geometry = mesh.graph[node]
         shape = mesh.geometry[geometry]
         if hasattr(shape, "faces"):
-            # Images are not copied with it, which `Scene.dump` would do for each part.
-            moved = shape.copy(include_visual=False)
-            moved.apply_transform(transform)
-            yield _part(shape, moved.vertices, moved.faces)
+            # `Scene.dump` would copy the images of each part.
+            transformed = shape.copy(include_visual=False)
+            transformed.apply_transform(transform)
+            yield _part(shape, transformed.vertices, transformed.faces)
 
 
 def _part_of_arrays(vertices: ArrayLike, faces: ArrayLike) -> Part:
@@ -62,27 +62,27 @@ def _part_of_arrays(vertices: ArrayLike, faces: ArrayLike) -> Part:
     return Part(_columns(vertices, "vertices"), corners)
 
 
-def _columns(values: ArrayLike, what: str) -> NDArray[Any]:
+def _columns(values: ArrayLike, name: str) -> NDArray[Any]:
     try:
         array = np.asarray(values)
     except ValueError:
-        raise MeshError(f"it has {what} of unequal lengths; three each are needed") from None
+        raise MeshError(f"it has {name} of unequal lengths; three each are needed") from None
     if array.dtype.kind not in "iuf":
-        raise MeshError(f"it has {what} of {array.dtype}; numbers are needed")
+        raise MeshError(f"it has {name} of {array.dtype}; numbers are needed")
     if array.ndim != 2 or array.shape[1] != 3:
-        raise MeshError(f"it has {what} of shape {array.shape}; (n, 3) is needed")
+        raise MeshError(f"it has {name} of shape {array.shape}; (n, 3) is needed")
     return array
 
 
 def _part(mesh: Any, vertices: NDArray[Any], faces: NDArray[Any]) -> Part:
-    """Return the part of a mesh with moved vertices, and faces that may be turned over."""
-    # trimesh's arrays track changes, which costs time and is of no use here.
+    """Return the part of a mesh, with the given vertices and faces."""
+    # Arrays of trimesh track changes, which costs time.
     vertices, faces = np.asarray(vertices), np.asarray(faces)
     return Part(vertices, faces, _face_colours(mesh.visual, faces), _paint(mesh, faces))
 
 
 def _face_colours(visual: Any, faces: IntArray) -> NDArray[np.uint8] | None:
-    """Return the colours (f, 3), sRGB, of the material, or the mean of the corners; None without."""
+    """Return the colours (f, 3), sRGB, of material, faces, or corners (mean); None without colours."""
     if visual.kind == "texture":
         colour = np.asarray(visual.material.main_color)[:3].astype(np.uint8)
         return np.tile(colour, (len(faces), 1))
@@ -96,16 +96,16 @@ def _face_colours(visual: Any, faces: IntArray) -> NDArray[np.uint8] | None:
 def _paint(mesh: Any, faces: IntArray) -> Paint | None:
     if mesh.visual.kind != "texture":
         return None
-    material, places = mesh.visual.material, mesh.visual.uv
+    material, coordinates = mesh.visual.material, mesh.visual.uv
     image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
-    if image is None or np.shape(places) != (len(mesh.vertices), 2):
+    if image is None or np.shape(coordinates) != (len(mesh.vertices), 2):
         return None
-    corners = np.asarray(places, dtype=np.float64)[faces]
+    corners = np.asarray(coordinates, dtype=np.float64)[faces]
     wraps = getattr(material, "wraps", (REPEAT, REPEAT))
     base = getattr(material, "baseColorFactor", None)
     if base is not None:
         return Paint(image, corners, wraps, _triple(np.asarray(base) / 255.0), linear=True)
-    # trimesh gives a diffuse colour to a material that has none: what the file says is beside it.
+    # trimesh sets a default diffuse colour; `kwargs` has the colour of the file.
     diffuse: Any = getattr(material, "kwargs", {}).get("kd")
     if np.shape(diffuse) != (3,) or not np.any(diffuse):
         return Paint(image, corners, wraps)
@@ -118,7 +118,7 @@ def _triple(values: Any) -> tuple[float, float, float]:
 
 
 def _parts_of_open3d(mesh: Any) -> Iterator[Part]:
-    """Return the parts of a legacy ``open3d.geometry.TriangleMesh``: one per image, or only one."""
+    """Yield the parts of a legacy ``open3d.geometry.TriangleMesh``: one part per image, or a single part."""
     from PIL.Image import fromarray
 
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.triangles, dtype=np.int64)
@@ -126,19 +126,19 @@ def _parts_of_open3d(mesh: Any) -> Iterator[Part]:
     if mesh.has_vertex_colors():
         colours = mean_of_corners(as_bytes(np.asarray(mesh.vertex_colors)), faces)
     corners = np.asarray(mesh.triangle_uvs).reshape(-1, 3, 2)
-    numbers = np.asarray(mesh.triangle_material_ids, dtype=np.int64)
+    image_indices = np.asarray(mesh.triangle_material_ids, dtype=np.int64)
     if len(corners) != len(faces) or not mesh.textures:
         yield Part(vertices, faces, colours)
         return
-    if len(numbers) != len(faces):
-        numbers = np.zeros(len(faces), dtype=np.int64)
-    for number in np.unique(numbers):
-        shown = numbers == number
-        image = np.asarray(mesh.textures[number]) if 0 <= number < len(mesh.textures) else None
+    if len(image_indices) != len(faces):
+        image_indices = np.zeros(len(faces), dtype=np.int64)
+    for index in np.unique(image_indices):
+        chosen = image_indices == index
+        image = np.asarray(mesh.textures[index]) if 0 <= index < len(mesh.textures) else None
         # Open3D keeps the lowest row of an image first.
         paint = (
-            Paint(fromarray(np.ascontiguousarray(image[::-1])), corners[shown])
+            Paint(fromarray(np.ascontiguousarray(image[::-1])), corners[chosen])
             if image is not None and image.size
             else None
         )
-        yield Part(vertices, faces[shown], colours[shown], paint)
+        yield Part(vertices, faces[chosen], colours[chosen], paint)

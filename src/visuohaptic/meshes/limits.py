@@ -1,9 +1,7 @@
-"""Limits on what a model's file may hold or claim, and XML within them.
+"""Limits on the size of models, and reading of XML within the limits.
 
-A short file can ask a parser for any amount of time and memory: by a count in its header, by
-parts that stand for others, or by very many small parts. With the limits here, and
-`meshes.largest_megabytes`, reading takes at most about 5 µs and 400 bytes a byte of the file, and a
-second a thousand parts.
+A short file can take any amount of time and memory: by a count in its header, or by many references to a part. With these limits and `meshes.largest_megabytes`, reading takes at most about 5 µs and 400
+bytes per byte of the file, and a second per thousand parts.
 """
 
 from __future__ import annotations
@@ -15,50 +13,50 @@ from lxml import etree
 from visuohaptic.base.errors import MeshError
 
 MOST_LINES = 20_000_000
-"""Lines of a text format."""
+"""Largest number of lines of a text format."""
 
 MOST_PARTS = 5_000
-"""Parts, such as the nodes of a scene or the materials of an OBJ: each takes its time."""
+"""Largest number of parts, such as nodes of a scene or materials of an OBJ file."""
 
 MOST_CORNERS = 60_000_000
-"""Vertices and corners of faces, each part counted where it stands."""
+"""Largest number of vertices and corners of faces, counted per instance of a part."""
 
 MOST_XML_BYTES = 128 * 10**6
-"""XML of one model, unpacked; a tree of it takes some 30 bytes a byte."""
+"""Largest size of the unpacked XML of a model; its tree takes some 30 bytes per byte."""
 
 
 def check_lines(data: bytes) -> None:
-    """Refuse, with the reason alone, a text of too many lines."""
+    """Raise `MeshError` with the reason if a text has more than `MOST_LINES` lines."""
     lines = data.count(b"\n")
     if lines > MOST_LINES:
         raise MeshError(f"it has {lines} lines; {MOST_LINES} are allowed: save it as binary")
 
 
-def check_parts(parts: int, what: str, corners: int = 0) -> None:
-    """Refuse, with the reason alone, too many parts, or of vertices and corners, each counted wherever it stands."""
+def check_parts(parts: int, kind: str, corners: int = 0) -> None:
+    """Raise `MeshError` with the reason for too many parts of a kind, or too many vertices and corners, counted per instance."""
     if parts > MOST_PARTS:
-        raise MeshError(f"it has {parts} {what}; {MOST_PARTS} are allowed: join some of them")
+        raise MeshError(f"it has {parts} {kind}; {MOST_PARTS} are allowed: join some of them")
     if corners > MOST_CORNERS:
         raise MeshError(
-            f"it shows {corners} vertices and corners, counted wherever a part stands; {MOST_CORNERS} "
+            f"it has {corners} vertices and corners, counted per instance of a part; {MOST_CORNERS} "
             "are allowed"
         )
 
 
 def check_xml_size(unpacked: int) -> None:
-    """Refuse, with the reason alone, XML of more bytes than `MOST_XML_BYTES`."""
+    """Raise `MeshError` with the reason if XML has more than `MOST_XML_BYTES` bytes."""
     if unpacked > MOST_XML_BYTES:
         raise MeshError(
-            f"it unpacks to {unpacked / 1e6:.0f} MB of XML, and {MOST_XML_BYTES / 1e6:.0f} are allowed; "
+            f"it unpacks to {unpacked / 1e6:.0f} MB of XML; {MOST_XML_BYTES / 1e6:.0f} MB are allowed: "
             "export it as .glb"
         )
 
 
 def parse_xml(data: bytes) -> Any:
-    """Give the root of an XML document, an ``lxml`` element without comments; no text may be above 10 MB.
+    """Return the root of an XML document, an ``lxml`` element, without comments and processing instructions.
 
-    No entity is expanded, and nothing else is read: a document that declares a type, where entities
-    could stand, is refused.
+    Entities are not expanded and no other files are read. Raises `MeshError` if the document has a DOCTYPE or is too
+    large, and ``lxml.etree.XMLSyntaxError`` if it is broken or a text is above 10 MB.
     """
     check_xml_size(len(data))
     parser = etree.XMLParser(

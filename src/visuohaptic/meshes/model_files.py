@@ -1,4 +1,4 @@
-"""The one way into the package: a mesh from a file, an open file, or memory becomes a coloured surface."""
+"""Read a mesh from a file, an open file, or memory as a coloured surface."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
 Source: TypeAlias = (
     "str | Path | BinaryIO | Trimesh | Scene | Surface | tuple[ArrayLike, ArrayLike]"
 )
-"""What a mesh may come from; of Open3D also a `TriangleMesh`, legacy or tensor."""
+"""Types of sources of a mesh; also a `TriangleMesh` of Open3D, legacy or tensor."""
 
 UNNAMED = "object"
-"""Name of a mesh whose source has none."""
+"""Name of a mesh without a name."""
 
 PACKED = ".ply.gz"
-"""End of the name of a surface that `write_surface` wrote."""
+"""Suffix of files that `write_surface` writes."""
 
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae", "stl")
 _MOST_MISSING = 5
@@ -48,28 +48,27 @@ _BLOCK_BYTES = 1 << 20
 def read_mesh(
     source: Source, file_type: str | None = None, largest_megabytes: float = 512.0
 ) -> Surface:
-    """Read a mesh from wherever it is, all its parts as one surface, with its colours and images.
+    """Read a mesh from any source, and join all its parts to one surface with colours and images.
 
     Parameters
     ----------
     source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
-        A path may also be that of a packed surface, ``.ply.gz``. A surface is returned as it is.
+        The mesh. A path may also name a packed surface, ``.ply.gz``. A `Surface` is returned unchanged.
     file_type : str, optional
-        Format of an open file, such as ``obj``; without it as its name ends.
+        Format of an open file, such as ``obj``; by default the suffix of its name.
     largest_megabytes : float
-        Larger files are refused, 10⁶ bytes.
+        Largest size of a file, in 10⁶ bytes.
 
     Returns
     -------
     Surface
-        In the source's own frame and unit, polygons cut into triangles, without the vertices that no
-        face names. Files that a model refers to are read from its folder and below, never from
-        elsewhere; `Surface.notes` says which are missing.
+        Triangles in the frame and unit of the source, without unused vertices. Files that a model refers to are
+        read only from its folder and below; `Surface.notes` names missing files.
 
     Raises
     ------
     MeshError
-        If the source is none, can't be read, or has no triangle; the sentence names it.
+        If the source has another type, can't be read, or has no triangle.
     """
     if isinstance(source, Surface):
         return source
@@ -84,42 +83,42 @@ def read_mesh(
 
 
 def name_of(source: Source) -> str:
-    """Return the name of a mesh in sentences about it: a path, the stem of an open file, or ``object``."""
+    """Return the name of a mesh for messages: its path, the stem of an open file, or ``object``."""
     if isinstance(source, str | Path):
         return str(source)
     file_name = getattr(source, "name", None)
     stem = Path(file_name).stem if isinstance(file_name, str) else ""
-    # A file's name may hold bytes that are no text, which no table can hold.
+    # Names of files may have undecodable bytes, which a table can't store.
     return stem.encode("utf-8", "replace").decode("utf-8") or UNNAMED
 
 
 def surface_from_archive(data: bytes, name: str, archive: ZipFile) -> Surface:
-    """Read a member of a zip archive, and what it refers to from its own folder there."""
+    """Read a member of a zip archive, and files that it refers to in its folder of the archive."""
     return read_data(data, Path(name).suffix[1:], name, ArchiveCompanions(archive, name))
 
 
 def read_data(data: bytes, kind: str, name: str, companions: Companions) -> Surface:
-    """Read the content of a file of a kind such as ``obj``; raises `MeshError`, which names it."""
+    """Read the content of a file of a kind such as ``obj``; raises `MeshError` with `name` and the reason."""
     kind = kind.lower()
     if kind in _TEXT_KINDS:
         data = data.removeprefix(codecs.BOM_UTF8)
-    held = [data]
+    holder = [data]
     del data
-    return _surface(held, _READERS[kind], name, kind.upper(), companions)
+    return _surface(holder, _READERS[kind], name, kind.upper(), companions)
 
 
 def _surface(
-    held: list[Any],
+    holder: list[Any],
     read: Callable[[Any, Companions], Sequence[Part]],
     name: str,
     kind: str,
     companions: Companions,
 ) -> Surface:
-    """Return the surface of the parts of a content, which is taken out of `held`."""
-    # A parser fed with a broken file may fail in any way.
+    """Return the surface of a content, which is taken out of `holder` so that `read` can free it."""
+    # A parser may raise any error for a broken file.
     try:
-        # No name here holds the content, so that a reader can free it.
-        surface = join_parts(read(held.pop(), companions))
+        # No variable here refers to the content, so that `read` can free it.
+        surface = join_parts(read(holder.pop(), companions))
     except Exception as error:
         raise MeshError(f"{name} can't be read as {kind}: {_reason_of(error)}.") from error
     return replace(surface, notes=_notes(name, companions), up_axis=companions.up_axis)
@@ -130,32 +129,34 @@ def _parts_in_memory(mesh: Any, companions: Companions) -> Sequence[Part]:  # no
 
 
 def _notes(name: str, companions: Companions) -> tuple[str, ...]:
-    """Return the sentences on what a model lacks, one on all files that are missing."""
+    """Return remarks on a model as sentences; a single sentence names all missing files."""
     notes = [f"{name} {note}." for note in dict.fromkeys(companions.notes)]
     missing = list(dict.fromkeys(companions.missing))
     if missing:
-        more = len(missing) - _MOST_MISSING
-        named = "; ".join(missing[:_MOST_MISSING]) + (f"; and {more} more" if more > 0 else "")
-        notes.insert(0, f"{name} refers to {named}. Its faces are coloured without.")
+        omitted = len(missing) - _MOST_MISSING
+        listed = "; ".join(missing[:_MOST_MISSING]) + (
+            f"; and {omitted} more" if omitted > 0 else ""
+        )
+        notes.insert(0, f"{name} refers to {listed}. Its faces are coloured without them.")
     return tuple(notes[:_MOST_MISSING])
 
 
 def _reason_of(error: Exception) -> str:
-    """Return what went wrong in a library, on one line without a stop."""
+    """Return the message of an error on one line, without full stop."""
     return " ".join(str(error).split())[:300].rstrip(".!") or "it is broken or truncated"
 
 
 def _read_path(path: Path, name: str, largest_megabytes: float) -> Surface:
     if name.endswith(PACKED):
         return read_surface(path, largest_megabytes)
-    if why := why_unreadable(path.suffix):
-        raise MeshError(f"{name} {why}")
+    if reason := why_unreadable(path.suffix):
+        raise MeshError(f"{name} {reason}")
     try:
         with path.open("rb") as stream:
-            held = [_read_bounded(stream, name, largest_megabytes)]
+            holder = [_read_bounded(stream, name, largest_megabytes)]
     except OSError as error:
         raise MeshError(f"{name} can't be read: {error.strerror}.") from error
-    return read_data(held.pop(), path.suffix[1:], name, FolderCompanions(path))
+    return read_data(holder.pop(), path.suffix[1:], name, FolderCompanions(path))
 
 
 def _kind_of(stream: Any, file_type: str | None) -> str:
@@ -165,29 +166,28 @@ def _kind_of(stream: Any, file_type: str | None) -> str:
     allowed = ", ".join(suffix.removeprefix(".") for suffix in MODEL_SUFFIXES)
     if not kind:
         raise MeshError(
-            f"The open file has no name; its file_type is needed; {allowed} are allowed."
+            f"The open file has no name, so file_type is needed; {allowed} are allowed."
         )
     if f".{kind}" not in MODEL_SUFFIXES:
         raise MeshError(f"The open file's file_type is {kind!r}; {allowed} are allowed.")
-    if why := why_unreadable(f".{kind}"):
-        raise MeshError(f"The open file {why}")
+    if reason := why_unreadable(f".{kind}"):
+        raise MeshError(f"The open file {reason}")
     return kind
 
 
 def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> bytes:
-    # A stream that is asked for many bytes takes their memory before it reads any.
-    content, left = io.BytesIO(), int(largest_megabytes * 1e6) + 1
-    while left and (block := stream.read(min(left, _BLOCK_BYTES))):
+    # `stream.read(n)` allocates n bytes before it reads.
+    content, bytes_left = io.BytesIO(), int(largest_megabytes * 1e6) + 1
+    while bytes_left and (block := stream.read(min(bytes_left, _BLOCK_BYTES))):
         if not isinstance(block, bytes):
-            raise MeshError(f'{name} gives text; open it with mode "rb".')
-        left -= content.write(block)
+            raise MeshError(f'{name} is open as text; open it with mode "rb".')
+        bytes_left -= content.write(block)
     data = content.getvalue()
     if not data:
         raise MeshError(f"{name} is empty.")
-    if not left:
+    if not bytes_left:
         raise MeshError(
-            f"{name} has more than {largest_megabytes:g} MB, which are allowed "
-            "(meshes.largest_megabytes)."
+            f"{name} is too large; {largest_megabytes:g} MB are allowed (meshes.largest_megabytes)."
         )
     return data
 

@@ -33,7 +33,7 @@ _OPTION = re.compile(r"-(?P<name>[a-z]+)(?=\s)\s*", re.IGNORECASE)
 _OPTIONS_BEHIND = re.compile(r"\s+-(?:s|o|t|clamp|blend[uv]|mm|bm|cc|boost|texres|imfchan)\s.*")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?=\s)\s*", re.IGNORECASE)
 _WORD = re.compile(r"\S+\s*")
-# Options of `map_Kd` by how many numbers at most, or else which number of words, follow.
+# Options of `map_Kd` with the largest number of numbers, or the number of words, that follow.
 _NUMBERS_OF = {"s": 3, "o": 3, "t": 3, "mm": 2}
 _WORDS_OF = {"clamp": 1, "blendu": 1, "blendv": 1, "cc": 1, "imfchan": 1, "boost": 1, "texres": 1,
              "bm": 1, "type": 1}  # fmt: skip
@@ -47,13 +47,13 @@ class ImageMap:
     Attributes
     ----------
     names : tuple of str
-        Ways to take the name, the likeliest first.
+        Possible names, the likeliest first: a text may end in a comment or in options.
     beside : str
-        The library that names it.
+        Material library that names the image.
     scale, offset : tuple of float or None
-        What multiplies u and v, and what is added then, if anything.
+        Factors of u and v, and numbers added after that; None without.
     wraps : tuple of int
-        `REPEAT` or `CLAMP`, across and up.
+        `REPEAT` or `CLAMP`, for u and v.
     """
 
     names: tuple[str, ...]
@@ -63,7 +63,7 @@ class ImageMap:
     wraps: tuple[int, int] = (REPEAT, REPEAT)
 
     def placed(self, uv: FloatArray) -> FloatArray:
-        """Return image coordinates (..., 2) of an OBJ file where the options of the image put them."""
+        """Return image coordinates (..., 2) of an OBJ file after the scale and offset of the image."""
         if self.scale is not None:
             uv = uv * self.scale
         return uv if self.offset is None else uv + self.offset
@@ -71,14 +71,14 @@ class ImageMap:
 
 @dataclass(frozen=True)
 class Material:
-    """What an MTL file says of a material's colour.
+    """The colour of a material in an MTL file.
 
     Attributes
     ----------
     diffuse : tuple of float or None
-        sRGB, 0 to 1; None where the file says none.
+        Diffuse colour, sRGB, 0 to 1; None without.
     image_map : ImageMap or None
-        The image that it names.
+        Image of the material; None without.
     """
 
     diffuse: Triple | None = None
@@ -86,7 +86,7 @@ class Material:
 
     @property
     def tint(self) -> Triple:
-        """What multiplies an image or vertices' colours; black counts as none beside them."""
+        """Factor of an image or of vertex colours; 1 if the diffuse colour is missing or black."""
         return self.diffuse if self.diffuse and any(self.diffuse) else (1.0, 1.0, 1.0)
 
 
@@ -97,9 +97,9 @@ class Materials:
     by_name: Mapping[str, Material]
 
     def find(self, name: str) -> Material | None:
-        """Find a material by its name in the OBJ file, or None.
+        """Return the material with a name of the OBJ file; None if there is none.
 
-        Where no name is equal, what follows a ``#`` counts as a comment, and then case is ignored.
+        Names are compared exactly, then without a comment after ``#``, then without regard to case.
         """
         name = _as_name(name)
         for key in (name, name_without_comment(name)):
@@ -120,37 +120,36 @@ class Materials:
 def read_libraries(lines: Iterable[str], companions: Companions) -> Materials:
     """Read the materials of all libraries that ``mtllib`` lines of an OBJ file name.
 
-    A line may name several libraries. Of materials of one name, that of the first library counts.
-    A library that is not there is in `companions.missing`, a colour that is not read in
-    `companions.notes`.
+    A line may name several libraries. Of materials with equal names, the first counts. Missing libraries are added
+    to `companions.missing`, and unreadable colours to `companions.notes`.
     """
     names = dict.fromkeys(name for line in lines for name in _library_names(line, companions))
     check_parts(len(names), "material libraries")
-    found: dict[str, Material] = {}
+    materials: dict[str, Material] = {}
     for name in names:
         try:
             data = companions.read(name)
         except MeshError:
             continue
-        for material, content in _read_mtl(data, name, companions).items():
-            found.setdefault(material, content)
-    return Materials(found)
+        for material, described in _read_mtl(data, name, companions).items():
+            materials.setdefault(material, described)
+    return Materials(materials)
 
 
 def image_name(image_map: ImageMap, companions: Companions) -> str:
-    """Return the first of the names that an image may have that is there, or the first of all."""
-    return _first_there(image_map.names, companions, image_map.beside)
+    """Return the first possible name of an image that exists as a file; if none exists, the first name."""
+    return _first_existing(image_map.names, companions, image_map.beside)
 
 
 def _library_names(line: str, companions: Companions) -> list[str]:
     shorter = name_without_comment(line)
-    name = _first_there((line, shorter), companions)
+    name = _first_existing((line, shorter), companions)
     if companions.has(name):
         return [name]
     return _SEVERAL.findall(shorter)
 
 
-def _first_there(names: Sequence[str], companions: Companions, beside: str = "") -> str:
+def _first_existing(names: Sequence[str], companions: Companions, beside: str = "") -> str:
     names = tuple(dict.fromkeys(names))
     if len(names) == 1:
         return names[0]
@@ -158,37 +157,37 @@ def _first_there(names: Sequence[str], companions: Companions, beside: str = "")
 
 
 def _read_mtl(data: bytes, library: str, companions: Companions) -> dict[str, Material]:
-    found: dict[str, Material] = {}
+    materials: dict[str, Material] = {}
     name, unread = None, list[str]()
     for number, line in statements(as_utf_8(data)):
         key = line.split(None, 1)[0].lower() if line.strip() else b""
         if key == b"newmtl":
             name = _as_name(rest_of(line))
-            found[name] = Material()
+            materials[name] = Material()
         elif name is not None and key == b"kd":
             try:
-                found[name] = replace(found[name], diffuse=_diffuse(line))
+                materials[name] = replace(materials[name], diffuse=_diffuse(line))
             except ValueError as error:
                 unread.append(f"line {number}: {error}")
         elif name is not None and key == b"map_kd" and rest_of(line):
             image_map, passed_over = _image_map(rest_of(line), library)
-            found[name] = replace(found[name], image_map=image_map)
+            materials[name] = replace(materials[name], image_map=image_map)
             unread += [f"line {number}: the option {option}" for option in passed_over]
     if unread:
-        more = f" and {len(unread) - 1} others" if len(unread) > 1 else ""
-        companions.notes.append(f"has colours that are not read: {library}, {unread[0]}{more}")
-    return found
+        others = f" and {len(unread) - 1} others" if len(unread) > 1 else ""
+        companions.notes.append(f"has colours that are not read: {library}, {unread[0]}{others}")
+    return materials
 
 
 def _by_form(
     materials: Mapping[str, Material], form: Callable[[str], str]
 ) -> dict[str, Material | None]:
-    """Return materials by a form of their names; None where two have the same."""
-    found: dict[str, Material | None] = {}
+    """Return materials by `form` of their names; None for a form that several names have."""
+    by_form: dict[str, Material | None] = {}
     for name, material in materials.items():
         key = form(name)
-        found[key] = None if key in found else material
-    return found
+        by_form[key] = None if key in by_form else material
+    return by_form
 
 
 def _diffuse(line: bytes) -> Triple:
@@ -203,32 +202,32 @@ def _diffuse(line: bytes) -> Triple:
         numbers *= 3
     if len(numbers) < 3 or not np.isfinite(numbers[:3]).all():
         raise ValueError(f"Kd of {len(numbers)} numbers; 1 or 3, all finite, are needed")
-    # Some programs write 0 to 255; numbers a little above 1 are rounded or overbright.
+    # Some programs write 0 to 255. Numbers slightly above 1 come from rounding or overbright colours.
     largest = _LARGEST_BYTE if max(numbers[:3]) > 2.0 else 1.0
     red, green, blue = (min(max(number / largest, 0.0), 1.0) for number in numbers[:3])
     return red, green, blue
 
 
 def _image_map(text: str, library: str) -> tuple[ImageMap, list[str]]:
-    """Return an image with the options that place it, and those that change its colours otherwise."""
-    found = ImageMap((), library)
-    passed_over = []
-    for name, numbers, written, rest in _options(text):
-        text = rest
+    """Return an image with its options, and the ignored options that change its colours."""
+    image_map = ImageMap((), library)
+    ignored = []
+    for name, numbers, option, following in _options(text):
+        text = following
         if name == "s":
-            found = replace(found, scale=(*numbers, 1.0, 1.0)[:2])
+            image_map = replace(image_map, scale=(*numbers, 1.0, 1.0)[:2])
         elif name == "o":
-            found = replace(found, offset=(*numbers, 0.0, 0.0)[:2])
-        elif name == "clamp" and written.lower().endswith("on"):
-            found = replace(found, wraps=(CLAMP, CLAMP))
+            image_map = replace(image_map, offset=(*numbers, 0.0, 0.0)[:2])
+        elif name == "clamp" and option.lower().endswith("on"):
+            image_map = replace(image_map, wraps=(CLAMP, CLAMP))
         elif (name == "mm" and numbers not in {(0.0, 1.0), (0.0,)}) or name == "imfchan":
-            passed_over.append(written)
+            ignored.append(option)
     names = (text, name_without_comment(text), _OPTIONS_BEHIND.sub("", text))
-    return replace(found, names=tuple(dict.fromkeys(names))), passed_over
+    return replace(image_map, names=tuple(dict.fromkeys(names))), ignored
 
 
 def _options(text: str) -> Iterator[tuple[str, tuple[float, ...], str, str]]:
-    """Yield the options before a name: name, numbers, as written, and what follows."""
+    """Yield the options before a file name: option name, numbers, text of the option, and following text."""
     while (option := _OPTION.match(text)) is not None:
         name, start, numbers = option["name"].lower(), option.end(), []
         if name not in {*_NUMBERS_OF, *_WORDS_OF}:
@@ -240,8 +239,8 @@ def _options(text: str) -> Iterator[tuple[str, tuple[float, ...], str, str]]:
         for _ in range(_WORDS_OF.get(name, 0)):
             if (word := _WORD.match(text, start)) is not None:
                 start = word.end()
-        written, text = text[:start].strip(), text[start:]
-        yield name, tuple(numbers), written, text
+        option_text, text = text[:start].strip(), text[start:]
+        yield name, tuple(numbers), option_text, text
 
 
 def _as_name(text: str) -> str:

@@ -1,4 +1,4 @@
-"""OBJ files: polygons with the colours and images of their materials."""
+"""Read OBJ files: polygons with colours and images of materials."""
 
 from __future__ import annotations
 
@@ -16,96 +16,96 @@ from visuohaptic.meshes.mtl_files import Material, Materials, image_name, read_l
 from visuohaptic.meshes.obj_statements import MOST_SHOWN, ObjStatements, Polygons, read_statements
 from visuohaptic.meshes.parts import GREY, Paint, Part
 from visuohaptic.meshes.polygons import cuts
-from visuohaptic.meshes.wavefront import as_utf_8, shown
+from visuohaptic.meshes.wavefront import as_utf_8, quoted
 
-_NO_MATERIAL = frozenset({"", "None", "(null)"})  # Blender's names of none
-_AT_ONCE = 1 << 16  # faces
+_NO_MATERIAL = frozenset({"", "None", "(null)"})  # names that Blender writes for no material
+_BLOCK_FACES = 1 << 16
 _LARGEST_BYTE = 255.0
-_HALVES = np.array([[0, 1, 2], [2, 3, 0]], dtype=np.int32)  # of a quadrilateral
-_ALMOST_ONE = 1.05  # a colour of 1 as rounding may leave it
+_HALVES = np.array([[0, 1, 2], [2, 3, 0]], dtype=np.int32)  # triangles of a quadrilateral
+_ALMOST_ONE = 1.05  # largest colour that counts as 1 with rounding
 
 
 @dataclass(frozen=True)
 class _Vertices:
-    """What corners name: points (v, 3), colours (v, 3), 0 to 1 or NaN, and image coordinates (t, 2)."""
+    """Points (v, 3), their colours (v, 3), 0 to 1 or NaN, and image coordinates (t, 2)."""
 
     points: FloatArray
     colours: NDArray[np.float32] | None
-    places: FloatArray
+    coordinates: FloatArray
 
 
 def read_obj(data: bytes, companions: Companions) -> list[Part]:
-    """Read the polygons of an OBJ file as triangles, in one part or two per material.
+    """Read the polygons of an OBJ file as triangles, in one or two parts per material.
 
-    A face has its material's diffuse colour, multiplied by the mean colour of its vertices if they
-    have any, and its material's image if all its corners have image coordinates. Polygons that are
-    not convex are cut as `cuts` does. The parts of the material that is used first are the last.
+    The colour of a face is the diffuse colour of its material, multiplied by the mean colour of its vertices if they
+    have colours. A face has the image of its material if all its corners have image coordinates. Polygons are cut
+    into triangles with `cuts`. Materials come in reverse order of their first use.
 
-    Raises `MeshError`, with the reason and the line, where a word is no number, a face names a vertex
-    that is not there, or a statement shows a surface that is no polygon.
+    Raises `MeshError`, with line and reason, if a word is no number, a face names a missing vertex, or a statement
+    describes a surface that is no polygon.
     """
     data = as_utf_8(data)
     check_lines(data)
-    said = read_statements(data)
+    statements = read_statements(data)
     del data
-    check_parts(len(said.polygons), "materials")
-    materials = read_libraries(said.libraries, companions)
-    _note_what_is_not_read(said, materials, companions)
+    check_parts(len(statements.polygons), "materials")
+    materials = read_libraries(statements.libraries, companions)
+    _note_unread(statements, materials, companions)
     vertices = _Vertices(
-        np.frombuffer(said.points).reshape(-1, 3),
-        _vertex_colours(said, companions),
-        np.frombuffer(said.places).reshape(-1, 2),
+        np.frombuffer(statements.points).reshape(-1, 3),
+        _vertex_colours(statements, companions),
+        np.frombuffer(statements.coordinates).reshape(-1, 2),
     )
     parts = []
-    while said.polygons:
-        # What is said of a material is not needed beside its part.
-        name, polygons = said.polygons.popitem()
+    while statements.polygons:
+        # `popitem` frees the polygons of a material after they became a part.
+        name, polygons = statements.polygons.popitem()
         parts += _parts(polygons, materials.find(name) or Material(), vertices, companions)
-    return parts if len(parts) == 1 else [_with_own_vertices(part) for part in parts]
+    return parts if len(parts) == 1 else [_without_other_vertices(part) for part in parts]
 
 
-def _note_what_is_not_read(
-    said: ObjStatements, materials: Materials, companions: Companions
-) -> None:
-    if said.without_area:
-        counts = " and ".join(f"{count} {what}" for what, count in said.without_area.items())
+def _note_unread(statements: ObjStatements, materials: Materials, companions: Companions) -> None:
+    if statements.without_area:
+        counts = " and ".join(f"{count} {kind}" for kind, count in statements.without_area.items())
         companions.notes.append(f"has {counts}, which have no surface")
-    if said.unknown:
-        words = ", ".join(f"{word} (line {line})" for word, line in said.unknown.items())
+    if statements.unknown:
+        words = ", ".join(f"{word} (line {line})" for word, line in statements.unknown.items())
         companions.notes.append(f"has statements that are not known: {words}")
-    names = [name for name in said.polygons if name not in _NO_MATERIAL]
+    names = [name for name in statements.polygons if name not in _NO_MATERIAL]
     missing = [name for name in names if materials.find(name) is None]
-    if missing and not said.libraries:
+    if missing and not statements.libraries:
         companions.notes.append(
             f"names materials, {_listed(missing)}, and no library of them (mtllib)"
         )
     elif missing and materials.by_name:
         companions.missing.append(
-            f"materials, {_listed(missing)}, which none of its libraries holds"
+            f"materials, {_listed(missing)}, which are in none of its libraries"
         )
 
 
 def _listed(names: Sequence[str]) -> str:
     more = [f"{len(names) - MOST_SHOWN} more"] if len(names) > MOST_SHOWN else []
-    return ", ".join([*(shown(name.encode()) for name in names[:MOST_SHOWN]), *more])
+    return ", ".join([*(quoted(name.encode()) for name in names[:MOST_SHOWN]), *more])
 
 
-def _vertex_colours(said: ObjStatements, companions: Companions) -> NDArray[np.float32] | None:
-    """Return colours (v, 3) from 0 to 1, NaN where a vertex has none; None where no vertex has one."""
+def _vertex_colours(
+    statements: ObjStatements, companions: Companions
+) -> NDArray[np.float32] | None:
+    """Return colours (v, 3) from 0 to 1, NaN for a vertex without colour; None without colours."""
     # Some programs write colours from 0 to 1, others from 0 to 255.
-    if not said.colours:
+    if not statements.colours:
         return None
-    colours = np.full((len(said.points) // 3, 3), np.nan, dtype=np.float32)
-    known = np.frombuffer(said.colours, dtype=np.float32)
-    colours.reshape(-1)[: len(known)] = known
-    low, high = np.fmin.reduce(known), np.fmax.reduce(known)
+    colours = np.full((len(statements.points) // 3, 3), np.nan, dtype=np.float32)
+    given = np.frombuffer(statements.colours, dtype=np.float32)
+    colours.reshape(-1)[: len(given)] = given
+    low, high = np.fmin.reduce(given), np.fmax.reduce(given)
     if low >= 0 and high <= _ALMOST_ONE:
         return np.minimum(colours, 1.0)
-    whole = (known == np.rint(known)) | np.isnan(known)
-    if low >= 0 and high <= _LARGEST_BYTE and (high >= 2 or whole.all()):
+    is_whole = (given == np.rint(given)) | np.isnan(given)
+    if low >= 0 and high <= _LARGEST_BYTE and (high >= 2 or is_whole.all()):
         return colours / np.float32(_LARGEST_BYTE)
     companions.notes.append(
-        f"has numbers from {low:g} to {high:g} behind vertices' coordinates, which are no colours: "
+        f"has numbers from {low:g} to {high:g} after coordinates of vertices, which are no colours: "
         "0 to 1 or 0 to 255 are needed"
     )
     return None
@@ -117,53 +117,53 @@ def _parts(
     corners = _corners(polygons, len(vertices.points))
     triangles = _triangles(polygons, corners, vertices.points)
     faces = np.empty(triangles.shape, dtype=np.int64)
-    for start in range(0, len(faces), _AT_ONCE):
-        faces[start : start + _AT_ONCE] = corners[triangles[start : start + _AT_ONCE]]
+    for start in range(0, len(faces), _BLOCK_FACES):
+        faces[start : start + _BLOCK_FACES] = corners[triangles[start : start + _BLOCK_FACES]]
     del corners
-    plain = Part(vertices.points, faces, _face_colours(faces, material, vertices.colours))
+    without_image = Part(vertices.points, faces, _face_colours(faces, material, vertices.colours))
     image_map = material.image_map
     if image_map is None:
-        return [plain]
+        return [without_image]
     image = companions.image(image_name(image_map, companions), image_map.beside)
     if image is None:
-        return [plain]
-    if not polygons.places:
+        return [without_image]
+    if not polygons.coordinates:
         companions.notes.append("names images for faces that have no image coordinates (vt)")
-        return [plain]
-    places = _places(polygons, len(vertices.places), companions)[triangles]
-    painted: BoolArray = np.all(places >= 0, axis=1)
+        return [without_image]
+    coordinates = _coordinate_rows(polygons, len(vertices.coordinates), companions)[triangles]
+    painted: BoolArray = np.all(coordinates >= 0, axis=1)
     if not painted.any():
-        return [plain]
-    uv = image_map.placed(vertices.places[places[painted]])
-    shown = replace(
-        _some_of(plain, painted), paint=Paint(image, uv, image_map.wraps, material.tint)
+        return [without_image]
+    uv = image_map.placed(vertices.coordinates[coordinates[painted]])
+    with_image = replace(
+        _subset(without_image, painted), paint=Paint(image, uv, image_map.wraps, material.tint)
     )
-    return [shown] if painted.all() else [shown, _some_of(plain, ~painted)]
+    return [with_image] if painted.all() else [with_image, _subset(without_image, ~painted)]
 
 
 def _corners(polygons: Polygons, vertices: int) -> NDArray[np.int32]:
-    """Return corners as rows of vertices."""
+    """Return the row of the vertex of each corner."""
     corners = np.frombuffer(polygons.corners, np.int32)
     wrong = np.flatnonzero((corners < 1) | (corners > vertices))
     if len(wrong):
-        there = f"1 to {vertices} are" if vertices else "none is"
+        allowed = f"1 to {vertices} are" if vertices else "none is"
         raise MeshError(
-            f"line {_line(polygons, wrong[0])}: a face names vertex {corners[wrong[0]]}; {there} there"
+            f"line {_line(polygons, wrong[0])}: a face names vertex {corners[wrong[0]]}; {allowed} there"
         )
     return corners - 1
 
 
-def _places(polygons: Polygons, places: int, companions: Companions) -> NDArray[np.int32]:
-    """Return corners as rows of image coordinates, -1 where there are none."""
+def _coordinate_rows(polygons: Polygons, count: int, companions: Companions) -> NDArray[np.int32]:
+    """Return the row of image coordinates of each corner; -1 for a corner without."""
     corners = np.zeros(len(polygons.corners), dtype=np.int32)
-    corners[: len(polygons.places)] = polygons.places
-    wrong = np.flatnonzero((corners < 0) | (corners > places))
+    corners[: len(polygons.coordinates)] = polygons.coordinates
+    wrong = np.flatnonzero((corners < 0) | (corners > count))
     if len(wrong):
         companions.notes.append(
             f"names image coordinates that are not there (line {_line(polygons, wrong[0])}: "
-            f"{corners[wrong[0]]}; {places} are there), so that faces lack their image"
+            f"{corners[wrong[0]]}; {count} are there), so that faces lack their image"
         )
-    return np.where((corners < 1) | (corners > places), -1, corners - 1)
+    return np.where((corners < 1) | (corners > count), -1, corners - 1)
 
 
 def _line(polygons: Polygons, corner: int) -> int:
@@ -174,59 +174,63 @@ def _line(polygons: Polygons, corner: int) -> int:
 def _triangles(
     polygons: Polygons, corners: NDArray[np.int32], points: FloatArray
 ) -> NDArray[np.int32]:
-    """Cut polygons into triangles (t, 3), whose numbers are rows of `corners`, polygon after polygon."""
+    """Cut polygons into triangles (t, 3) as rows of `corners`, polygon after polygon."""
     counts = np.frombuffer(polygons.counts, np.int32)
     if (counts == 3).all():
         return np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
-    cut = cuts(points, corners.astype(np.int64), counts.astype(np.int64))
+    triangles_of = cuts(points, corners.astype(np.int64), counts.astype(np.int64))
     starts = np.cumsum(counts, dtype=np.int32) - counts
-    if not cut and (counts == 4).all() and _of_one_form(polygons):
-        # All first halves come first, as in the benchmark's surfaces since they were first made.
+    if not triangles_of and (counts == 4).all() and _all_or_none_have_coordinates(polygons):
+        # All first halves come first: the surfaces of the benchmark keep this order of faces.
         return np.concatenate([starts[:, None] + half for half in _HALVES])
-    sizes = counts - 2
-    for polygon, triangles in cut.items():
-        sizes[polygon] = len(triangles)
-    of = np.repeat(np.arange(len(counts), dtype=np.int32), sizes)
-    firsts = np.cumsum(sizes, dtype=np.int32) - sizes
-    second = np.arange(1, len(of) + 1, dtype=np.int32) - firsts[of]
+    pieces = counts - 2
+    for polygon, triangles in triangles_of.items():
+        pieces[polygon] = len(triangles)
+    owners = np.repeat(np.arange(len(counts), dtype=np.int32), pieces)
+    begins = np.cumsum(pieces, dtype=np.int32) - pieces
+    second = np.arange(1, len(owners) + 1, dtype=np.int32) - begins[owners]
     fans = np.column_stack([np.zeros_like(second), second, second + 1])
-    fans[(counts[of] == 4) & (second == 2)] = _HALVES[1]
-    for polygon, triangles in cut.items():
-        fans[firsts[polygon] : firsts[polygon] + len(triangles)] = triangles
-    fans += starts[of, None]
+    fans[(counts[owners] == 4) & (second == 2)] = _HALVES[1]
+    for polygon, triangles in triangles_of.items():
+        fans[begins[polygon] : begins[polygon] + len(triangles)] = triangles
+    fans += starts[owners, None]
     return fans
 
 
-def _of_one_form(polygons: Polygons) -> bool:
-    """Tell whether all corners have image coordinates, or none."""
-    places = np.frombuffer(polygons.places, np.int32)
-    return not len(places) or (len(places) == len(polygons.corners) and bool(places.all()))
+def _all_or_none_have_coordinates(polygons: Polygons) -> bool:
+    """Return whether all corners have image coordinates, or no corner has."""
+    coordinates = np.frombuffer(polygons.coordinates, np.int32)
+    return not len(coordinates) or (
+        len(coordinates) == len(polygons.corners) and bool(coordinates.all())
+    )
 
 
 def _face_colours(
     faces: IntArray, material: Material, colours: NDArray[np.float32] | None
 ) -> NDArray[np.uint8] | None:
-    """Return colours (f, 3), sRGB, of the material and, where they have any, of the vertices."""
+    """Return colours (f, 3), sRGB, of the material, multiplied by vertex colours if there are any."""
     if material.diffuse is None and colours is None:
         return None
-    own = np.array(GREY) if material.diffuse is None else 255.0 * np.array(material.diffuse)
-    whole = np.tile(np.rint(own).astype(np.uint8), (len(faces), 1))
+    colour = np.array(GREY) if material.diffuse is None else 255.0 * np.array(material.diffuse)
+    face_colours = np.tile(np.rint(colour).astype(np.uint8), (len(faces), 1))
     if colours is None:
-        return whole
-    for start in range(0, len(faces), _AT_ONCE):
-        first, second, third = faces[start : start + _AT_ONCE].T
+        return face_colours
+    for start in range(0, len(faces), _BLOCK_FACES):
+        first, second, third = faces[start : start + _BLOCK_FACES].T
         mean = (colours[first] + colours[second] + colours[third]) / 3
-        known = ~np.isnan(mean).any(axis=1)
-        whole[start : start + _AT_ONCE][known] = np.rint(255.0 * mean[known] * material.tint)
-    return whole
+        coloured = ~np.isnan(mean).any(axis=1)
+        face_colours[start : start + _BLOCK_FACES][coloured] = np.rint(
+            255.0 * mean[coloured] * material.tint
+        )
+    return face_colours
 
 
-def _some_of(part: Part, faces: BoolArray) -> Part:
+def _subset(part: Part, faces: BoolArray) -> Part:
     colours = None if part.colours is None else part.colours[faces]
     return Part(part.vertices, part.faces[faces], colours)
 
 
-def _with_own_vertices(part: Part) -> Part:
-    """Return a part without the vertices of other parts, which are many times as many if parts are."""
-    named, faces = np.unique(part.faces, return_inverse=True)
-    return replace(part, vertices=part.vertices[named], faces=faces.reshape(-1, 3))
+def _without_other_vertices(part: Part) -> Part:
+    """Return a part without the vertices of other parts."""
+    used, faces = np.unique(part.faces, return_inverse=True)
+    return replace(part, vertices=part.vertices[used], faces=faces.reshape(-1, 3))

@@ -1,4 +1,4 @@
-"""The statements of an OBJ file as arrays.
+"""Read the statements of an OBJ file into arrays.
 
 The format is described in appendix B1 of the manual of Wavefront's Advanced Visualizer.
 """
@@ -12,10 +12,10 @@ from itertools import repeat
 import numpy as np
 
 from visuohaptic.base.errors import MeshError
-from visuohaptic.meshes.wavefront import numbers_of, rest_of, shown, statements, wrong_number
+from visuohaptic.meshes.wavefront import numbers_of, quoted, rest_of, statements, wrong_number
 
 MOST_SHOWN = 3
-"""Names or words that a sentence lists at most."""
+"""Largest number of names in a message."""
 
 _REFUSED = {
     b"surf": "a free-form surface",
@@ -26,7 +26,7 @@ _REFUSED = {
     b"csh": "a command",
 }
 _WITHOUT_AREA = {b"p": "points", b"l": "lines", b"curv": "curves"}
-# Normals, names, and what describes free-form elements, lines or how they are rendered.
+# Normals, names, and attributes of free-form elements, lines or rendering.
 _PASSED_OVER = frozenset(
     b"vn vp g o s mg curv2 cstype deg bmat step parm trim hole scrv sp end con bevel c_interp d_interp "
     b"lod shadow_obj trace_obj ctech stech res cdc".split()
@@ -44,18 +44,18 @@ class Polygons:
     Attributes
     ----------
     corners : array of int
-        Vertex, counted from 1, per corner, polygon after polygon.
-    places : array of int
-        Image coordinates, counted from 1, per corner; 0 where a corner has none. The array ends with
-        the last polygon that has image coordinates.
+        Index of the vertex, from 1, per corner, polygon after polygon.
+    coordinates : array of int
+        Index of the image coordinates, from 1, per corner; 0 for a corner without. The array ends with the last
+        polygon that has image coordinates.
     counts : array of int
         Number of corners per polygon.
     lines : array of int
-        Line in the file per polygon.
+        Line number in the file per polygon.
     """
 
     corners: array[int] = field(default_factory=_integers)
-    places: array[int] = field(default_factory=_integers)
+    coordinates: array[int] = field(default_factory=_integers)
     counts: array[int] = field(default_factory=_integers)
     lines: array[int] = field(default_factory=_integers)
 
@@ -71,23 +71,23 @@ class ObjStatements:
     colours : array of float
         Three numbers per vertex, NaN where a vertex has no colour. The array ends with the last vertex
         that has a colour.
-    places : array of float
+    coordinates : array of float
         Two numbers per image coordinates (``vt``).
     polygons : dict
         `Polygons` per name of a material, "" for none, in the order in which materials are first used.
     libraries : dict
-        The texts behind ``mtllib``, as keys in the file's order.
+        The texts after ``mtllib`` as keys, in the order of the file.
     without_area : dict
-        Number of elements per kind that has no surface.
+        Number of elements per kind without a surface, such as points.
     unknown : dict
-        First line per word that is not known, up to `MOST_SHOWN` words.
+        First line number per unknown word, for up to `MOST_SHOWN` words.
     material : str
         Name of the material of the next polygon.
     """
 
     points: array[float] = field(default_factory=lambda: array("d"))
     colours: array[float] = field(default_factory=lambda: array("f"))
-    places: array[float] = field(default_factory=lambda: array("d"))
+    coordinates: array[float] = field(default_factory=lambda: array("d"))
     polygons: dict[str, Polygons] = field(default_factory=dict)
     libraries: dict[str, None] = field(default_factory=dict)
     without_area: dict[str, int] = field(default_factory=dict)
@@ -95,9 +95,9 @@ class ObjStatements:
     material: str = ""
 
     def add(self, line: bytes, number: int) -> None:
-        """Add the statement of a line, by the line's number in the file.
+        """Add the statement of a line; `number` is the number of the line in the file.
 
-        Raises `MeshError`, with the reason only; `ValueError` or `OverflowError` where a number is wrong.
+        Raises `MeshError` with the reason, or `ValueError` or `OverflowError` if a word is no number.
         """
         words = line.split(None, 1)
         word = words[0] if words else b"#"
@@ -106,7 +106,7 @@ class ObjStatements:
         elif word in {b"f", b"fo"}:
             self._add_polygon(numbers_of(line), number)
         elif word == b"vt":
-            self._add_place(numbers_of(line))
+            self._add_coordinates(numbers_of(line))
         elif word not in _PASSED_OVER and not word.startswith(b"#"):
             self._add_rare(word, line, number)
 
@@ -118,10 +118,10 @@ class ObjStatements:
             self.colours.extend(repeat(np.nan, len(self.points) - 3 - len(self.colours)))
             self.colours.extend(map(float, numbers[3:6]))
 
-    def _add_place(self, numbers: list[bytes]) -> None:
+    def _add_coordinates(self, numbers: list[bytes]) -> None:
         if not numbers:
             raise MeshError("image coordinates have no number; 2 are needed")
-        self.places.extend(map(float, (*numbers, b"0")[:2]))
+        self.coordinates.extend(map(float, (*numbers, b"0")[:2]))
 
     def _add_polygon(self, words: list[bytes], line: int) -> None:
         rows = [[int(number or 0) for number in word.split(b"/")] for word in words]
@@ -133,11 +133,13 @@ class ObjStatements:
         if polygons is None:
             polygons = self.polygons[self.material] = Polygons()
         corners = [row[0] for row in rows]
-        places = [row[1] if len(row) > 1 else 0 for row in rows]
-        if any(places):
-            polygons.places.extend(repeat(0, len(polygons.corners) - len(polygons.places)))
-            polygons.places.extend(_counted_from_1(places, len(self.places) // 2))
-        polygons.corners.extend(_counted_from_1(corners, len(self.points) // 3))
+        coordinates = [row[1] if len(row) > 1 else 0 for row in rows]
+        if any(coordinates):
+            polygons.coordinates.extend(
+                repeat(0, len(polygons.corners) - len(polygons.coordinates))
+            )
+            polygons.coordinates.extend(_from_first(coordinates, len(self.coordinates) // 2))
+        polygons.corners.extend(_from_first(corners, len(self.points) // 3))
         polygons.counts.append(len(rows))
         polygons.lines.append(line)
 
@@ -151,37 +153,37 @@ class ObjStatements:
         elif lower in _REFUSED:
             raise MeshError(f"{lower.decode()}, {_REFUSED[lower]}, is not read; export polygons")
         elif lower in _WITHOUT_AREA:
-            what = _WITHOUT_AREA[lower]
-            self.without_area[what] = self.without_area.get(what, 0) + 1
+            kind = _WITHOUT_AREA[lower]
+            self.without_area[kind] = self.without_area.get(kind, 0) + 1
         elif lower != word:
             self.add(line.replace(word, lower, 1), number)
         elif _is_number(word):
-            raise MeshError(f"the line begins with the number {shown(word)}; a word is needed")
+            raise MeshError(f"the line begins with the number {quoted(word)}; a word is needed")
         elif len(self.unknown) < MOST_SHOWN:
-            self.unknown.setdefault(shown(word), number)
+            self.unknown.setdefault(quoted(word), number)
 
 
 def read_statements(data: bytes) -> ObjStatements:
     """Read the statements of an OBJ file in UTF-8 or another encoding that contains ASCII.
 
-    Raises `MeshError`, with the line and the word, where a word is no number, a row has too few numbers,
-    or a statement describes a surface that is no polygon.
+    Raises `MeshError`, with line and word, if a word is no number, a row has too few numbers, or a statement
+    describes a surface that is no polygon.
     """
-    said = ObjStatements()
+    result = ObjStatements()
     for number, line in statements(data):
         try:
-            said.add(line, number)
+            result.add(line, number)
         except MeshError as error:
             raise MeshError(f"line {number}: {error}") from None
         except (ValueError, OverflowError):
             kind = int if line.lstrip()[:1] in b"fF" else float
-            why = wrong_number(numbers_of(line), kind)
-            raise MeshError(f"line {number}: {why}") from None
-    return said
+            reason = wrong_number(numbers_of(line), kind)
+            raise MeshError(f"line {number}: {reason}") from None
+    return result
 
 
-def _counted_from_1(numbers: list[int], count: int) -> list[int]:
-    """Return indices counted from 1; negative ones count backwards, -1 names the last of `count` rows."""
+def _from_first(numbers: list[int], count: int) -> list[int]:
+    """Return indices from 1; negative indices count from the end, so that -1 is the last of `count` rows."""
     if min(numbers) >= 0:
         return numbers
     return [count + 1 + number if number < 0 else number for number in numbers]

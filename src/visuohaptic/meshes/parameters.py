@@ -12,20 +12,20 @@ from visuohaptic.meshes.catalogue import ObjectSet
 
 
 class MeshParameters(Section):
-    """Which objects take part, and how their models are prepared."""
+    """The set of objects, and the preparation of their models."""
 
-    set: ObjectSet = Field("paper", description="Objects of the catalogue that take part")
+    set: ObjectSet = Field("paper", description="Set of objects of the catalogue")
     own_up_axis: Literal["file", "y", "z", "auto"] = Field(
         "file",
-        description="Axis of own models that points up: `file`: as the file says (glTF, COLLADA, 3MF), else y; "
-        "`auto`: the one of y and z on which an object stands steadier",
+        description="Up axis of own models: `file`: as the file says (glTF, COLLADA, 3MF), else y; "
+        "`auto`: y or z, the axis on which the object stands more steadily",
     )
     turns: Turns = Field(
         "none",
-        description="How each object is turned before it is looked at and touched: not, about the vertical, or in any "
-        "way, by the random seed and its name",
+        description="Random turn of each object before the views: none, about the vertical, or in any "
+        "direction; the random seed and the object's name decide the turn",
     )
-    turn_draw: int = Field(0, ge=0, description="Index of the draw of the turns")
+    turn_draw: int = Field(0, ge=0, description="Index of the draw of the random turns")
     largest_megabytes: float = Field(
-        512.0, gt=0, le=1e4, description="Files above this size, unpacked, are refused (MB)"
+        512.0, gt=0, le=1e4, description="Largest size of a model file, unpacked (MB)"
     )

@@ -1,4 +1,4 @@
-"""Parts of a model, as the readers of its formats return them, and the one surface of them."""
+"""Parts of a model, as the readers of all formats return them, and their join to a surface."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from visuohaptic.meshes.textures import Paint, add_textures
 __all__ = ["GREY", "Paint", "Part", "join_parts"]
 
 GREY = (160, 160, 160)
-"""Colour, sRGB, of a face that has none."""
+"""Colour (sRGB) of a face without colour."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """Triangles of a model with one image or none.
+    """Triangles of a model that share an image, or have no image.
 
     Attributes
     ----------
     vertices : numpy.ndarray
-        Shape (v, 3), numbers of any type, in the file's frame; the transforms of a scene are applied.
+        Shape (v, 3), any numeric type, in the frame of the file; transforms of a scene are applied.
     faces : numpy.ndarray
-        Shape (f, 3), integers of any type: rows of `vertices`.
+        Shape (f, 3), any integer type: rows of `vertices`.
     colours : numpy.ndarray or None
-        Shape (f, 3), uint8, sRGB; None where the file names no colour.
+        Shape (f, 3), uint8, sRGB; None without colours.
     paint : Paint or None
-        An image on all faces; their colour is then its mean.
+        Image on all faces. The mean colours of the image then replace `colours`.
     """
 
     vertices: NDArray[Any]
@@ -44,28 +44,31 @@ class Part:
 
 
 def join_parts(parts: Sequence[Part]) -> Surface:
-    """Join parts into one surface, part after part, without the vertices that no face names.
+    """Join parts into one surface, part after part, without unused vertices.
 
-    Raises `MeshError`, with the reason only, if there are no faces, an array has another shape, a
-    face names no vertex, or an image can't be read.
+    Raises `MeshError` with the reason if there are no faces, an array has another shape, a face names a missing
+    vertex, or an image can't be read.
     """
-    shown = [_without_unnamed(part) for part in parts if len(part.faces)]
-    # Parts may be large, and the surface takes the memory of each one that is joined.
+    non_empty = [_without_unused(part) for part in parts if len(part.faces)]
+    # Free each part when it is joined: parts may be large.
     del parts
-    if not shown:
+    if not non_empty:
         raise MeshError("it has no faces; triangles or polygons are needed")
-    paints, colours = [part.paint for part in shown], [part.colours for part in shown]
-    of_parts, faces_of_parts = [part.vertices for part in shown], [part.faces for part in shown]
-    del shown
-    counts, starts = [*map(len, faces_of_parts)], np.cumsum([0, *map(len, of_parts[:-1])])
-    vertices = _joined_vertices(of_parts)
+    paints, colours = [part.paint for part in non_empty], [part.colours for part in non_empty]
+    vertices_of_parts, faces_of_parts = (
+        [part.vertices for part in non_empty],
+        [part.faces for part in non_empty],
+    )
+    del non_empty
+    counts, starts = [*map(len, faces_of_parts)], np.cumsum([0, *map(len, vertices_of_parts[:-1])])
+    vertices = _joined_vertices(vertices_of_parts)
     faces = _joined_faces(faces_of_parts, starts)
     face_colours, texture = add_textures(paints, counts, _joined_colours(colours, counts))
     return Surface(vertices, faces, face_colours, texture)
 
 
 def _joined_vertices(parts: list[NDArray[Any]]) -> FloatArray:
-    """Return vertices (v, 3) of parts, which are taken out of the list one after another."""
+    """Return the vertices (v, 3) of all parts; `parts` is emptied, to free memory."""
     if len(parts) == 1:
         return np.asarray(parts.pop(), dtype=np.float64)
     joined, end = np.empty((sum(map(len, parts)), 3)), 0
@@ -78,7 +81,7 @@ def _joined_vertices(parts: list[NDArray[Any]]) -> FloatArray:
 
 
 def _joined_faces(parts: list[NDArray[Any]], starts: IntArray) -> IntArray:
-    """Return faces (f, 3) of parts, whose vertices begin at `starts`; parts are taken out of the list."""
+    """Return the faces (f, 3) of all parts, with `starts` added; `parts` is emptied, to free memory."""
     if len(parts) == 1:
         return np.asarray(parts.pop(), dtype=np.int64)
     joined, end = np.empty((sum(map(len, parts)), 3), dtype=np.int64), 0
@@ -92,18 +95,18 @@ def _joined_faces(parts: list[NDArray[Any]], starts: IntArray) -> IntArray:
     return joined
 
 
-def _without_unnamed(part: Part) -> Part:
+def _without_unused(part: Part) -> Part:
     vertices, faces = np.asarray(part.vertices), np.asarray(part.faces)
-    for what, array in (("vertices", vertices), ("faces", faces)):
+    for name, array in (("vertices", vertices), ("faces", faces)):
         if array.ndim != 2 or array.shape[1] != 3:
-            raise MeshError(f"{what} have the shape {array.shape}; (n, 3) is needed")
-    # An index too high would name a vertex of the next part.
+            raise MeshError(f"{name} have the shape {array.shape}; (n, 3) is needed")
+    # An index that is too high would name a vertex of the next part.
     check_corners(faces, len(vertices))
-    named = np.zeros(len(vertices), dtype=bool)
-    named[faces] = True
-    if not named.all():
-        faces = (np.cumsum(named, dtype=np.int32) - 1)[faces]
-        vertices = vertices[named]
+    used = np.zeros(len(vertices), dtype=bool)
+    used[faces] = True
+    if not used.all():
+        faces = (np.cumsum(used, dtype=np.int32) - 1)[faces]
+        vertices = vertices[used]
     return Part(vertices, faces, part.colours, part.paint)
 
 

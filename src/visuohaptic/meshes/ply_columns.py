@@ -1,4 +1,4 @@
-"""Columns and lists of a PLY element, as arrays."""
+"""Columns and lists of a PLY element as arrays."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ class Lists:
     Attributes
     ----------
     values : numpy.ndarray
-        Shape (n,): the numbers of all lists, row after row.
+        Shape (n,): numbers of all lists, row after row.
     counts : numpy.ndarray
-        Shape (r,), int32: how many numbers each row has.
+        Shape (r,), int32: number of numbers per row.
     """
 
     values: NDArray[Any]
@@ -38,7 +38,7 @@ class Table:
     rows : int
         Number of rows.
     columns : dict
-        Numbers (r,) per property that is no list, in the file's type.
+        Numbers (r,) per property that is no list, in the type of the file.
     lists : dict
         `Lists` per property that is a list.
     """
@@ -48,45 +48,45 @@ class Table:
     lists: dict[str, Lists]
 
 
-def is_read(one: PlyProperty, wanted: Collection[str]) -> bool:
-    """Tell whether a property is part of a table: all lists are, and the columns in `wanted`."""
-    return isinstance(one, PlyListProperty) or one.name in wanted
+def is_read(prop: PlyProperty, column_names: Collection[str]) -> bool:
+    """Return whether a property is part of a table: a list, or a column in `column_names`."""
+    return isinstance(prop, PlyListProperty) or prop.name in column_names
 
 
 class GrowingTable:
-    """A table that is read block after block of rows; its arrays grow without a second copy."""
+    """A table that is built from blocks of rows; its arrays grow without a second copy."""
 
-    def __init__(self, element: PlyElement, wanted: Collection[str]) -> None:
-        self._properties = [one for one in element.properties if is_read(one, wanted)]
-        self._values = {one.name: bytearray() for one in self._properties}
-        self._counts = {one.name: bytearray() for one in self._properties}
+    def __init__(self, element: PlyElement, column_names: Collection[str]) -> None:
+        self._properties = [prop for prop in element.properties if is_read(prop, column_names)]
+        self._values = {prop.name: bytearray() for prop in self._properties}
+        self._counts = {prop.name: bytearray() for prop in self._properties}
         self._rows = 0
 
-    def add_values(self, one: PlyProperty, values: NDArray[Any], counts: IntArray) -> None:
-        """Add the numbers (n,) of a property, and how many each row of the block has, (r,)."""
-        if one.name not in self._values:
+    def add_values(self, prop: PlyProperty, values: NDArray[Any], counts: IntArray) -> None:
+        """Add the numbers (n,) of a property for a block of rows, with `counts` (r,) numbers per row."""
+        if prop.name not in self._values:
             return
-        self._values[one.name] += values.astype(_kind_of(one), copy=False).tobytes()
-        if isinstance(one, PlyListProperty):
-            self._counts[one.name] += counts.astype(np.int32).tobytes()
+        self._values[prop.name] += values.astype(_kind_of(prop), copy=False).tobytes()
+        if isinstance(prop, PlyListProperty):
+            self._counts[prop.name] += counts.astype(np.int32).tobytes()
 
     def add_rows(self, count: int) -> None:
-        """Count the rows of a block whose values have been added."""
+        """Add the number of rows of a block, after the values of all properties."""
         self._rows += count
 
     def finished(self) -> Table:
-        """Return the table of all rows so far."""
+        """Return the table of all added rows."""
         columns, lists = {}, {}
-        for one in self._properties:
-            values = np.frombuffer(self._values[one.name], _kind_of(one))
-            if isinstance(one, PlyListProperty):
-                lists[one.name] = Lists(values, np.frombuffer(self._counts[one.name], np.int32))
+        for prop in self._properties:
+            values = np.frombuffer(self._values[prop.name], _kind_of(prop))
+            if isinstance(prop, PlyListProperty):
+                lists[prop.name] = Lists(values, np.frombuffer(self._counts[prop.name], np.int32))
             else:
-                columns[one.name] = values
+                columns[prop.name] = values
         return Table(self._rows, columns, lists)
 
 
-def _kind_of(one: PlyProperty) -> np.dtype[Any]:
-    """Return the type of a property's numbers in the machine's byte order."""
-    stored = one.list_dtype()[1] if isinstance(one, PlyListProperty) else one.dtype()
+def _kind_of(prop: PlyProperty) -> np.dtype[Any]:
+    """Return the type of the numbers of a property, in native byte order."""
+    stored = prop.list_dtype()[1] if isinstance(prop, PlyListProperty) else prop.dtype()
     return np.dtype(stored).newbyteorder("=")

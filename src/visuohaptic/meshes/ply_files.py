@@ -1,4 +1,4 @@
-"""PLY files: polygons, strips, colours, and images by faces or vertices."""
+"""Read PLY files: polygons, triangle strips, colours, and images on faces or vertices."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from visuohaptic.meshes.limits import check_lines, check_parts
 from visuohaptic.meshes.parts import GREY, Paint, Part
 from visuohaptic.meshes.ply_columns import Lists, Table
 from visuohaptic.meshes.ply_tables import decoded, read_tables
-from visuohaptic.meshes.polygons import check_corners, named_triangles, triangulate
+from visuohaptic.meshes.polygons import check_corners, triangulate, triangulate_points
 from visuohaptic.meshes.text_numbers import plain_lines
 
 _CORNERS = ("vertex_indices", "vertex_index")
-_PLACES = "texcoord"  # of a face: u and v of each corner
-_PLACES_OF_VERTICES = (("texture_u", "texture_v"), ("u", "v"), ("s", "t"))
+_FACE_COORDINATES = "texcoord"  # property of a face: u and v of each corner
+_VERTEX_COORDINATES = (("texture_u", "texture_v"), ("u", "v"), ("s", "t"))
 _COLOURS = (
     ("red", "green", "blue"),
     ("diffuse_red", "diffuse_green", "diffuse_blue"),
     ("r", "g", "b"),
 )
 _STRIPS = "tristrips"
-_NAMES_OF_COLOURS = tuple(chain(*_COLOURS))
+_COLOUR_NAMES = tuple(chain(*_COLOURS))
 _COLUMNS = {
-    "vertex": ("x", "y", "z", *chain(*_PLACES_OF_VERTICES), *_NAMES_OF_COLOURS),
-    "face": ("texnumber", "material_index", *_NAMES_OF_COLOURS),
-    "material": _NAMES_OF_COLOURS,
+    "vertex": ("x", "y", "z", *chain(*_VERTEX_COORDINATES), *_COLOUR_NAMES),
+    "face": ("texnumber", "material_index", *_COLOUR_NAMES),
+    "material": _COLOUR_NAMES,
     _STRIPS: (),
 }
 _IMAGE = re.compile(r"comment\s+TextureFile\s+(.*\S)", re.IGNORECASE)
@@ -43,10 +43,10 @@ _MOST_BLANK_LINES = 100_000
 
 
 def read_ply(data: bytes, companions: Companions) -> list[Part]:
-    """Read a PLY file: one part, or one per image that its header names.
+    """Read a PLY file as one part, or as one part per image in its header.
 
-    Raises `MeshError`, with the reason only, if it holds less than its header promises or a face
-    names no vertex; `ValueError` or ``plyfile.PlyParseError`` if it can't be read.
+    Raises `MeshError` with the reason if rows are missing or a face names a missing vertex, and `ValueError` or
+    ``plyfile.PlyParseError`` if the file can't be read.
     """
     header = read_ply_header(data[:LONGEST])
     if header.ascii and b"\r" in data:
@@ -60,7 +60,7 @@ def read_ply(data: bytes, companions: Companions) -> list[Part]:
             raise MeshError(f"its header claims {header.rows} rows, and {lines} lines follow")
     images = _Images(data[: header.length], companions)
     tables = read_tables(data, header, _COLUMNS)
-    # The surface takes the memory of the file.
+    # Free the file: the surface needs its memory.
     del data
     if "vertex" not in tables:
         return []
@@ -72,37 +72,37 @@ def read_ply(data: bytes, companions: Companions) -> list[Part]:
 
 
 class _Images:
-    """The images that a header names, which are opened once coordinates on them are there."""
+    """The images that a header names; they are opened only if the file has image coordinates."""
 
     def __init__(self, header: bytes, companions: Companions) -> None:
         lines = decoded(header).splitlines()
-        self.names = [found[1] for line in lines if (found := _IMAGE.fullmatch(line.strip()))]
+        self.names = [match[1] for line in lines if (match := _IMAGE.fullmatch(line.strip()))]
         self._companions = companions
         check_parts(len(self.names), "images")
 
     def paints(
         self,
-        places: FloatArray | None,
-        numbers: NDArray[np.integer],
+        coordinates: FloatArray | None,
+        image_indices: NDArray[np.integer],
         pieces: NDArray[np.int32],
     ) -> Iterator[tuple[NDArray[np.bool_] | slice, Paint | None]]:
-        """Return the triangles of each image, and the image on them.
+        """Yield the triangles of each image, and the image with its coordinates; None without image.
 
-        `numbers` (p,) are the image's number per polygon, `pieces` (p,) the number of its triangles.
+        `coordinates` have the shape (t, 3, 2). Polygon i has the image `image_indices[i]` and `pieces[i]` triangles.
         """
         if not self.names:
             yield slice(None), None
             return
-        if places is None:
-            self._companions.notes.append("names an image and has no coordinates on it")
+        if coordinates is None:
+            self._companions.notes.append("names an image and has no image coordinates")
             yield slice(None), None
             return
         opened = [self._companions.image(name) for name in self.names]
-        of_triangles = np.repeat(numbers, pieces)
-        for number in np.unique(of_triangles):
-            shown = of_triangles == number
-            image = opened[number] if 0 <= number < len(opened) else None
-            yield shown, None if image is None else Paint(image, places[shown])
+        of_triangles = np.repeat(image_indices, pieces)
+        for index in np.unique(of_triangles):
+            with_image = of_triangles == index
+            image = opened[index] if 0 <= index < len(opened) else None
+            yield with_image, None if image is None else Paint(image, coordinates[with_image])
 
 
 def _faces(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> Iterator[Part]:
@@ -110,80 +110,89 @@ def _faces(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> I
     name = None if face is None else _name_of_corners(face)
     if face is None or name is None:
         return
-    # The numbers of corners are not needed beside the triangles.
+    # `pop` frees the corners of polygons, which the triangles replace.
     polygons = face.lists.pop(name)
-    corners = _whole(polygons.values)
+    corners = _integers(polygons.values)
     check_corners(corners, len(points))
-    numbers: NDArray[np.integer] = np.broadcast_to(np.int32(0), face.rows)
+    image_indices: NDArray[np.integer] = np.broadcast_to(np.int32(0), face.rows)
     if "texnumber" in face.columns:
-        numbers = np.nan_to_num(face.columns["texnumber"], nan=-1).astype(np.int64)
-    places: FloatArray | None
-    if _PLACES in face.lists:
+        image_indices = np.nan_to_num(face.columns["texnumber"], nan=-1).astype(np.int64)
+    coordinates: FloatArray | None
+    if _FACE_COORDINATES in face.lists:
         triangles, pieces = triangulate(points, corners, polygons.counts)
-        whole = face.lists[_PLACES].counts == 2 * polygons.counts
-        numbers = np.where(whole, numbers, -1)
-        places = _places_of_faces(face.lists[_PLACES], polygons.counts, whole, triangles, pieces)
-        named = corners[triangles].astype(np.int64, copy=False)
+        complete = face.lists[_FACE_COORDINATES].counts == 2 * polygons.counts
+        image_indices = np.where(complete, image_indices, -1)
+        coordinates = _face_coordinates(
+            face.lists[_FACE_COORDINATES], polygons.counts, complete, triangles, pieces
+        )
+        faces = corners[triangles].astype(np.int64, copy=False)
     else:
-        named, pieces = named_triangles(points, corners, polygons.counts)
-        places = _places(tables["vertex"], named)
+        faces, pieces = triangulate_points(points, corners, polygons.counts)
+        coordinates = _vertex_coordinates(tables["vertex"], faces)
     del polygons, corners
-    colours = _face_colours(tables, pieces, named)
-    for shown, paint in images.paints(places, numbers, pieces):
-        yield Part(points, named[shown], None if colours is None else colours[shown], paint)
+    colours = _face_colours(tables, pieces, faces)
+    for with_image, paint in images.paints(coordinates, image_indices, pieces):
+        yield Part(
+            points, faces[with_image], None if colours is None else colours[with_image], paint
+        )
 
 
-def _places_of_faces(
-    places: Lists,
+def _face_coordinates(
+    coordinates: Lists,
     counts: NDArray[np.int32],
-    whole: NDArray[np.bool_],
+    complete: NDArray[np.bool_],
     triangles: IntArray,
     pieces: NDArray[np.int32],
 ) -> FloatArray:
-    """Return coordinates (t, 3, 2) of corners; any numbers where a polygon is not `whole`."""
+    """Return image coordinates (t, 3, 2) of triangles; arbitrary numbers for polygons that are not `complete`."""
     owners = np.repeat(np.arange(len(counts)), pieces)
-    firsts = np.cumsum(places.counts, dtype=np.int64) - places.counts
-    first = np.where(whole, firsts, 0)[owners]
+    firsts = np.cumsum(coordinates.counts, dtype=np.int64) - coordinates.counts
+    first = np.where(complete, firsts, 0)[owners]
     within = triangles - (np.cumsum(counts, dtype=np.int64) - counts)[owners, None]
-    across = np.where(whole[owners, None], first[:, None] + 2 * within, 0)
-    values = np.append(places.values, [0.0, 0.0])
+    across = np.where(complete[owners, None], first[:, None] + 2 * within, 0)
+    values = np.append(coordinates.values, [0.0, 0.0])
     return np.stack([values[across], values[across + 1]], axis=-1)
 
 
 def _strips(tables: dict[str, Table], points: NDArray[Any], images: _Images) -> Iterator[Part]:
-    """Return the triangles of strips: lists of vertices, parted by -1, that every three in a row span."""
+    """Yield the triangles of strips: lists of vertices, separated by -1; each three successive vertices are a triangle."""
     if _STRIPS not in tables:
         return
     name = _name_of_corners(tables[_STRIPS])
     if name is None:
         return
     strips, vertex = tables[_STRIPS].lists[name], tables["vertex"]
-    # A strip ends with its row, too.
-    rows = np.insert(_whole(strips.values).astype(np.int64), np.cumsum(strips.counts), -1)
-    three = np.lib.stride_tricks.sliding_window_view(rows, 3) if len(rows) > 2 else rows[:0]
-    three = three.reshape(-1, 3)
-    starts = np.maximum.accumulate(np.where(rows == -1, np.arange(len(rows)) + 1, 0))
-    starts = np.concatenate([[0], starts])[: len(three)]
-    odd = (np.arange(len(three)) - starts) % 2 == 1
-    triangles = np.where(odd[:, None], three[:, [1, 0, 2]], three)
-    # A vertex that is named twice turns a strip around a corner.
-    kept = (triangles >= 0).all(axis=1) & (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(
-        axis=1
+    # The end of a row also ends a strip.
+    corners = np.insert(_integers(strips.values).astype(np.int64), np.cumsum(strips.counts), -1)
+    windows = (
+        np.lib.stride_tricks.sliding_window_view(corners, 3) if len(corners) > 2 else corners[:0]
     )
-    named = triangles[kept]
-    check_corners(rows[rows != -1], len(points))
-    colours = mean_of_corners(_colours(vertex), named)
-    of_first = np.zeros(len(named), dtype=np.int32)
-    for shown, paint in images.paints(_places(vertex, named), of_first, of_first + 1):
-        yield Part(points, named[shown], None if colours is None else colours[shown], paint)
+    windows = windows.reshape(-1, 3)
+    starts = np.maximum.accumulate(np.where(corners == -1, np.arange(len(corners)) + 1, 0))
+    starts = np.concatenate([[0], starts])[: len(windows)]
+    is_flipped = (np.arange(len(windows)) - starts) % 2 == 1
+    triangles = np.where(is_flipped[:, None], windows[:, [1, 0, 2]], windows)
+    # Repeated vertices only join parts of a strip; they are no triangles.
+    within_strip = (triangles >= 0).all(axis=1)
+    distinct = (np.diff(np.sort(triangles, axis=1), axis=1) > 0).all(axis=1)
+    faces = triangles[within_strip & distinct]
+    check_corners(corners[corners != -1], len(points))
+    colours = mean_of_corners(_colours(vertex), faces)
+    first_image = np.zeros(len(faces), dtype=np.int32)
+    for with_image, paint in images.paints(
+        _vertex_coordinates(vertex, faces), first_image, first_image + 1
+    ):
+        yield Part(
+            points, faces[with_image], None if colours is None else colours[with_image], paint
+        )
 
 
 def _name_of_corners(element: Table) -> str | None:
     lists = list(element.lists)
-    return next((one for one in lists if len(lists) == 1 or one in _CORNERS), None)
+    return next((name for name in lists if len(lists) == 1 or name in _CORNERS), None)
 
 
-def _whole(corners: NDArray[Any]) -> NDArray[np.integer]:
+def _integers(corners: NDArray[Any]) -> NDArray[np.integer]:
     if corners.dtype.kind != "f":
         return corners
     wrong = corners[~(np.abs(corners) < 2**53) | (np.floor(corners) != corners)]
@@ -192,21 +201,23 @@ def _whole(corners: NDArray[Any]) -> NDArray[np.integer]:
     return corners.astype(np.int64)
 
 
-def _places(vertex: Table, named: IntArray) -> FloatArray | None:
-    for names in _PLACES_OF_VERTICES:
+def _vertex_coordinates(vertex: Table, triangles: IntArray) -> FloatArray | None:
+    for names in _VERTEX_COORDINATES:
         if set(names) <= set(vertex.columns):
-            places = np.column_stack([vertex.columns[name] for name in names]).astype(np.float64)
-            return places[named]
+            coordinates = np.column_stack([vertex.columns[name] for name in names]).astype(
+                np.float64
+            )
+            return coordinates[triangles]
     return None
 
 
 def _face_colours(
-    tables: dict[str, Table], pieces: NDArray[np.int32], named: IntArray
+    tables: dict[str, Table], pieces: NDArray[np.int32], triangles: IntArray
 ) -> NDArray[np.uint8] | None:
-    """Return the colours of triangles: of their vertices, else of their polygon, else of its material."""
+    """Return the colours (t, 3) of triangles: mean of vertices, else of the polygon, else of its material; None without."""
     of_vertices = _colours(tables["vertex"])
     if of_vertices is not None:
-        return mean_of_corners(of_vertices, named)
+        return mean_of_corners(of_vertices, triangles)
     face = tables["face"]
     of_faces = _colours(face)
     if of_faces is not None:
@@ -215,12 +226,14 @@ def _face_colours(
     if materials is None or "material_index" not in face.columns:
         return None
     number = np.repeat(face.columns["material_index"].astype(np.int64), pieces)
-    known = (number >= 0) & (number < len(materials))
-    return np.where(known[:, None], materials[np.where(known, number, 0)], np.array(GREY, np.uint8))
+    is_known = (number >= 0) & (number < len(materials))
+    return np.where(
+        is_known[:, None], materials[np.where(is_known, number, 0)], np.array(GREY, np.uint8)
+    )
 
 
 def _colours(element: Table) -> NDArray[np.uint8] | None:
-    """Return the colours of an element's rows; None where it has none."""
+    """Return the colours (r, 3) of the rows of an element; None without colours."""
     for names in _COLOURS:
         if set(names) <= set(element.columns) and element.rows:
             return as_bytes(np.column_stack([element.columns[name] for name in names]))

@@ -1,4 +1,4 @@
-"""The rows of a PLY file as a table per element."""
+"""Read the rows of a PLY file as one table per element."""
 
 from __future__ import annotations
 
@@ -24,15 +24,13 @@ _COUNT = re.compile(rb"^(element \S+) (\d+)$", re.MULTILINE)
 def read_tables(
     data: bytes, header: PlyHeader, columns: Mapping[str, Collection[str]]
 ) -> dict[str, Table]:
-    """Read tables of the elements that are keys of `columns`; no array is a view of `data`.
+    """Read the tables of the elements that are keys of `columns`; no array is a view of `data`.
 
-    Each table has all lists of its element and, of the other properties, those that `columns` names.
-
-    Raises `MeshError`, with the reason only, if rows are missing, and ``plyfile.PlyParseError`` if a table
-    can't be read.
+    `columns` has the properties to read per element; lists are always read. Raises `MeshError` with the reason if
+    rows are missing, and ``plyfile.PlyParseError`` if a table can't be read.
     """
     plain = plain_header(data[: header.length])
-    # plyfile would copy the rows; of a header that promises none it reads the properties.
+    # plyfile would copy the rows, so it gets a header with 0 rows, to read only the properties.
     described = PlyData.read(io.BytesIO(_COUNT.sub(rb"\1 0", plain)))
     counts = [int(count) for _, count in _COUNT.findall(plain)]
     elements = list(zip(described.elements, counts, strict=True))
@@ -45,13 +43,13 @@ def read_tables(
 
 
 def plain_header(header: bytes) -> bytes:
-    """Return the header without comments, which may be in any encoding, and with one blank between words."""
+    """Return the header without comments, which may have any encoding, and with single blanks between words."""
     lines = [" ".join(line.split()) for line in decoded(header).splitlines() if _KEPT.match(line)]
     return "\n".join([*lines, "end_header\n"]).encode("ascii", "replace")
 
 
 def decoded(header: bytes) -> str:
-    """Return a header as text, UTF-8 or else Latin-1."""
+    """Return a header as text: UTF-8, or Latin-1 if it is no UTF-8."""
     try:
         return header.decode("utf-8")
     except UnicodeDecodeError:
@@ -61,37 +59,37 @@ def decoded(header: bytes) -> str:
 def _tables_by_plyfile(
     data: bytes, plain: bytes, header: PlyHeader, columns: Mapping[str, Collection[str]]
 ) -> dict[str, Table]:
-    """Read tables with plyfile, row by row; its errors say which row is wrong."""
+    """Read tables with plyfile, row by row; its errors name the wrong row."""
     with tempfile.TemporaryFile() as file:
         file.write(plain)
         file.write(memoryview(data)[header.length :])
         file.seek(0)
         try:
             with warnings.catch_warnings():
-                # plyfile reads rows of text by NumPy, which warns of a list that is empty.
+                # plyfile reads text with NumPy, which warns of empty lists.
                 warnings.filterwarnings("ignore", "loadtxt: input contained no data")
                 return {
-                    one.name: _table_of_objects(one, columns[one.name])
-                    for one in PlyData.read(file).elements
-                    if one.name in columns
+                    element.name: _table_of_objects(element, columns[element.name])
+                    for element in PlyData.read(file).elements
+                    if element.name in columns
                 }
         except PlyElementParseError as error:
             if error.row is None or "early end" not in error.message:
                 raise
             raise MeshError(
                 f"it is truncated: its header promises {error.element.count} rows of "
-                f"{error.element.name!r}, and {error.row} are there whole"
+                f"{error.element.name!r}, and {error.row} are complete"
             ) from error
 
 
-def _table_of_objects(element: PlyElement, wanted: Collection[str]) -> Table:
-    """Return the table of an element of plyfile, whose lists are objects."""
+def _table_of_objects(element: PlyElement, column_names: Collection[str]) -> Table:
+    """Return the table of an element of plyfile; plyfile stores lists as Python objects."""
     columns, lists = {}, {}
-    for one in element.properties:
-        rows = element.data[one.name]
-        if isinstance(one, PlyListProperty):
+    for prop in element.properties:
+        rows = element.data[prop.name]
+        if isinstance(prop, PlyListProperty):
             counts = np.fromiter(map(len, rows), np.int32, len(rows))
-            lists[one.name] = Lists(np.concatenate([np.empty(0, np.int64), *rows]), counts)
-        elif one.name in wanted:
-            columns[one.name] = rows
+            lists[prop.name] = Lists(np.concatenate([np.empty(0, np.int64), *rows]), counts)
+        elif prop.name in column_names:
+            columns[prop.name] = rows
     return Table(len(element.data), columns, lists)

@@ -1,4 +1,4 @@
-"""Tables of a PLY file whose rows are lines of text."""
+"""Read the tables of a text PLY file."""
 
 from __future__ import annotations
 
@@ -22,49 +22,49 @@ def read_text_tables(
     elements: Iterable[tuple[PlyElement, int]],
     columns: Mapping[str, Collection[str]],
 ) -> dict[str, Table] | None:
-    """Read tables whose rows are a line each.
+    """Read tables with one line per row.
 
     Parameters
     ----------
     data : bytes
-        The file; its lines end in a line feed.
+        Content of the file; lines end in a line feed.
     start : int
-        Where the first row begins.
+        Index of the byte at which the first row begins.
     elements : iterable
-        Each element, with its number of rows, in the file's order.
+        Elements and their numbers of rows, in the order of the file.
     columns : mapping
-        The properties to be read per element; all lists are read.
+        Properties to read per element; lists are always read.
 
     Returns
     -------
     dict or None
-        A table per key of `columns`; None where lines are missing, a line has other numbers than its
-        row needs, or a word is no number of its property's type.
+        A table per key of `columns`; None if lines are missing, a line has too many or too few numbers, or a word is
+        no number of the type of its property.
     """
     lines, tables = _Lines(data, start), {}
     for element, count in elements:
-        table, left = GrowingTable(element, columns.get(element.name, ())), count
-        while left:
-            block = lines.take(left)
+        table, rows_left = GrowingTable(element, columns.get(element.name, ())), count
+        while rows_left:
+            block = lines.take(rows_left)
             if block is None or not _add_lines(table, element, *block):
                 return None
-            left -= len(block[1])
+            rows_left -= len(block[1])
         if element.name in columns:
             tables[element.name] = table.finished()
     return tables
 
 
 class _Lines:
-    """The lines of a text, as numbers and how many each line has."""
+    """The numbers of a text, and the number of numbers per line."""
 
     def __init__(self, data: bytes, start: int) -> None:
         self._blocks = blocks_of_lines(data, start)
         self._numbers, self._widths = np.empty(0), np.empty(0, np.int64)
 
     def take(self, most: int) -> tuple[FloatArray, IntArray] | None:
-        """Return numbers (n,) and widths (r,) of the next lines, 1 to `most`; None at the text's end.
+        """Return numbers (n,) and widths (r,) of the next lines, from one line up to `most` lines.
 
-        Also returns None where a word is no number.
+        Returns None at the end of the text, or if a word is no number.
         """
         if not len(self._widths):
             block = next(self._blocks, None)
@@ -84,38 +84,38 @@ class _Lines:
 def _add_lines(
     table: GrowingTable, element: PlyElement, numbers: FloatArray, widths: IntArray
 ) -> bool:
-    """Add rows of a line each to a table; False where a line is no row of the element."""
+    """Add lines to a table as rows; return False if a line is no row of the element."""
     ends = np.cumsum(widths)
-    places = ends - widths
-    for one in element.properties:
-        # A row that ends too early would take its numbers from the next one.
-        if (places >= ends).any():
+    positions = ends - widths
+    for prop in element.properties:
+        # A short row must not take numbers of the next row.
+        if (positions >= ends).any():
             return False
-        counts = np.ones(len(places), dtype=np.int64)
-        if isinstance(one, PlyListProperty):
-            counts, places = _lengths(one, numbers[places]), places + 1
-            if (counts < 0).any() or (places + counts > ends).any():
+        counts = np.ones(len(positions), dtype=np.int64)
+        if isinstance(prop, PlyListProperty):
+            counts, positions = _lengths(prop, numbers[positions]), positions + 1
+            if (counts < 0).any() or (positions + counts > ends).any():
                 return False
-            values = numbers[index_runs(places, counts)]
+            values = numbers[index_runs(positions, counts)]
         else:
-            values = numbers[places]
-        if not _holds(_type_of(one), values):
+            values = numbers[positions]
+        if not _holds(_type_of(prop), values):
             return False
-        table.add_values(one, values, counts)
-        places = places + counts
+        table.add_values(prop, values, counts)
+        positions = positions + counts
     table.add_rows(len(widths))
-    return bool((places == ends).all())
+    return bool((positions == ends).all())
 
 
-def _lengths(one: PlyListProperty, numbers: FloatArray) -> IntArray:
-    """Return the lengths of lists, -1 where a number is no length that the file's type can hold."""
-    kind = np.dtype(one.list_dtype()[0])
+def _lengths(prop: PlyListProperty, numbers: FloatArray) -> IntArray:
+    """Return the lengths of lists; -1 for a number that the type in the header can't represent."""
+    kind = np.dtype(prop.list_dtype()[0])
     stored = _converted(numbers, kind)
     return np.where(stored == numbers, stored, -1).astype(np.int64)
 
 
 def _holds(kind: np.dtype[Any], numbers: FloatArray) -> bool:
-    """Tell whether a type can hold all numbers; floating-point types may round."""
+    """Return whether a type can represent all numbers; floating-point types may round."""
     return kind.kind == "f" or bool((_converted(numbers, kind) == numbers).all())
 
 
@@ -124,5 +124,5 @@ def _converted(numbers: FloatArray, kind: np.dtype[Any]) -> NDArray[Any]:
         return numbers.astype(kind)
 
 
-def _type_of(one: PlyProperty) -> np.dtype[Any]:
-    return np.dtype(one.list_dtype()[1] if isinstance(one, PlyListProperty) else one.dtype())
+def _type_of(prop: PlyProperty) -> np.dtype[Any]:
+    return np.dtype(prop.list_dtype()[1] if isinstance(prop, PlyListProperty) else prop.dtype())

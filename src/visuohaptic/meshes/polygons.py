@@ -1,7 +1,7 @@
-"""Polygons as triangles that cover them and no more.
+"""Cut polygons into triangles that cover exactly the polygon.
 
-A convex polygon becomes a fan: its first corner joined with each of its other edges. The fan of a
-polygon that is not convex may cover more than the polygon; ear clipping cuts such a polygon.
+A convex polygon becomes a fan: its first corner with each of its opposite edges. The fan of a polygon that is not
+convex may cover more than the polygon, so such a polygon is cut by ear clipping.
 """
 
 from __future__ import annotations
@@ -14,9 +14,11 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 
 MOST_CORNERS_CUT = 1_000
-"""Corners of one polygon that is not convex; cutting one that crosses itself takes their square."""
+"""Largest number of corners of a polygon that is not convex; the time of ear clipping may grow with their square."""
 
-_AREA_TOLERANCE = 1e-6  # relative; text formats hold some six digits, so corners on a line are not
+_AREA_TOLERANCE = (
+    1e-6  # relative; text formats have some six digits, so corners are not exactly on a line
+)
 _BLOCK_CORNERS = 1 << 14
 _BLOCK_POLYGONS = 1 << 12
 
@@ -26,9 +28,8 @@ def cuts(
 ) -> dict[int, IntArray]:
     """Cut polygons whose fan covers more than the polygon, by ear clipping (``mapbox_earcut``).
 
-    A polygon is projected along its area vector (Newell's normal) before it is cut. A polygon without
-    an area vector stays a fan, and so does a polygon that crosses itself, where ear clipping comes no
-    nearer to its area.
+    A polygon is projected along its area vector (Newell's normal) before it is cut. A polygon stays a fan if it has
+    no area vector, or if it crosses itself and ear clipping does not come closer to its area.
 
     Parameters
     ----------
@@ -42,23 +43,23 @@ def cuts(
     Returns
     -------
     dict
-        Per index of a polygon that is cut its triangles (t, 3): indices into the polygon's own corners,
-        wound as the polygon. Other polygons are no keys.
+        Triangles (t, 3) per index of a polygon that is cut: indices into the corners of the polygon, in the
+        orientation of the polygon. Polygons that stay fans are no keys.
 
     Raises
     ------
     MeshError
         If a polygon to be cut has more than `MOST_CORNERS_CUT` corners.
     """
-    found: dict[int, IntArray] = {}
+    triangles_of: dict[int, IntArray] = {}
     corner = 0
     for first in range(0, len(counts), _BLOCK_POLYGONS):
         block = counts[first : first + _BLOCK_POLYGONS]
         starts = corner + np.cumsum(block, dtype=np.int64) - block
-        for place, triangles in _cuts_of_block(points, corners, block, starts).items():
-            found[first + place] = triangles
+        for index, triangles in _cuts_of_block(points, corners, block, starts).items():
+            triangles_of[first + index] = triangles
         corner += int(block.sum(dtype=np.int64))
-    return found
+    return triangles_of
 
 
 def _cuts_of_block(
@@ -67,16 +68,16 @@ def _cuts_of_block(
     counts: NDArray[np.integer],
     starts: IntArray,
 ) -> dict[int, IntArray]:
-    """Return what `cuts` does for polygons whose corners begin at `starts` (p,)."""
-    found: dict[int, IntArray] = {}
+    """Return the result of `cuts` for a block of polygons whose corners begin at `starts` (p,)."""
+    triangles_of: dict[int, IntArray] = {}
     for count in map(int, np.unique(counts[counts > 3])):
-        alike = np.flatnonzero(counts == count)
-        blocks = -(-len(alike) * count // _BLOCK_CORNERS)
-        for indices in np.array_split(alike, blocks):
+        same_count = np.flatnonzero(counts == count)
+        blocks = -(-len(same_count) * count // _BLOCK_CORNERS)
+        for indices in np.array_split(same_count, blocks):
             polygons = points[corners[starts[indices, None] + np.arange(count)]]
             cut = _cut_polygons(polygons.astype(np.float64, copy=False))
-            found |= {int(indices[index]): triangles for index, triangles in cut.items()}
-    return found
+            triangles_of |= {int(indices[index]): triangles for index, triangles in cut.items()}
+    return triangles_of
 
 
 def triangulate(
@@ -87,14 +88,14 @@ def triangulate(
     Parameters
     ----------
     points, corners, counts : numpy.ndarray
-        Polygons as `cuts` takes them.
+        Polygons, as for `cuts`.
 
     Returns
     -------
     triangles : numpy.ndarray
         Shape (t, 3): indices into `corners`.
     pieces : numpy.ndarray
-        Shape (p,), int32: number of triangles per polygon, 0 if it has fewer than three corners.
+        Shape (p,), int32: number of triangles per polygon; 0 for fewer than three corners.
     """
     if (counts == 3).all():
         return np.arange(len(corners)).reshape(-1, 3), np.ones(len(counts), dtype=np.int32)
@@ -109,48 +110,51 @@ def triangulate(
 def _all_triangles(
     counts: NDArray[np.integer], pieces: NDArray[np.int32], cut: dict[int, IntArray]
 ) -> IntArray:
-    """Return triangles (t, 3) of all polygons, indices into their corners."""
-    found = np.empty((pieces.sum(dtype=np.int64), 3), dtype=np.int64)
-    numbers = np.array(sorted(cut), dtype=np.int64)
+    """Return triangles (t, 3) of all polygons, as indices into their corners."""
+    all_triangles = np.empty((pieces.sum(dtype=np.int64), 3), dtype=np.int64)
+    cut_polygons = np.array(sorted(cut), dtype=np.int64)
     corner = triangle = 0
-    # Without blocks, several arrays as large as `found` would be needed at once.
+    # Blocks avoid several arrays as large as `all_triangles`.
     for first in range(0, len(counts), _BLOCK_POLYGONS):
         last = first + _BLOCK_POLYGONS
-        here = numbers[slice(*np.searchsorted(numbers, [first, last]))].tolist()
-        inside = {number - first: cut[number] for number in here}
-        fans = _fans(counts[first:last], pieces[first:last], inside)
-        np.add(fans, corner, out=found[triangle : triangle + len(fans)])
+        in_block = cut_polygons[slice(*np.searchsorted(cut_polygons, [first, last]))].tolist()
+        cut_in_block = {number - first: cut[number] for number in in_block}
+        fans = _fans(counts[first:last], pieces[first:last], cut_in_block)
+        np.add(fans, corner, out=all_triangles[triangle : triangle + len(fans)])
         triangle += len(fans)
         corner += int(counts[first:last].sum(dtype=np.int64))
-    return found
+    return all_triangles
 
 
 def _fans(
     counts: NDArray[np.integer], pieces: NDArray[np.int32], cut: dict[int, IntArray]
 ) -> IntArray:
-    """Return triangles (t, 3), indices into the polygons' corners: of `cut` where it has them, else fans."""
+    """Return triangles (t, 3) as indices into the corners of polygons: those in `cut`, and fans of all other polygons."""
     owners = np.repeat(np.arange(len(counts)), pieces)
     starts = np.cumsum(counts, dtype=np.int64) - counts
     begins = np.cumsum(pieces, dtype=np.int64) - pieces
     first, second = starts[owners], np.arange(len(owners)) - begins[owners] + 1
     triangles = np.column_stack([first, first + second, first + second + 1])
-    for polygon, inner in cut.items():
-        triangles[begins[polygon] : begins[polygon] + len(inner)] = starts[polygon] + inner
+    for polygon, pieces_of_polygon in cut.items():
+        triangles[begins[polygon] : begins[polygon] + len(pieces_of_polygon)] = (
+            starts[polygon] + pieces_of_polygon
+        )
     return triangles
 
 
-def named_triangles(
+def triangulate_points(
     points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
 ) -> tuple[IntArray, NDArray[np.int32]]:
-    """Cut polygons as `triangulate` does; the triangles (t, 3), int64, are rows of `points`.
+    """Cut polygons into triangles as rows of `points`.
 
-    Also returns the number of triangles (p,) per polygon.
+    Takes the arguments of `triangulate`. Returns the triangles (t, 3), int64, and the number of triangles (p,) per
+    polygon.
     """
     if (counts == 3).all():
         ones = np.broadcast_to(np.int32(1), len(counts))
         return corners.reshape(-1, 3).astype(np.int64, copy=False), ones
     triangles, pieces = triangulate(points, corners, counts)
-    # Without blocks, a second array as large as `triangles` would be needed.
+    # Blocks avoid a second array as large as `triangles`.
     for start in range(0, len(triangles), _BLOCK_CORNERS):
         block = triangles[start : start + _BLOCK_CORNERS]
         block[:] = corners[block]
@@ -158,10 +162,10 @@ def named_triangles(
 
 
 def index_runs(starts: IntArray, counts: IntArray, step: int = 1) -> IntArray:
-    """Return runs of indices, one after another.
+    """Return concatenated runs of indices, shape (sum of `counts`,).
 
-    Run i begins at `starts[i]` and has `counts[i]` indices, each `step` above the one before it. Of
-    starts (n,) and counts (n,) the result has the shape (sum of counts,).
+    Run i begins at `starts[i]` and has `counts[i]` indices with steps of `step`. Starts and counts have the shape
+    (n,).
     """
     ends = np.cumsum(counts)
     firsts = np.repeat(starts - step * (ends - counts), counts)
@@ -169,14 +173,14 @@ def index_runs(starts: IntArray, counts: IntArray, step: int = 1) -> IntArray:
 
 
 def check_corners(corners: NDArray[np.integer], vertices: int, first: int = 0) -> None:
-    """Check that corners, of any shape, name vertices; these are counted from `first`.
+    """Check that corners, of any shape, are indices of vertices, which begin at `first`.
 
-    Raises `MeshError`, with the reason only, that names the first corner that is wrong.
+    Raises `MeshError` with the first wrong corner and the allowed range.
     """
     if not len(corners):
         return
     last = first + vertices - 1
-    # Masks of all corners take memory, and only a broken file needs them.
+    # Masks of all corners take memory, so they are made only for broken files.
     if corners.min() >= first and corners.max() <= last:
         return
     if not vertices:
@@ -186,8 +190,8 @@ def check_corners(corners: NDArray[np.integer], vertices: int, first: int = 0) -
 
 
 def _cut_polygons(polygons: FloatArray) -> dict[int, IntArray]:
-    """Cut polygons (p, n, 3), in any unit, whose fan covers more than the polygon; return as `cuts` does."""
-    # A polygon of one point, or with a NaN, becomes NaN throughout: no comparison below is true of it.
+    """Cut polygons (p, n, 3), in any unit, if their fan covers more than the polygon; return triangles per index."""
+    # A polygon of a single point, or with NaN, becomes NaN, so all comparisons below are false.
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         units = np.abs(polygons).max(axis=(1, 2), keepdims=True)
         polygons = polygons / units - polygons[:, :1] / units
@@ -196,45 +200,45 @@ def _cut_polygons(polygons: FloatArray) -> dict[int, IntArray]:
         areas = np.linalg.norm(vectors, axis=1)
         normals = vectors / areas[:, None]
         covered = np.abs(np.einsum("ptk,pk->pt", crosses, normals)).sum(axis=1)
-        wrong = np.flatnonzero(covered - areas > _AREA_TOLERANCE * areas)
-    if not len(wrong):
+        not_convex = np.flatnonzero(covered - areas > _AREA_TOLERANCE * areas)
+    if not len(not_convex):
         return {}
-    found = {}
+    triangles_of = {}
     for index, flat in zip(
-        wrong.tolist(), _projected(polygons[wrong], normals[wrong]), strict=True
+        not_convex.tolist(), _projected(polygons[not_convex], normals[not_convex]), strict=True
     ):
         triangles = _ear_clipped(flat)
         if triangles is not None:
-            found[index] = triangles
-    return found
+            triangles_of[index] = triangles
+    return triangles_of
 
 
 def _projected(polygons: FloatArray, normals: FloatArray) -> FloatArray:
-    """Project polygons (p, n, 3) along the longest axis of their normals (p, 3), keeping their sense: (p, n, 2)."""
+    """Project polygons (p, n, 3) along the largest component of their normals (p, 3); keep their orientation: (p, n, 2)."""
     along = np.einsum("pnk,pk->pn", polygons, normals)
     flat = polygons - along[..., None] * normals[:, None]
     axes = np.abs(normals).argmax(axis=1)
-    others = (axes[:, None] + [1, 2]) % 3
+    kept_axes = (axes[:, None] + [1, 2]) % 3
     backwards = np.take_along_axis(normals, axes[:, None], axis=1)[:, 0] < 0
-    others[backwards] = others[backwards][:, ::-1]
-    return np.ascontiguousarray(np.take_along_axis(flat, others[:, None], axis=2))
+    kept_axes[backwards] = kept_axes[backwards][:, ::-1]
+    return np.ascontiguousarray(np.take_along_axis(flat, kept_axes[:, None], axis=2))
 
 
 def _ear_clipped(flat: FloatArray) -> IntArray | None:
-    """Cut a counter-clockwise polygon (n, 2) into triangles (t, 3); None where its fan is at least as near to its area."""
+    """Cut a counter-clockwise polygon (n, 2) into triangles (t, 3); None if the fan is at least as close to its area."""
     if len(flat) > MOST_CORNERS_CUT:
         raise MeshError(
             f"a polygon that is not convex has {len(flat)} corners; {MOST_CORNERS_CUT} are allowed: cut "
             "it into triangles when exporting"
         )
-    found = triangulate_float64(flat, np.array([len(flat)], dtype=np.uint32))
-    triangles = found.reshape(-1, 3).astype(np.int64)
+    corners = triangulate_float64(flat, np.array([len(flat)], dtype=np.uint32))
+    triangles = corners.reshape(-1, 3).astype(np.int64)
     first, second, third = flat[triangles].transpose(1, 0, 2)
-    signed = _cross(second - first, third - first)
-    triangles[signed < 0] = triangles[signed < 0][:, ::-1]
-    fanned = _cross(flat[1:-1], flat[2:])
-    excess = np.abs(fanned).sum() - fanned.sum()
-    return triangles if np.abs(np.abs(signed).sum() - fanned.sum()) < excess else None
+    signed_areas = _cross(second - first, third - first)
+    triangles[signed_areas < 0] = triangles[signed_areas < 0][:, ::-1]
+    fan_areas = _cross(flat[1:-1], flat[2:])
+    excess = np.abs(fan_areas).sum() - fan_areas.sum()
+    return triangles if np.abs(np.abs(signed_areas).sum() - fan_areas.sum()) < excess else None
 
 
 def _cross(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""A model made ready for the eye and the hand: upright, clean, centred, of unit size."""
+"""Prepare models for views and touches: upright, clean, centred, of unit size."""
 
 from __future__ import annotations
 
@@ -17,28 +17,31 @@ from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.up_axis import leans_on_y, steadiest_axis
 
 MERGE_TOLERANCE = 1e-6
-"""Vertices nearer than this, in object radii, become one: some ten steps of float32 at the unit sphere."""
+"""Vertices closer than this (object radii) are merged: some ten float32 steps at the unit sphere."""
 
 UP_AXES = {
     "x": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
     "y": np.eye(3),
     "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]),
 }
-"""The rotation, (3, 3), that turns each axis to y."""
+"""Rotation matrix, (3, 3), per axis that turns the axis to y."""
 
 
 def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> Surface:
-    """Read an object's model and make it ready as `normalise` does.
+    """Read the model of an object, turn it upright and normalise it.
 
-    Raises `MeshError`, which names the source, if it can't be read or has nothing to touch.
+    Raises `MeshError` with the name of the source if the source can't be read or has no area.
     """
-    return place_object(model, source, parameters)[0]
+    return prepare_with_matrix(model, source, parameters)[0]
 
 
-def place_object(
+def prepare_with_matrix(
     model: Model, source: Source, parameters: MeshParameters, file_type: str | None = None
 ) -> tuple[Surface, FloatArray]:
-    """Do the same, and return the matrix (4, 4) of `place`; `source` and `file_type` are those of `read_mesh`."""
+    """Return the surface of `prepare_object`, and the matrix (4, 4) from the file's frame to the object frame.
+
+    `source` and `file_type` are arguments of `read_mesh`.
+    """
     surface = read_mesh(source, file_type, parameters.largest_megabytes)
     name = name_of(source)
     if name.endswith(PACKED):
@@ -46,13 +49,13 @@ def place_object(
     else:
         rotation, notes = _upright(surface, name, parameters)
         surface = replace(surface, notes=(*surface.notes, *notes))
-    return place(surface, name, rotation, model.dimensions)
+    return normalise_with_matrix(surface, name, rotation, model.dimensions)
 
 
 def _upright(
     surface: Surface, name: str, parameters: MeshParameters
 ) -> tuple[FloatArray, list[str]]:
-    """Return the rotation (3, 3) that turns an own model's axis that points up to y, and what to say of it."""
+    """Return the rotation (3, 3) that turns the up axis of an own model to y, and remarks on it."""
     axis: str = parameters.own_up_axis
     _check_finite(surface, name)
     if axis == "auto":
@@ -76,51 +79,67 @@ def normalise(
 ) -> Surface:
     """Turn, stretch, clean, centre and scale a surface of any frame and unit into the object frame.
 
-    A rotation (3, 3) turns the model so that y is up. `dimensions` are the extents along x, y and z
-    to stretch to after that; an extent of zero stays zero. The centre is the surface's centroid, and
-    the vertex farthest from it gets distance 1. Vertices nearer than the merge tolerance, in units of
-    the result, become one. No face without area is left. Vertices are numbers that float32 holds
-    exactly, so that a float64 oracle and the float32 caster see the same surface.
+    Parameters
+    ----------
+    surface : Surface
+        The surface, in any frame and unit.
+    name : str
+        Name of the surface, for errors.
+    rotation : numpy.ndarray, optional
+        Shape (3, 3): turns the surface so that y is up.
+    dimensions : tuple of float, optional
+        Extents along x, y and z to stretch to after the rotation; an extent of zero stays zero.
+    merge_tolerance : float
+        Vertices closer than this, in object radii, are merged.
 
-    Raises `MeshError` if a vertex is NaN or infinite, a face names no vertex, or there is no area.
+    Returns
+    -------
+    Surface
+        The centroid of the surface is the origin, and the farthest vertex has distance 1. No face is without area.
+        Vertices are exact in float32, so that float64 checks and the float32 ray caster see the same surface.
+
+    Raises
+    ------
+    MeshError
+        If a vertex is NaN or infinite, a face names a missing vertex, or the surface has no area.
     """
-    return place(surface, name, rotation, dimensions, merge_tolerance)[0]
+    return normalise_with_matrix(surface, name, rotation, dimensions, merge_tolerance)[0]
 
 
-def place(
+def normalise_with_matrix(
     surface: Surface,
     name: str,
     rotation: FloatArray | None = None,
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = MERGE_TOLERANCE,
 ) -> tuple[Surface, FloatArray]:
-    """Do as `normalise` does, and give the matrix (4, 4) that takes points of the given frame there.
+    """Return the surface of `normalise`, and the matrix (4, 4) from the given frame to the object frame.
 
-    It holds to the rounding of vertices, and is not finite where no number is its scale.
+    The matrix is exact up to rounding of vertices. It is not finite if float64 can't represent its scale.
     """
     _check_finite(surface, name)
     used = surface.vertices[np.unique(surface.faces)]
     vertices, centre, half_extent = _centred_box(used, surface.vertices, name)
-    way = _moved(-centre, half_extent)
+    matrix = _translate_and_divide(-centre, half_extent)
     if rotation is not None:
         vertices = np.einsum("nd,kd->nk", vertices, rotation)
-        turned = np.eye(4)
-        turned[:3, :3] = rotation
-        way = _joined(turned, way)
+        turn = np.eye(4)
+        turn[:3, :3] = rotation
+        matrix = _compose(turn, matrix)
     if dimensions is not None:
-        factor = _stretching(vertices, surface.faces, np.asarray(dimensions))
+        factor = _scale_factors(vertices, surface.faces, np.asarray(dimensions))
         vertices = vertices * factor
-        way = _joined(np.diag([*factor, 1.0]), way)
-    scaled, step = _unit_size(replace(surface, vertices=vertices), name)
-    cleaned, last = _unit_size(clean(scaled, merge_tolerance), name)
+        matrix = _compose(np.diag([*factor, 1.0]), matrix)
+    scaled, first_matrix = _unit_size(replace(surface, vertices=vertices), name)
+    cleaned, last_matrix = _unit_size(clean(scaled, merge_tolerance), name)
     rounded = as_stored(cleaned)
-    ready = take_faces(rounded, rounded.face_areas > 0)
-    _check_area(ready, name)
-    return ready, _joined(last, _joined(step, way))
+    result = take_faces(rounded, rounded.face_areas > 0)
+    _check_area(result, name)
+    return result, _compose(last_matrix, _compose(first_matrix, matrix))
 
 
-def _moved(shift: FloatArray, length: float) -> FloatArray:
-    """Give the matrix, (4, 4), that moves points and then divides them by a length."""
+def _translate_and_divide(shift: FloatArray, length: float) -> FloatArray:
+    """Return the matrix (4, 4) that shifts points and then divides them by a length."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         scale = np.float64(1.0) / length
         matrix = np.diag([scale, scale, scale, 1.0])
@@ -128,28 +147,28 @@ def _moved(shift: FloatArray, length: float) -> FloatArray:
     return matrix
 
 
-def _joined(then: FloatArray, first: FloatArray) -> FloatArray:
+def _compose(second: FloatArray, first: FloatArray) -> FloatArray:
     with np.errstate(over="ignore", invalid="ignore"):
-        return product(then, first)
+        return product(second, first)
 
 
 def clean(surface: Surface, merge_tolerance: float) -> Surface:
     """Merge coincident vertices and drop faces without area and repeated faces.
 
-    Vertices whose coordinates round to the same multiple of `merge_tolerance` become one; with 0,
-    equal ones only. Faces keep their order; of repeated ones (in either winding) the first stays.
+    Vertices whose coordinates round to the same multiples of `merge_tolerance` are merged; with tolerance 0, only
+    equal vertices. Faces keep their order. Of faces with the same corners, in either orientation, the first is kept.
     """
     grid = np.rint(surface.vertices / merge_tolerance) if merge_tolerance > 0 else surface.vertices
     _, first, inverse = np.unique(grid, axis=0, return_index=True, return_inverse=True)
     faces = first[inverse.reshape(-1)][surface.faces]
     corners = np.sort(faces, axis=1)
-    whole = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2])
-    _, kept = np.unique(corners, axis=0, return_index=True)
-    keep = np.zeros(len(faces), dtype=bool)
-    keep[kept] = True
+    distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2])
+    _, first_of_equals = np.unique(corners, axis=0, return_index=True)
+    is_kept = np.zeros(len(faces), dtype=bool)
+    is_kept[first_of_equals] = True
     merged = replace(surface, faces=faces)
-    keep &= whole & (merged.face_areas > 0)
-    return take_faces(merged, keep)
+    is_kept &= distinct & (merged.face_areas > 0)
+    return take_faces(merged, is_kept)
 
 
 def _check_finite(surface: Surface, name: str) -> None:
@@ -160,11 +179,11 @@ def _check_finite(surface: Surface, name: str) -> None:
             f"{name} has a face that names vertex {surface.faces.max()}; "
             f"0 to {len(surface.vertices) - 1} are there."
         )
-    named = np.unique(surface.faces)
-    broken = named[~np.isfinite(surface.vertices[named]).all(axis=1)]
+    used = np.unique(surface.faces)
+    broken = used[~np.isfinite(surface.vertices[used]).all(axis=1)]
     if len(broken):
         raise MeshError(
-            f"{name} has {len(broken)} NaN or infinite vertices, the first is number {broken[0]}; "
+            f"{name} has {len(broken)} NaN or infinite vertices, the first has index {broken[0]}; "
             "finite coordinates are needed."
         )
 
@@ -172,7 +191,7 @@ def _check_finite(surface: Surface, name: str) -> None:
 def _centred_box(
     used: FloatArray, vertices: FloatArray, name: str
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Give vertices within the unit cube, what was taken from them, and by what they were divided."""
+    """Return vertices in the cube from -1 to 1, the subtracted centre, and the half extent that divided them."""
     low, high = used.min(axis=0), used.max(axis=0)
     # Halves first: the extent of a mesh near the largest float64 would overflow.
     centre, half_extent = 0.5 * low + 0.5 * high, (0.5 * high - 0.5 * low).max()
@@ -181,19 +200,21 @@ def _centred_box(
     return np.clip((vertices - centre) / half_extent, -1.0, 1.0), centre, float(half_extent)
 
 
-def _stretching(vertices: FloatArray, faces: IntArray, dimensions: FloatArray) -> FloatArray:
-    """Give the factor of each axis, shape (3,)."""
+def _scale_factors(vertices: FloatArray, faces: IntArray, dimensions: FloatArray) -> FloatArray:
+    """Return the factor (3,) per axis that stretches the extent to `dimensions`; 1 for an extent of zero."""
     extent = np.ptp(vertices[np.unique(faces)], axis=0)
     return np.divide(dimensions, extent, out=np.ones(3), where=extent > 0)
 
 
 def _unit_size(surface: Surface, name: str) -> tuple[Surface, FloatArray]:
-    """Give a surface about its centroid within the unit ball, and the matrix (4, 4) of the way there."""
+    """Return a surface centred at its centroid with radius 1, and the matrix (4, 4) of this change."""
     _check_area(surface, name)
     centre = surface.centroid
     centred = surface.vertices - centre
     radius = np.linalg.norm(centred[np.unique(surface.faces)], axis=1).max()
-    return replace(surface, vertices=centred / radius), _moved(-centre, float(radius))
+    return replace(surface, vertices=centred / radius), _translate_and_divide(
+        -centre, float(radius)
+    )
 
 
 def _check_area(surface: Surface, name: str) -> None:

@@ -1,4 +1,4 @@
-"""What readers of scenes share: parts put in their places, joints of a skeleton, rotations, strips and fans."""
+"""Functions for readers of scenes: transforms of parts, skins, triangle strips and fans."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.parts import Paint, Part
 
-_AT_ONCE = 1 << 16
+_BLOCK_ROWS = 1 << 16
 
 
 def placed(part: Part, matrices: FloatArray) -> Iterator[Part]:
-    """Return a part where each of the matrices (n, 4, 4) puts it.
+    """Yield copies of a part, transformed by matrices (n, 4, 4), joined to one or two parts.
 
-    Matrices that mirror the part turn its faces over, so that their front stays in front.
+    Faces of mirrored copies are reversed, so that their normals still point outwards.
     """
     mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
     if not mirrored.all():
         yield _repeated(part, matrices[~mirrored])
     if mirrored.any():
-        turned = replace(
+        reversed_part = replace(
             part,
             faces=part.faces[:, ::-1],
             paint=_with_corners(part.paint, lambda corners: corners[:, ::-1]),
         )
-        yield _repeated(turned, matrices[mirrored])
+        yield _repeated(reversed_part, matrices[mirrored])
 
 
 def skinned(
@@ -40,28 +40,28 @@ def skinned(
 ) -> FloatArray:
     """Move vertices (v, 3) by the weighted mean of the matrices (j, 4, 4) of their joints.
 
-    `rows`, `joints` and `weights`, each of shape (n,), say by how much a vertex follows a joint;
-    weights are divided by their sum per vertex. Vertices without weights stay where they are. Raises
-    `MeshError`, with the reason only, if a vertex or joint is not there.
+    Vertex `rows[i]` follows joint `joints[i]` with `weights[i]`; all three have the shape (n,). Weights are divided by
+    their sum per vertex. Vertices without weights stay unchanged. Raises `MeshError` with the reason if a vertex or
+    joint does not exist.
     """
-    for what, numbers, there in (("vertex", rows, vertices), ("joint", joints, matrices)):
-        wrong = numbers[(numbers < 0) | (numbers >= len(there))]
+    for kind, numbers, allowed in (("vertex", rows, vertices), ("joint", joints, matrices)):
+        wrong = numbers[(numbers < 0) | (numbers >= len(allowed))]
         if len(wrong):
-            raise MeshError(f"its skin names {what} {wrong[0]}; 0 to {len(there) - 1} are there")
-    moved = np.zeros_like(vertices)
-    for start in range(0, len(rows), _AT_ONCE):
-        block = slice(start, start + _AT_ONCE)
-        of_joint, share = matrices[joints[block]], weights[block, None]
-        points = np.einsum("nij,nj->ni", of_joint[:, :3, :3], vertices[rows[block]])
-        points = share * (points + of_joint[:, :3, 3])
+            raise MeshError(f"its skin names {kind} {wrong[0]}; 0 to {len(allowed) - 1} are there")
+    weighted = np.zeros_like(vertices)
+    for start in range(0, len(rows), _BLOCK_ROWS):
+        block = slice(start, start + _BLOCK_ROWS)
+        joint_matrices, share = matrices[joints[block]], weights[block, None]
+        points = np.einsum("nij,nj->ni", joint_matrices[:, :3, :3], vertices[rows[block]])
+        points = share * (points + joint_matrices[:, :3, 3])
         for axis in range(3):
-            moved[:, axis] += np.bincount(rows[block], points[:, axis], len(vertices))
+            weighted[:, axis] += np.bincount(rows[block], points[:, axis], len(vertices))
     sums = np.bincount(rows, weights, len(vertices))[:, None]
-    return np.divide(moved, sums, out=vertices.copy(), where=sums > 0)
+    return np.divide(weighted, sums, out=vertices.copy(), where=sums > 0)
 
 
 def strip_faces(corners: IntArray) -> IntArray:
-    """Return the triangles (n - 2, 3) of a strip of corners (n,), all wound alike."""
+    """Return the triangles (n - 2, 3) of a strip of corners (n,), all with the same orientation."""
     faces = np.column_stack([corners[:-2], corners[1:-1], corners[2:]])
     faces[1::2] = faces[1::2, [1, 0, 2]]
     return faces

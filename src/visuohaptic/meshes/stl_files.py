@@ -1,4 +1,4 @@
-"""STL files, binary and text, with the two ways in which programs put colours into binary ones."""
+"""Read STL files, binary and text, with both conventions for colours in binary files."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ _FACE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute"
 _MAGICS = re.compile(rb"COLOR=(...)", re.DOTALL)
 _FLAG = 1 << 15
 
-# White space of any kind parts words. The name of a solid ends with its line, or where a face begins.
-# Patterns are of small letters and begin with one, which is several times faster.
+# Any white space separates words. The name of a solid ends with its line, or where a face begins.
+# Patterns begin with a small letter and the text is lower-case, because that is several times faster.
 _NAME = re.compile(rb"(solid\b)(?:(?!\bfacet\s+normal\b)[^\n])*")
 _CORNER = re.compile(rb"vertex(?:\s+(\S+\s+\S+\s+\S+))?")
 _SOLID, _FACET = re.compile(rb"solid", re.IGNORECASE), re.compile(rb"facet", re.IGNORECASE)
@@ -32,13 +32,13 @@ _BLOCK_BYTES = 1 << 20
 
 
 def read_stl(data: bytes, companions: Companions) -> list[Part]:  # noqa: ARG001 - the signature of all readers
-    """Read an STL file as one part, whose faces share no vertices.
+    """Read an STL file as one part; its faces share no vertices.
 
-    Colours of a binary file are read as VisCAM and SolidView write them, and where the header holds
-    ``COLOR=`` as Magics does (en.wikipedia.org/wiki/STL_(file_format), "Color in binary STL").
+    If the header of a binary file has ``COLOR=``, colours follow the convention of Magics, otherwise of VisCAM and
+    SolidView (en.wikipedia.org/wiki/STL_(file_format), "Color in binary STL").
 
-    Raises `MeshError`, with the reason only, if a binary file has another size than its header
-    promises, or a text other numbers of faces, corners and ends.
+    Raises `MeshError` with the reason if the size of a binary file differs from its header. For a text, the numbers of
+    faces and ends must be equal, and each face needs three corners.
     """
     promised = int.from_bytes(data[_HEADER_BYTES - 4 : _HEADER_BYTES], "little")
     size = _HEADER_BYTES + _FACE.itemsize * promised
@@ -49,9 +49,9 @@ def read_stl(data: bytes, companions: Companions) -> list[Part]:  # noqa: ARG001
         points.reshape(-1, 3, 3)[:] = rows["corners"]
         return [_part(points, colours)]
     if not (_SOLID.search(data) and _FACET.search(data)):
-        what = "it is truncated" if len(data) < size else "it holds too much"
+        problem = "it is truncated" if len(data) < size else "it holds too much"
         raise MeshError(
-            f"{what}: its header promises {promised} faces, hence {size} bytes, and {len(data)} are there"
+            f"{problem}: its header promises {promised} faces, hence {size} bytes, and {len(data)} are there"
         )
     return [_part(_corners_of_text(data), None)]
 
@@ -61,30 +61,30 @@ def _part(points: FloatArray, colours: NDArray[np.uint8] | None) -> Part:
 
 
 def _corners_of_text(data: bytes) -> NDArray[np.float64]:
-    """Return the corners, shape (3 f, 3), face after face."""
+    """Return the corners (3 f, 3) of a text file, face after face."""
     check_lines(data)
-    closed, faces, corners, ended = 0, 0, 0, False
+    closed, faces, corners, has_end = 0, 0, 0, False
     numbers = [np.empty((0, 3))]
     for part in _whole_faces(data):
         text = _NAME.sub(rb"\1 ", plain_lines(part).lower())
         ends = text.count(b"endfacet")
         closed, faces = closed + ends, faces + text.count(b"facet") - ends
         if b"solid" in text:
-            ended = text.rfind(b"endsolid") == text.rfind(b"solid") - len("end")
-        found = _CORNER.finditer(text)
-        while block := [corner[1] for corner in islice(found, _CORNERS_AT_ONCE)]:
+            has_end = text.rfind(b"endsolid") == text.rfind(b"solid") - len("end")
+        matches = _CORNER.finditer(text)
+        while block := [corner[1] for corner in islice(matches, _CORNERS_AT_ONCE)]:
             numbers.append(_numbers_of(block, corners))
             corners += len(block)
-    if not ended or (closed, corners) != (faces, 3 * faces):
+    if not has_end or (closed, corners) != (faces, 3 * faces):
         raise MeshError(
-            f"it is truncated: {faces} faces and so {3 * faces} corners are promised, and {closed} ends of "
-            f"faces, {corners} corners and {'an' if ended else 'no'} end of the last solid are there"
+            f"it is truncated: it has {faces} faces, which need {3 * faces} corners, and {closed} ends of "
+            f"faces, {corners} corners and {'an' if has_end else 'no'} end of the last solid"
         )
     return np.concatenate(numbers)
 
 
 def _whole_faces(data: bytes) -> Iterator[bytes]:
-    """Yield a text in blocks of a megabyte or more that end behind a face."""
+    """Yield a text in blocks of at least one megabyte that end after a face."""
     start = 0
     while start < len(data):
         end = _END_OF_FACE.search(data, start + _BLOCK_BYTES)
@@ -94,34 +94,34 @@ def _whole_faces(data: bytes) -> Iterator[bytes]:
 
 
 def _numbers_of(corners: list[bytes | None], before: int) -> NDArray[np.float64]:
-    """Return corners (n, 3), behind `before` others; refuse the first that is none, with its face."""
-    for place, corner in enumerate(corners, before):
+    """Return corners (n, 3); raise `MeshError` with the face of the first wrong corner, after `before` corners."""
+    for index, corner in enumerate(corners, before):
         if corner is None:
             raise MeshError(
-                f"it is truncated: face {place // 3 + 1} has a corner of fewer than 3 numbers"
+                f"it is truncated: face {index // 3 + 1} has a corner of fewer than 3 numbers"
             )
     try:
         return np.fromstring(b" ".join(filter(None, corners)), sep=" ").reshape(-1, 3)
     except ValueError:
-        for place, corner in enumerate(filter(None, corners), before):
+        for index, corner in enumerate(filter(None, corners), before):
             for word in corner.split():
-                check_number(word, f"face {place // 3 + 1}")
+                check_number(word, f"face {index // 3 + 1}")
         raise
 
 
 def _colours(header: bytes, attributes: NDArray[np.uint16]) -> NDArray[np.uint8] | None:
-    """Return the colours (f, 3), sRGB; None where no face has one."""
+    """Return the colours (f, 3), sRGB; None without colours."""
     magics = _MAGICS.search(header)
     flagged = (attributes & _FLAG) != 0
-    own = ~flagged if magics else flagged
-    if not magics and not own.any():
+    coloured = ~flagged if magics else flagged
+    if not magics and not coloured.any():
         return None
-    # Programs that give the whole solid one colour leave the attributes 0.
+    # Programs that colour the whole solid set all attributes to 0.
     if magics and not attributes.any():
-        own[:] = False
+        coloured[:] = False
     shifts = (0, 5, 10) if magics else (10, 5, 0)
-    others = np.frombuffer(magics[1], np.uint8) if magics else np.array(GREY, np.uint8)
+    default = np.frombuffer(magics[1], np.uint8) if magics else np.array(GREY, np.uint8)
     levels = np.rint(np.arange(32) * (255 / 31)).astype(np.uint8)
     colours = np.stack([levels[(attributes >> shift) & 31] for shift in shifts], axis=1)
-    colours[~own] = others
+    colours[~coloured] = default
     return colours

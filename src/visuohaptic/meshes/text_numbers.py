@@ -1,4 +1,4 @@
-"""Numbers of text formats, divided by any white space."""
+"""Read numbers of text formats, separated by any white space."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _IS_BLANK = np.isin(np.arange(256), list(b" \t\n\v\f\r"))  # by the value of a b
 
 
 def plain_lines(data: bytes) -> bytes:
-    r"""Return a text whose lines end in ``\n`` only, whichever system wrote it."""
+    r"""Return a text with all ends of lines (``\r\n``, ``\r``) as ``\n``."""
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in data else data
 
 
@@ -33,8 +33,7 @@ def blocks_of_lines(data: bytes, start: int = 0) -> Iterator[bytes]:
 def blocks_of_words(data: bytes, start: int = 0) -> Iterator[bytes]:
     """Yield the rest of a text, from byte `start`, in blocks of whole words of about 260 kB.
 
-    A block ends with the first blank character behind its size, so that a line may continue in the
-    next block.
+    A block ends at the first white space after 260 kB, so a line may continue in the next block.
     """
     while start < len(data):
         blank = _BLANK.search(data, start + _BLOCK_BYTES)
@@ -51,23 +50,23 @@ def numbers_by_line(text: bytes, first_line: int) -> tuple[FloatArray, IntArray]
     text : bytes
         Whole words; lines end in a line feed.
     first_line : int
-        Number of the text's first line in its file.
+        Number of the first line of `text` in its file.
 
     Returns
     -------
     numbers : numpy.ndarray
         Shape (n,), float64.
     widths : numpy.ndarray
-        Shape (lines,), int64: how many numbers each line has.
+        Shape (lines,), int64: number of numbers per line.
 
     Raises
     ------
     MeshError
-        If a word is no number; the reason names the line and the word.
+        If a word is no number; the message has line and word.
     """
     widths = _words_by_line(text)
     if not widths.any():
-        # NumPy reads a number from white space without any.
+        # NumPy reads a number from a text of only white space.
         return np.empty(0), widths
     try:
         numbers = np.fromstring(text, dtype=np.float64, sep=" ")
@@ -77,7 +76,7 @@ def numbers_by_line(text: bytes, first_line: int) -> tuple[FloatArray, IntArray]
     # NumPy reads "1-2" as two numbers.
     if len(numbers) != widths.sum():
         _refuse_wrong_word(text, first_line)
-        raise MeshError(f"numbers from line {first_line} on are not divided by blanks")
+        raise MeshError(f"numbers from line {first_line} on are not separated by blanks")
     return numbers, widths
 
 
@@ -85,14 +84,14 @@ def _words_by_line(text: bytes) -> IntArray:
     """Count the words of each line, shape (lines,)."""
     characters = np.frombuffer(text, np.uint8)
     blank = _IS_BLANK[characters]
-    begins = ~blank
-    begins[1:] &= blank[:-1]
-    words = np.flatnonzero(begins)
+    is_start = ~blank
+    is_start[1:] &= blank[:-1]
+    words = np.flatnonzero(is_start)
     ends = np.flatnonzero(characters == _LINE_FEED)
-    above = np.searchsorted(words, ends)
+    words_before = np.searchsorted(words, ends)
     if not text.endswith(b"\n"):
-        above = np.append(above, len(words))
-    return np.diff(above, prepend=0)
+        words_before = np.append(words_before, len(words))
+    return np.diff(words_before, prepend=0)
 
 
 def _refuse_wrong_word(text: bytes, first_line: int) -> None:
@@ -101,11 +100,11 @@ def _refuse_wrong_word(text: bytes, first_line: int) -> None:
             check_number(word, f"line {line}")
 
 
-def check_number(word: bytes, place: str) -> None:
-    """Refuse a word that is no number, with the place where it stands."""
+def check_number(word: bytes, label: str) -> None:
+    """Raise `MeshError` if a word is no number; `label` names its position."""
     try:
         float(word)
     except ValueError:
-        shown = word[:_LONGEST_SHOWN].decode("latin-1")
-        point = "; decimal points are needed, not commas" if b"," in word else ""
-        raise MeshError(f"{place} holds {shown!r}, which is no number{point}") from None
+        text = word[:_LONGEST_SHOWN].decode("latin-1")
+        advice = "; decimal points are needed, not commas" if b"," in word else ""
+        raise MeshError(f"{label} holds {text!r}, which is no number{advice}") from None

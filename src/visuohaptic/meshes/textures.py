@@ -1,4 +1,4 @@
-"""The images of a model, made ready for a surface."""
+"""Read the images of a model, and combine them to the texture of a surface."""
 
 from __future__ import annotations
 
@@ -20,29 +20,29 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 MOST_PIXELS = 8192 * 8192
-"""An image of more is refused: packed, it may be a small file."""
+"""Largest number of pixels of an image; a small packed file may have many more."""
 
 MOST_PIXELS_TOGETHER = 16 * MOST_PIXELS
-"""All images of a model with more are refused."""
+"""Largest number of pixels of all images of a model."""
 
 MOST_TEXELS = 4096 * 4096
-"""Texels of all images of a surface: larger images are halved until they fit."""
+"""Largest number of texels of all images of a surface; larger images are halved until they fit."""
 
 IMAGE_FORMATS = ("AVIF", "BMP", "GIF", "JPEG", "PNG", "TGA", "TIFF", "WEBP")
-"""Formats of Pillow that are read; some others start programs, as EPS does."""
+"""Formats that are read with Pillow; some other formats start programs, such as EPS."""
 
-# An image that is repeated more often than this across a face has one colour from anywhere.
+# An image that is repeated more often than this across a face looks uniform from any distance.
 _FARTHEST = 2.0**20
 
 
 @dataclass(frozen=True, eq=False)
 class PackedImage:
-    """An image as its file holds it, decoded anew when its pixels are asked for: none stay in memory.
+    """An encoded image; its pixels are decoded at each use, to save memory.
 
     Attributes
     ----------
     data : bytes
-        The file.
+        Content of the image file.
     size : tuple of int
         Width and height, in pixels.
     """
@@ -53,17 +53,16 @@ class PackedImage:
 
 @dataclass(frozen=True)
 class Paint:
-    """An image on the faces of a part, as its material shows it.
+    """An image on the faces of a part.
 
     Attributes
     ----------
     image : PackedImage or PIL.Image.Image
-        The image; of a file it is not decoded yet.
+        The image; encoded if it comes from a file.
     corners : numpy.ndarray
-        Shape (f, 3, 2), float: coordinates of each corner in the image, (0, 0) its lower left and (1, 1)
-        its upper right.
+        Shape (f, 3, 2), float: image coordinates of each corner; (0, 0) is lower left and (1, 1) upper right.
     wraps : tuple of int
-        `REPEAT`, `CLAMP` or `MIRROR`, across and up.
+        `REPEAT`, `CLAMP` or `MIRROR`, for u and v.
     tint : tuple of float
         Factors of red, green and blue, 0 to 1.
     linear : bool
@@ -78,15 +77,14 @@ class Paint:
 
     @property
     def key(self) -> tuple[object, ...]:
-        """What makes the image look different; parts of one key share their image."""
+        """Key of the decoded image: paints with equal keys share an image of the texture."""
         return id(self.image), self.wraps, self.tint, self.linear
 
 
 def open_image(data: bytes, name: str) -> PackedImage | None:
-    """Return an image of known size; None where the bytes are of no format that is read.
+    """Read the size of an encoded image; return None if the format is not read.
 
-    Raises `MeshError` with the reason, which begins with the image's name, for more pixels than
-    `MOST_PIXELS`.
+    Raises `MeshError` with `name` and reason if the image has more pixels than `MOST_PIXELS`.
     """
     import PIL.Image
 
@@ -107,9 +105,9 @@ def add_textures(
 ) -> tuple[NDArray[np.uint8], Texture | None]:
     """Compute colours (f, 3), uint8, sRGB, and images of the faces of parts, one part after another.
 
-    `paints` and `counts` hold the image and the number of faces per part. Faces with an image have the
-    mean of it as their colour, others the given one. Transparency is left out. There is no texture if
-    no image has more than one colour.
+    `paints` and `counts` have the image and the number of faces per part. A face with an image has the mean of the
+    image as its colour; other faces keep `colours`. Transparency is ignored. The texture is None if all images
+    have a single colour.
     """
     texture = _texture_of(paints, counts)
     if texture is None:
@@ -122,13 +120,13 @@ def _texture_of(paints: Sequence[Paint | None], counts: Sequence[int]) -> Textur
     distinct = {paint.key: paint for paint in paints if paint is not None}
     if not distinct:
         return None
-    numbers = {key: number for number, key in enumerate(distinct)}
+    index_of = {key: index for index, key in enumerate(distinct)}
     images = _read_images(list(distinct.values()))
     return Texture(
         np.concatenate([_corners(*pair) for pair in zip(paints, counts, strict=True)]),
         np.concatenate(
             [
-                np.full(count, NO_IMAGE if paint is None else numbers[paint.key], np.int32)
+                np.full(count, NO_IMAGE if paint is None else index_of[paint.key], np.int32)
                 for paint, count in zip(paints, counts, strict=True)
             ]
         ),
@@ -147,10 +145,9 @@ def _corners(paint: Paint | None, count: int) -> NDArray[np.float32]:
     corners = np.clip(
         np.nan_to_num(np.asarray(paint.corners, dtype=np.float64)), -_FARTHEST, _FARTHEST
     )
-    # Where images are repeated or mirrored, an even number of them away is the same place, and near 0
-    # float32 is finest.
-    away = 2.0 * np.floor(corners.min(axis=1, keepdims=True) / 2.0)
-    return (corners - away * (np.array(paint.wraps) != CLAMP)).astype(np.float32)
+    # Repeated and mirrored images have period 2. Coordinates near 0 have the highest precision in float32.
+    whole_images = 2.0 * np.floor(corners.min(axis=1, keepdims=True) / 2.0)
+    return (corners - whole_images * (np.array(paint.wraps) != CLAMP)).astype(np.float32)
 
 
 def _read_images(paints: Sequence[Paint]) -> tuple[NDArray[np.uint8], ...]:
@@ -172,7 +169,7 @@ def _read_images(paints: Sequence[Paint]) -> tuple[NDArray[np.uint8], ...]:
 def _read_image(paint: Paint, halvings: int) -> NDArray[np.uint8]:
     try:
         image = _pixels(paint.image)
-    # A broken image may fail in any way.
+    # Pillow may raise any error for a broken image.
     except Exception as error:
         raise MeshError(f"A texture can't be read: {error}") from error
     if paint.tint != (1.0, 1.0, 1.0):
@@ -186,7 +183,7 @@ def _opened(data: bytes) -> Image:
     import PIL.Image
 
     with warnings.catch_warnings():
-        # Pixels are counted by limits of our own before any is decoded.
+        # `open_image` checks the number of pixels before they are decoded.
         warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
         return PIL.Image.open(io.BytesIO(data), formats=IMAGE_FORMATS)
 
@@ -197,25 +194,29 @@ def _pixels(image: PackedImage | Image) -> NDArray[np.uint8]:
             return _pixels(opened)
     if not image.mode.startswith("I;16"):
         return np.asarray(image.convert("RGB"))
-    # Pillow would cut 16 bits off at 255.
+    # Pillow would clip 16-bit values at 255.
     grey = np.rint(np.asarray(image) / 257.0).astype(np.uint8)
     return np.repeat(grey[..., None], 3, axis=-1)
 
 
 def _tinted(image: NDArray[np.uint8], paint: Paint) -> NDArray[np.uint8]:
     stored, tint = np.arange(256)[:, None] / 255.0, np.array(paint.tint)
-    seen = encode_srgb(decode_srgb(stored) * tint) if paint.linear else stored * tint
-    table = np.rint(255.0 * seen).astype(np.uint8)
+    tinted = encode_srgb(decode_srgb(stored) * tint) if paint.linear else stored * tint
+    table = np.rint(255.0 * tinted).astype(np.uint8)
     return np.stack([table[:, channel][image[..., channel]] for channel in range(3)], axis=-1)
 
 
 def _without_plain_images(texture: Texture) -> Texture | None:
-    """Leave out images of one colour: the faces have it as their colour."""
-    kept = [number for number, image in enumerate(texture.images) if (image != image[0, 0]).any()]
-    if not kept:
+    """Return the texture without images of a single colour, which face colours replace; None if no image is left."""
+    kept_images = [
+        index for index, image in enumerate(texture.images) if (image != image[0, 0]).any()
+    ]
+    if not kept_images:
         return None
-    numbers = np.full(len(texture.images) + 1, NO_IMAGE, dtype=np.int32)
-    numbers[kept] = np.arange(len(kept))
-    images = tuple(texture.images[number] for number in kept)
-    # The last number stands for `NO_IMAGE`, which is -1.
-    return replace(texture, image=numbers[texture.image], images=images, wraps=texture.wraps[kept])
+    new_index = np.full(len(texture.images) + 1, NO_IMAGE, dtype=np.int32)
+    new_index[kept_images] = np.arange(len(kept_images))
+    images = tuple(texture.images[index] for index in kept_images)
+    # Index -1, `NO_IMAGE`, selects the last entry.
+    return replace(
+        texture, image=new_index[texture.image], images=images, wraps=texture.wraps[kept_images]
+    )

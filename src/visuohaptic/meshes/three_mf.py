@@ -1,4 +1,4 @@
-"""3MF files: what they build, as parts with their colours and images."""
+"""Read the build items of a 3MF file as parts with colours and images."""
 
 from __future__ import annotations
 
@@ -24,75 +24,88 @@ _COLOURED = {"basematerials", "colorgroup"}
 
 
 def read_3mf(data: bytes, companions: Companions) -> list[Part]:
-    """Read all that a 3MF file builds, its objects where they stand.
+    """Read the objects of all build items of a 3MF file, with their transforms.
 
-    Parts are in the file's own frame and unit, z up (core specification, section 3). Supports, and what
-    only changes other objects, are no parts of what is built. Raises `MeshError`, with the reason only,
-    if the file unpacks to too much, places too many parts, or refers to what it does not hold.
+    Parts are in the frame and unit of the file, z up (core specification, section 3). Supports and modifier objects are
+    skipped. Raises `MeshError` with the reason if the file unpacks to too many bytes, places too many parts, or
+    refers to a missing object.
     """
     companions.up_axis = "z"
     with ZipFile(io.BytesIO(data)) as archive:
         package = Package(archive)
-        return list(_placed(package, companions))
+        return list(_placed_parts(package, companions))
 
 
-def _placed(package: Package, companions: Companions) -> Iterator[Part]:
-    waiting = package.model(package.start()).items[::-1]
-    shown, corners = [], 0
-    while waiting:
-        key, matrix = waiting.pop()
-        found = package.find(key)
-        if found.kind in _NOT_BUILT:
-            companions.notes.append(f"has an object of type {found.kind}, which is left out")
+def _placed_parts(package: Package, companions: Companions) -> Iterator[Part]:
+    stack = package.model(package.start()).items[::-1]
+    placements, corners = [], 0
+    while stack:
+        key, matrix = stack.pop()
+        model_object = package.find(key)
+        if model_object.kind in _NOT_BUILT:
+            companions.notes.append(f"has an object of type {model_object.kind}, which is left out")
             continue
-        if found.unknown:
+        if model_object.unknown:
             raise MeshError(
-                f"object {key[1]!r} of {key[0]!r} has {found.unknown}, which is not read"
+                f"object {key[1]!r} of {key[0]!r} has {model_object.unknown}, which is not read"
             )
-        shown.append((key, found, matrix))
-        corners += len(found.vertices) + found.faces.size
-        waiting += [(one, matrix @ inner) for one, inner in reversed(found.components)]
+        placements.append((key, model_object, matrix))
+        corners += len(model_object.vertices) + model_object.faces.size
+        stack += [
+            (component, matrix @ component_matrix)
+            for component, component_matrix in reversed(model_object.components)
+        ]
         check_parts(
-            len(shown) + len(waiting), "parts or more, counted wherever one stands", corners
+            len(placements) + len(stack), "parts or more, each counted per instance", corners
         )
-    for key, found, matrix in shown:
-        for part in _parts(package, key[0], found, companions):
+    for key, model_object, matrix in placements:
+        for part in _parts(package, key[0], model_object, companions):
             yield from placed(part, matrix[None])
 
 
 def _parts(
-    package: Package, file: str, found: ModelObject, companions: Companions
+    package: Package, file: str, model_object: ModelObject, companions: Companions
 ) -> Iterator[Part]:
-    """Return the triangles of an object: those of one colour each, and those of each image."""
+    """Yield the triangles of an object: one part per image, and one part for all other triangles."""
     model = package.model(file)
-    colours = np.tile(np.array(GREY, dtype=np.uint8), (len(found.faces), 1))
-    plain = np.ones(len(found.faces), dtype=bool)
-    for number in np.unique(found.groups[found.groups != NO_GROUP]):
-        name, chosen = found.group_ids[number], found.groups == number
+    colours = np.tile(np.array(GREY, dtype=np.uint8), (len(model_object.faces), 1))
+    without_image = np.ones(len(model_object.faces), dtype=bool)
+    for number in np.unique(model_object.groups[model_object.groups != NO_GROUP]):
+        name, in_group = model_object.group_ids[number], model_object.groups == number
         if name not in model.groups:
             raise MeshError(f"a triangle has the property group {name[:80]!r}, which is not there")
         group = model.groups[name]
         if group.kind in _COLOURED:
-            corners = _chosen(group.colours, found, chosen, name)
-            # A base material covers a whole triangle.
-            kept = corners if group.kind == "colorgroup" else corners[:, :1]
-            colours[chosen] = np.rint(kept.mean(axis=1))
+            corners = _corner_properties(group.colours, model_object, in_group, name)
+            # A base material colours whole triangles, so the first corner decides.
+            averaged = corners if group.kind == "colorgroup" else corners[:, :1]
+            colours[in_group] = np.rint(averaged.mean(axis=1))
         elif group.kind == "texture2dgroup":
             paint = _paint(
-                package, file, group, _chosen(group.coordinates, found, chosen, name), companions
+                package,
+                file,
+                group,
+                _corner_properties(group.coordinates, model_object, in_group, name),
+                companions,
             )
             if paint is not None:
-                plain &= ~chosen
-                yield _compact(found, chosen, paint)
+                without_image &= ~in_group
+                yield _part_with_image(model_object, in_group, paint)
         else:
             companions.notes.append(f"has colours of kind {group.kind}, which are not read")
-    if plain.any():
-        coloured = (found.groups[plain] != NO_GROUP).any()
-        yield Part(found.vertices, found.faces[plain], colours[plain] if coloured else None)
+    if without_image.any():
+        coloured = (model_object.groups[without_image] != NO_GROUP).any()
+        yield Part(
+            model_object.vertices,
+            model_object.faces[without_image],
+            colours[without_image] if coloured else None,
+        )
 
 
-def _chosen(rows: NDArray[Any], found: ModelObject, chosen: BoolArray, name: str) -> NDArray[Any]:
-    properties = found.properties[chosen]
+def _corner_properties(
+    rows: NDArray[Any], model_object: ModelObject, in_group: BoolArray, name: str
+) -> NDArray[Any]:
+    properties = model_object.properties[in_group]
     if properties.min(initial=0) < 0 or properties.max(initial=0) >= len(rows):
         raise MeshError(
             f"a triangle has property {properties.max()} of group {name[:80]!r}; {len(rows)} are there"
@@ -113,6 +126,6 @@ def _paint(
     return Paint(image, corners, wraps)
 
 
-def _compact(found: ModelObject, chosen: BoolArray, paint: Paint) -> Part:
-    named, faces = np.unique(found.faces[chosen], return_inverse=True)
-    return replace(Part(found.vertices[named], faces.reshape(-1, 3)), paint=paint)
+def _part_with_image(model_object: ModelObject, in_group: BoolArray, paint: Paint) -> Part:
+    used, faces = np.unique(model_object.faces[in_group], return_inverse=True)
+    return replace(Part(model_object.vertices[used], faces.reshape(-1, 3)), paint=paint)

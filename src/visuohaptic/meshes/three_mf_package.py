@@ -1,4 +1,4 @@
-"""The zip archive of a 3MF file: its start part, the objects and colours of its models, and its images.
+"""Read the zip archive of a 3MF file: its root model, objects and colours of models, and images.
 
 3D Manufacturing Format: core 1.3, production 1.1, materials and properties 1.2 (3mf.io).
 """
@@ -26,10 +26,10 @@ from visuohaptic.meshes.polygons import check_corners
 from visuohaptic.meshes.textures import PackedImage, open_image
 
 Key = tuple[str, str]
-"""A model of the archive, and the id of an object in it."""
+"""Name of a model in the archive, and id of an object in the model."""
 
 NO_GROUP = -1
-"""Group of a triangle that has none."""
+"""Group of a triangle without properties."""
 
 _MOST_FILES = 5_000
 _LONGEST_SHOWN = 80
@@ -40,7 +40,7 @@ _READ = tuple(
     f"{_NAMESPACES}{name}/" for name in ("core", "production", "material", "trianglesets", "slice")
 )
 _MANY = {"vertex", "triangle"}
-_MOST_HELD = 256  # of them, in the tree
+_MOST_IN_TREE = 256  # largest number of vertices or triangles in the XML tree
 _INSIDE_OBJECT = {"mesh", "components", "metadatagroup"}
 _INSIDE_MESH = {"vertices", "triangles", "trianglesets"}
 _WRAPS = {"wrap": REPEAT, "mirror": MIRROR, "clamp": CLAMP, "none": CLAMP}
@@ -48,7 +48,7 @@ _WRAPS = {"wrap": REPEAT, "mirror": MIRROR, "clamp": CLAMP, "none": CLAMP}
 
 @dataclass(frozen=True)
 class Group:
-    """Properties that triangles may refer to: colours (n, 3), or coordinates (n, 2) in an image."""
+    """A group of properties of triangles: colours (n, 3), or image coordinates (n, 2) and the id of their image."""
 
     kind: str
     colours: NDArray[np.uint8] = field(default_factory=lambda: np.zeros((0, 3), np.uint8))
@@ -58,22 +58,22 @@ class Group:
 
 @dataclass(frozen=True)
 class ModelObject:
-    """A shape, or others that it is put together from.
+    """An object: a mesh, or an assembly of other objects.
 
     Attributes
     ----------
     vertices, faces : numpy.ndarray
-        Shapes (v, 3) and (f, 3).
+        Shapes (v, 3) and (f, 3); empty for an assembly.
     groups : numpy.ndarray
-        Shape (f,): index of each triangle's group in `group_ids`, or `NO_GROUP`.
+        Shape (f,): index of the group of each triangle in `group_ids`, or `NO_GROUP`.
     properties : numpy.ndarray
         Shape (f, 3): rows of the group, one per corner.
     components : list
-        Other objects, each with its matrix (4, 4).
+        Key and matrix (4, 4) of each object of the assembly.
     kind : str
-        What it is for, such as ``model`` or ``support``.
+        Type of the object, such as ``model`` or ``support``.
     unknown : str
-        The first thing in it that is not read.
+        First element of the object that is not supported; "" if all are.
     """
 
     vertices: FloatArray
@@ -88,7 +88,7 @@ class ModelObject:
 
 @dataclass
 class Model:
-    """A model of the archive: its objects and groups by their ids, its images, and what it builds."""
+    """A model of the archive: objects, groups and images by id, and its build items with matrices (4, 4)."""
 
     objects: dict[str, ModelObject] = field(default_factory=dict)
     groups: dict[str, Group] = field(default_factory=dict)
@@ -97,7 +97,7 @@ class Model:
 
 
 class Package:
-    """The archive, of which only what is used is unpacked."""
+    """The zip archive; models and images are unpacked when they are used."""
 
     def __init__(self, archive: ZipFile) -> None:
         files = archive.infolist()
@@ -110,30 +110,30 @@ class Package:
         self._unpacked = 0
 
     def start(self) -> str:
-        """Return the name of the model that the archive begins with."""
+        """Return the name of the root model of the archive."""
         if "_rels/.rels" in self._files:
-            for one in parse_xml(self._xml("_rels/.rels")).iter("{*}Relationship"):
-                if one.get("Type") == _START_TYPE:
-                    return _plain(unquote(one.get("Target", "")))
+            for relationship in parse_xml(self._xml("_rels/.rels")).iter("{*}Relationship"):
+                if relationship.get("Type") == _START_TYPE:
+                    return _plain(unquote(relationship.get("Target", "")))
         return _START
 
     def model(self, name: str) -> Model:
-        """Read a model of the archive."""
+        """Return a model of the archive; raises `MeshError` if it is missing or broken."""
         if name not in self._files:
-            raise MeshError(f"it holds no {name[:_LONGEST_SHOWN]!r}, where its model should be")
+            raise MeshError(f"it has no model {name[:_LONGEST_SHOWN]!r}")
         if name not in self._models:
             self._models[name] = _Reader(name).read(self._xml(name))
         return self._models[name]
 
     def find(self, key: Key) -> ModelObject:
-        """Return an object of the archive."""
+        """Return an object of the archive; raises `MeshError` if it is missing."""
         model = self.model(key[0]) if key[0] in self._files else Model()
         if key[1] not in model.objects:
             raise MeshError(f"it places object {key[1]!r} of {key[0]!r}, which is not there")
         return model.objects[key[1]]
 
     def image(self, name: str) -> PackedImage | None:
-        """Return an image of the archive; None where there is none."""
+        """Return an image of the archive; None if it is missing, too large or no image."""
         name = _plain(unquote(name))
         if name not in self._images:
             file = self._files.get(name)
@@ -149,14 +149,14 @@ class Package:
         return self._read(self._files[name])
 
     def _read(self, file: ZipInfo) -> bytes:
-        # No more than the size that was checked is unpacked; other ways of packing may ask for any memory.
+        # Other compression methods may need any amount of memory.
         if file.compress_type not in {ZIP_STORED, ZIP_DEFLATED}:
-            raise MeshError("it is packed in a way that 3MF does not have")
+            raise MeshError("it uses a compression that 3MF does not allow; export it again")
         return self._archive.read(file)
 
 
 class _Reader:
-    """Reads a model as its elements end, so that no tree of its vertices is in memory."""
+    """Reads a model element by element, so that the XML tree of its vertices is never in memory."""
 
     def __init__(self, file: str) -> None:
         self._file = file
@@ -173,12 +173,14 @@ class _Reader:
         ends: dict[str, Callable[[Any], None]] = {
             "vertex": self._vertex,
             "triangle": self._triangle,
-            "component": lambda one: self._components.append(_reference(one, self._file)),
-            "item": lambda one: self._model.items.append(_reference(one, self._file)),
+            "component": lambda element: self._components.append(_reference(element, self._file)),
+            "item": lambda element: self._model.items.append(_reference(element, self._file)),
             "object": self._object,
-            "base": lambda one: self._rows.append(_colour(one, "displaycolor")),
-            "color": lambda one: self._rows.append(_colour(one, "color")),
-            "tex2coord": lambda one: self._rows.append([float(one.get("u")), float(one.get("v"))]),
+            "base": lambda element: self._rows.append(_colour(element, "displaycolor")),
+            "color": lambda element: self._rows.append(_colour(element, "color")),
+            "tex2coord": lambda element: self._rows.append(
+                [float(element.get("u")), float(element.get("v"))]
+            ),
             "texture2d": self._image,
             **dict.fromkeys(("basematerials", "colorgroup"), self._colour_group),
             "texture2dgroup": self._image_group,
@@ -190,7 +192,7 @@ class _Reader:
             remove_comments=True, remove_pis=True,
         )  # fmt: skip
         names: dict[str, str] = {}
-        held = 0
+        elements_in_tree = 0
         for _, element in parsed:
             name = names.get(element.tag) or names.setdefault(element.tag, _tag(element))
             if name not in ends:
@@ -198,16 +200,20 @@ class _Reader:
             try:
                 ends[name](element)
             except (TypeError, ValueError) as error:
-                found = str(dict(element.attrib))[:_LONGEST_SHOWN]
-                raise MeshError(f"{self._file}: {name} {found} can't be read") from error
+                attributes = str(dict(element.attrib))[:_LONGEST_SHOWN]
+                raise MeshError(f"{self._file}: {name} {attributes} can't be read") from error
             if name in _MANY:
-                held += 1
-                if held == _MOST_HELD:
-                    # The elements before it are read; without them the tree stays small.
+                elements_in_tree += 1
+                if elements_in_tree == _MOST_IN_TREE:
+                    # Drop elements that have been read, so that the tree stays small.
                     parent = element.getparent()
                     del parent[: parent.index(element)]
-                    held = 0
-        root = parsed.root
+                    elements_in_tree = 0
+        self._check_root(parsed.root)
+        return self._model
+
+    def _check_root(self, root: Any) -> None:
+        """Raise `MeshError` if the document has a DOCTYPE, or requires an extension that is not read."""
         if root.getroottree().docinfo.internalDTD is not None:
             raise MeshError("it has a DOCTYPE, which could name other files; none is allowed")
         for prefix in root.get("requiredextensions", "").split():
@@ -216,7 +222,6 @@ class _Reader:
                 raise MeshError(
                     f"{self._file} requires the extension {space[:_LONGEST_SHOWN]}, which is not read"
                 )
-        return self._model
 
     def _vertex(self, element: Any) -> None:
         get = element.get
@@ -225,36 +230,38 @@ class _Reader:
     def _triangle(self, element: Any) -> None:
         get = element.get
         self._corners.extend((int(get("v1")), int(get("v2")), int(get("v3"))))
-        first = get("p1")
-        if first is None:
+        first_property = get("p1")
+        if first_property is None:
             self._groups.append(-2 if get("pid") is None else NO_GROUP)
             self._properties.extend((0, 0, 0))
             return
         group = get("pid")
-        # -2 stands for the object's own group and property, -3 for its group.
+        # -2 means group and property of the object, -3 only its group.
         self._groups.append(
             -3 if group is None else self._group_ids.setdefault(group, len(self._group_ids))
         )
-        self._properties.extend((int(first), int(get("p2", first)), int(get("p3", first))))
+        self._properties.extend(
+            (int(first_property), int(get("p2", first_property)), int(get("p3", first_property)))
+        )
 
     def _object(self, element: Any) -> None:
         vertices = np.frombuffer(self._points, dtype=np.float64).reshape(-1, 3)
         faces = np.frombuffer(self._corners, dtype=np.int64).reshape(-1, 3)
         groups = np.frombuffer(self._groups, dtype=np.int64)
         properties = np.frombuffer(self._properties, dtype=np.int64).reshape(-1, 3)
-        number = element.get("id", "")
+        object_id = element.get("id", "")
         try:
             check_corners(faces.ravel(), len(vertices))
         except MeshError as error:
-            raise MeshError(f"object {number[:_LONGEST_SHOWN]!r}: {error}") from error
-        own = NO_GROUP
+            raise MeshError(f"object {object_id[:_LONGEST_SHOWN]!r}: {error}") from error
+        default_group = NO_GROUP
         if element.get("pid") is not None:
-            own = self._group_ids.setdefault(element.get("pid"), len(self._group_ids))
+            default_group = self._group_ids.setdefault(element.get("pid"), len(self._group_ids))
         properties[groups == -2] = int(element.get("pindex", 0))
-        groups[groups <= -2] = own
-        self._model.objects[number] = ModelObject(
+        groups[groups <= -2] = default_group
+        self._model.objects[object_id] = ModelObject(
             vertices, faces, groups, properties, list(self._group_ids), self._components,
-            element.get("type", "model"), _unknown(element),
+            element.get("type", "model"), _first_unknown(element),
         )  # fmt: skip
         self._points, self._corners = array("d"), array("q")
         self._groups, self._properties = array("q"), array("q")
@@ -284,24 +291,22 @@ class _Reader:
         self._model.images[element.get("id", "")] = element.get("path", ""), (across, up)
 
 
-def _unknown(element: Any) -> str:
-    inside = _others(element, _INSIDE_OBJECT)
+def _first_unknown(element: Any) -> str:
+    unknown_tags = _unknown_tags(element, _INSIDE_OBJECT)
     for mesh in element.iterfind("{*}mesh"):
-        inside += _others(mesh, _INSIDE_MESH)
-    return inside[0] if inside else ""
+        unknown_tags += _unknown_tags(mesh, _INSIDE_MESH)
+    return unknown_tags[0] if unknown_tags else ""
 
 
-def _others(element: Any, known: set[str]) -> list[str]:
-    return [_tag(one)[:_LONGEST_SHOWN] for one in element if _tag(one) not in known]
+def _unknown_tags(element: Any, known_tags: set[str]) -> list[str]:
+    return [_tag(child)[:_LONGEST_SHOWN] for child in element if _tag(child) not in known_tags]
 
 
 def _colour(element: Any, name: str) -> list[int]:
-    written = element.get(name) or ""
-    if written[:1] != "#" or len(written) not in {7, 9}:
-        raise MeshError(
-            f"{_tag(element)} has {name} {written[:_LONGEST_SHOWN]!r}; #RRGGBB is needed"
-        )
-    return list(bytes.fromhex(written[1:7]))
+    text = element.get(name) or ""
+    if text[:1] != "#" or len(text) not in {7, 9}:
+        raise MeshError(f"{_tag(element)} has {name} {text[:_LONGEST_SHOWN]!r}; #RRGGBB is needed")
+    return list(bytes.fromhex(text[1:7]))
 
 
 def _reference(element: Any, file: str) -> tuple[Key, FloatArray]:
@@ -315,12 +320,12 @@ def _paths(element: Any) -> Iterator[str]:
 
 
 def _transform(element: Any) -> FloatArray:
-    """Return a matrix (4, 4) for column vectors; the file's is for rows."""
-    written = element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()
-    if len(written) != 12:
-        raise MeshError(f"a transform has {len(written)} numbers; 12 are needed")
+    """Return the transform of an element as a matrix (4, 4) for column vectors; the file has it for row vectors."""
+    words = element.get("transform", "1 0 0 0 1 0 0 0 1 0 0 0").split()
+    if len(words) != 12:
+        raise MeshError(f"a transform has {len(words)} numbers; 12 are needed")
     matrix = np.eye(4)
-    matrix[:3] = np.array([float(word) for word in written]).reshape(4, 3).T
+    matrix[:3] = np.array([float(word) for word in words]).reshape(4, 3).T
     return matrix
 
 

@@ -1,4 +1,4 @@
-"""Which axis of a model points up, where nobody says: the one on which it stands steadier."""
+"""Choose the up axis of a model if the file has none: the axis on which the object stands most steadily."""
 
 from __future__ import annotations
 
@@ -11,21 +11,22 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.surface import Surface
 
 _TIPS_OVER = math.radians(10.0)
-"""Leaning less, an object hardly stands; leaning so much more on another axis, it is meant to stand there.
+"""Tipping angle (radians) that separates objects that hardly stand from objects that stand.
 
-Of 142 upright models of the catalogue this holds for one, and for 108 of them turned by a quarter."""
+If the angle with y up is smaller, and with z up larger by this amount, then z is probably up. This is so for one of 142
+upright models of the catalogue, and for 108 of them after a quarter turn."""
 
 _FOOT = 0.02
-"""Vertices this near to the lowest one, as a share of the height, are what an object stands on: cushions sag, feet differ."""
+"""Vertices within this share of the height above the lowest vertex are the base of an object: feet differ in length."""
 
 
 def steadiest_axis(surface: Surface, rotations: Mapping[str, FloatArray]) -> str:
-    """Choose the axis along which an object leans farthest before it tips over, of equal ones the first.
+    """Return the axis with the largest tipping angle when it points up; of equal angles the first.
 
-    `rotations` holds for each axis the one, (3, 3), that turns it to y.
+    `rotations` has the rotation matrix (3, 3) per axis that turns the axis to y.
     """
     if not surface.face_areas.sum() > 0:
-        return next(iter(rotations))  # nothing to stand; an error about the surface says more
+        return next(iter(rotations))  # no area: a later check raises the error
     offsets = surface.vertices[np.unique(surface.faces)] - surface.centroid
     angles = {
         axis: tipping_angle(np.einsum("nd,kd->nk", offsets, rotation))
@@ -35,7 +36,7 @@ def steadiest_axis(surface: Surface, rotations: Mapping[str, FloatArray]) -> str
 
 
 def leans_on_y(surface: Surface, rotation: FloatArray) -> bool:
-    """Tell whether an object hardly stands with y up, and stands when the rotation (3, 3) has turned it."""
+    """Return whether an object hardly stands with y up, and stands after the rotation (3, 3)."""
     if not surface.face_areas.sum() > 0:
         return False
     offsets = surface.vertices[np.unique(surface.faces)] - surface.centroid
@@ -46,10 +47,10 @@ def leans_on_y(surface: Surface, rotation: FloatArray) -> bool:
 
 
 def tipping_angle(offsets: FloatArray) -> float:
-    """Give the angle by which an object may lean, in its least steady direction, before it tips over, radians.
+    """Return the angle (radians) by which an object can lean in its least steady direction before it tips over.
 
-    `offsets` (n, 3) are vertices from the centre of mass, y up. The angle is negative where the
-    centre is not above what the object stands on, and 0 where that is a line or a point.
+    `offsets` (n, 3) are vertices relative to the centre of mass, y up. The angle is negative if the centre is not
+    above the base of the object, and 0 if the base is a line or a point.
     """
     from scipy.spatial import ConvexHull, QhullError
 
@@ -58,7 +59,7 @@ def tipping_angle(offsets: FloatArray) -> float:
     foot = offsets[offsets[:, 1] <= lowest + _FOOT * height][:, [0, 2]]
     try:
         edges = ConvexHull(foot).equations
-    except (QhullError, ValueError):  # fewer than three points, or all in a line
+    except (QhullError, ValueError):  # fewer than three points, or all on a line
         return 0.0
-    # An edge's equation gives, at the centre's foot, its distance, negative within.
+    # Offset of an edge: signed distance of the projected centre, negative inside.
     return math.atan2(-float(edges[:, 2].max()), -lowest)

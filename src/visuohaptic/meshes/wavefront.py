@@ -1,4 +1,4 @@
-"""Statements of OBJ and MTL files: lines without the ways in which programs write them differently."""
+"""Split OBJ and MTL files into statements, in all spellings that programs write."""
 
 from __future__ import annotations
 
@@ -6,40 +6,40 @@ import codecs
 import re
 from collections.abc import Iterator, Sequence
 
-_BLOCK_BYTES = 1 << 20  # lines of so many bytes are in memory at a time
+_BLOCK_BYTES = 1 << 20  # size of the lines in memory at a time
 _LONGEST_SHOWN = 40
 _UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _COMMENT = re.compile(r"\s+#.*")
-# What Microsoft's C library writes, old and new, for numbers that are none.
+# Spellings of NaN and infinity in Microsoft's C library, old and new.
 _NO_NUMBER = re.compile(rb"[-+]?(?:\d\.#(?:QNAN|SNAN|IND|INF)\d*|nan\([a-z]+\))", re.IGNORECASE)
 
 
 def statements(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield the number of each line, from 1, and its bytes, continued lines as one.
+    """Yield each line with its number, from 1; continued lines are joined.
 
-    Lines end in LF, CR LF or CR. A line that ends in a backslash goes on in the next one, except a
-    comment, whose last word may be a Windows folder. Comments and empty lines are yielded as well.
+    Lines end in LF, CR LF or CR. A line that ends in a backslash continues in the next line. Comments never continue:
+    their last word may be a Windows folder. Comments and empty lines are also yielded.
     """
-    first, waiting = 0, list[bytes]()
+    first, continued = 0, list[bytes]()
     for number, line in enumerate(_lines(data), 1):
-        if waiting and line.lstrip().startswith(b"#"):
+        if continued and line.lstrip().startswith(b"#"):
             continue
         if b"\\" in line and b"#" not in line and (start := line.rstrip()).endswith(b"\\"):
-            first = first if waiting else number
-            waiting.append(start[:-1])
-        elif waiting:
-            yield first, b" ".join([*waiting, line])
-            waiting = []
+            first = first if continued else number
+            continued.append(start[:-1])
+        elif continued:
+            yield first, b" ".join([*continued, line])
+            continued = []
         else:
             yield number, line
-    if waiting:
-        yield first, b" ".join(waiting)
+    if continued:
+        yield first, b" ".join(continued)
 
 
 def as_utf_8(data: bytes) -> bytes:
-    """Return a text without its byte order mark; one in UTF-16, as PowerShell writes, becomes UTF-8.
+    """Return a text in UTF-8 without byte order mark; UTF-16, as PowerShell writes it, is converted.
 
-    Raises `UnicodeDecodeError` where UTF-16 is broken.
+    Raises `UnicodeDecodeError` if UTF-16 is broken.
     """
     if data.startswith(_UTF_16):
         data = data.decode("utf-16").encode()
@@ -47,16 +47,16 @@ def as_utf_8(data: bytes) -> bytes:
 
 
 def numbers_of(line: bytes) -> list[bytes]:
-    """Return the words after the first one of a line of numbers, up to its comment."""
+    """Return the words of a line after its first word, without a comment."""
     if b"#" in line or b"(" in line:
         line = _NO_NUMBER.sub(b"nan", line).partition(b"#")[0]
     return line.split()[1:]
 
 
 def rest_of(line: bytes) -> str:
-    """Return what follows the first word of a line, which may be a name with blanks or a ``#``.
+    """Return the text after the first word of a line: a name, which may have blanks or a ``#``.
 
-    Text is UTF-8 or, where it is not, Windows-1252 or Latin-1.
+    The text is decoded as UTF-8, else as Windows-1252, else as Latin-1.
     """
     _, *rest = line.split(None, 1)
     raw = rest[0].strip() if rest else b""
@@ -69,24 +69,24 @@ def rest_of(line: bytes) -> str:
 
 
 def name_without_comment(name: str) -> str:
-    """Return a name up to a ``#`` that follows a blank, which begins a comment or is part of the name."""
+    """Return a name without the text from `` #`` on, which may be a comment."""
     return _COMMENT.sub("", name)
 
 
 def wrong_number(words: Sequence[bytes], kind: type[float | int] = float) -> str:
-    """Return a clause that names the first of some words, or of their parts between ``/``, that is none."""
+    """Return a clause that names the first word, or part of a word between ``/``, that is no number."""
     for number in (number for word in words for number in word.split(b"/")):
         try:
             kind(number or b"0")
         except ValueError:
-            what = "whole number" if kind is int else "number"
-            why = "; numbers need a decimal point" if b"," in number else ""
-            return f"{shown(number)} is no {what}{why}"
+            kind_name = "whole number" if kind is int else "number"
+            advice = "; numbers need a decimal point" if b"," in number else ""
+            return f"{quoted(number)} is no {kind_name}{advice}"
     return "a number is too large"
 
 
-def shown(word: bytes) -> str:
-    """Return a word, or its beginning, as messages show it."""
+def quoted(word: bytes) -> str:
+    """Return a word for messages, shortened."""
     cut = "…" if len(word) > _LONGEST_SHOWN else ""
     return repr(word[:_LONGEST_SHOWN].decode("utf-8", "backslashreplace") + cut)
 

@@ -37,7 +37,7 @@ def by_object(table: pa.Table) -> Iterator[tuple[str, pa.Table]]:
 
 
 def of_objects(table: pa.Table, objects: Collection[str] | None) -> pa.Table:
-    """Take the rows of some objects, `class/name`; of all where they are None."""
+    """Return the rows of some objects, given as `class/name`; None returns all rows."""
     if objects is None:
         return table
     chosen = pc.is_in(keys_of(table), pa.array(list(objects), pa.string()))
@@ -57,13 +57,13 @@ def owners_of(table: pa.Table) -> list[tuple[str, str]]:
 
 VIEW_KEYS = (
     *OBJECT_KEYS,
-    count("viewpoint", "number of the viewpoint, or of the random sequence"),
+    count("viewpoint", "index of the viewpoint, or of the random sequence"),
 )
 
 TOUCH_KEYS = (
     *VIEW_KEYS,
     Column("strategy", TEXT, "how the probing locations were chosen"),
-    count("touch", "place in the sequence, 0 first"),
+    count("touch", "index in the sequence, from 0"),
 )
 
 
@@ -85,7 +85,7 @@ CONTACT_STATES = ("full", "shrunk", "at_minimum", "blocked", "partial")
 """States of the sensor's contact."""
 
 OUT_OF_REACH = ("at_minimum", "blocked")
-"""Contact states that occur, where the size adapts, only at places out of the sensor's reach."""
+"""Contact states of locations that a sensor of adaptive size can't reach."""
 
 CONTACT_STATE = Column("contact_state", TEXT, "full, shrunk, at_minimum, blocked or partial")
 
@@ -96,18 +96,18 @@ VIEWS = Schema(
         *(Column(f"eye_{axis}", REAL, f"camera centre, {axis}", "object frame") for axis in "xyz"),
         Column("view", pa.binary(), "the rendered view, PNG"),
         Column(
-            "saliency", pa.binary(), "the saliency map, 8-bit grey PNG, the view's maximum white"
+            "saliency", pa.binary(), "the saliency map, 8-bit grey PNG; white is the view's maximum"
         ),
         Column(
             "conspicuity", pa.map_(TEXT, pa.binary()), "conspicuity map of each channel that ran"
         ),
         Column("skipped", pa.map_(TEXT, TEXT), "reason for each channel that did not run"),
-        count("distinct_fixations", "fixations found before the view was exhausted"),
+        count("distinct_fixations", "fixations before the view was exhausted"),
     ),
 )
 
 SPARE = 16
-"""Probing locations beyond the touches asked for, where the sensor can't reach some of them."""
+"""Additional probing locations, which replace locations that the sensor can't reach."""
 
 FIXATIONS = Schema(
     "fixations",
@@ -123,7 +123,7 @@ FIXATIONS = Schema(
         Column(
             "saliency",
             REAL,
-            "saliency where the eye rests",
+            "saliency at the fixation",
             "of the view's maximum",
             0,
             1,
@@ -132,15 +132,15 @@ FIXATIONS = Schema(
         Column(
             "unreachable",
             TEXT,
-            "what is done if the sensor can't reach it, replace or keep; none: as probing.unreachable says",
+            "replace or keep a location that the sensor can't reach; missing: as probing.unreachable says",
             nullable=True,
         ),
-        Column("chance", TEXT, "the strategy whose random numbers it has"),
+        Column("chance", TEXT, "name of the random generator of the strategy"),
     ),
 )
 
 POLICY_FIXATIONS = replace(FIXATIONS, name="policy_fixations")
-"""Where policies chose to touch, one row per try, in reach or not; readers join it with `FIXATIONS`."""
+"""Locations that policies chose, one row per try, in reach or not; readers join them with `FIXATIONS`."""
 
 TOUCHES = Schema(
     "touches",
@@ -159,8 +159,8 @@ TOUCHES = Schema(
         Column("penetration", REAL, "deepest penetration left", "object radii", 0),
         count(
             "rank",
-            "its place among the view's probing locations, 0 first; more than touch by those passed over, "
-            "which are out of reach",
+            "index among the view's probing locations, from 0; larger than touch if locations before "
+            "are out of reach",
         ),
         *POINT,
         *NORMAL,
@@ -173,18 +173,20 @@ EFFECTS = Schema(
     (
         *OBJECT_KEYS,
         count("first_viewpoint", "first viewpoint of the job"),
-        Column("effect", TEXT, "what may be simulated"),
+        Column("effect", TEXT, "name of the effect"),
     ),
     (
         Column(
             "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
         ),
         Column("mode", TEXT, "auto, always or never"),
-        Column("reason", TEXT, "why it was needed, or why not"),
+        Column("reason", TEXT, "why the effect was needed, or why not"),
         count("touches", "touches of the job; views, for effects of the view"),
-        count("needed", "touches or views that needed it"),
-        count("runs", "touches or views that it was simulated for"),
-        Column("seconds", REAL, "time spent on it; differs from run to run", "s of processor", 0),
+        count("needed", "touches or views that needed the effect"),
+        count("runs", "touches or views with the effect simulated"),
+        Column(
+            "seconds", REAL, "time spent on the effect; differs between runs", "s of processor", 0
+        ),
     ),
 )
 
@@ -192,16 +194,16 @@ CONTOURLET_FEATURES = tuple(f"contourlet_{band:02d}" for band in range(1, 17))
 
 IMPRINT_FEATURES = {
     "imprint_mean": "mean of the imprint",
-    "imprint_deviation": "its standard deviation",
-    "imprint_skewness": "its skewness",
+    "imprint_deviation": "standard deviation of the imprint",
+    "imprint_skewness": "skewness of the imprint",
     "imprint_empty": "share of sensing points out of reach",
     "imprint_contact": "share of sensing points in contact",
-    "imprint_bending": "sum of the best quadric's second derivatives",
-    "imprint_saddle": "their difference, independent of the direction",
-    "imprint_upright_bending": "their difference between columns and rows",
+    "imprint_bending": "sum of the second derivatives of the fitted quadric",
+    "imprint_saddle": "difference of the principal second derivatives",
+    "imprint_upright_bending": "difference of the second derivatives along columns and rows",
     "imprint_tilt_columns": "size of the slope along the columns",
     "imprint_tilt_rows": "size of the slope along the rows",
-    "imprint_roughness": "standard deviation that the best quadric leaves",
+    "imprint_roughness": "standard deviation of the residual of the fitted quadric",
     "imprint_step_columns": "mean step between neighbours along the columns",
     "imprint_step_rows": "mean step between neighbours along the rows",
 }
@@ -232,8 +234,8 @@ CELL_KEYS = (
 
 SCORE_KEYS = (
     *CELL_KEYS,
-    count("split", "number of the train and test split"),
-    count("seed", "repeat of everything that is random in training"),
+    count("split", "index of the train and test split"),
+    count("seed", "index of the repeat with another random seed of training"),
 )
 
 SCORES = Schema(
@@ -246,7 +248,7 @@ SCORES = Schema(
         Column(
             "note",
             TEXT,
-            "what the classifier needed, such as a regularised covariance",
+            "remark of the classifier, such as a regularised covariance",
             nullable=True,
         ),
     ),
@@ -260,7 +262,7 @@ PREDICTIONS = Schema(
         Column(
             "probability",
             REAL,
-            "the probability that the classifier gives that class, without a temperature",
+            "probability of that class from the classifier, before temperature scaling",
             "1",
             0,
             1.0001,
@@ -269,7 +271,7 @@ PREDICTIONS = Schema(
         Column(
             "voted",
             TEXT,
-            "the class that the vote of the object's sequences predicts",
+            "class with most votes of the object's sequences",
             nullable=True,
         ),
     ),

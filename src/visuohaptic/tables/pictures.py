@@ -1,4 +1,4 @@
-"""The table of what the report shows of each object, small enough to lie within a page."""
+"""The table of pictures of each object in the report, small enough to be part of the page."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ PICTURES = Schema(
         Column("views", _OF_VIEWS, "view of each viewpoint, lossy WebP"),
         Column("saliency", _OF_VIEWS, "saliency map of each viewpoint at half the size, lossy WebP"),
         Column("imprints", _OF_VIEWS, "imprints of strategy fixation by viewpoint, side by side in order, WebP"),
-        Column("sheets", pa.map_(TEXT, pa.binary()), "imprints by strategy, a row a viewpoint and a column a touch, lossy WebP"),
-        Column("model", pa.binary(), "thinned mesh and touches as `report.models.pack_model` has them, gzip; missing without a mesh", nullable=True),
+        Column("sheets", pa.map_(TEXT, pa.binary()), "imprints by strategy, one row per viewpoint and one column per touch, lossy WebP"),
+        Column("model", pa.binary(), "thinned mesh and touches as packed by `report.models.pack_model`, gzip; missing without a mesh", nullable=True),
         count("vertices", "vertices of the thinned mesh", nullable=True),
-        count("faces", "its faces", nullable=True),
-        count("touches", "touches packed with it", nullable=True),
+        count("faces", "faces of the thinned mesh", nullable=True),
+        count("touches", "touches packed with the mesh", nullable=True),
         count("original_faces", "faces of the object's mesh", nullable=True),
     ),
 )  # fmt: skip

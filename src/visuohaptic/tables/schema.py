@@ -1,7 +1,7 @@
-"""What a schema is: columns, their types, units and ranges; and tables that hold to one.
+"""Schemas of tables (columns with types, units and ranges), and reading and writing of tables that follow a schema.
 
-A table is one Parquet file, or a folder of them that reads as one. It is checked
-before it is written, and written whole or not at all.
+A table is one Parquet file, or a folder of Parquet files. A table is checked before it is written, and is written
+whole or not at all.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import TableError
 
 MOST_VALUES = 200_000_000
-"""Values of one Parquet file, all columns and lists counted; a short file may claim any number."""
+"""Largest number of values in one Parquet file, lists included; a short file may claim any number."""
 
 _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column: its name, its exact type, what it means in a few words, and what it may hold.
+    """A column: its name, type, meaning, and allowed values.
 
-    `unit` is a unit or a frame of reference, empty for plain counts and names; `minimum` and
-    `maximum` are the closed range of every value (of every element, for lists).
+    `unit` is a unit or a frame of reference, empty for plain counts and names. `minimum` and `maximum` are the
+    closed range of the values, or of the elements of lists.
     """
 
     name: str
@@ -44,25 +44,25 @@ class Column:
 
 @dataclass(frozen=True)
 class Schema:
-    """A table's name, the columns that identify a row, and the others, in order."""
+    """The name of a table, the columns that identify a row, and the other columns, in order."""
 
     name: str
     key_columns: tuple[Column, ...]
-    others: tuple[Column, ...]
+    other_columns: tuple[Column, ...]
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
         """All columns; the columns that identify a row come first."""
-        return (*self.key_columns, *self.others)
+        return (*self.key_columns, *self.other_columns)
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The names of the columns that identify a row."""
+        """Names of the columns that identify a row."""
         return names_of(self.key_columns)
 
     @cached_property
     def arrow(self) -> pa.Schema:
-        """The same schema for pyarrow, descriptions and units as metadata."""
+        """The schema for pyarrow; metadata of a field has its description and unit."""
         return pa.schema(
             [
                 pa.field(
@@ -83,23 +83,26 @@ REAL = pa.float64()
 
 
 def share(name: str, description: str, *, nullable: bool = False) -> Column:
-    """Make a column of numbers from 0 to 1."""
+    """Return a column of numbers from 0 to 1."""
     return Column(name, REAL, description, "1", 0, 1, nullable)
 
 
 def count(name: str, description: str, minimum: int = 0, *, nullable: bool = False) -> Column:
-    """Make a column of whole numbers."""
+    """Return a column of whole numbers."""
     return Column(name, COUNT, description, "", minimum, None, nullable)
 
 
 def difference(name: str, description: str) -> tuple[Column, ...]:
-    """Make the columns of a difference of two shares and of its interval's ends, which may be missing."""
-    texts = {
+    """Return the columns of a difference of two shares and of the ends of its interval; values may be missing."""
+    descriptions = {
         name: description,
         f"{name}_low": "lower end of its interval",
         f"{name}_high": "upper end of its interval",
     }
-    return tuple(Column(one, REAL, text, "1", -1, 1, nullable=True) for one, text in texts.items())
+    return tuple(
+        Column(column, REAL, text, "1", -1, 1, nullable=True)
+        for column, text in descriptions.items()
+    )
 
 
 def names_of(columns: Iterable[Column]) -> tuple[str, ...]:
@@ -108,9 +111,9 @@ def names_of(columns: Iterable[Column]) -> tuple[str, ...]:
 
 
 def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
-    """Make a checked table of a schema from arrays, one a column; a scalar string or number is repeated.
+    """Return a checked table of a schema from one array per column; a single string or number is repeated.
 
-    Two-dimensional arrays become lists. Raises `TableError` if the columns break the schema.
+    Arrays of two or more dimensions become one list per row. Raises `TableError` if the columns break the schema.
     """
     expected = {column.name for column in schema.columns}
     if expected != set(columns):
@@ -121,7 +124,7 @@ def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
     lengths = {len(value) for value in columns.values() if isinstance(value, _SEQUENCES)}
     if len(lengths) > 1:
         raise TableError(
-            f"table {schema.name}: columns have lengths {sorted(lengths)}; one is allowed."
+            f"table {schema.name}: columns have lengths {sorted(lengths)}; equal lengths are needed."
         )
     length = lengths.pop() if lengths else 1
     arrays = [
@@ -133,17 +136,17 @@ def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
 
 
 def build_rows(schema: Schema, rows: Sequence[Mapping[str, object]]) -> pa.Table:
-    """Make a checked table of a schema from rows, which hold all columns at least, as `build_table` does."""
+    """Return a checked table of a schema from rows that have all its columns; other names are ignored."""
     names = names_of(schema.columns)
     return build_table(schema, {name: [row[name] for row in rows] for name in names})
 
 
 def check_table(schema: Schema, table: pa.Table) -> None:
-    """Raise `TableError` if columns, types, missing values, ranges or keys are not as declared, or a number is not finite."""
+    """Raise `TableError` if columns, types, missing values, ranges or keys break the schema, or a number is not finite."""
     if not table.schema.equals(schema.arrow):
         raise TableError(
             f"table {schema.name}: columns are {_signature(table.schema)}; "
-            f"{_signature(schema.arrow)} is what the schema names."
+            f"the schema needs {_signature(schema.arrow)}."
         )
     for column in schema.columns:
         _check_column(schema, column, table.column(column.name))
@@ -156,7 +159,7 @@ def check_table(schema: Schema, table: pa.Table) -> None:
 
 
 def write_table(schema: Schema, table: pa.Table, path: str | Path) -> None:
-    """Check a table and write it as Parquet, whole or not at all; its folder is made where missing.
+    """Check a table and write it as Parquet, whole or not at all; a missing folder is created.
 
     Raises `TableError` if the table breaks its schema.
     """
@@ -188,18 +191,20 @@ def known_columns(schema: Schema, given: object) -> pa.Table:
     schema : Schema
         The schema.
     given : pyarrow.Table, data frame or mapping of arrays
-        Any table that Arrow can take over. Text may be of Arrow's other types of text, or categories, and
-        numbers of other widths. Columns that the schema does not name are left out.
+        Any table that Arrow can convert. Text may have any of Arrow's text types or be categorical; numbers may
+        have any width. Columns that the schema does not name are dropped.
 
     Raises
     ------
     TableError
-        If it is no table, has a column twice, or a column does not fit its type.
+        If `given` is no table, has a column twice, or a column does not fit its type.
     """
     table = _arrow_table(schema, given)
     twice = [name for name in names_of(schema.columns) if table.column_names.count(name) > 1]
     if twice:
-        raise TableError(f"table {schema.name}: column {twice[0]} is there twice; once is allowed.")
+        raise TableError(
+            f"table {schema.name}: column {twice[0]} is there twice; one column of each name is allowed."
+        )
     present = [column for column in schema.columns if column.name in table.column_names]
     arrays = [_as_type(schema, column, table.column(column.name)) for column in present]
     fields = [schema.arrow.field(column.name) for column in present]
@@ -207,7 +212,7 @@ def known_columns(schema: Schema, given: object) -> pa.Table:
 
 
 def take_table(schema: Schema, given: object) -> pa.Table:
-    """Return a checked table of a schema from a table that somebody else made, as `known_columns` takes it.
+    """Return a checked table of a schema from any table that `known_columns` accepts.
 
     Raises `TableError` if a column is missing, or the table breaks the schema.
     """
@@ -216,14 +221,14 @@ def take_table(schema: Schema, given: object) -> pa.Table:
     if missing:
         raise TableError(
             f"table {schema.name}: there is no column {missing[0]}; {len(schema.columns)} columns are needed "
-            f"and {len(missing)} of them missing."
+            f"and {len(missing)} are missing."
         )
     check_table(schema, table)
     return table
 
 
 def join_parts(schema: Schema, parts: Iterable[pa.Table]) -> pa.Table:
-    """Join tables of a schema, at least one, into one that is sorted by its keys."""
+    """Return the rows of tables of a schema, at least one table, sorted by the keys."""
     table = pa.concat_tables(parts).sort_by([(key, "ascending") for key in schema.keys])
     return table.combine_chunks()
 
@@ -234,7 +239,7 @@ def matrix(table: pa.Table, names: Sequence[str]) -> np.ndarray:
 
 
 def images(table: pa.Table, name: str = "image") -> np.ndarray:
-    """Return a column of m square images, lists of n² numbers, as (m, n, n) in its own float type; n is 0 if m is 0."""
+    """Return a column of m square images, lists of n² numbers, as (m, n, n) in the type of the column; n is 0 if m is 0."""
     column = table.column(name).combine_chunks()
     lengths = np.unique(pc.list_value_length(column).to_numpy(zero_copy_only=False))
     if not len(lengths):
@@ -242,7 +247,7 @@ def images(table: pa.Table, name: str = "image") -> np.ndarray:
     side = round(float(lengths[0]) ** 0.5)
     if len(lengths) != 1 or side * side != lengths[0]:
         raise TableError(
-            f"column {name}: images have {lengths.tolist()} points; one square number is allowed."
+            f"column {name}: images have {lengths.tolist()} points; the same square number in all rows is needed."
         )
     return np.asarray(column.flatten()).reshape(-1, side, side)
 
@@ -252,19 +257,19 @@ def _arrow_table(schema: Schema, given: object) -> pa.Table:
         return given
     if not isinstance(given, Mapping) and not hasattr(given, "__arrow_c_stream__"):
         raise TableError(
-            f"table {schema.name}: it is of type {type(given).__name__}; a pyarrow.Table, a data frame or a "
+            f"table {schema.name} is given as {type(given).__name__}; a pyarrow.Table, a data frame or a "
             "mapping of arrays is needed."
         )
     try:
         return pa.table(dict(given) if isinstance(given, Mapping) else given)
     except (pa.ArrowException, TypeError, ValueError) as error:
         raise TableError(
-            f"table {schema.name}: Arrow can't take it over: {_one_line(error)}."
+            f"table {schema.name}: Arrow can't convert the given table: {_one_line(error)}."
         ) from error
 
 
 def _as_type(schema: Schema, column: Column, values: pa.ChunkedArray) -> pa.ChunkedArray:
-    """Cast a column to its type where text stays text and numbers stay numbers."""
+    """Cast a column to its type; raise `TableError` if text would become a number, or a number text."""
     if values.type == column.dtype:
         return values
     if pa.types.is_dictionary(values.type):
@@ -273,7 +278,7 @@ def _as_type(schema: Schema, column: Column, values: pa.ChunkedArray) -> pa.Chun
     try:
         if is_alike:
             return pc.cast(values, column.dtype)
-        reason = "values of the column's own kind are needed"
+        reason = f"values of kind {_kind(column.dtype)} are needed"
     except pa.ArrowException as error:
         reason = _one_line(error)
     raise TableError(
@@ -340,7 +345,7 @@ def _check_column(schema: Schema, column: Column, values: pa.ChunkedArray) -> No
 
 
 def _bound(value: float | None) -> str:
-    return "anything" if value is None else f"{value:g}"
+    return "any number" if value is None else f"{value:g}"
 
 
 def _signature(schema: pa.Schema) -> str:
@@ -357,8 +362,7 @@ def _parquet_files(paths: Sequence[str | Path]) -> list[Path]:
 def open_parquet(file: str | Path) -> pq.ParquetFile:
     """Open a Parquet file and read only its metadata.
 
-    Raises `TableError` if there is no such file, or it is no Parquet, or it has more than
-    `MOST_VALUES` values.
+    Raises `TableError` if the file is missing, is no Parquet, or has more than `MOST_VALUES` values.
     """
     try:
         opened = pq.ParquetFile(file)

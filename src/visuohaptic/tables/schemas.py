@@ -1,4 +1,4 @@
-"""Every table by its name."""
+"""The schemas of all tables by name."""
 
 from visuohaptic.tables.phases import PHASES
 from visuohaptic.tables.pictures import PICTURES

@@ -1,4 +1,4 @@
-"""The table of numerical checks on each object of a run: the worst error beside its tolerance."""
+"""The table of numerical checks on each object of a run: the largest error and its tolerance."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ STABILITY = Schema(
     "stability",
     (
         *OBJECT_KEYS,
-        Column("requirement", TEXT, "what is required"),
+        Column("requirement", TEXT, "the requirement"),
     ),
     (
-        Column("cases", pa.int64(), "cases that were tried", minimum=1),
+        Column("cases", pa.int64(), "cases tried", minimum=1),
         Column(
             "worst_error",
             REAL,
-            "largest error of a case; missing where it was infinite or not a number",
+            "largest error of all cases; missing if infinite or not a number",
             "as in the column unit",
             nullable=True,
         ),
-        Column("tolerance", REAL, "largest error that is allowed", "as in the column unit", 0),
+        Column("tolerance", REAL, "largest allowed error", "as in the column unit", 0),
         Column("unit", TEXT, "unit of error and tolerance"),
-        Column("reason", TEXT, "why the tolerance is what it is"),
+        Column("reason", TEXT, "reason for the tolerance"),
         Column("hardest", TEXT, "the case with the largest error"),
     ),
 )

@@ -1,4 +1,4 @@
-"""The tables that the studies make."""
+"""The tables that studies write."""
 
 from __future__ import annotations
 
@@ -15,18 +15,30 @@ EFFECT_INFLUENCE = Schema(
         Column(
             "scene", TEXT, "preset of the scene, or any: effects of the view, which no preset sets"
         ),
-        Column("effect", TEXT, "what may be simulated"),
+        Column("effect", TEXT, "name of the effect"),
     ),
     (
         count("touches", "touches measured; views, for effects of the view", 1),
-        count("needed", "of them, those that needed the effect"),
-        Column("seconds", REAL, "time spent on it under the scene's own mode", "s of processor", 0),
-        Column("seconds_always", REAL, "time spent on it under always", "s of processor", 0),
-        share("image_shift", "mean change of a pixel of the image without it"),
+        count("needed", "touches or views that needed the effect"),
+        Column(
+            "seconds",
+            REAL,
+            "time spent on the effect under the scene's own mode",
+            "s of processor",
+            0,
+        ),
+        Column(
+            "seconds_always",
+            REAL,
+            "time spent on the effect under mode always",
+            "s of processor",
+            0,
+        ),
+        share("image_shift", "mean change of a pixel if the effect is left out"),
         Column(
             "equal_to_always",
             pa.bool_(),
-            "whether images under auto are those under always, bit for bit; missing if an effect is off",
+            "whether images under auto equal images under always, bit for bit; missing if an effect is off",
             nullable=True,
         ),
     ),
@@ -34,7 +46,7 @@ EFFECT_INFLUENCE = Schema(
 
 STUDY_KEYS = (
     Column("study", TEXT, "the study"),
-    Column("condition", TEXT, "what differs from the run"),
+    Column("condition", TEXT, "name of the changes to the run"),
     *CELL_KEYS,
 )
 
@@ -50,12 +62,12 @@ STUDY = Schema(
     (
         *STUDY_KEYS,
         *(replace(column, nullable=True) for column in OBJECT_KEYS),
-        count("split", "number of the train and test split", nullable=True),
+        count("split", "index of the train and test split", nullable=True),
         count("repeat", "repeat with another seed", nullable=True),
     ),
     (
         count("sequences", "test sequences; 1 where viewpoints vote", 1, nullable=True),
-        share("accuracy", "share of them that is correctly classified", nullable=True),
+        share("accuracy", "share of the sequences that is correctly classified", nullable=True),
         SECONDS,
         ERROR,
     ),
@@ -66,31 +78,33 @@ STUDY_FIGURES = Schema(
     STUDY_KEYS,
     (
         Column("title", TEXT, "what the study is about"),
-        count("place", "place of the condition in its study"),
+        count("place", "index of the condition in its study"),
         share("accuracy", "share of test sequences correctly classified", nullable=True),
-        share("low", "lower end of its interval over objects", nullable=True),
-        share("high", "upper end of its interval over objects", nullable=True),
-        Column("compared_with", TEXT, "the condition that it is compared with", nullable=True),
-        *difference("difference", "accuracy less that of the other"),
+        share("low", "lower end of the interval of accuracy over objects", nullable=True),
+        share("high", "upper end of the interval of accuracy over objects", nullable=True),
+        Column(
+            "compared_with", TEXT, "condition that this condition is compared with", nullable=True
+        ),
+        *difference("difference", "accuracy minus accuracy of the compared condition"),
         P_VALUE,
         share("adjusted_p", "p value adjusted by Holm for the study's conditions", nullable=True),
         *difference(
-            "lead", "accuracy by fixation, in the same condition, less that by this strategy"
+            "lead", "accuracy of fixation in the same condition minus accuracy of this strategy"
         ),
         replace(P_VALUE, name="lead_p"),
         _OBJECTS,
-        Column("recomputed", TEXT, "first phase that is recomputed, or recognition"),
+        Column("recomputed", TEXT, "first recomputed phase"),
         SECONDS,
         ERROR,
     ),
 )
 
 CLASSIFIED_BY = Column("classifier", TEXT, "classifier of pipeline order_free")
-VIEWS = count("views", "viewpoints from which it is classified", 1)
+VIEWS = count("views", "viewpoints used to classify the object", 1)
 ANSWER = (
-    Column("known", pa.bool_(), "whether the object is of a class that the model knows"),
-    Column("correct", pa.bool_(), "whether the likeliest class is its own"),
-    Column("covered", pa.bool_(), "whether the prediction set holds its class"),
+    Column("known", pa.bool_(), "whether the model knows the class of the object"),
+    Column("correct", pa.bool_(), "whether the likeliest class is the class of the object"),
+    Column("covered", pa.bool_(), "whether the prediction set holds the class of the object"),
 )
 CANDIDATES = count("candidates", "classes in the prediction set")
 UNKNOWN = Column("unknown", pa.bool_(), "whether the object is called unknown")
@@ -98,35 +112,35 @@ UNKNOWN = Column("unknown", pa.bool_(), "whether the object is called unknown")
 EVALUATION = Schema(
     "evaluation",
     (
-        Column("strategy", TEXT, "whose touches, those that the model learnt from"),
+        Column("strategy", TEXT, "strategy of the touches, as in training"),
         CLASSIFIED_BY,
         Column("class", TEXT, "class of the object"),
-        Column("object", TEXT, "name of the object, which the model has not learnt"),
+        Column("object", TEXT, "name of the object, which is not in the training set"),
         VIEWS,
-        count("bag", "which of the evenly spread choices of so many viewpoints"),
+        count("bag", "index of the evenly spread choice of viewpoints"),
     ),
     (
         *ANSWER,
         CANDIDATES,
         UNKNOWN,
         share("stated", "stated coverage of the prediction set"),
-        count("learnt", "objects that the model learnt", 2),
+        count("learnt", "objects in the training set", 2),
     ),
 )
 
 COST_KEYS = (
-    Column("family", TEXT, "what varies"),
-    Column("setting", TEXT, "to which value"),
+    Column("family", TEXT, "what varies between the settings"),
+    Column("setting", TEXT, "value of the setting"),
 )
 
 COST_PARTS = (
-    ("seconds_look", "of it: preparing the surface for rays, rendering and attention"),
-    ("seconds_touch", "of it: touching"),
-    ("seconds_describe", "of it: features"),
-    ("seconds_classify", "of it: classification"),
-    ("seconds_render", "of looking: rendering the views"),
-    ("seconds_attend", "of looking: saliency and fixations"),
-    ("seconds_cast", "of touching: casting rays"),
+    ("seconds_look", "time of looking: preparing the ray caster, rendering and attention"),
+    ("seconds_touch", "time of touching"),
+    ("seconds_describe", "time of features"),
+    ("seconds_classify", "time of classification"),
+    ("seconds_render", "part of looking: rendering the views"),
+    ("seconds_attend", "part of looking: saliency and fixations"),
+    ("seconds_cast", "part of touching: casting rays"),
 )
 
 COST_SECONDS = Schema(
@@ -134,7 +148,7 @@ COST_SECONDS = Schema(
     (
         *COST_KEYS,
         Column("object", TEXT, "class and name of the object, with a slash between"),
-        count("turn", "the settings' turn; each sees the object from another side"),
+        count("turn", "index of the repeat; each repeat looks at the object from another side"),
     ),
     (
         Column("seconds", REAL, "run time of one recognition", "s", 0),
@@ -146,40 +160,52 @@ COST = Schema(
     "cost",
     COST_KEYS,
     (
-        count("place", "place along the family's line"),
+        count("place", "index of the setting in its family"),
         count("touches", "touches from each viewpoint", 1),
         count("viewpoints", "viewpoints that vote", 1),
-        count("looks", "views that must be looked at; none for a blind strategy"),
+        count("looks", "views to render; 0 for a strategy without views"),
         Column("strategy", TEXT, "how the probing locations were chosen"),
         Column("pipeline", TEXT, "how features become an answer"),
         Column("classifier", TEXT, "the classifier"),
         Column("changes", TEXT, "other parameters that differ from the run's, JSON"),
-        share("error", "share of recognitions that are wrong", nullable=True),
-        share("error_low", "lower end of its interval over objects", nullable=True),
-        share("error_high", "upper end of its interval over objects", nullable=True),
-        *difference("lost", "error rate less that of the run's own setting from one viewpoint"),
-        count("objects", "objects that were tested", 1, nullable=True),
-        Column("failed", TEXT, "why it could not be run", nullable=True),
-        Column("seconds", REAL, "run time of a recognition, median of all", "s", 0, nullable=True),
-        Column("seconds_low", REAL, "its lower quartile", "s", 0, nullable=True),
-        Column("seconds_high", REAL, "its upper quartile", "s", 0, nullable=True),
+        share("error", "error rate: share of wrong recognitions", nullable=True),
+        share(
+            "error_low", "lower end of the interval of the error rate over objects", nullable=True
+        ),
+        share(
+            "error_high", "upper end of the interval of the error rate over objects", nullable=True
+        ),
+        *difference(
+            "lost", "error rate minus error rate of the run's own setting from one viewpoint"
+        ),
+        count("objects", "tested objects", 1, nullable=True),
+        Column("failed", TEXT, "why the setting could not be run", nullable=True),
+        Column("seconds", REAL, "run time of a recognition, median", "s", 0, nullable=True),
+        Column("seconds_low", REAL, "lower quartile of the run time", "s", 0, nullable=True),
+        Column("seconds_high", REAL, "upper quartile of the run time", "s", 0, nullable=True),
         *(
             Column(name, REAL, f"{text}, median", "s", 0, nullable=True)
             for name, text in COST_PARTS
         ),
-        count("recognitions", "recognitions that were timed", 1, nullable=True),
+        count("recognitions", "timed recognitions", 1, nullable=True),
         Column(
-            "as_quick", pa.bool_(), "whether it is not significantly slower than the quickest one"
+            "as_quick",
+            pa.bool_(),
+            "whether the setting is not significantly slower than the quickest setting",
         ),
         Column("on_front", pa.bool_(), "whether no other setting is quicker and as accurate"),
-        Column("dominated", pa.bool_(), "whether another one is at least as good in both"),
+        Column(
+            "dominated", pa.bool_(), "whether another setting is at least as quick and as accurate"
+        ),
         Column(
             "step",
             pa.bool_(),
-            "whether it is the most accurate of those as quick as the quickest, or significantly slower and significantly more accurate than the step before",
+            "whether no setting as quick is more accurate, among all settings or among settings significantly slower and more accurate than the step before",
         ),
         Column(
-            "quicker", pa.bool_(), "whether it is significantly quicker than the run's own setting"
+            "quicker",
+            pa.bool_(),
+            "whether the setting is significantly quicker than the run's own setting",
         ),
     ),
 )

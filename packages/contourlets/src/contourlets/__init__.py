@@ -1,8 +1,8 @@
 """Contourlets for Python: a multiscale, directional decomposition of images, and its inverse.
 
 `Contourlet` is the decimated transform of Do and Vetterli with the numbers of the reference Matlab
-toolbox. NumPy is all that is needed. The module `contourlets.transformer`, which has to be imported
-by its name, gives band features to scikit-learn.
+toolbox. The package needs only NumPy. The module `contourlets.transformer`, which needs scikit-learn
+and is imported by its name, has scikit-learn transformers of band features.
 """
 
 from .errors import (

@@ -1,8 +1,8 @@
 """The directional filter bank: ladder steps over the tables of `lattice`.
 
-Arrays here are `(pixels, images)`: the image's pixels flattened in raster order, images last, so that
-one operation covers a batch. Only additions and multiplications of whole arrays are used, so an
-image's result does not depend on the other images of the batch, bit for bit.
+Arrays here are `(pixels, images)`: pixels flattened in raster order, images last, so that one operation
+covers a batch. Only additions and multiplications of whole arrays are used, so that the result of an
+image is the same, bit for bit, in every batch.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .lattice import DirectionalTables, Stage
 
 
 def _convolve(x: FloatArray, taps: tuple[float, ...], axis: int) -> FloatArray:
-    """Convolve along an axis, without borders; samples with taps of one size are joined first."""
+    """Convolve along an axis, without borders; samples with equal taps are added first."""
     length = len(taps)
     if length == 1:
         return x if taps[0] == 1 else x * x.dtype.type(taps[0])
@@ -42,14 +42,14 @@ def _convolve(x: FloatArray, taps: tuple[float, ...], axis: int) -> FloatArray:
 
 
 def _spread(y: FloatArray, taps: tuple[float, ...], axis: int) -> FloatArray:
-    """Adjoint of `_convolve`."""
+    """Apply the adjoint of `_convolve`."""
     reach = [(0, 0)] * y.ndim
     reach[axis] = (len(taps) - 1,) * 2
     return _convolve(np.pad(y, reach), taps[::-1], axis)
 
 
 def _filter(pixels: FloatArray, stage: Stage) -> FloatArray:
-    """Run a stage's separable filter over its rectangle; keep the outputs that have a pixel."""
+    """Apply the separable filter of a stage to its rectangle; return only the outputs of its target pixels."""
     rectangle = pixels.take(stage.source, axis=0)
     filtered = _convolve(_convolve(rectangle, stage.step.taps, 1), stage.step.taps, 2)
     flat = filtered.reshape(-1, pixels.shape[1])
@@ -72,7 +72,7 @@ def _gains(step: LadderStep, dtype: np.dtype[Any]) -> tuple[Any, Any]:
 
 
 def analyse_directions(pixels: FloatArray, tables: DirectionalTables) -> list[FloatArray]:
-    """Split images, (rows × columns, images), which are overwritten, into bands (rows, columns, images)."""
+    """Split images (rows × columns, images) into bands (rows, columns, images); `pixels` is overwritten."""
     for stage in tables.stages:
         gain, weight = _gains(stage.step, pixels.dtype)
         values = pixels.take(stage.target, axis=0)
@@ -85,7 +85,7 @@ def analyse_directions(pixels: FloatArray, tables: DirectionalTables) -> list[Fl
 
 
 def synthesise_directions(bands: list[FloatArray], tables: DirectionalTables) -> FloatArray:
-    """Undo `analyse_directions`, each step of the ladder in reverse."""
+    """Invert `analyse_directions`: undo the steps of the ladder in reverse order."""
     pixels = _gather(bands, tables)
     for stage in reversed(tables.stages):
         gain, weight = _gains(stage.step, pixels.dtype)

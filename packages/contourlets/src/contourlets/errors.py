@@ -2,15 +2,15 @@
 
 
 class ContourletError(ValueError):
-    """Base of every error that this package raises on purpose."""
+    """Base class of all errors of this package."""
 
 
 class ImageError(ContourletError):
-    """The images have a type, a shape or values that the transform is not defined for."""
+    """The type, shape or values of the images are not allowed."""
 
 
 class FilterError(ContourletError):
-    """There is no filter of that name, or the package that has it is not installed."""
+    """No filter has this name, or PyWavelets, which has the filter, is not installed."""
 
 
 class LevelsError(ContourletError):
@@ -22,4 +22,4 @@ class CoefficientsError(ContourletError):
 
 
 class ExtensionError(ContourletError):
-    """There is no border extension of that name."""
+    """No border extension has this name."""

@@ -1,4 +1,4 @@
-"""Band features: one number for every directional band of an image."""
+"""Band features: one number per directional band of an image."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def directional_deviations(
     directional_filter: str = "pkva",
     extension: Extension = "periodic",
 ) -> Array:
-    """Take the standard deviation of every band of a one-level contourlet transform.
+    """Compute the standard deviation of every band of a one-level contourlet transform.
 
     Parameters
     ----------
@@ -33,22 +33,23 @@ def directional_deviations(
     Returns
     -------
     (n, 2^l) float64
-        In the images' unit; each with N − 1 in the denominator, as Matlab's `std`. An image's
-        values do not depend on what else is in the batch, bit for bit.
+        In the unit of the images, with N − 1 in the denominator, as Matlab's `std`. The result of an
+        image is the same, bit for bit, in every batch.
 
     Raises
     ------
     ContourletError
-        On images, levels or filters that are not allowed.
+        If images, levels or filters are not allowed.
     """
     transform = Contourlet((directions_log2,), pyramid_filter, directional_filter, extension)
     return band_deviations(check_stack(images), transform)
 
 
 def band_deviations(images: ArrayLike, transform: Contourlet) -> Array:
-    """Take the standard deviation (N − 1) of every directional band, the coarsest level first.
+    """Compute the standard deviation (N − 1) of every directional band, the coarsest level first.
 
-    Of images (..., rows, columns), float32 or float64, it gives (..., bands) float64.
+    `images` are (..., rows, columns), float32 or float64; the result is (..., bands), float64. Raises
+    `ImageError`, and `LevelsError` if the levels do not allow the size or leave bands of one coefficient.
     """
     array = check_images(images)
     if min(_band_sizes(transform, array)) < 2:
@@ -60,17 +61,17 @@ def band_deviations(images: ArrayLike, transform: Contourlet) -> Array:
 
 
 def band_energies(images: ArrayLike, transform: Contourlet) -> Array:
-    """Sum the squared coefficients of every directional band, the coarsest level first.
+    """Compute the sum of squared coefficients of every directional band, the coarsest level first.
 
-    Of images (..., rows, columns), float32 or float64, it gives (..., bands) float64 in the square of
-    the images' unit; magnitudes beyond 1e±150 leave the range of the type.
+    `images` are (..., rows, columns), float32 or float64; the result is (..., bands), float64, in the
+    square of the unit of the images. Squares of magnitudes beyond 1e±150 overflow or underflow.
     """
     array = check_images(images)
     return _describe_bands(array, transform, lambda band: np.square(band).sum(axis=1), degree=2)
 
 
 def band_names(transform: Contourlet) -> list[str]:
-    """Name every directional band: `level1_band01` is the first band of the finest level."""
+    """Return the names of all directional bands; `level1_band01` is the first band of the finest level."""
     depth = len(transform.levels)
     return [
         f"level{depth - k}_band{number:02d}"
@@ -91,14 +92,14 @@ def _describe_bands(
     *,
     degree: int,
 ) -> Array:
-    """Compute a statistic, (n, coefficients) to (n,), of every band; a band × a has the statistic × a^degree."""
+    """Compute `statistic` (n, coefficients) → (n,) of all bands; a factor a of a band changes it by a^degree."""
     stack = images.reshape(-1, *images.shape[-2:])
-    found = np.zeros((len(stack), len(_band_sizes(transform, images))))
+    result = np.zeros((len(stack), len(_band_sizes(transform, images))))
     for run in blocks(len(stack), images.shape[-2] * images.shape[-1]):
         block = stack[run].astype(np.float64, copy=False)
         power = exponents(block, (1, 2))
         levels = transform.forward(scale(block, -power)).levels
         bands = [band.reshape(len(block), -1) for level in levels for band in level]
         values = np.stack([statistic(band) for band in bands], axis=1)
-        found[run] = scale(values, degree * power)
-    return found.reshape(*images.shape[:-2], found.shape[1])
+        result[run] = scale(values, degree * power)
+    return result.reshape(*images.shape[:-2], result.shape[1])

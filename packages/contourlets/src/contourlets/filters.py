@@ -1,4 +1,4 @@
-"""Filters of the pyramid and of the directional bank, as plain numbers."""
+"""Filters of the pyramid and of the directional bank as numbers."""
 
 from __future__ import annotations
 
@@ -24,14 +24,15 @@ _LADDER_HALVES = {
 _LADDER_HALVES["pkva"] = _LADDER_HALVES["pkva12"]
 
 DIRECTIONAL_FILTERS = ("pkva6", "pkva8", "pkva12", "pkva", "haar")
-"""Allowed directional filters; `pkva` is the reference toolbox's short name of `pkva12`."""
+"""Allowed directional filters; `pkva` is the name of `pkva12` in the reference toolbox."""
 
 
 @dataclass(frozen=True, eq=False)
 class PyramidFilters:
     """A biorthogonal pair of symmetric lowpass filters; the taps of each sum to √2.
 
-    Taps are without padding. Odd lengths are centred on a sample, even ones half a sample after it.
+    Taps have no zero padding. A filter of odd length is centred on a sample, a filter of even length half
+    a sample after it.
     """
 
     analysis: Array
@@ -47,10 +48,9 @@ class PyramidFilters:
 class LadderStep:
     """One step of a two-channel ladder: `target = gain * target + weight * F(other channel)`.
 
-    `target` is 0 where the first polyphase component is replaced, 1 where the second is. `F` is
-    separable in the coordinates of the channels' lattice, with the same convolution taps along both
-    axes; it covers so many samples of the other component `before` and `after`, towards lower and
-    higher indices.
+    `target` is the polyphase component that is replaced: 0 for the first, 1 for the second. `F` is
+    separable in the coordinates of the lattice, with the same convolution taps along both axes. It reads
+    `before` samples of the other component towards lower indices, and `after` towards higher indices.
     """
 
     target: int
@@ -62,24 +62,24 @@ class LadderStep:
 
 
 def pywavelets() -> Any:
-    """Import PyWavelets, which is needed only for filters by name."""
+    """Return the package PyWavelets; raise `FilterError` if it is not installed."""
     try:
         import pywt
     except ModuleNotFoundError:
         raise FilterError(
-            "Filters other than 9-7, 5-3 and haar are those of PyWavelets, which is not installed; "
+            "Filters other than 9-7, 5-3 and haar come from PyWavelets, which is not installed; "
             "`pip install 'contourlets[wavelets]'` brings it."
         ) from None
     return pywt
 
 
 def pyramid_filter_names() -> tuple[str, ...]:
-    """List every name that `pyramid_filters` allows; three of them without PyWavelets."""
-    own = ("9-7", "5-3", "haar")
+    """Return all names that `pyramid_filters` allows; only three names without PyWavelets."""
+    built_in = ("9-7", "5-3", "haar")
     if find_spec("pywt") is None:
-        return own
+        return built_in
     pywt = pywavelets()
-    return (*own, *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
+    return (*built_in, *pywt.wavelist("bior"), *pywt.wavelist("rbio"))
 
 
 def _mirror(half: list[float], centre: float) -> Array:
@@ -93,11 +93,11 @@ def _trim(taps: list[float]) -> Array:
 
 @cache
 def pyramid_filters(name: str) -> PyramidFilters:
-    """Look up a pair of lowpass filters for the Laplacian pyramid.
+    """Return a pair of lowpass filters for the Laplacian pyramid.
 
-    They are `9-7` (Cohen, Daubechies & Feauveau 1992, with the reference toolbox's 14 digits), `5-3` (Le
-    Gall & Tabatabai 1988), `haar`, and the `bior…` and `rbio…` wavelets of PyWavelets. Raises
-    `FilterError` when there is no pair of that name, or PyWavelets has it and is not installed.
+    Names are `9-7` (Cohen, Daubechies & Feauveau 1992, with the 14 digits of the reference toolbox), `5-3`
+    (Le Gall & Tabatabai 1988), `haar`, and the `bior…` and `rbio…` wavelets of PyWavelets. Raises
+    `FilterError` if no pair has this name, or if PyWavelets is needed and not installed.
     """
     if name == "9-7":
         return PyramidFilters(_mirror(_NINE, _NINE_CENTRE), _mirror(_SEVEN, _SEVEN_CENTRE))
@@ -119,9 +119,9 @@ def pyramid_filters(name: str) -> PyramidFilters:
 
 
 def _defects(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
-    """Errors of a pair in biorthogonality, sums and zeros at π, and their Jacobian."""
+    """Return the errors of a pair in biorthogonality, sums and zeros at π, and their Jacobian."""
     n, m = len(analysis), len(synthesis)
-    # Both filters have the same centre: tap i is multiplied with tap i + (m − n)/2 + an even shift.
+    # Both filters have the same centre, so tap i meets tap i + (m − n)/2 + an even shift.
     reach = (n + m) // 4
     shifts = 2 * np.arange(-reach, reach + 1) + (m - n) // 2
     meets = np.arange(m) - np.arange(n)[:, None] == shifts[:, None, None]
@@ -140,7 +140,7 @@ def _defects(analysis: Array, synthesis: Array) -> tuple[Array, Array]:
 
 
 def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
-    """Refine a pair to double precision: PyWavelets gives some filters to 1e-12 only."""
+    """Refine a pair to double precision, because some filters of PyWavelets have errors of 1e-12."""
     # Least-norm Newton steps, which change taps by no more than that error.
     for _ in range(2):
         defect, jacobian = _defects(analysis, synthesis)
@@ -154,7 +154,7 @@ def _polish(analysis: Array, synthesis: Array) -> PyramidFilters:
 
 @cache
 def ladder_taps(name: str) -> Array:
-    """Return the taps, symmetric and of even length, of the half-band prototype β of a `pkva` ladder.
+    """Return the taps of the half-band prototype β of a `pkva` ladder: symmetric, of even length.
 
     S.-M. Phoong, C. W. Kim, P. P. Vaidyanathan, R. Ansari, "A new class of two-channel biorthogonal
     filter banks and wavelet bases", IEEE Trans. Signal Processing 43(3), 1995.
@@ -165,7 +165,7 @@ def ladder_taps(name: str) -> Array:
 
 @cache
 def ladder_steps(name: str) -> tuple[LadderStep, LadderStep]:
-    """Write a directional filter as the two steps of a ladder; `FilterError` if there is none of that name.
+    """Return the two ladder steps of a directional filter; raise `FilterError` if no filter has this name.
 
     With polyphase components p0 and p1, and F the prototype β with every other tap negated along
     both axes, `pkva` is y0 = (p0 − F p1)/√2, y1 = −√2 p1 − F y0 (Phoong et al. 1995, as in the
@@ -197,12 +197,12 @@ def ladder_steps(name: str) -> tuple[LadderStep, LadderStep]:
 def diamond_filters(name: str) -> tuple[Array, Array]:
     """Compute the non-separable diamond filters that are equivalent to a `pkva` ladder.
 
-    h0 = √2 (δ + B)/2, the lowpass, and h1 = √2 (δ − B(δ + B)/2), where B = β(z1 z2) β(z1/z2). For β
-    of n taps they have sides of 2 n − 1 (23 for `pkva`) and 4 n − 3.
+    Returns h0 = √2 (δ + B)/2, the lowpass, and h1 = √2 (δ − B(δ + B)/2), where B = β(z1 z2) β(z1/z2). For
+    β of n taps, h0 has 2 n − 1 rows and columns (23 for `pkva`), and h1 has 4 n − 3.
     """
     if name not in _LADDER_HALVES:
         raise FilterError(
-            f"Diamond filters follow from a ladder prototype, which {name!r} is not; the names are "
+            f"Diamond filters need a ladder prototype, and {name!r} is none; the names are "
             f"{', '.join(_LADDER_HALVES)}."
         )
     beta = ladder_taps(name)

@@ -15,13 +15,13 @@ FloatArray = NDArray[np.floating[Any]]
 _Real = TypeVar("_Real", bound=np.floating[Any])
 
 BLOCK_ELEMENTS = 1 << 18
-"""Pixels per block, unless one image has more: a few MB of working memory."""
+"""Largest number of pixels per block of images (a few MB); a larger image has its own block."""
 
 
 def check_images(images: ArrayLike) -> FloatArray:
-    """Check images and give them as a float32 or float64 array.
+    """Return images as a float32 or float64 array.
 
-    Raises `ImageError` on any other type, less than 2 × 2 pixels, and values that are not finite.
+    Raises `ImageError` for any other type, less than 2 × 2 pixels, or values that are not finite.
     """
     array = np.asarray(images)
     if array.dtype not in (np.float32, np.float64):
@@ -37,7 +37,7 @@ def check_images(images: ArrayLike) -> FloatArray:
 
 
 def check_stack(images: ArrayLike) -> FloatArray:
-    """Check images of the shape (n, rows, columns), as `check_images` does."""
+    """Return images of shape (n, rows, columns); raises `ImageError` as `check_images` does."""
     array = check_images(images)
     if array.ndim != 3:
         raise ImageError(f"Images must have the shape (n, rows, columns), not {array.shape}.")
@@ -45,30 +45,29 @@ def check_stack(images: ArrayLike) -> FloatArray:
 
 
 def blocks(count: int, pixels: int) -> Iterator[slice]:
-    """Divide a batch of images into blocks of at most `BLOCK_ELEMENTS` pixels."""
+    """Yield slices of a batch of images, of at most `BLOCK_ELEMENTS` pixels each."""
     run = max(1, BLOCK_ELEMENTS // max(pixels, 1))
     for start in range(0, count, run):
         yield slice(start, min(start + run, count))
 
 
 def exponents(images: FloatArray, axes: tuple[int, ...]) -> NDArray[np.intc]:
-    """Powers of two, one an image, by which images are divided before any arithmetic.
+    """Return the exponent e per image, so that arithmetic on images / 2^e keeps the range of the type.
 
-    Zero if the largest magnitude is in the middle of the type's range: scaling by a power of two
-    would change no digit of any result. Near the ends of the range the largest magnitude is scaled
-    to between ½ and 1, so that sums do not overflow and denormal numbers keep their digits. `axes`
-    are those of one image.
+    e is 0 if the largest magnitude is in the middle of the range, where scaling by a power of two changes
+    no digit of a result. Near the ends of the range, images / 2^e have the largest magnitude in [½, 1):
+    sums do not overflow, and denormal numbers keep their digits. `axes` are the axes of one image.
     """
     limits = np.finfo(images.dtype)
     high, low = images.max(axis=axes, initial=0.0), images.min(axis=axes, initial=0.0)
     exponent = np.frexp(np.maximum(high, -low))[1]
-    # A quarter of the range, so that sums of squares stay within half of it.
+    # Magnitudes within a quarter of the range have sums of squares within half of the range.
     comfortable = (exponent > limits.minexp // 4) & (exponent < limits.maxexp // 4)
     return np.where(comfortable, 0, exponent).astype(np.intc)
 
 
 def scale(images: NDArray[_Real], powers: NDArray[np.intc]) -> NDArray[_Real]:
-    """Multiply each image by its power of two."""
+    """Multiply each image by 2 to its power."""
     if not powers.any():
         return images
     return np.ldexp(images, powers.reshape(-1, *(1,) * (images.ndim - 1)))

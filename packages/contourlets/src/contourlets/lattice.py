@@ -1,9 +1,9 @@
 """Pixel tables of the directional bank: lattices, polyphase components and borders.
 
-The bank is a binary tree of two-channel ladders. Every sample of every channel sits at a pixel of
-the image, so the whole tree can be computed in place. Two tables of pixel numbers describe a ladder
-step: the pixels that it replaces, and the rectangle of pixels, borders included, that its separable
-filter covers. This module makes the tables; it handles no images.
+The bank is a binary tree of two-channel ladders. Every sample of every channel belongs to a pixel of
+the image, so the whole tree can be computed in place. Two tables of pixel indices describe a ladder
+step: the pixels that the step replaces, and the rectangle of pixels, with borders, under its separable
+filter. This module only computes the tables.
 
 The sampling matrices are those of M. N. Do, "Directional multiresolution image representations"
 (thesis, EPFL 2001), chapter 3, in the arrangement of his Contourlet Toolbox: quincunx matrices
@@ -43,11 +43,11 @@ _HAAR_NEIGHBOURS = (np.array([1, 1]), np.array([-1, 1]))
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A ladder step of several channels at once, by flat numbers of pixels.
+    """A ladder step of several channels at once, as flat indices of pixels.
 
-    It replaces `target` (n,); its filter covers `source` (channels, rows + before + after, columns
-    + before + after), in lattice coordinates. `keep` (n,) are those of the filter's `channels ×
-    rows × columns` outputs that belong to `target`, in this order; None means all.
+    The step replaces the pixels `target` (n,). Its filter covers the pixels `source` (channels, rows +
+    before + after, columns + before + after), in lattice coordinates. `keep` (n,) are the indices of the
+    outputs for `target` among the `channels × rows × columns` outputs of the filter; None means all.
     """
 
     step: LadderStep
@@ -60,7 +60,7 @@ class Stage:
 class DirectionalTables:
     """The whole directional bank of one image size: its stages in the order of analysis.
 
-    `bands` are the flat numbers of the pixels at which each band's coefficients sit, in band order.
+    `bands` are the flat indices of the pixels with the coefficients of each band, in band order.
     """
 
     stages: tuple[Stage, ...]
@@ -68,11 +68,11 @@ class DirectionalTables:
 
 
 _Ladder = list[tuple[Indices, Indices, Indices | None]]
-"""A split of a node: for each of the two steps target, source and keep, as a `Stage` of one channel has them."""
+"""A split of a node: per ladder step `target`, `source` and `keep` of a `Stage` of one channel."""
 
 
 def check_extension(extension: str) -> None:
-    """Raise `ExtensionError` if there is no border extension of that name."""
+    """Raise `ExtensionError` if no border extension has this name."""
     if extension not in EXTENSIONS:
         raise ExtensionError(
             f"No extension is called {extension!r}; the names are {', '.join(EXTENSIONS[:-1])} and "
@@ -81,12 +81,12 @@ def check_extension(extension: str) -> None:
 
 
 def side_multiple(directions_log2: int) -> int:
-    """Return the number of which an image's sides must be multiples for a bank of 2^l bands."""
+    """Return the number whose multiples are allowed as sides of an image, for a bank of 2^l bands."""
     return max(2, 2 ** (directions_log2 - 1)) if directions_log2 else 1
 
 
 def band_shapes(shape: tuple[int, int], directions_log2: int) -> tuple[tuple[int, int], ...]:
-    """Shapes of the 2^l bands of an image, in band order."""
+    """Return the shapes of the 2^l bands of an image, in band order."""
     rows, columns = shape
     if directions_log2 == 0:
         return ((rows, columns),)
@@ -100,14 +100,13 @@ def band_shapes(shape: tuple[int, int], directions_log2: int) -> tuple[tuple[int
 def directional_tables(
     shape: tuple[int, int], directions_log2: int, filter_name: str, extension: Extension
 ) -> DirectionalTables:
-    """Make the tables of a directional bank of 2^l bands.
+    """Compute the tables of a directional bank of 2^l bands.
 
-    `periodic` is the toolbox's extension: each channel's array, stored along sheared axes, is
-    wrapped without correction (with half a turn at the first level). From the third level on this
-    is not the torus of the image: where a sheared axis wraps, rows become neighbours that are not
-    adjacent in the image. `circular` wraps on the true torus. `symmetric` reflects each node of the
-    tree about its first and last row and column, which maps each polyphase component onto itself,
-    so that every ladder step stays invertible.
+    `periodic` is the extension of the toolbox: the array of each channel, stored along sheared axes, is
+    wrapped without correction (with half a turn at the first level). From the third level on, this is not
+    the torus of the image: where a sheared axis wraps, neighbouring rows are not adjacent in the image.
+    `circular` wraps on the true torus. `symmetric` reflects each node of the tree about its first and last
+    row and column. This maps each polyphase component onto itself, so every ladder step stays invertible.
     """
     steps = ladder_steps(filter_name)
     pixels = np.arange(shape[0] * shape[1]).reshape(shape)
@@ -117,15 +116,19 @@ def directional_tables(
         levels, bands = _wrapped_tree(pixels, directions_log2, filter_name, steps)
     else:
         circular = extension == "circular"
-        levels, bands = _placed_tree(shape, directions_log2, filter_name, steps, circular=circular)
+        levels, bands = _tree_in_place(
+            shape, directions_log2, filter_name, steps, circular=circular
+        )
     stages = tuple(stage for level in levels for stage in _stack(level, steps))
     return DirectionalTables(stages, tuple(np.ascontiguousarray(band) for band in bands))
 
 
 def check_directions(directions_log2: int) -> None:
     """Raise `LevelsError` unless l is an integer from 0 to 5."""
-    whole = isinstance(directions_log2, (int, np.integer)) and not isinstance(directions_log2, bool)
-    if not whole or not 0 <= directions_log2 <= MAX_DIRECTIONS_LOG2:
+    is_integer = isinstance(directions_log2, (int, np.integer)) and not isinstance(
+        directions_log2, bool
+    )
+    if not is_integer or not 0 <= directions_log2 <= MAX_DIRECTIONS_LOG2:
         raise LevelsError(
             f"A level has 2^l directions with an integer l from 0 to {MAX_DIRECTIONS_LOG2}, not "
             f"{directions_log2!r}."
@@ -133,7 +136,7 @@ def check_directions(directions_log2: int) -> None:
 
 
 def _stack(ladders: list[_Ladder], steps: tuple[LadderStep, LadderStep]) -> Iterator[Stage]:
-    """Join the ladders of one tree level that have rectangles of one shape: one stage per step."""
+    """Yield one stage per step and shape of rectangles, from the ladders of a level of the tree."""
 
     def shapes(ladder: _Ladder) -> list[tuple[int, ...]]:
         return [source.shape for _, source, _ in ladder]
@@ -156,26 +159,26 @@ def _stack(ladders: list[_Ladder], steps: tuple[LadderStep, LadderStep]) -> Iter
 
 
 def _shear(x: Indices, shift: int) -> Indices:
-    """Resample by R3^shift: y[i, j] = x[i, j + shift i], columns wrapping."""
+    """Resample by R3^shift: y[i, j] = x[i, j + shift i], with wrapped columns."""
     rows, columns = np.ogrid[: x.shape[0], : x.shape[1]]
     return x[rows, (columns + shift * rows) % x.shape[1]]
 
 
 def _quincunx_components(x: Indices) -> tuple[Indices, Indices]:
-    """Polyphase components of Q1 = R2 D1 R3, the second one pixel to the right of the first."""
+    """Return the polyphase components of Q1 = R2 D1 R3; the second is a pixel to the right of the first."""
     y = _shear(x.T, -1).T
     return _shear(y[::2], 1), _shear(np.roll(y[1::2], -1, axis=1), 1)
 
 
 def _parallelogram_components(x: Indices, kind: int) -> tuple[Indices, Indices]:
-    """Polyphase components of P1 = D1 R3 (kind 0) or P2 = D1 R4 (kind 1)."""
+    """Return the polyphase components of P1 = D1 R3 (kind 0) or P2 = D1 R4 (kind 1)."""
     if kind == 0:
         return _shear(x[::2], 1), _shear(np.roll(x[1::2], -1, axis=1), 1)
     return _shear(x[::2], -1), _shear(x[1::2], -1)
 
 
 def _haar_pairs(x: Indices, level: int, kind: int) -> tuple[Indices, Indices]:
-    """Return the kept coset and the neighbours that the two-tap filter combines it with."""
+    """Return the kept coset, and the neighbours for the two-tap filter."""
     # The toolbox's two taps lie along the rows at the first two levels (the second is transposed
     # here), and along the rows of the node resampled by R1 or R2 further down.
     if level > 2:
@@ -187,7 +190,7 @@ def _haar_pairs(x: Indices, level: int, kind: int) -> tuple[Indices, Indices]:
 
 
 def _wrap(x: Indices, step: LadderStep, *, half_turn: bool) -> Indices:
-    """Extend an array by a step's reach; with `half_turn`, a wrap of rows shifts columns by half."""
+    """Extend an array by the reach of a step; with `half_turn`, a wrap of rows shifts columns by half."""
     rows, columns = (np.arange(-step.before, n + step.after)[:, None] for n in x.shape)
     turns = rows // x.shape[0] * (x.shape[1] // 2) if half_turn else 0
     return x[rows % x.shape[0], (columns.T + turns) % x.shape[1]]
@@ -204,7 +207,7 @@ def _components(node: Indices, level: int, kind: int, filter_name: str) -> tuple
 def in_order(
     parts: tuple[_Part, _Part], level: int, kind: int, filter_name: str
 ) -> tuple[_Part, _Part]:
-    """Put the two channels of a split into the toolbox's order."""
+    """Return the two channels of a split in the order of the toolbox."""
     haar = filter_name == "haar"
     straight = (level > 2 and kind == 0) if haar else level == 1
     return parts if straight else (parts[1], parts[0])
@@ -213,7 +216,7 @@ def in_order(
 def _wrapped_tree(
     pixels: Indices, depth: int, filter_name: str, steps: tuple[LadderStep, LadderStep]
 ) -> tuple[list[list[_Ladder]], list[Indices]]:
-    """Split down to `depth` in the toolbox's arrays."""
+    """Return ladders per level down to `depth`, and bands, in the arrays of the toolbox."""
     # The second level works on transposed nodes, as Q2 is Q1 with exchanged axes; the second half of
     # the tree stays transposed, as P3 and P4 are P1 and P2 with exchanged axes.
     nodes, levels = [pixels], []
@@ -237,7 +240,7 @@ def _wrapped_tree(
 
 
 def _back_sampled(nodes: list[Indices], depth: int) -> list[Indices]:
-    """Undo the remaining shear, so that bands are sampled along rows and columns; order them."""
+    """Undo the remaining shear, so that bands are sampled along rows and columns, and order the bands."""
     if depth == 1:
         return [_unquincunx(node) for node in nodes]
     half = len(nodes) // 2
@@ -257,7 +260,7 @@ def _unquincunx(node: Indices) -> Indices:
 # Pixels at their true positions: for the torus and for reflection ---------------------------------
 
 
-def _placed_tree(
+def _tree_in_place(
     shape: tuple[int, int],
     depth: int,
     filter_name: str,
@@ -265,9 +268,9 @@ def _placed_tree(
     *,
     circular: bool,
 ) -> tuple[list[list[_Ladder]], list[Indices]]:
-    """Split down to `depth`, every sample at its own pixel."""
-    # A node is its sampling matrix and the position of its sample 0, which may lie outside the image
-    # because of the toolbox's delays; in the second half of the tree both have exchanged axes.
+    """Return ladders per level down to `depth`, and bands, with every sample at its true pixel."""
+    # A node is its sampling matrix and the position of its sample 0, which may be outside the image
+    # because of the delays of the toolbox. In the second half of the tree, both have exchanged axes.
     nodes = [(np.eye(2, dtype=np.intp), np.zeros(2, dtype=np.intp))]
     levels = []
     children: list[tuple[Indices, Indices]]
@@ -296,16 +299,16 @@ def _placed_tree(
             children[2:] = [(m[::-1, ::-1], a[::-1]) for m, a in children[2:]]
         nodes = children
         levels.append(ladders)
-    return levels, _placed_bands([anchor for _, anchor in nodes], shape, depth, circular=circular)
+    return levels, _bands_in_place([anchor for _, anchor in nodes], shape, depth, circular=circular)
 
 
 def _spacing(level: int) -> Indices:
-    """Rows and columns from a sample to the next of a channel at a level of the tree."""
+    """Return rows and columns between neighbouring samples of a channel at a level of the tree."""
     return np.array([1, 1] if level < 2 else [2 ** (level - 1), 2])
 
 
 def _coset(anchor: Indices, level: int, size: Indices) -> Indices:
-    """Positions (n, 2) of a channel's samples within an image, in raster order."""
+    """Return the positions (n, 2) of the samples of a channel within an image, in raster order."""
     spacing = _spacing(level)
     axes = [np.arange(*along) for along in zip(anchor % spacing, size, spacing, strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -315,7 +318,7 @@ def _coset(anchor: Indices, level: int, size: Indices) -> Indices:
 def _rectangle(
     target: Indices, displaced: Indices, matrix: Indices, step: LadderStep
 ) -> tuple[Indices, Indices]:
-    """Return the lattice positions that a step's filter covers, and which outputs belong to the target."""
+    """Return the positions that the filter of a step covers, and the indices of the outputs for the target."""
     cells: Indices = np.rint((target - target[0]) @ np.linalg.inv(matrix).T).astype(np.intp)
     low, high = cells.min(axis=0), cells.max(axis=0) + 1
     axes = [np.arange(a - step.before, b + step.after) for a, b in zip(low, high, strict=True)]
@@ -331,38 +334,38 @@ def _reflect(positions: Indices, anchor: Indices, spacing: Indices, size: Indice
     return origin + spacing * np.minimum(folded, 2 * last - folded)
 
 
-def _placed_bands(
+def _bands_in_place(
     anchors: list[Indices], shape: tuple[int, int], depth: int, *, circular: bool
 ) -> list[Indices]:
-    """Start every band at its anchor on the torus, as the toolbox's arrays do, or at its first pixel."""
+    """Return bands that start at their anchor on the torus, as in the toolbox, or at their first pixel."""
     half, spacing = len(anchors) // 2, _spacing(depth)
-    places = []
-    for number, size in enumerate(band_shapes(shape, depth)):
+    bands = []
+    for index, size in enumerate(band_shapes(shape, depth)):
         i, j = np.indices(size)
         if depth == 1:
-            after = anchors[number][1]
+            after = anchors[index][1]
             row, column = (2 * i - j % 2, j + after) if circular else (2 * i + (j + after) % 2, j)
         else:
-            # The second half has exchanged axes, and the reverse order.
-            turned = number >= half
-            anchor = anchors[3 * half - 1 - number if turned else number]
+            # The second half of the bands has exchanged axes and reverse order.
+            turned = index >= half
+            anchor = anchors[3 * half - 1 - index if turned else index]
             start = anchor if circular else anchor % spacing
             first, second = (j, i) if turned else (i, j)
-            place = (start[0] + spacing[0] * first, start[1] + spacing[1] * second)
-            row, column = place[::-1] if turned else place
-        places.append(row % shape[0] * shape[1] + column % shape[1])
-    return places
+            positions = (start[0] + spacing[0] * first, start[1] + spacing[1] * second)
+            row, column = positions[::-1] if turned else positions
+        bands.append(row % shape[0] * shape[1] + column % shape[1])
+    return bands
 
 
 def ladder_geometry(
     parent: Indices, level: int, kind: int, *, haar: bool
 ) -> tuple[Indices, Indices]:
-    """Compute the lattice of the two channels of a split at a level of the tree, 1 for the first; in pixels.
+    """Return the lattice of the two channels of a split, in pixels.
 
-    `parent` (2, 2) is the sampling matrix of the node that is split, with exchanged axes in the
-    second half of the tree; `kind` is 0 for P1, 1 for P2, and not used at the first two levels.
-    Returns the sampling matrix (2, 2) of both channels, and the step (2,) from a sample of the first
-    channel to its partner in the second.
+    `parent` (2, 2) is the sampling matrix of the node that is split, with exchanged axes in the second half
+    of the tree. `level` is the level of the tree, from 1. `kind` is 0 for P1 and 1 for P2; the first two
+    levels ignore it. Returns the sampling matrix (2, 2) of both channels, and the step (2,) from a sample
+    of the first channel to its partner in the second channel.
     """
     if level == 1:
         return _Q1, np.array([0, 1])

@@ -1,9 +1,9 @@
-"""The nonsubsampled contourlet transform: shift-invariant, every band at full size.
+"""The nonsubsampled contourlet transform: shift-invariant, with every band at full size.
 
 A. L. da Cunha, J. Zhou, M. N. Do, "The nonsubsampled contourlet transform: theory, design, and
-applications", IEEE Trans. Image Processing 15(10), 2006. Here it has the decimated transform's own
-filters: every ladder step of `directional` is applied to all pixels instead of one coset, and the
-pyramid's filters are dilated from level to level instead of halving the image.
+applications", IEEE Trans. Image Processing 15(10), 2006. This implementation uses the filters of the
+decimated transform. Every ladder step of `directional` is applied to all pixels instead of one coset.
+The filters of the pyramid are dilated from level to level instead of halving the image.
 
 With the zero-phase filter B of a ladder, its channels are y0 = (1 + B) x / 2 and
 y1 = −(1 − B (1 + B) / 2) x, and x = (1 + B/2 − B²/2) y0 − (1 − B) y1 / 2. All of these are polynomials
@@ -24,7 +24,7 @@ from .transform import Parts, PyramidalTransform, Shapes
 
 _WHOLE = np.eye(2, dtype=np.intp)
 Spans = list[tuple[int, int]]
-"""The first row and column that an array covers, and those after its last."""
+"""First index, and index after the last, of the rows and columns that an array covers."""
 
 
 @dataclass(frozen=True)
@@ -38,14 +38,13 @@ class NonsubsampledContourlet(PyramidalTransform):
     pyramid_filter, directional_filter : str
         See `Contourlet`.
     extension : {"periodic", "symmetric", "circular"}
-        `periodic` and `circular` are equal here, and commute with circular shifts; `symmetric`
-        reflects.
+        `periodic` and `circular` are equal here: both commute with circular shifts. `symmetric` reflects.
 
     Notes
     -----
-    Images of any size are allowed, and are not padded. Bands have the order of `Contourlet`'s.
-    Multiplied by √2^l and sampled at the same pixels, they are the bands of the same detail image in
-    `Contourlet`'s directional bank with circular extension.
+    Images may have any size and are not padded. Bands have the same order as in `Contourlet`. Multiplied by
+    √2^l and sampled at the same pixels, they are the bands of the same detail image in the directional
+    bank of `Contourlet` with circular extension.
 
     Examples
     --------
@@ -57,21 +56,21 @@ class NonsubsampledContourlet(PyramidalTransform):
     """
 
     def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Return rows and columns, unchanged."""
+        """Return rows and columns unchanged."""
         return shape
 
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:
-        """Return the image's shape for the coarse image and for each band of every level."""
+        """Return the shape of the image for the coarse image and for each band of every level."""
         return ((shape,), *((shape,) * 2**level for level in self.levels))
 
     def _analyse(self, block: FloatArray) -> list[FloatArray]:
-        found: list[FloatArray] = []
+        bands: list[FloatArray] = []
         for scale, level in enumerate(reversed(self.levels)):
             coarse = self._lower(block, scale)
             detail = block - self._raise(coarse, scale)
-            found = _second_half_reversed(self._split(detail, level)) + found
+            bands = _second_half_reversed(self._split(detail, level)) + bands
             block = coarse
-        return [block, *found]
+        return [block, *bands]
 
     def _synthesise(self, parts: Parts) -> FloatArray:
         block = parts[0][0]
@@ -94,9 +93,9 @@ class NonsubsampledContourlet(PyramidalTransform):
         odd = len(taps) % 2 == 1
         for axis in (0, 1):
             size = x.shape[axis]
-            places = np.arange(size) + offsets[:, None]
+            positions = np.arange(size) + offsets[:, None]
             total = np.zeros_like(x)
-            for tap, row in zip(taps / np.sqrt(2), places, strict=True):
+            for tap, row in zip(taps / np.sqrt(2), positions, strict=True):
                 indices = fold_indices(row, size, self.extension, odd=odd)
                 total += x.dtype.type(tap) * x.take(indices, axis=axis)
             x = total
@@ -105,7 +104,7 @@ class NonsubsampledContourlet(PyramidalTransform):
     def _split(
         self, x: FloatArray, level: int, depth: int = 1, number: int = 0, parent: Indices = _WHOLE
     ) -> list[FloatArray]:
-        """Divide a channel of the tree, at a depth and of a number there, down to `level`."""
+        """Split a channel of the tree, given by depth and number, down to `level`."""
         if depth > level:
             return [x]
         ladder = self._ladder(parent, depth, number)
@@ -119,7 +118,7 @@ class NonsubsampledContourlet(PyramidalTransform):
     def _join(
         self, bands: list[FloatArray], depth: int = 1, number: int = 0, parent: Indices = _WHOLE
     ) -> FloatArray:
-        """Undo `_split`."""
+        """Invert `_split`."""
         if len(bands) == 1:
             return bands[0]
         ladder, half = self._ladder(parent, depth, number), len(bands) // 2
@@ -143,7 +142,7 @@ def _second_half_reversed(bands: list[FloatArray]) -> list[FloatArray]:
 
 @dataclass(frozen=True, eq=False)
 class _Ladder:
-    """A two-channel ladder on all pixels; a `turned` one sees rows and columns exchanged."""
+    """A two-channel ladder on all pixels; `turned` exchanges rows and columns."""
 
     filter_name: str
     matrix: Indices
@@ -161,14 +160,14 @@ class _Ladder:
         return first, -x - self._filter(first, 1)
 
     def join(self, first: FloatArray, second: FloatArray) -> FloatArray:
-        """Undo `split`."""
+        """Invert `split`."""
         if self.filter_name == "haar":
             return first + self._filter(second, 0)
         residue = -self._filter(first, 0) - second
         return first + residue.dtype.type(0.5) * (residue + self._filter(residue, 0))
 
     def _filter(self, x: FloatArray, target: int) -> FloatArray:
-        """Apply the ladder's filter F, from the second channel's places to the first's or back."""
+        """Apply the filter F of the ladder step that replaces `target`, 0 or 1."""
         if self.turned:
             return self._run(x.swapaxes(0, 1), target).swapaxes(0, 1)
         return self._run(x, target)
@@ -181,7 +180,7 @@ class _Ladder:
         along_columns = self.matrix[:, 1:] * reach
         whole = [(0, x.shape[0]), (0, x.shape[1])]
         inner = _reached(whole, along_rows)
-        # A first pass only along rows leaves their extension to the second.
+        # If the first pass moves only along rows, the second pass extends the rows.
         first = inner if self.matrix[0, 1] else [whole[0], inner[1]]
         outer = _reached(first, along_columns)
         x = self._extend(self._extend(x, 1, outer[1]), 0, outer[0])
@@ -206,7 +205,7 @@ def _reached(spans: Spans, displacements: Indices) -> Spans:
 def _displaced_sum(
     x: FloatArray, taps: tuple[float, ...], displacements: Indices, given: Spans, wanted: Spans
 ) -> FloatArray:
-    """Sum displaced copies of `x`, which covers the span `given`, over the span `wanted`."""
+    """Sum displaced copies of `x`, which covers `given`, times taps; return the sum over `wanted`."""
 
     def copy(k: int) -> FloatArray:
         spans = (

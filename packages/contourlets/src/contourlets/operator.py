@@ -1,9 +1,9 @@
 """The transform as one matrix, for small images of one size.
 
-For images of 16 × 16 pixels a product with a fixed matrix is some seven times as fast as the ladder;
-for 32 × 32 both take about as long. BLAS may choose another kernel for another number of rows, which
-changes the last bits of a row; so products are always computed in blocks of `BLOCK_IMAGES` rows, the
-last block padded with zeros. Each image is then computed by the same instructions in any batch.
+For images of 16 × 16 pixels, a product with a fixed matrix is about seven times as fast as the ladder;
+for 32 × 32, both take about the same time. BLAS may choose another kernel for another number of rows,
+which changes the last bits of a row. Products are therefore computed in blocks of `BLOCK_IMAGES` rows,
+the last block filled up with zeros. So each image has the same result in any batch.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from .images import FloatArray, check_images, exponents, scale
 from .transform import Coefficients, Contourlet, gather
 
 BLOCK_IMAGES = 32
-"""Rows of every matrix product."""
+"""Number of rows of every matrix product."""
 
 MAX_MATRIX_BYTES = 1 << 25
-"""Largest matrix that is built: 32 MiB, enough for 32 × 32 images at any levels."""
+"""Largest size of a matrix: 32 MiB, enough for 32 × 32 images at any levels."""
 
 _ALIGNMENT = 64
 
@@ -38,7 +38,7 @@ class ContourletOperator:
     transform : Contourlet
     image_shape : (int, int)
     matrix : (pixels, coefficients) float32 or float64
-        Row vectors of pixels times this give `Coefficients.ravel()`; read-only.
+        Row vectors of pixels times `matrix` are `Coefficients.ravel()`; read-only.
     """
 
     transform: Contourlet
@@ -46,7 +46,7 @@ class ContourletOperator:
     matrix: FloatArray
 
     def forward(self, images: ArrayLike) -> Coefficients:
-        """Transform images of the operator's size, (..., rows, columns), in its type.
+        """Transform images (..., rows, columns) of the size of the operator, in its type.
 
         Equal to `Contourlet.forward` up to rounding. Raises `ImageError` and `LevelsError`.
         """
@@ -67,7 +67,7 @@ class ContourletOperator:
         return gather(bands, sizes, self.image_shape)
 
     def adjoint(self, coefficients: Coefficients) -> FloatArray:
-        """Apply the transposed matrix: `(..., rows, columns)`."""
+        """Apply the transposed matrix to coefficients; return images (..., rows, columns)."""
         values = coefficients.ravel()
         flat = values.reshape(-1, self.matrix.shape[1])
         back = blockwise_product(flat, np.ascontiguousarray(self.matrix.T))
@@ -75,7 +75,7 @@ class ContourletOperator:
 
 
 def blockwise_product(rows: FloatArray, matrix: FloatArray) -> FloatArray:
-    """Multiply row vectors with a matrix; a row's result depends only on that row, bit for bit."""
+    """Multiply row vectors with a matrix; the result of a row depends only on this row, bit for bit."""
     outer = matrix.shape[1]
     width = -(-outer // _ALIGNMENT) * _ALIGNMENT
     if width != outer:
@@ -103,9 +103,9 @@ def _build(
 def contourlet_operator(
     transform: Contourlet, image_shape: tuple[int, int], dtype: DTypeLike = np.float64
 ) -> ContourletOperator:
-    """Build the matrix of a transform in float32 or float64, or reuse one of the last eight.
+    """Return the operator of a transform in float32 or float64; the last eight operators are cached.
 
-    Raises `LevelsError` when the levels do not allow the size, or the matrix would exceed
+    Raises `LevelsError` if the levels do not allow the size, or the matrix would exceed
     `MAX_MATRIX_BYTES`.
     """
     sizes = transform.band_shapes(image_shape)

@@ -19,10 +19,10 @@ from .lattice import Extension, Indices
 
 
 def fold_indices(index: Indices, size: int, extension: Extension, *, odd: bool) -> Indices:
-    """Map indices outside `0 … size − 1` back into an axis: `symmetric` reflects, the others wrap.
+    """Map indices outside `0 … size − 1` into an axis: `symmetric` reflects, other extensions wrap.
 
-    An `odd` reflection is about the first and the last sample, as filters of odd length need,
-    rather than half a sample outside of them.
+    With `odd`, for filters of odd length, the reflection is about the first and the last sample. Otherwise
+    it is about the points half a sample outside of them.
     """
     if extension != "symmetric":
         return index % size
@@ -36,12 +36,12 @@ def fold_indices(index: Indices, size: int, extension: Extension, *, odd: bool) 
 
 
 def analysis_offsets(length: int) -> Indices:
-    """Offsets of the samples that taps 0, 1, … of a lowpass filter are multiplied with."""
+    """Return the offsets of the samples that taps 0, 1, … of a lowpass filter multiply."""
     return length // 2 - np.arange(length)
 
 
 def synthesis_offsets(length: int) -> Indices:
-    """Offsets of the upsampled samples; a filter of even length is delayed by one sample."""
+    """Return the offsets of the upsampled samples; a filter of even length has a delay of one sample."""
     return length // 2 - np.arange(length) - (length + 1) % 2
 
 
@@ -57,7 +57,7 @@ def _analysis_table(size: int, length: int, extension: Extension) -> Indices:
 def _synthesis_table(
     size: int, length: int, extension: Extension, parity: int
 ) -> tuple[Indices, tuple[int, ...]]:
-    """Coarse samples, `(taps, size / 2)`, of the fine samples of one parity, and their taps."""
+    """Return coarse samples (taps, size / 2) for the fine samples of a parity, and their taps."""
     offsets = synthesis_offsets(length)
     taps = np.flatnonzero((parity + offsets) % 2 == 0)
     fine = 2 * np.arange(size // 2) + parity + offsets[taps, None]
@@ -67,7 +67,7 @@ def _synthesis_table(
 
 
 def _weigh(x: FloatArray, table: Indices, taps: list[float], axis: int) -> FloatArray:
-    """Sum weighted slices of `x` along an axis; the table has one row per tap."""
+    """Return the sum of weighted samples of `x` along an axis; `table` has one row per tap."""
     total = x.take(table[0], axis=axis)
     total *= x.dtype.type(taps[0])
     for row, tap in zip(table[1:], taps[1:], strict=True):
@@ -80,7 +80,7 @@ def _weigh(x: FloatArray, table: Indices, taps: list[float], axis: int) -> Float
 def _weigh_adjoint(
     y: FloatArray, table: Indices, taps: list[float], axis: int, size: int
 ) -> FloatArray:
-    """Adjoint of `_weigh`."""
+    """Apply the adjoint of `_weigh`."""
     shape = list(y.shape)
     shape[axis] = size
     total = np.zeros(shape, y.dtype)
@@ -136,9 +136,9 @@ def _up_adjoint(x: FloatArray, taps: Array, extension: Extension) -> FloatArray:
 def analyse_pyramid(
     x: FloatArray, filters: PyramidFilters, extension: Extension
 ) -> tuple[FloatArray, FloatArray]:
-    """Split images (rows, columns, images), of even sides, into a coarse and a detail image.
+    """Split images (rows, columns, images) with even sides into a coarse and a detail image.
 
-    The coarse one has half the rows and columns, the detail image all.
+    The coarse image has half the rows and columns, the detail image has the size of the image.
     """
     coarse = _down(x, filters.analysis, extension)
     return coarse, x - _up(coarse, filters.synthesis, extension)
@@ -147,7 +147,7 @@ def analyse_pyramid(
 def synthesise_pyramid(
     coarse: FloatArray, detail: FloatArray, filters: PyramidFilters, extension: Extension
 ) -> FloatArray:
-    """Undo `analyse_pyramid` by the dual frame; coefficients of no image are projected."""
+    """Invert `analyse_pyramid` with the dual frame; other coefficients are projected on its range."""
     remainder = coarse - _down(detail, filters.analysis, extension)
     return detail + _up(remainder, filters.synthesis, extension)
 

@@ -53,7 +53,7 @@ class Coefficients:
 
     @property
     def bands(self) -> tuple[FloatArray, ...]:
-        """The coarse image and all bands in one tuple, the coarsest level first."""
+        """The coarse image and all bands, the coarsest level first."""
         return (self.coarse, *(band for level in self.levels for band in level))
 
     def ravel(self) -> FloatArray:
@@ -69,7 +69,7 @@ class Coefficients:
 
 @dataclass(frozen=True)
 class PyramidalTransform(ABC):
-    """Base of the decimated and the nonsubsampled transform: parameters, batches, checks."""
+    """Base class of the decimated and the nonsubsampled transform: parameters, batches, checks."""
 
     levels: tuple[int, ...] = (4,)
     pyramid_filter: str = "9-7"
@@ -90,24 +90,24 @@ class PyramidalTransform(ABC):
 
     @abstractmethod
     def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Return rows and columns after padding; `LevelsError` when the levels do not allow the size."""
+        """Return rows and columns after padding; raise `LevelsError` if the levels do not allow the size."""
 
     @abstractmethod
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:
-        """Shapes of the coarse image, then of the bands of every level, coarsest first."""
+        """Return the shapes of the coarse image and of the bands of every level, the coarsest first."""
 
     @abstractmethod
     def _analyse(self, block: FloatArray) -> list[FloatArray]:
-        """Transform `(rows, columns, images)`; give the coarse image, then all bands."""
+        """Transform images (rows, columns, images); return the coarse image, then all bands."""
 
     @abstractmethod
     def _synthesise(self, parts: Parts) -> FloatArray:
-        """Undo `_analyse`."""
+        """Invert `_analyse`."""
 
     def forward(self, images: ArrayLike) -> Coefficients:
-        """Transform images, (..., rows, columns) float32 or float64, to coefficients of their type.
+        """Transform images (..., rows, columns), float32 or float64, to coefficients of the same type.
 
-        An image's coefficients do not depend on the rest of the batch. Raises `ImageError` and
+        The coefficients of an image do not depend on the rest of the batch. Raises `ImageError` and
         `LevelsError`.
         """
         array = check_images(images)
@@ -127,9 +127,9 @@ class PyramidalTransform(ABC):
         return gather(bands, sizes, shape)
 
     def inverse(self, coefficients: Coefficients) -> FloatArray:
-        """Rebuild images, (..., rows, columns), from their coefficients.
+        """Reconstruct images (..., rows, columns) from their coefficients.
 
-        Raises `CoefficientsError` when their shapes or type differ from what `forward` gives.
+        Raises `CoefficientsError` if shapes or type differ from the result of `forward`.
         """
         rows, columns = coefficients.image_shape
         return self._backward(coefficients, self._synthesise)[..., :rows, :columns]
@@ -157,19 +157,19 @@ def _nest(parts: list[FloatArray], sizes: Shapes) -> Parts:
 
 
 def gather(bands: list[FloatArray], sizes: Shapes, shape: tuple[int, int]) -> Coefficients:
-    """Arrange a flat list of bands, the coarse image first, as the coefficients of images of a shape."""
+    """Return a flat list of bands, the coarse image first, as coefficients of images of a shape."""
     (coarse,), *levels = _nest(bands, sizes)
     return Coefficients(coarse, tuple(map(tuple, levels)), shape)
 
 
 def _check_coefficients(coefficients: Coefficients, sizes: Shapes) -> None:
     lead = coefficients.coarse.shape[:-2]
-    wanted = [(*lead, *size) for level in sizes for size in level]
-    found = [band.shape for band in coefficients.bands]
-    if found != wanted:
+    needed = [(*lead, *size) for level in sizes for size in level]
+    actual = [band.shape for band in coefficients.bands]
+    if actual != needed:
         rows, columns = coefficients.image_shape
         raise CoefficientsError(
-            f"Coefficients of images of {rows} × {columns} must have the shapes {wanted}, not {found}."
+            f"Coefficients of images of {rows} × {columns} must have the shapes {needed}, not {actual}."
         )
     types = {band.dtype for band in coefficients.bands}
     if types not in ({np.dtype(np.float32)}, {np.dtype(np.float64)}):
@@ -185,26 +185,25 @@ class Contourlet(PyramidalTransform):
     Parameters
     ----------
     levels : tuple of int
-        l of every pyramid level, the coarsest first (the toolbox's `nlevs`); a level has 2^l bands,
-        l from 0 to 5. With l = 0 the detail image is not divided; the toolbox's `pdfbdec` has a
-        critically sampled wavelet step there instead.
+        l of every pyramid level, the coarsest first (`nlevs` of the toolbox); a level has 2^l bands, l from 0
+        to 5. With l = 0, the detail image is not split, whereas `pdfbdec` of the toolbox has a critically
+        sampled wavelet step.
     pyramid_filter : str
         `9-7`, `5-3`, `haar`, or any biorthogonal wavelet of PyWavelets.
     directional_filter : str
         `pkva` (12 taps), `pkva12`, `pkva8`, `pkva6` or `haar`.
     extension : {"periodic", "symmetric", "circular"}
-        How images continue beyond their borders. `periodic` gives the reference toolbox's numbers.
-        `symmetric` reflects, so that opposite edges are not neighbours. `circular` wraps as `periodic`
-        does, but without the seams that the toolbox's sheared arrays have from l = 3 on; it commutes
-        with circular shifts by the full decimation step.
+        Extension of images beyond their borders. `periodic` has the numbers of the reference toolbox.
+        `symmetric` reflects, so that opposite edges are not neighbours. `circular` wraps without the seams
+        that the sheared arrays of the toolbox have from l = 3 on, so it commutes with circular shifts by the
+        full decimation step.
 
     Notes
     -----
-    Band order and sizes are the toolbox's: of 2^l bands the first half is `(rows / 2^(l−1),
-    columns / 2)`, the second `(rows / 2, columns / 2^(l−1))`, and the direction turns steadily
-    with the number. A side must be even and, at every level, a multiple of 2^(l−1); an odd side
-    is padded at its end, by half-sample reflection, to the next side that the levels allow, and
-    the inverse crops it.
+    Order and sizes of bands are as in the toolbox. Of 2^l bands, the first half has the shape
+    `(rows / 2^(l−1), columns / 2)`, the second half `(rows / 2, columns / 2^(l−1))`. The direction turns
+    steadily with the band number. A side must be even and, at every level, a multiple of 2^(l−1). An odd
+    side is padded at its end, by half-sample reflection, to the next allowed side, and `inverse` crops it.
 
     Examples
     --------
@@ -216,7 +215,7 @@ class Contourlet(PyramidalTransform):
     """
 
     def padded_shape(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Rows and columns after padding of odd sides."""
+        """Return rows and columns after padding of odd sides."""
         depth = len(self.levels)
         multiple = max(
             max(2, side_multiple(level)) << (depth - 1 - k) for k, level in enumerate(self.levels)
@@ -230,7 +229,7 @@ class Contourlet(PyramidalTransform):
         return padded[0], padded[1]
 
     def band_shapes(self, shape: tuple[int, int]) -> Shapes:
-        """Shapes of the coarse image, then of the bands of every level, coarsest first."""
+        """Return the shapes of the coarse image and of the bands of every level, the coarsest first."""
         rows, columns = self.padded_shape(shape)
         depth = len(self.levels)
         coarse = ((rows >> depth, columns >> depth),)
@@ -241,23 +240,23 @@ class Contourlet(PyramidalTransform):
         return (coarse, *fine)
 
     def adjoint(self, coefficients: Coefficients) -> FloatArray:
-        """Apply the transposed matrix of `forward`; not defined for images that are padded."""
+        """Apply the transposed matrix of `forward`; raises `LevelsError` for images that are padded."""
         if self.padded_shape(coefficients.image_shape) != coefficients.image_shape:
             raise LevelsError(
-                f"The adjoint needs images that are not padded, and {coefficients.image_shape[0]} × "
-                f"{coefficients.image_shape[1]} ones are."
+                f"The adjoint needs images that are not padded; images of {coefficients.image_shape[0]} × "
+                f"{coefficients.image_shape[1]} are padded."
             )
         return self._backward(coefficients, self._adjoin)
 
     def _analyse(self, block: FloatArray) -> list[FloatArray]:
         filters = pyramid_filters(self.pyramid_filter)
-        found: list[FloatArray] = []
+        bands: list[FloatArray] = []
         for level in reversed(self.levels):
             size = (block.shape[0], block.shape[1])
             block, detail = analyse_pyramid(block, filters, self.extension)
             tables = directional_tables(size, level, self.directional_filter, self.extension)
-            found = analyse_directions(detail.reshape(-1, detail.shape[-1]), tables) + found
-        return [block, *found]
+            bands = analyse_directions(detail.reshape(-1, detail.shape[-1]), tables) + bands
+        return [block, *bands]
 
     def _synthesise(self, parts: Parts) -> FloatArray:
         return self._back(parts, synthesise_directions, synthesise_pyramid)
@@ -271,7 +270,7 @@ class Contourlet(PyramidalTransform):
         directions: Callable[..., FloatArray],
         pyramid: Callable[..., FloatArray],
     ) -> FloatArray:
-        """Go from the coarsest level to the image, by the inverse of each step or by its adjoint."""
+        """Compute images from the coarsest level on, with the inverse or the adjoint of each step."""
         filters = pyramid_filters(self.pyramid_filter)
         block = parts[0][0]
         for level, bands in zip(self.levels, parts[1:], strict=True):

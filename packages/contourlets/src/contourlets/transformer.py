@@ -1,4 +1,4 @@
-"""Band features as scikit-learn transformers; the one module that needs scikit-learn."""
+"""Band features as scikit-learn transformers; only this module needs scikit-learn."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from .wavelets import wavelet_band_names, wavelet_deviations
 
 
 class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
-    """Base of the transformers of images, (n, rows, columns) float32 or float64."""
+    """Base class of transformers of images (n, rows, columns), float32 or float64."""
 
     def fit(self, X: ArrayLike, y: object = None) -> Self:  # noqa: ARG002 (scikit-learn's signature)
-        """Store the images' size and check the parameters on the first image; raises `ContourletError`."""
+        """Store the size of the images and check parameters on the first image; raises `ContourletError`."""
         images = check_stack(X)
         self._features(images[:1])
         self.image_shape_ = images.shape[1:]
@@ -30,19 +30,19 @@ class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
         return self
 
     def transform(self, X: ArrayLike) -> Array:
-        """Compute the features, (n, features) float64, of images of the fitted size."""
+        """Compute the features (n, features), float64, of images of the fitted size."""
         check_is_fitted(self, "image_shape_")
         images = check_stack(X)
         if images.shape[1:] != self.image_shape_:
             rows, columns = self.image_shape_
             raise ImageError(
-                f"This transformer was fitted to images of {rows} × {columns}, and these are "
+                f"This transformer was fitted to images of {rows} × {columns} and can't transform images of "
                 f"{images.shape[1]} × {images.shape[2]}."
             )
         return self._features(images)
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[Any]:  # noqa: ARG002
-        """Name the columns of `transform`'s result."""
+        """Return the names of the features."""
         return np.asarray(self._names(), dtype=object)
 
     @abstractmethod
@@ -51,7 +51,7 @@ class _BandFeatures(TransformerMixin, BaseEstimator, ABC):  # type: ignore[misc]
 
     @abstractmethod
     def _names(self) -> list[str]:
-        """Name the features, in their order."""
+        """Return the names of the features, in their order."""
 
 
 class ContourletDeviations(_BandFeatures):
@@ -115,7 +115,7 @@ class WaveletDeviations(_BandFeatures):
         A discrete wavelet of PyWavelets, such as `db2` or `bior4.4`.
     levels : int
     mode : str
-        PyWavelets' border extension.
+        Border extension of PyWavelets.
     """
 
     def __init__(

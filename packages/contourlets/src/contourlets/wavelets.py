@@ -17,7 +17,7 @@ _ORIENTATIONS = ("horizontal", "vertical", "diagonal")
 def wavelet_deviations(
     images: ArrayLike, wavelet: str = "db2", levels: int = 3, mode: str = "periodization"
 ) -> Array:
-    """Take the standard deviation (N − 1) of every detail band of a 2-D wavelet transform.
+    """Compute the standard deviation (N − 1) of every detail band of a 2-D wavelet transform.
 
     Parameters
     ----------
@@ -27,12 +27,12 @@ def wavelet_deviations(
     levels : int
         Depth of the decomposition.
     mode : str
-        PyWavelets' border extension; `periodization` is the one without redundancy.
+        Border extension of PyWavelets; only `periodization` has no redundancy.
 
     Returns
     -------
     (..., 3 × levels) float64
-        The coarsest level first; in each, details of horizontal, vertical and diagonal structure.
+        The coarsest level first; per level, details of horizontal, vertical and diagonal structure.
     """
     array = check_images(images).astype(np.float64, copy=False)
     pywt = pywavelets()
@@ -46,19 +46,19 @@ def wavelet_deviations(
             f"A standard deviation needs bands of two or more coefficients, and {levels} levels of "
             f"{wavelet} leave one for images of {array.shape[-2]} × {array.shape[-1]}."
         )
-    found = np.stack([np.std(band, axis=(1, 2), ddof=1) for band in bands], axis=-1)
-    return scale(found, power).reshape(*array.shape[:-2], -1)
+    deviations = np.stack([np.std(band, axis=(1, 2), ddof=1) for band in bands], axis=-1)
+    return scale(deviations, power).reshape(*array.shape[:-2], -1)
 
 
 def wavelet_band_names(levels: int = 3) -> list[str]:
-    """Name the bands of `wavelet_deviations`: `level1_horizontal` belongs to the finest level."""
+    """Return the names of the bands of `wavelet_deviations`; `level1_horizontal` is of the finest level."""
     return [f"level{levels - k}_{name}" for k in range(levels) for name in _ORIENTATIONS]
 
 
 def _check(pywt: Any, wavelet: Any, levels: Any, mode: Any) -> None:
     if wavelet not in pywt.wavelist(kind="discrete"):
         raise FilterError(
-            f"No discrete wavelet is called {wavelet!r}; the names are those of PyWavelets, such as "
+            f"No discrete wavelet is called {wavelet!r}; the names of PyWavelets are allowed, such as "
             "db2 and bior4.4."
         )
     if mode not in pywt.Modes.modes:
