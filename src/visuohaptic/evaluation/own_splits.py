@@ -47,7 +47,7 @@ def choose_splits(
     Raises
     ------
     ParameterError
-        If `splits` has another type, is empty, or names an object that was not touched.
+        If `splits` has another type, is empty, or contains an object that was not touched.
     RecognitionError
         If a split has no test object, trains and tests the same object, or tests a class that has no
         training object.

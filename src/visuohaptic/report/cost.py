@@ -39,7 +39,7 @@ _CUES = {
 
 
 def read_cost(path: Path | None, run: ExperimentParameters) -> Row | None:
-    """Read `tables.COST` and return the figures of `cost_figures`; None where nothing was measured."""
+    """Read `tables.COST` and return the result of `cost_figures`; None without rows."""
     rows = read_costs(path) if path else []
     return cost_figures(rows, run) if rows else None
 
@@ -86,7 +86,7 @@ def by_strategy(rows: Sequence[Row]) -> list[Row]:
 
 
 def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
-    """Return rows of `tables.COST` with the seconds of a robot's touches and looks added, and the front marked anew."""
+    """Add the seconds of a robot's touches and looks to rows of `tables.COST`, and mark the front again."""
     with_robot = []
     for row in rows:
         price = robot_price(row, cost)

@@ -284,7 +284,7 @@ def choose_in_splits(
     ------
     PolicyError
         As `choose_in_split`. Also if a repetition of the first split gives other touches: the policy then remembers
-        other splits, whose training objects may be its test objects.
+        other splits, and their training objects may be test objects of this split.
     """
     chosen = [choose_in_split(policy, candidates, split, touches, run) for split in splits]
     again = choose_in_split(policy, candidates, splits[0], touches, run)

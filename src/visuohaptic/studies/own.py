@@ -105,7 +105,7 @@ def _changes_by_entry(study: StudyFile) -> Iterator[tuple[str, Mapping[str, Any]
 
 
 def _check_no_overlap(changes: Mapping[str, Any], entry: str) -> None:
-    """Refuse changes of a parameter and of its section, whose result would depend on the order."""
+    """Refuse changes of both a parameter and its section: the result would depend on the order."""
     for name in changes:
         *sections, _ = itertools.accumulate(name.split("."), "{}.{}".format)
         for section in {*sections} & {*changes}:

@@ -39,7 +39,7 @@ class Sources:
     tables : mapping of str to sequence of paths
         Parts of tables by name.
     objects : collection of str, optional
-        Objects, ``class/name``, whose rows of the tables are used. The default is all objects.
+        Objects, ``class/name``, to take from the tables. The default is all objects.
     """
 
     meshes: Paths = ()

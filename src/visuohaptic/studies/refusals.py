@@ -1,4 +1,4 @@
-"""Errors because of which a condition of a study is refused."""
+"""Errors that refuse a condition of a study."""
 
 from contourlets.errors import ContourletError
 from visuohaptic.attention.errors import AttentionError

@@ -146,8 +146,8 @@ def code_of(
     studies : sequence of Path
         Further folders with modules that `runs.own` and plug-ins may import.
     plug_ins : iterable of PlugIn
-        Loaded plug-ins. Only those that registered with one of the job's modules count: files with their imports,
-        installed packages with their version.
+        Loaded plug-ins. Plug-ins that registered with a module of the job count: files with their imports, installed
+        packages with their version.
     read : Read
         Reads the imports of a file.
 
