@@ -1,4 +1,4 @@
-"""Example of a policy: touch near the emptiest imprint so far. Compares it with all strategies."""
+"""Example of a policy: touch near the emptiest imprint so far. The script compares all strategies."""
 
 import visuohaptic as vh
 

@@ -268,7 +268,7 @@ def fit_words(
 ) -> tuple[Words, int]:
     """Cluster the imprints of features (n, k) to at most `WORDS` kinds by k-means.
 
-    The columns are those of contourlets, imprint and sensor size. The generator draws the initial centres. Returns the
+    Columns of contourlets, imprint and sensor size are used. The generator draws the initial centres. Returns the
     function from features to kinds, and the number of kinds.
     """
     from sklearn.cluster import KMeans

@@ -278,7 +278,7 @@ def write_choice(
 ) -> None:
     """Apply the rules to the blocks `parts` of the study, and write the result as JSON.
 
-    `features` is the folder of the features that the study recomputed; only the second rule needs it.
+    `features` is the folder of the recomputed features, for the second rule.
     """
     run = ExperimentParameters()
     cells, intervals = read_cells(parts), run.recognition.intervals

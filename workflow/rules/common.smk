@@ -83,7 +83,7 @@ ENVIRONMENT = {
 }
 set_job_environment(*SOURCES)
 sys.path[:] = [*without_studies_of_clones(sys.path), *map(str, STUDY_FOLDERS)]
-# Whether this is the main workflow. A workflow that uses it as a module decides by itself which jobs run.
+# Whether this is the main workflow. If it is a module, the main workflow decides which jobs run.
 IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
 # Whether this process plans the run. Jobs on other machines parse this file too, but use the plan of the run.
 HERE = f"{platform.node()}:{os.getpid()}"
@@ -278,21 +278,25 @@ def takes(name, script=None, own=(), **files_by_name):
         if not IS_PLANNER:
             return files
         record = fill(str(getattr(rules, name).output.record), wildcards)
-        reason = keys().why(record)
-        if reason is None:
-            return {
-                part: ancient(item) if isinstance(item, str) else [*map(ancient, item)]
-                for part, item in files.items()
-            }
-        SNAPSHOTS[record] = keys().snapshot(record)
-        if (
-            is_claimed_by_another()
-        ):  # the other run makes the files, or this run waits for it
-            return files
-        marker = or_stop(mark_stale, record, reason, keys().jobs[record].tables)
-        return {**files, "why": [*marker, *sorted(keys().stale_behind(record))]}
+        return inputs_by_key(record, files)
 
     return unpack(inputs)
+
+
+def inputs_by_key(record, files):
+    """Return a job's inputs: with times to be ignored if the record is current, else with the reason to run the job."""
+    reason = keys().why(record)
+    if reason is None:
+        return {
+            part: ancient(item) if isinstance(item, str) else [*map(ancient, item)]
+            for part, item in files.items()
+        }
+    SNAPSHOTS[record] = keys().snapshot(record)
+    # Another run makes the files, or this run will wait for it.
+    if is_claimed_by_another():
+        return files
+    marker = or_stop(mark_stale, record, reason, keys().jobs[record].tables)
+    return {**files, "why": [*marker, *sorted(keys().stale_behind(record))]}
 
 
 def key_of_job(wildcards, output):

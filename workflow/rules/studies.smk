@@ -131,7 +131,7 @@ for study, step in STEPS:
             ),
         conda:
             "../envs/visuohaptic.yaml"
-        # A job that measures run times reserves all cores, so that no other job disturbs it.
+        # Jobs that measure run times reserve all cores, so that no other job runs at the same time.
         threads: all_cores if step.is_alone else 1
         params:
             **params_of_step(study, step),

@@ -166,9 +166,9 @@ def evaluate(
         ``touches``: imprints and poses, a structured array of shape (n, t) from `recognition.touch_arrays`;
         `recognition.flatten_touches` makes it two-dimensional.
     splits : int, iterable or scikit-learn splitter, optional
-        None for all splits of the protocol. A number for so many of them: of combinations of one object per class a
-        balanced sample, of folds the first ones. The test objects, ``class/name``, of each split; all other objects
-        train. Or a splitter, which gets the objects as `groups`.
+        None: all splits of the protocol. A number n: a balanced sample of n combinations of one test object per
+        class, or the first n folds. An iterable: one list of test objects, ``class/name``, per split; all other
+        objects are training objects. A splitter gets the objects as `groups`.
 
     Returns
     -------
@@ -283,7 +283,7 @@ def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str
 
 
 def _seeded_deeply(estimator: Any, seed: int) -> Any:
-    """Set `random_state` of an estimator, and of nested estimators where it is None."""
+    """Set `random_state` of an estimator, and of nested estimators without a seed."""
     nested = [
         name
         for name, value in estimator.get_params(deep=True).items()
@@ -326,7 +326,7 @@ def check_classifier(estimator: Any) -> None:
 
 
 def _why_no_classifier(estimator: Any) -> str | None:
-    """Return what an object is instead of a classifier; None for a classifier."""
+    """Return the reason why an object is no classifier, such as ``without fit``; None for a classifier."""
     for name in ("get_params", "fit"):
         if not hasattr(estimator, name):
             return f"without {name}"

@@ -226,8 +226,8 @@ def _verdict(row: Row) -> str:
 def find_savings(rows: Sequence[Row]) -> list[Row]:
     """Return the savings of quicker settings over the run's own setting, the largest saving first.
 
-    A setting counts if it is significantly quicker, has as many touches and viewpoints, and changes looking, touching
-    or describing only. Empty if the run's own setting is not among the rows.
+    Settings count if they are significantly quicker, have the same numbers of touches and viewpoints, and change no
+    parameter of recognition. Empty if the run's own setting is not among the rows.
     """
     reference = reference_row(rows)
     if not reference:

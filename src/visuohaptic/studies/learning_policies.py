@@ -1,4 +1,4 @@
-"""Learning policies: trained per split on its training objects, and given only the features of touches made so far."""
+"""Train learning policies per split, and let them choose touches by the features of earlier touches only."""
 
 from __future__ import annotations
 

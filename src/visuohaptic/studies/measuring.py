@@ -68,7 +68,7 @@ def make_study_block(
     conditions : sequence of mappings
         The conditions as `conditions.describe_conditions` returns them.
     features, made, objects
-        As in `features_by_key`.
+        Files of features, as for `features_by_key`.
     output : path
         The file to write.
     run : ExperimentParameters

@@ -88,7 +88,7 @@ class StepInputs:
     condition : mapping, optional
         The condition as `conditions.describe_conditions` returns it, for a step with one job per condition.
     processes : int
-        The number of processes that the job may start. The result does not depend on it.
+        The number of processes that the job may start. Results do not depend on this number.
     """
 
     study: str

@@ -86,7 +86,7 @@ class Keys:
     digests : Digests
         Digests of files.
     root : Path
-        The clone. Names of its files in keys are relative to it.
+        The clone. In keys, files of the clone have names relative to this folder.
     kept : collection of str
         Records of jobs that are not to run again. Jobs behind them use the existing files.
     """

@@ -12,8 +12,8 @@ _received = threading.Event()
 def pass_termination_on() -> None:
     """Run Snakemake's handler of SIGTERM in a thread.
 
-    The handler waits for a lock. In the main thread it would wait for ever if the signal interrupts the owner of the
-    lock.
+    The handler waits for a lock. In the main thread, the handler would wait for ever if the signal interrupted the
+    owner of the lock.
     """
     handler = signal.getsignal(signal.SIGTERM)
 

@@ -75,8 +75,8 @@ def fit_settings(
 ) -> list[FittedSetting]:
     """Train a model per setting; settings whose training is refused are left out.
 
-    Settings that differ only in viewpoints or strategy share a model: the time of a prediction depends on the model's
-    size, which the strategy of the training touches does not change.
+    Settings that differ only in viewpoints or strategy share a model. The time of a prediction depends on the model's
+    size, and the size does not depend on the strategy of the training touches.
     """
     run, features = step.run, features_by_key(step.inputs["features"], step.made, step.objects)
     conditions = plan_study(study, run).conditions
@@ -93,7 +93,7 @@ def fit_settings(
 
 
 def share_looks(settings: Sequence[FittedSetting]) -> list[FittedSetting]:
-    """Set `looking` to the parameters with the most fixations among settings that otherwise look alike.
+    """Set `looking` to the parameters with the most fixations among settings with otherwise equal looks.
 
     A smaller number of fixations is a prefix of a larger number, so the touches stay the same.
     """
@@ -153,8 +153,8 @@ def measure_seconds(
     Returns
     -------
     pyarrow.Table
-        `tables.COST_SECONDS` with one row per recognition. Refused recognitions, such as those with too few places
-        to touch, have no row.
+        `tables.COST_SECONDS` with one row per recognition. Refused recognitions have no row; an example is a view
+        with too few places to touch.
     """
     distinct = {fitted.setting.written_changes: fitted for fitted in settings}.values()
     rows: list[Row] = []
