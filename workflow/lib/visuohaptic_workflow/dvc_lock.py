@@ -24,7 +24,7 @@ STAGE = "experiment"
 IN_STAGE = "DVC_STAGE"
 """The variable that DVC sets in the environment of a stage's command."""
 
-EMPTY_WHERE_NOTHING_IS_MADE = (
+OUTPUTS_THAT_MAY_BE_EMPTY = (
     "meshes/downloaded",
     *(
         f"results/{folder}/{study}"
@@ -42,7 +42,7 @@ EMPTY_WHERE_NOTHING_IS_MADE = (
 KEPT = ".keep"
 """The file that makes an empty folder non-empty. Readers of tables ignore hidden files."""
 
-_KEPT_AS_IT_WAS = "dvc.lock stays as it was"
+_UNCHANGED = "dvc.lock stays as it was"
 
 
 class LockError(VisuohapticError):
@@ -56,8 +56,8 @@ def is_lockable() -> bool:
 
 
 def make_empty_outputs() -> None:
-    """Make the folders of `EMPTY_WHERE_NOTHING_IS_MADE`, each with a file `KEPT`."""
-    for folder in map(Path, EMPTY_WHERE_NOTHING_IS_MADE):
+    """Make the folders of `OUTPUTS_THAT_MAY_BE_EMPTY`, each with a file `KEPT`."""
+    for folder in map(Path, OUTPUTS_THAT_MAY_BE_EMPTY):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / KEPT).touch()
 
@@ -97,7 +97,7 @@ def write_lock(
     records = keys.needed_for(targets)
     if stale := [record for record in records if keys.why(record)]:
         raise LockError(
-            f"{_KEPT_AS_IT_WAS}: {len(stale)} results do not match the current parameters, code and meshes, "
+            f"{_UNCHANGED}: {len(stale)} results do not match the current parameters, code and meshes, "
             f"such as {stale[0]}; `make why` lists the reasons."
         )
     make_empty_outputs()
@@ -110,10 +110,10 @@ def write_lock(
         _restore(old)
         errors = [line for line in done.stderr.splitlines() if line.startswith("ERROR: ")]
         reason = errors[0].removeprefix("ERROR: ") if errors else f"status {done.returncode}"
-        raise LockError(f"{_KEPT_AS_IT_WAS}: `dvc commit` ended with: {reason}.")
+        raise LockError(f"{_UNCHANGED}: `dvc commit` ended with: {reason}.")
     if not (are_parameters_current() and all(map(keys.is_unchanged, records))):
         _restore(old)
-        raise LockError(f"{_KEPT_AS_IT_WAS}: a file changed while DVC read the results; run again.")
+        raise LockError(f"{_UNCHANGED}: a file changed while DVC read the results; run again.")
 
 
 def check_clone() -> None:

@@ -15,8 +15,8 @@ from visuohaptic_workflow.one_run import not_writable
 
 FOLDER = Path("logs/why")
 
-_OF_A_RECORD = 946684800  # 2000-01-01; 1970 breaks ZIP and FAT
-_OF_A_MARKER = _OF_A_RECORD + 86400  # Snakemake warns of times in the future
+_TIME_OF_RECORD = 946684800  # 2000-01-01; 1970 breaks ZIP and FAT
+_TIME_OF_MARKER = _TIME_OF_RECORD + 86400  # Snakemake warns of times in the future
 
 
 def mark_stale(record: str, reason: str, tables: Iterable[str] = ()) -> list[str]:
@@ -53,11 +53,11 @@ def mark_stale(record: str, reason: str, tables: Iterable[str] = ()) -> list[str
     try:
         marker.mkdir(parents=True, exist_ok=True)
         with suppress(PermissionError):  # a marker of another user already has that time
-            os.utime(marker, (_OF_A_MARKER, _OF_A_MARKER))
+            os.utime(marker, (_TIME_OF_MARKER, _TIME_OF_MARKER))
         # Replace the record by a copy: it may belong to another user, or be a link to DVC's cache, which must not change.
         with atomic_file(path) as copy:
             copy.write_bytes(path.read_bytes() if path.exists() else b"{}\n")
-            os.utime(copy, (_OF_A_RECORD, _OF_A_RECORD))
+            os.utime(copy, (_TIME_OF_RECORD, _TIME_OF_RECORD))
         for table in filter(_is_protected, map(Path, tables)):
             with atomic_file(table) as copy:
                 shutil.copyfile(table, copy)
