@@ -1,4 +1,4 @@
-"""Timings side by side with peers; not tests, but errors are against the right answers that the tests have."""
+"""Compare run times with other packages. Errors are measured against the references of the tests."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Run the benchmarks named on the command line, or all, and keep their figures in `benchmarks/results.json`."""
+"""Run all benchmarks, or those named on the command line, and write their figures to `benchmarks/results.json`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def main() -> None:
     names = parser.parse_args().names or BENCHMARKS
     if unknown := set(names) - set(BENCHMARKS):
         parser.error(
-            f"there is no {', '.join(sorted(unknown))}; there are {', '.join(BENCHMARKS)}."
+            f"unknown benchmark {', '.join(sorted(unknown))}; {', '.join(BENCHMARKS)} are allowed."
         )
     results = json.loads(RESULTS.read_text(encoding="utf-8"))
     for name in names:

@@ -1,4 +1,4 @@
-"""What resolution is worth to attention, and what it costs on one core: `python -m benchmarks attention`."""
+"""Measure fixations and run time of attention by resolution, on one core: `python -m benchmarks attention`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PARAMETERS = AttentionParameters(fixations=5)
 
 
 def run() -> dict[str, object]:
-    """Compare fixations at each resolution with those at the largest, on six objects of the repository."""
+    """Compare fixations at each resolution with fixations at the largest resolution, on six objects of the repository."""
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
@@ -34,7 +34,7 @@ def run() -> dict[str, object]:
 
 
 def every_paper_object(step: int) -> list[Surface]:
-    """Prepare every so many of the twelve objects that the repository carries."""
+    """Read and normalise every `step`-th of the twelve objects of the repository."""
     files = sorted(PAPER.rglob("*.ply.gz"))[::step]
     return [normalise(read_surface(path), path.name) for path in files]
 
@@ -54,8 +54,10 @@ def _rows(surfaces: Sequence[Surface]) -> list[dict[str, float]]:
     rows = []
     for resolution in RESOLUTIONS:
         pairs = list(zip(points[resolution], points[RESOLUTIONS[-1]], strict=True))
-        gaps = np.concatenate([nearest(found, sought) for found, sought in pairs])
-        firsts = [float(np.linalg.norm(found[0] - sought[0])) for found, sought in pairs]
+        gaps = np.concatenate([nearest(fixations, reference) for fixations, reference in pairs])
+        firsts = [
+            float(np.linalg.norm(fixations[0] - reference[0])) for fixations, reference in pairs
+        ]
         rendering, attending = seconds[resolution] / len(pairs)
         rows.append(
             {
@@ -72,11 +74,11 @@ def _rows(surfaces: Sequence[Surface]) -> list[dict[str, float]]:
     return rows
 
 
-def nearest(found: np.ndarray, sought: np.ndarray) -> np.ndarray:
-    """Give the distance of each point to the nearest of others."""
-    return np.linalg.norm(found[:, None] - sought[None], axis=2).min(axis=1)
+def nearest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Compute the distance (n,) of each point (n, 3) to the nearest of other points (m, 3)."""
+    return np.linalg.norm(points[:, None] - others[None], axis=2).min(axis=1)
 
 
 def attend_to(views: Views, parameters: AttentionParameters) -> list[Attention]:
-    """Find the fixations of views."""
+    """Compute the fixations of views."""
     return attend(**views.arrays(), parameters=parameters)

@@ -1,4 +1,4 @@
-"""Embree without anything around it: what a cast of rays takes at least."""
+"""Cast rays by Embree without further work: a lower bound of the time of a cast."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from visuohaptic.geometry.surface import Surface
 
 Cast = Callable[[np.ndarray], np.ndarray]
-"""Takes rays, shape (n, 6), float32, and gives distances, shape (n,), infinite for a miss."""
+"""Takes rays (n, 6), float32, and returns distances (n,), infinite for a miss."""
 
 
 def open3d_cast(surface: Surface) -> Cast:
-    """Prepare a surface in Open3D, on one thread."""
+    """Return a function that casts rays at a surface by Open3D, on one thread."""
     import open3d
 
     tensor: Any = open3d.core.Tensor
@@ -27,7 +27,7 @@ def open3d_cast(surface: Surface) -> Cast:
 
 
 def embreex_cast(surface: Surface) -> Cast:
-    """Prepare a surface in embreex."""
+    """Return a function that casts rays at a surface by embreex."""
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
@@ -36,13 +36,13 @@ def embreex_cast(surface: Surface) -> Cast:
 
     def cast(rays: np.ndarray, _: object = mesh) -> np.ndarray:
         origins, directions = (np.ascontiguousarray(part) for part in np.hsplit(rays, 2))
-        found = scene.run(origins, directions, query="DISTANCE")
-        return np.where(found < 1e37, found, np.inf)
+        distances = scene.run(origins, directions, query="DISTANCE")
+        return np.where(distances < 1e37, distances, np.inf)
 
     return cast
 
 
 def rays_of(origins: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Join origins and directions, shape (n, 3) each, as both packages take them."""
-    # In rows: a package would copy another order in every cast.
+    """Join origins and directions (n, 3) to rays (n, 6), float32."""
+    # C order, because the packages would copy another order in every cast.
     return np.concatenate([origins, directions], axis=1).astype(np.float32, order="C")

@@ -1,7 +1,7 @@
-"""Contourlets against PyWavelets and against the plain recursive form: `python -m benchmarks contourlet`.
+"""Time contourlets, PyWavelets and a plain recursive contourlet transform: `python -m benchmarks contourlet`.
 
-Peers take turns within one run, and medians are compared, so that a slow spell of the machine
-falls on all of them. Set `OPENBLAS_NUM_THREADS=1` for figures of one core.
+The peers take turns, and medians are compared, so that other work on the machine affects all equally. Set
+`OPENBLAS_NUM_THREADS=1` for figures of one core.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ MICRO, MILLI = 1e6, 1e3
 
 
 def images_of(*shape: int) -> np.ndarray:
-    """Draw noise."""
+    """Draw normal noise."""
     return np.random.default_rng(0).standard_normal(shape)
 
 
 def contest(peers: Peers, scale: float) -> dict[str, float]:
-    """Give the median processor seconds of each of some peers, times a number."""
+    """Return the median processor seconds of each peer, multiplied by `scale`."""
     return medians(in_turn(peers, ROUNDS), scale)
 
 
 def deviations_of_small_images(count: int = 1000) -> dict[str, float]:
-    """Time 16 deviations of 32 × 32 images; microseconds an image."""
+    """Time 16 deviations of 32 × 32 images, microseconds per image."""
     images = images_of(count, 32, 32)
     plain = import_module("contourlet_definition")
 
     def recursive() -> list[float]:
-        """Resample, extend and filter arrays, as the tests do."""
+        """Compute the deviations by the definition of the tests."""
         return [float(np.std(band, ddof=1)) for band in plain.toolbox_bands(images[0], (4,))[1:]]
 
     peers: dict[str, Callable[[], object]] = {
@@ -65,7 +65,7 @@ def deviations_of_small_images(count: int = 1000) -> dict[str, float]:
 
 
 def small_batches() -> dict[str, float]:
-    """Time deviations of batches that a single job has; microseconds an image."""
+    """Time deviations of batches of the sizes of a job, microseconds per image."""
     images = images_of(80, 32, 32)
     peers = {size: partial(directional_deviations, images[:size]) for size in (1, 8, 80)}
     seconds = contest({str(size): call for size, call in peers.items()}, MICRO)
@@ -73,7 +73,7 @@ def small_batches() -> dict[str, float]:
 
 
 def large_image() -> dict[str, float]:
-    """Time two levels (l = 3, 4) of a large image; milliseconds, and ratios to PyWavelets."""
+    """Time two levels (l = 3, 4) of a large image: milliseconds, and ratios to PyWavelets."""
     image = images_of(512, 512)
     peers: dict[str, Callable[[], object]] = {
         "wavedec2_bior44": lambda: pywt.wavedec2(image, "bior4.4", "periodization", level=2)
@@ -90,7 +90,7 @@ def large_image() -> dict[str, float]:
 
 
 def published_sizes() -> dict[str, float]:
-    """Time 64 × 64 images, two levels, for which other packages publish times; milliseconds."""
+    """Time 64 × 64 images with two levels, for which other packages publish times, milliseconds."""
     image = images_of(64, 64)
     peers: dict[str, Callable[[], object]] = {
         "contourlet": lambda: Contourlet((3, 4)).forward(image),
@@ -100,11 +100,11 @@ def published_sizes() -> dict[str, float]:
 
 
 def first_calls() -> dict[str, float]:
-    """Time the deviations of one image together with the tables that a first call makes; milliseconds."""
+    """Time the deviations of one image in a first call, which also computes tables, milliseconds."""
     image = images_of(1, 32, 32)
     figures = {}
     for extension in EXTENSIONS:
-        # No other benchmark has these filters, so no table is there yet.
+        # No other benchmark uses these filters, so their tables are not cached yet.
         start = time.perf_counter()
         directional_deviations(image, 4, "bior2.8", "pkva6", extension)
         figures[f"deviations_{extension}"] = MILLI * (time.perf_counter() - start)
@@ -112,12 +112,12 @@ def first_calls() -> dict[str, float]:
 
 
 def peak_memory() -> dict[str, float]:
-    """Peak of working memory beyond input and output; MiB."""
+    """Measure the peak of working memory without input and output, MiB."""
     images = images_of(20_000, 32, 32)
     directional_deviations(images[:1])
     tracemalloc.start()
-    found = directional_deviations(images)
-    deviations = tracemalloc.get_traced_memory()[1] - found.nbytes
+    result = directional_deviations(images)
+    deviations = tracemalloc.get_traced_memory()[1] - result.nbytes
     tracemalloc.reset_peak()
     held = tracemalloc.get_traced_memory()[0]
     coefficients = Contourlet((4,)).forward(images[:4000])
@@ -132,7 +132,7 @@ def peak_memory() -> dict[str, float]:
 
 
 def run() -> dict[str, object]:
-    """Run every contest: microseconds an image, milliseconds, and MiB at the peak."""
+    """Run all comparisons; names end with the unit: us per image, ms, or MiB."""
     return {
         "deviations_us": deviations_of_small_images(),
         "batches_us": small_batches(),

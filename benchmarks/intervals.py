@@ -1,7 +1,7 @@
-"""Rules for intervals over objects side by side: `python -m benchmarks.intervals [OBJECTS] [TRIALS]`.
+"""Compare rules for intervals over objects: `python -m benchmarks.intervals [OBJECTS] [TRIALS]`.
 
-For each rule the least share of simulated sets of objects in which the interval holds the true mean, and mean
-widths, in points. Docs: docs/recognition.md.
+Prints the smallest coverage of each rule over simulated sets of objects, and mean widths in points. The results are in
+docs/recognition.md.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from visuohaptic.evaluation.intervals import EXTRA
 
 Ends = tuple[FloatArray, FloatArray]
 Rule = Callable[[FloatArray], Ends]
-"""Takes accuracies (sets, objects), gives low and high ends (sets,)."""
+"""Takes accuracies (sets, objects), and returns low and high ends (sets,)."""
 
 DRAWS = 4000
 TAIL = 0.025
@@ -27,18 +27,18 @@ ALL_OR_NOTHING = np.arange(0.5, 0.9901, 0.0025)
 
 
 def accuracies(objects: int, trials: int) -> Mapping[str, tuple[float, FloatArray]]:
-    """Draw sets of objects whose true mean is known: the mean and values (trials, objects)."""
+    """Draw sets of objects with known true mean. Returns the mean and accuracies (trials, objects) by name."""
     generator = np.random.default_rng(1)
     size = (trials, objects)
-    found: dict[str, tuple[float, FloatArray]] = {}
+    drawn: dict[str, tuple[float, FloatArray]] = {}
     for mean in (0.6, 0.81, 0.95, 0.985, 0.998):
         shapes = CONCENTRATION * mean, CONCENTRATION * (1 - mean)
-        found[f"mean {mean}"] = (mean, generator.beta(*shapes, size))
+        drawn[f"mean {mean}"] = (mean, generator.beta(*shapes, size))
     for share in (0.02, 0.1, 0.3):
         is_hard = generator.random(size) < share
         hard = np.where(is_hard, generator.uniform(0, 0.6, size), 1.0)
-        found[f"{share} hard, others perfect"] = (1 - 0.7 * share, hard)
-    return found
+        drawn[f"{share} hard, others perfect"] = (1 - 0.7 * share, hard)
+    return drawn
 
 
 def percentile(objects: int) -> Rule:
@@ -56,7 +56,7 @@ def percentile(objects: int) -> Rule:
 
 
 def binomial(objects: int) -> Rule:
-    """Return the limits of C. Clopper and E. Pearson (Biometrika 26(4), 1934) of as many successes as the sum."""
+    """Return binomial limits with the sum as successes (C. Clopper and E. Pearson, Biometrika 26(4), 1934)."""
 
     def ends(values: FloatArray) -> Ends:
         right = values.sum(axis=1)
@@ -68,7 +68,7 @@ def binomial(objects: int) -> Rule:
 
 
 def student(objects: int) -> Rule:
-    """Return Student's interval with one object more at 0 and one at 1; it is not monotone."""
+    """Return Student's interval with two extra objects, at 0 and at 1. This rule is not monotone."""
 
     def ends(values: FloatArray) -> Ends:
         count = objects + 2
@@ -81,7 +81,7 @@ def student(objects: int) -> Rule:
 
 
 def weights(objects: int, extra: float) -> tuple[FloatArray, FloatArray]:
-    """Draw weights of objects (draws, objects) and of an extra one (draws, 1), that sum to 1."""
+    """Draw weights of objects (draws, objects) and of an extra object (draws, 1) with sum 1."""
     generator = np.random.default_rng(3)
     own = generator.standard_gamma(1, size=(DRAWS, objects))
     further = generator.standard_gamma(extra, size=(DRAWS, 1))
@@ -90,7 +90,7 @@ def weights(objects: int, extra: float) -> tuple[FloatArray, FloatArray]:
 
 
 def extra_at_the_bounds(objects: int, extra: float = 1) -> Rule:
-    """Return the bound of N. Gaffke: Dirichlet weights with an extra object of value 0, or 1."""
+    """Return the bound of N. Gaffke: Dirichlet weights with an extra object of value 0 or 1."""
     own, further = weights(objects, extra)
 
     def ends(values: FloatArray) -> Ends:
@@ -101,7 +101,7 @@ def extra_at_the_bounds(objects: int, extra: float = 1) -> Rule:
 
 
 def ours(objects: int, extra: float = EXTRA) -> Rule:
-    """Return the rule of `visuohaptic.evaluation.intervals`, by draws."""
+    """Return the rule of `visuohaptic.evaluation.intervals`, computed from random draws."""
     own, further = weights(objects, extra)
     kept = beta.ppf(TAIL, objects, extra)
 
@@ -128,7 +128,7 @@ RULES: Mapping[str, Callable[[int], Rule]] = {
 
 
 def all_or_nothing(rule: Rule, objects: int) -> float:
-    """Compute the least coverage of objects that are right or wrong with one chance each."""
+    """Compute the smallest coverage for objects with accuracy 0 or 1, over the probability of 1."""
     values = (np.arange(objects) < np.arange(objects + 1)[:, None]).astype(np.float64)
     low, high = rule(values)
     rates = ALL_OR_NOTHING[:, None]
@@ -138,7 +138,7 @@ def all_or_nothing(rule: Rule, objects: int) -> float:
 
 
 def row(rule: Rule, objects: int, drawn: Mapping[str, tuple[float, FloatArray]]) -> str:
-    """Write a rule's least coverages and mean widths as cells of a table."""
+    """Write a rule's smallest coverages and mean widths as cells of a table."""
     covered, widths = [], []
     for mean, values in drawn.values():
         low, high = rule(values)
@@ -153,11 +153,11 @@ def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.intervals")
     parser.add_argument("objects", nargs="?", type=int, default=12)
     parser.add_argument("trials", nargs="?", type=int, default=2000)
-    asked = parser.parse_args()
-    drawn = accuracies(asked.objects, asked.trials)
+    arguments = parser.parse_args()
+    drawn = accuracies(arguments.objects, arguments.trials)
     print(" | ".join(["rule", "all or nothing", "accuracies", *drawn]))
     for name, make in RULES.items():
-        print(f"{name} | {row(make(asked.objects), asked.objects, drawn)}", flush=True)
+        print(f"{name} | {row(make(arguments.objects), arguments.objects, drawn)}", flush=True)
 
 
 if __name__ == "__main__":

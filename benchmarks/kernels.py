@@ -1,7 +1,7 @@
-"""The four inner loops against what a user would call in their place: `python -m benchmarks kernels`.
+"""Time the four inner loops and functions of other packages for the same work: `python -m benchmarks kernels`.
 
-Peers take turns within one run, on one thread, on the views, touches and imprints of a default run. Each
-ratio is the median of the ratios within a round, averaged over the objects.
+The peers take turns, on one thread, on the views, touches and imprints of a default run. Each ratio is the median of
+the ratios within a round, averaged over the objects.
 """
 
 from __future__ import annotations
@@ -49,12 +49,14 @@ Call = Callable[[], object]
 
 
 def run() -> dict[str, object]:
-    """Measure the ratio of each kernel to its peer, and print all of them side by side.
+    """Measure and print the ratio of the time of each kernel to the time of its peer.
 
-    ``view`` is to a bare cast by Open3D of the rays of the pixels, ``imprint`` to one of the rays of the
-    sensing points, ``contourlet`` to the wavelet transform db2 of three levels by PyWavelets, and
-    ``channels`` to OpenCV's fine-grained saliency of the same views. ``every ray`` are bare casts of all
-    rays that the kernel casts, so a ratio of a cast-bound kernel can't be below it.
+    - ``view``: a bare cast by Open3D of the rays of the pixels
+    - ``imprint``: a bare cast by Open3D of the rays of the sensing points
+    - ``contourlet``: the wavelet transform db2 of three levels by PyWavelets
+    - ``channels``: OpenCV's fine-grained saliency of the same views
+
+    ``every ray`` is the ratio of bare casts of all rays that the kernel casts: a lower bound of the kernel's ratio.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -63,26 +65,29 @@ def run() -> dict[str, object]:
             measured = [_measure(path) for path in sorted(MESHES.rglob("*.ply.gz"))]
     finally:
         cv2.setNumThreads(threads)
-    found: dict[str, dict[str, float]] = {
-        kernel: {name: float(np.mean([one[kernel][name] for one in measured])) for name in figures}
+    means: dict[str, dict[str, float]] = {
+        kernel: {
+            name: float(np.mean([of_object[kernel][name] for of_object in measured]))
+            for name in figures
+        }
         for kernel, figures in measured[0].items()
     }
     print(f"{'kernel':<12}{'ms':>9}{'peer, ms':>10}{'ratio':>8}{'every ray':>11}")
-    for kernel, figures in found.items():
+    for kernel, figures in means.items():
         every = f"{figures['every_ray']:11.2f}" if "every_ray" in figures else f"{'–':>11}"
         times = f"{figures['kernel_ms']:9.3f}{figures['peer_ms']:10.3f}{figures['ratio']:8.2f}"
         print(f"{kernel:<12}{times}{every}")
-    return {"rounds": ROUNDS, "objects": len(measured), "kernels": found}
+    return {"rounds": ROUNDS, "objects": len(measured), "kernels": means}
 
 
 def _measure(path: Path) -> dict[str, dict[str, float]]:
     surface = normalise(read_surface(path), path.name)
     caster = RayCaster(surface)
     views = render_views(caster, CAMERAS, RENDERING)
-    paths = [one.scanpath for one in attend_to(views, ATTENTION)]
-    points = np.concatenate([one.points for one in paths])
-    normals = np.concatenate([one.normals for one in paths])
-    faces = np.concatenate([one.faces for one in paths])
+    paths = [attention.scanpath for attention in attend_to(views, ATTENTION)]
+    points = np.concatenate([scanpath.points for scanpath in paths])
+    normals = np.concatenate([scanpath.normals for scanpath in paths])
+    faces = np.concatenate([scanpath.faces for scanpath in paths])
 
     def render(with_caster: RayCaster) -> object:
         return render_views(with_caster, CAMERAS, RENDERING)
@@ -92,8 +97,12 @@ def _measure(path: Path) -> dict[str, dict[str, float]]:
 
     images = touch(caster, points, normals, SENSOR, Scene(), faces=faces).images.astype(np.float64)
     pixels = [
-        rays_of(*one.rays(RENDERING.resolution, one.window(surface.vertices, RENDERING.resolution)))
-        for one in CAMERAS
+        rays_of(
+            *camera.rays(
+                RENDERING.resolution, camera.window(surface.vertices, RENDERING.resolution)
+            )
+        )
+        for camera in CAMERAS
     ]
     taxels = [rays_of(*sensing_rays(caster, points, normals))]
     pictures = [np.rint(255.0 * view[..., ::-1]).astype(np.uint8) for view in views.colour]
@@ -110,23 +119,23 @@ def _measure(path: Path) -> dict[str, dict[str, float]]:
         "contourlet": partial(directional_deviations, images),
         "contourlet peer": partial(pywt.wavedec2, images, "db2", "periodization", 3, (1, 2)),
         "channels": partial(attend_to, views, EVERY_CHANNEL),
-        "channels peer": lambda: [fine_grained.computeSaliency(one) for one in pictures],
+        "channels peer": lambda: [fine_grained.computeSaliency(picture) for picture in pictures],
     }
     seconds = in_turn(peers, ROUNDS)
-    return {name: _compared(name, seconds, count) for name, count in _calls(views, paths).items()}
+    return {name: _compare(name, seconds, count) for name, count in _counts(views, paths).items()}
 
 
-def _compared(kernel: str, seconds: Seconds, count: int) -> dict[str, float]:
-    """Compare a kernel, called for so many views or imprints, with its peer in the same rounds."""
+def _compare(kernel: str, seconds: Seconds, count: int) -> dict[str, float]:
+    """Compare a kernel with its peer in the same rounds; `count` is the number of views or imprints per call."""
     peer, every_ray = f"{kernel} peer", f"{kernel} every_ray"
     taken, shares = medians(seconds, 1e3 / count), ratios(seconds, peer)
     figures = {"kernel_ms": taken[kernel], "peer_ms": taken[peer], "ratio": shares[kernel]}
     return figures | ({"every_ray": shares[every_ray]} if every_ray in shares else {})
 
 
-def _calls(views: Views, paths: Sequence[Scanpath]) -> dict[str, int]:
-    """Count the views or imprints that one call of each kernel computes."""
-    imprints = sum(one.distinct for one in paths)
+def _counts(views: Views, paths: Sequence[Scanpath]) -> dict[str, int]:
+    """Return the number of views or imprints that a call of each kernel computes."""
+    imprints = sum(scanpath.distinct for scanpath in paths)
     return {
         "view": len(views),
         "imprint": imprints,
@@ -136,7 +145,7 @@ def _calls(views: Views, paths: Sequence[Scanpath]) -> dict[str, int]:
 
 
 def _casts_of(surface: Surface, work: Callable[[RayCaster], object]) -> list[Rays]:
-    """List the rays of every cast for a first hit that some work on a surface makes."""
+    """Return the rays of every cast for first hits that `work` makes."""
     casts: list[Rays] = []
 
     class Recorded(Open3DScene):

@@ -1,8 +1,7 @@
-"""What a view costs on one core from mesh to fixations, and what an imprint at a fixation costs.
+"""Time a view from mesh to fixations, and an imprint at a fixation, on one core: `python -m benchmarks.looking`.
 
-Run it as ``python -m benchmarks.looking``. Beside each stands what Open3D takes to cast the same
-rays, all of them ready made. All take turns in every round; figures are medians over the rounds,
-averaged over the objects.
+Each is compared with a cast of the same prepared rays by Open3D. All take turns in every round. Figures are medians
+over the rounds, averaged over the objects.
 """
 
 from __future__ import annotations
@@ -37,11 +36,11 @@ SENSOR = SensorParameters()
 
 
 def run(rounds: int = 7) -> dict[str, object]:
-    """Time views and imprints of the twelve objects that the repository carries, each so many rounds.
+    """Time views and imprints of the twelve objects of the repository.
 
-    ``view_ms``: rendering and attention, their sum, the bare cast of a view's rays, and the first
-    view of an object, for which its surface is prepared; ``imprint_ms``: an imprint and the bare
-    cast of its rays; and the ratio of each two.
+    ``view_ms`` has rendering, attention, their sum, the bare cast of a view's rays, and the first view of an object,
+    which includes the preparation of its surface. ``imprint_ms`` has an imprint and the bare cast of its rays. The
+    ratios to the bare casts follow.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -50,7 +49,9 @@ def run(rounds: int = 7) -> dict[str, object]:
             measured = [_measure(path, rounds) for path in sorted(MESHES.rglob("*.ply.gz"))]
     finally:
         cv2.setNumThreads(threads)
-    mean = {name: float(np.mean([one[name] for one in measured])) for name in measured[0]}
+    mean = {
+        name: float(np.mean([of_object[name] for of_object in measured])) for name in measured[0]
+    }
     view = mean["rendering"] + mean["attention"]
     imprint, bare_imprint = mean.pop("imprint"), mean.pop("bare imprint")
     return {
@@ -62,13 +63,13 @@ def run(rounds: int = 7) -> dict[str, object]:
 
 
 def _measure(path: Path, rounds: int) -> dict[str, float]:
-    """Give the median processor milliseconds a view or imprint of one object."""
+    """Return median processor milliseconds per view or imprint of an object."""
     surface = normalise(read_surface(path), path.name)
     caster, bare = RayCaster(surface), open3d_cast(surface)
     views = render_views(caster, CAMERAS, RENDERING)
-    paths = [one.scanpath for one in attend_to(views, ATTENTION)]
-    points = np.concatenate([path.points for path in paths])
-    normals = np.concatenate([path.normals for path in paths])
+    paths = [attention.scanpath for attention in attend_to(views, ATTENTION)]
+    points = np.concatenate([scanpath.points for scanpath in paths])
+    normals = np.concatenate([scanpath.normals for scanpath in paths])
     of_views = [rays_of(*camera.rays(RENDERING.resolution)) for camera in CAMERAS]
     of_imprints = rays_of(*sensing_rays(caster, points, normals))
     contestants: dict[str, tuple[Callable[[], object], int]] = {
@@ -86,7 +87,7 @@ def _measure(path: Path, rounds: int) -> dict[str, float]:
 def sensing_rays(
     caster: RayCaster, points: np.ndarray, normals: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Give the rays of the largest sensor at each point."""
+    """Return origins and directions (n, 3) of the rays of the largest sensor at each point."""
     poses = make_poses(points, normals)
     offsets = 0.5 * SENSOR.largest_size * sensing_offsets(SENSOR.resolution)
     starts = (points + caster.reach * normals)[:, None, None]

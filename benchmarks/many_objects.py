@@ -1,8 +1,8 @@
-"""How the workflow grows with objects: seconds and memory of each step, for 12 to 568 objects, or as many as asked.
+"""Measure seconds and memory of the workflow for 12 to 568 objects, or given numbers of objects.
 
-`python -m benchmarks.many_objects FOLDER [COUNT …]` makes the objects, the paper's twelve, each deformed by a seed, and
-the whole run from nothing, and what follows it. Figures are kept as FOLDER/measured.json. The objects stay in FOLDER,
-where `snakemake -s Snakefile -d FOLDER/COUNT` runs them.
+`python -m benchmarks.many_objects FOLDER [COUNT …]` makes random deformations of the paper's twelve objects, and
+measures a whole run, a run without work, and the report. Figures are written to FOLDER/measured.json. The objects stay
+in FOLDER, for `snakemake -s Snakefile -d FOLDER/COUNT`.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 COUNTS = (12, 24, 48, 142, 568)
 BLOCKS = {12: 4, 24: 6, 48: 12, 142: 24}
-"""Objects a job; 50 where there are more objects."""
+"""Objects per job by number of objects; 50 for other numbers."""
 LARGEST_BEND = 0.15
 SECONDS_BETWEEN_SAMPLES = 1.0
 Steps = dict[str, dict[str, float]]
 
 
 def make_objects(folder: Path, count: int) -> None:
-    """Write so many deformed copies of the paper's objects as a user's own meshes; those that are there stay."""
+    """Write `count` deformed copies of the paper's objects as own meshes; existing files are kept."""
     from visuohaptic.geometry.surface import read_surface, write_surface
 
     sources = sorted((ROOT / "meshes/paper").rglob("*.ply.gz"))
@@ -55,10 +55,10 @@ def bend(vertices: np.ndarray, generator: np.random.Generator) -> np.ndarray:
 
 
 def measure(folder: Path, *options: str) -> dict[str, float]:
-    """Run Snakemake in a folder, and give what it took.
+    """Run Snakemake in a folder, and measure time and memory.
 
-    ``seconds``; ``processor_s`` of Snakemake and of the processes that it started; and ``memory_mb``: the most that all
-    processes had together, each shared page counted once.
+    Returns wall time ``seconds``, ``processor_s`` of Snakemake and its child processes, and ``memory_mb``, the peak of
+    the memory of all processes (PSS: shared pages count once).
     """
     started = time.monotonic()
     with (folder / "snakemake.out").open("ab") as out:
@@ -87,31 +87,31 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
 
 
 def _environment() -> dict[str, str]:
-    """Give the environment of users: with bytecode, and this clone's modules."""
+    """Return an environment with bytecode, as users have, and with this clone's modules."""
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     folders = ("src", "packages/contourlets/src", "workflow/lib")
     return {**kept, "PYTHONPATH": os.pathsep.join(str(ROOT / folder) for folder in folders)}
 
 
 def _watch_memory(process: int, most: list[float], ended: threading.Event) -> None:
-    """Keep the largest sum of the memory of a process and all its descendants, in MB."""
+    """Update `most` to the largest sum of the memory of a process and all descendants, MB."""
     import psutil
 
     while not ended.wait(SECONDS_BETWEEN_SAMPLES):
         total = 0
         with suppress(psutil.Error):
             first = psutil.Process(process)
-            for one in (first, *first.children(recursive=True)):
+            for child in (first, *first.children(recursive=True)):
                 with suppress(psutil.Error):
-                    total += one.memory_full_info().pss
+                    total += child.memory_full_info().pss
         most[0] = max(most[0], total / 2**20)
 
 
 def prepare(folder: Path, count: int, viewpoints: int) -> Path:
-    """Make a folder with so many objects and parameters, and give its path."""
+    """Make a folder with `count` objects and parameters; return its path."""
     here = folder / str(count)
     (here / "meshes").mkdir(parents=True, exist_ok=True)
-    # No catalogued objects beside the made ones.
+    # An empty catalogue: only the deformed objects are used.
     head = (ROOT / "meshes/catalogue.csv").read_text(encoding="utf-8").splitlines()[0]
     (here / "meshes/catalogue.csv").write_text(f"{head}\n", encoding="utf-8")
     text = (ROOT / "params.yaml").read_text(encoding="utf-8")
@@ -122,13 +122,13 @@ def prepare(folder: Path, count: int, viewpoints: int) -> Path:
 
 
 def run_all(folder: Path, count: int, cores: int) -> Steps:
-    """Measure a whole run in blocks from nothing, then one with nothing to do, and the report by itself.
+    """Measure a whole run, a second run without work, and the report.
 
-    Raises `SystemExit` if there are results already.
+    Raises `SystemExit` if the folder has results.
     """
     if (folder / "results").exists():
         raise SystemExit(
-            f"{folder / 'results'} is there; a run from nothing needs a new folder or none in its place."
+            f"{folder / 'results'} exists; a whole run needs a folder without results."
         )
     blocks = {"objects_per_job": BLOCKS.get(count, 50)}
     options = ["--cores", str(cores), "--config", f"workflow={json.dumps(blocks)}"]
@@ -145,32 +145,34 @@ def run_all(folder: Path, count: int, cores: int) -> Steps:
 
 
 def of_phases(folder: Path) -> dict[str, float]:
-    """Give the seconds of each phase's jobs together, as their logs have them, imports included."""
+    """Sum the seconds of each phase's jobs from their logs, with imports."""
     from visuohaptic.io.job_logs import read_seconds
 
-    found: dict[str, float] = {}
+    seconds_of: dict[str, float] = {}
     for log in (folder / "logs").rglob("*.log"):
         if seconds := read_seconds(log):
             name = f"{log.relative_to(folder / 'logs').with_suffix('').parts[0]}_s"
-            found[name] = round(found.get(name, 0.0) + seconds.imports + seconds.work, 1)
-    return found
+            total = seconds_of.get(name, 0.0) + seconds.imports + seconds.work
+            seconds_of[name] = round(total, 1)
+    return seconds_of
 
 
 def main() -> None:
-    """Measure what the command line asks for."""
+    """Measure the numbers of objects on the command line."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("counts", type=int, nargs="*", default=COUNTS, metavar="count")
     parser.add_argument("--viewpoints", type=int, default=4, help="of each object")
     parser.add_argument("--cores", type=int, default=len(os.sched_getaffinity(0)))
-    asked = parser.parse_args()
-    found: dict[str, Steps] = {}
-    for count in asked.counts:
-        here = prepare(asked.folder, count, asked.viewpoints)
-        found[str(count)] = run_all(here, count, asked.cores)
-        print(count, json.dumps(found[str(count)]), flush=True)
-        kept = json.dumps({"viewpoints": asked.viewpoints, "cores": asked.cores, "counts": found})
-        (asked.folder / "measured.json").write_text(f"{kept}\n", encoding="utf-8")
+    arguments = parser.parse_args()
+    settings = {"viewpoints": arguments.viewpoints, "cores": arguments.cores}
+    steps: dict[str, Steps] = {}
+    for count in arguments.counts:
+        here = prepare(arguments.folder, count, arguments.viewpoints)
+        steps[str(count)] = run_all(here, count, arguments.cores)
+        print(count, json.dumps(steps[str(count)]), flush=True)
+        text = json.dumps({**settings, "counts": steps})
+        (arguments.folder / "measured.json").write_text(f"{text}\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

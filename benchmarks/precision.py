@@ -1,8 +1,7 @@
-"""What accuracy costs: for each kernel, settings against error and seconds.
+"""Measure error and run time of each kernel under several settings: `python -m benchmarks.precision`.
 
-Run it as ``python -m benchmarks.precision``. Errors are against closed forms, brute force in float64
-or exact rationals, as `visuohaptic.stability` has them; seconds are medians of interleaved rounds on
-one core.
+Errors are measured against closed forms, brute force in float64, or exact rationals, as in `visuohaptic.stability`.
+Seconds are medians of interleaved rounds on one core.
 """
 
 from __future__ import annotations
@@ -31,13 +30,13 @@ IMAGES = 256
 TOUCHES = 64
 
 Setting = tuple[str, float, float, float, Callable[[], object]]
-"""What it is, largest and root mean square error, how much is done in one call, and the call."""
+"""Name, largest and root mean square error, amount of work per call, and the call."""
 
 
 def run(rounds: int = 3) -> dict[str, list[dict[str, Any]]]:
-    """Measure every kernel, each setting so many rounds, of which the median counts.
+    """Measure every kernel and setting; seconds are medians over the rounds.
 
-    `work_precision`: rows of kernel, settings, errors, their unit, seconds and per what.
+    Returns ``work_precision``: rows with kernel, settings, errors and their unit, and seconds per unit of work.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -71,7 +70,7 @@ def _spread(errors: np.ndarray) -> tuple[float, float]:
 
 
 def _rays(rounds: int) -> list[dict[str, Any]]:
-    """Cast rays at edges and at random, in each precision; and at finer and finer balls."""
+    """Cast rays near edges in each precision, and rays at spheres of 5 levels of subdivision."""
     from numerics.surfaces import ball, closed_shapes
 
     from visuohaptic.stability import oracles
@@ -79,7 +78,7 @@ def _rays(rounds: int) -> list[dict[str, Any]]:
     generator = np.random.default_rng(1)
     torus = closed_shapes()["torus"]
     corners = torus.triangles[generator.integers(0, len(torus.faces), RAYS)]
-    # Beside an edge by a billionth to a hundredth of the face.
+    # Distance from an edge: 1e-9 to 1e-2 of the face.
     beside = 10.0 ** generator.uniform(-9, -2, (RAYS, 1))
     targets = corners[:, 0] + generator.random((RAYS, 1)) * (corners[:, 1] - corners[:, 0])
     targets += beside * (corners[:, 2] - targets)
@@ -102,8 +101,8 @@ def _rays(rounds: int) -> list[dict[str, Any]]:
     }
     settings: list[Setting] = []
     for name, call in calls.items():
-        found = call()
-        error = np.where(np.isfinite(found[sure]), found[sure] - exact[sure], 1.0)
+        distance = call()[sure]
+        error = np.where(np.isfinite(distance), distance - exact[sure], 1.0)
         settings.append((f"beside edges: {name}", *_spread(error), RAYS / 1e6, call))
     balls: list[Setting] = []
     away = generator.normal(size=(RAYS, 3))
@@ -121,7 +120,7 @@ def _rays(rounds: int) -> list[dict[str, Any]]:
 
 
 def _imprints(rounds: int) -> list[dict[str, Any]]:
-    """Touch balls: how fine the mesh, and how many sensing points."""
+    """Touch spheres with several numbers of faces and of sensing points."""
     from numerics.surfaces import ball
 
     settings: list[Setting] = []
@@ -136,7 +135,7 @@ def _imprints(rounds: int) -> list[dict[str, Any]]:
         call = partial(touch, caster, points, normals, parameters, Scene())
         felt = call()
         whole = felt.size == parameters.largest_size
-        # Mean relief of the true cap under the square, by a fine midpoint rule.
+        # Mean relief of the exact cap under the square, by the midpoint rule.
         steps = ((np.arange(1024) + 0.5) / 1024 - 0.5) * parameters.largest_size
         cap = 1 - np.sqrt(1 - steps[:, None] ** 2 - steps[None, :] ** 2)
         error = felt.gaps[whole].mean(axis=(1, 2)) - cap.mean()
@@ -146,7 +145,7 @@ def _imprints(rounds: int) -> list[dict[str, Any]]:
 
 
 def _contourlets(rounds: int) -> list[dict[str, Any]]:
-    """Deviations of 16 bands: which type, and matrix or ladder."""
+    """Compute deviations of 16 bands in both precisions, by the ladder or a matrix."""
     from numerics.hard_cases.images import exact_bands, exact_deviation
 
     images = np.random.default_rng(2).random((IMAGES, 16, 16))
@@ -178,27 +177,31 @@ def _deviations(
 
 
 def _attend_to_all(views: list[Views]) -> list[Attention]:
-    return [one for seen in views for one in attend_to(seen, AttentionParameters())]
+    return [
+        attention
+        for of_object in views
+        for attention in attend_to(of_object, AttentionParameters())
+    ]
 
 
 def _attention(rounds: int) -> list[dict[str, Any]]:
-    """Fixations at each resolution of the view against those at the largest."""
+    """Compare fixations at each resolution with fixations at the largest resolution."""
     casters = [RayCaster(surface) for surface in every_paper_object(4)]
     views: dict[int, list[Views]] = {}
     points: dict[int, list[np.ndarray]] = {}
     for resolution in (64, 128, 256, 512, 1024):
         at = RenderingParameters(resolution=resolution)
         views[resolution] = [render_views(caster, CAMERAS, at) for caster in casters]
-        found = _attend_to_all(views[resolution])
-        points[resolution] = [one.scanpath.points for one in found]
-    reference = points.pop(1024)
+        attended = _attend_to_all(views[resolution])
+        points[resolution] = [attention.scanpath.points for attention in attended]
+    references = points.pop(1024)
     settings: list[Setting] = []
-    for resolution, found_points in points.items():
-        pairs = zip(found_points, reference, strict=True)
-        gaps = np.concatenate([nearest(found, sought) for found, sought in pairs])
+    for resolution, fixations_of_views in points.items():
+        pairs = zip(fixations_of_views, references, strict=True)
+        gaps = np.concatenate([nearest(fixations, reference) for fixations, reference in pairs])
         call = partial(_attend_to_all, views[resolution])
         name = f"{resolution} × {resolution} pixels"
-        settings.append((name, gaps.max(), np.median(gaps), len(reference), call))
+        settings.append((name, gaps.max(), np.median(gaps), len(references), call))
     return _timed(
         "attention",
         "distance to the nearest fixation at 1024², object radii",
@@ -212,5 +215,5 @@ if __name__ == "__main__":
     for row in run()["work_precision"]:
         print(
             f"{row['kernel']:11} {row['settings']:58} {row['worst_error']:9.2e} {row['rms_error']:9.2e} "
-            f"{row['seconds']:9.2e} s a {row['per']}"
+            f"{row['seconds']:9.2e} s per {row['per']}"
         )

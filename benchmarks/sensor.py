@@ -1,7 +1,7 @@
-"""Imprints a second: geometry, effects, and a bare cast of their rays by embreex beside them.
+"""Time imprints with and without effects, and bare casts of their rays by embreex: `python -m benchmarks.sensor`.
 
-Run as ``python -m benchmarks.sensor``. All peers touch the same probes and take turns in every
-round; figures are medians over the rounds, ratios are medians of ratios within a round.
+All peers touch the same probes and take turns in every round. Times are medians over the rounds; ratios are medians of
+the ratios within a round.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ ABSOLUTE = SensorParameters(normalisation="absolute")
 
 
 def run() -> dict[str, object]:
-    """Measure ``milliseconds`` an imprint by peer and object, and ``exactness``: worst errors over the sensor's size."""
+    """Measure ``milliseconds`` per imprint by peer and object, and ``exactness``: largest errors / sensor size."""
     objects = {
         "convex": _ellipsoid(),
         "bumpy": _bumpy_ball(),
@@ -86,7 +86,7 @@ def _plain_cast(caster: RayCaster, points: np.ndarray, normals: np.ndarray) -> C
 def _bare_cast(
     surface: Surface, points: np.ndarray, normals: np.ndarray
 ) -> Callable[[], np.ndarray]:
-    """Make and cast the rays of each probe's largest square by embreex alone, which gives distances only."""
+    """Return a function that makes and casts the rays of each probe's largest square by embreex (distances only)."""
     embreex, poses = embreex_cast(surface), make_poses(points, normals)
     offsets = 0.15 * sensing_offsets(32)
 
@@ -110,7 +110,7 @@ def _probes(surface: Surface, caster: RayCaster) -> tuple[np.ndarray, np.ndarray
 
 
 def _exactness() -> dict[str, dict[str, float]]:
-    """Worst errors over the sensor's size: of the mesh, of the caster in float32 and as it is."""
+    """Measure the largest errors / sensor size: of the mesh, of a cast in float32, and of our caster."""
     shapes: dict[str, Height] = {
         "sphere": lambda x, z: np.sqrt(1 - x**2 - z**2) - 1,
         "cylinder": lambda x, z: np.sqrt(0.16 - x**2) - 0.4 + 0 * z,

@@ -1,4 +1,4 @@
-"""Peers that take turns, so that a slow spell of the machine falls on all of them."""
+"""Time peers in turns, so that other work on the machine affects all equally."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ Seconds = dict[str, list[float]]
 
 
 def in_turn(peers: Peers, rounds: int) -> Seconds:
-    """Call peers in turn; a first call of each, which may import and prepare, does not count.
+    """Call peers in turn and measure processor seconds, after a first call of each that warms up caches.
 
-    Other processes add nothing to processor seconds, but waiting for shared memory.
+    Other processes affect processor seconds only by the shared memory bus.
     """
     for peer in peers.values():
         peer()
@@ -28,13 +28,13 @@ def in_turn(peers: Peers, rounds: int) -> Seconds:
 
 
 def medians(seconds: Seconds, scale: float = 1.0) -> dict[str, float]:
-    """Give each peer's median over the rounds, times a number."""
+    """Return each peer's median over the rounds, multiplied by `scale`."""
     return {name: scale * median(taken) for name, taken in seconds.items()}
 
 
 def ratios(seconds: Seconds, base: str) -> dict[str, float]:
-    """Give the median over the rounds of each peer's seconds by those of one of them."""
+    """Return the median over the rounds of each peer's seconds divided by the seconds of peer `base`."""
     return {
-        name: median(one / other for one, other in zip(taken, seconds[base], strict=True))
+        name: median(own / of_base for own, of_base in zip(taken, seconds[base], strict=True))
         for name, taken in seconds.items()
     }

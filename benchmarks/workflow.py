@@ -1,4 +1,4 @@
-"""How long the workflow takes: cold, with nothing to do, and after a change."""
+"""Time the workflow: a run from nothing, a run without work, and runs after a change."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ LEFT_BEHIND = shutil.ignore_patterns(
 
 
 def run() -> dict[str, object]:
-    """Time one run after another in a copy of the repository.
+    """Time runs in copies of the repository.
 
-    Gives of each run the seconds of the clock, and with ``_cpu`` of all processors together; of cold
-    ones the quickest of three; the same again with the paper's pipeline alone. Also the load before,
-    and whether Python could keep bytecode, as users have it.
+    Returns wall seconds of each run, and processor seconds of all processes with ``_cpu``. Runs from nothing are the
+    quickest of three. ``paper_pipeline`` has the same runs with only pipeline `paper`. Also returns the load before, and
+    whether Python writes bytecode.
     """
     with tempfile.TemporaryDirectory() as folder:
         both = _copy(Path(folder) / "both")
@@ -50,7 +50,7 @@ def run() -> dict[str, object]:
 
 
 def named(name: str, seconds: tuple[float, float]) -> dict[str, float]:
-    """Name the seconds of the clock and of the processors."""
+    """Return wall and processor seconds as two entries."""
     return {f"{name}_s": seconds[0], f"{name}_cpu_s": seconds[1]}
 
 
@@ -60,11 +60,11 @@ def _copy(folder: Path) -> Path:
 
 
 def _time_cold(folder: Path) -> tuple[float, float]:
-    """Run from nothing some times, and give the quickest."""
+    """Run from nothing `ROUNDS` times; return the seconds of the quickest run."""
     seconds = []
     for _ in range(ROUNDS):
-        for made in ("results", "logs", ".snakemake", ".cache"):
-            shutil.rmtree(folder / made, ignore_errors=True)
+        for name in ("results", "logs", ".snakemake", ".cache"):
+            shutil.rmtree(folder / name, ignore_errors=True)
         seconds.append(_time_run(folder))
     return min(seconds)
 
@@ -84,7 +84,7 @@ def _set(folder: Path, section: str, name: str, value: object) -> None:
 
 
 def _time_run(folder: Path) -> tuple[float, float]:
-    """Run, and give the seconds of the clock and of all processes."""
+    """Run the workflow; return wall seconds, and processor seconds of all processes."""
     environment = {
         name: value
         for name, value in os.environ.items()
@@ -98,7 +98,7 @@ def _time_run(folder: Path) -> tuple[float, float]:
 
 
 def _processor_seconds() -> float:
-    """Give the processor seconds of all processes that have ended and were waited for."""
+    """Return the processor seconds of all child processes that have ended."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
 

@@ -1,4 +1,4 @@
-"""A classifier of one's own: any of scikit-learn, in one line."""
+"""Example of a classifier: register a classifier of scikit-learn in one line."""
 
 from sklearn.ensemble import ExtraTreesClassifier
 

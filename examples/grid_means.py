@@ -1,10 +1,10 @@
-"""A descriptor of one's own: an imprint becomes the means of its 4 x 4 parts."""
+"""Example of a descriptor: the means of the 4 x 4 parts of an imprint."""
 
 import visuohaptic as vh
 
 
 def describe(imprints, parameters):
-    """Give the mean of each part, row by row: at most 16 numbers an imprint."""
+    """Compute the mean of each part, row by row: imprints (n, r, r) to (n, 16), for r of at least 4."""
     import numpy as np
 
     return np.stack(
@@ -24,6 +24,7 @@ if __name__ == "__main__":
     import trimesh
 
     chosen = {"features.descriptor": "grid_means"}
-    [found] = vh.touch(trimesh.creation.box((2, 1, 1)), viewpoints=1, parameters=chosen)
-    columns = [name for name in found.features.column_names if name.startswith("contourlet_")]
-    print(len(columns), *np.mean([found.features[name] for name in columns], axis=0).round(3))
+    [exploration] = vh.touch(trimesh.creation.box((2, 1, 1)), viewpoints=1, parameters=chosen)
+    features = exploration.features
+    columns = [name for name in features.column_names if name.startswith("contourlet_")]
+    print(len(columns), *np.mean([features[name] for name in columns], axis=0).round(3))

@@ -1,7 +1,7 @@
-"""An environment of gymnasium: choose where to touch next, and say which class the object has.
+"""Example of a gymnasium environment: choose the next touch, and predict the class of the object.
 
-Spaces, reward and info are those of active perception in ap_gym and Tactile MNIST (T. Schneider et al., "Tactile
-MNIST", 2025), with our sensor in place of a GelSight.
+Spaces, reward and info follow active perception in ap_gym and Tactile MNIST (T. Schneider et al., "Tactile MNIST",
+2025), with our sensor instead of a GelSight.
 """
 
 import gymnasium as gym
@@ -13,13 +13,13 @@ from visuohaptic.geometry.raycasting import RayCaster
 
 
 def touch_at(thing, target):
-    """Set the sensor down where the surface is nearest to a target (3,), in the object frame.
+    """Touch the surface at the point that is nearest to a target (3,), in the object frame.
 
-    Returns the imprint (r, r), the position (3,) and the rotation (3, 3) of the sensor, whose columns are its column
-    axis, its other axis, and the outward normal.
+    Returns the imprint (r, r), the position (3,) and the rotation (3, 3) of the sensor. The columns of the rotation are
+    the sensor's column axis, its row axis, and the outward normal.
     """
-    places, _ = RayCaster(thing.surface).nearest(np.reshape(target, (1, 3)).astype(float))
-    felt = thing.touch(at=places)
+    nearest, _ = RayCaster(thing.surface).nearest(np.reshape(target, (1, 3)).astype(float))
+    felt = thing.touch(at=nearest)
     [touch] = felt.touches.to_pylist()
     position, normal, tangent = (
         np.array([touch[f"{prefix}{axis}"] for axis in "xyz"])
@@ -41,14 +41,15 @@ class TouchEnvironment(gym.Env):
     Parameters
     ----------
     objects : sequence of TouchableObject, optional
-        Objects whose classes are the targets; an episode draws one. Without them the four of the package.
+        The objects; each episode draws an object. Their classes are the targets. The default is the package's four
+        example objects.
     step_limit : int
-        Touches of an episode after the first one, which `reset` makes.
+        Touches of an episode after the first touch, which `reset` makes.
     step_length : float
-        Farthest movement from touch to touch (object radii).
+        Largest movement from touch to touch (object radii).
     """
 
-    metadata = {"render_modes": []}  # noqa: RUF012 - as gymnasium has it
+    metadata = {"render_modes": []}  # noqa: RUF012 - required by gymnasium
     render_mode = None
     loss_fn = staticmethod(cross_entropy)
 
@@ -73,19 +74,19 @@ class TouchEnvironment(gym.Env):
             {"action": self.inner_action_space, "prediction": self.prediction_space}
         )
 
-    def reset(self, *, seed=None, options=None):  # noqa: ARG002 - as gymnasium has it
-        """Draw an object and a first place, and touch there."""
+    def reset(self, *, seed=None, options=None):  # noqa: ARG002 - required by gymnasium
+        """Draw an object and a direction, and touch the object there."""
         super().reset(seed=seed)
         self.thing = self.objects[self.np_random.integers(len(self.objects))]
         self.target = self.classes.index(self.thing.key.split("/")[0])
         self.steps = 0
-        way = self.np_random.normal(size=3)
-        return self._touch(way / np.linalg.norm(way)), {}
+        direction = self.np_random.normal(size=3)
+        return self._touch(direction / np.linalg.norm(direction)), {}
 
     def step(self, action):
-        """Move the sensor, touch, and weigh the prediction, which rests on the touches before this one."""
+        """Move the sensor and touch. The reward depends on the prediction from the touches before this touch."""
         move = np.asarray(action["action"]["sensor_target_pos_rel"], dtype=float)
-        # Movements of length 1 at most, as in Tactile MNIST.
+        # Limit the length of the movement to 1, as in Tactile MNIST.
         moved = move / max(1.0, np.linalg.norm(move))
         self.steps += 1
         seen = self._touch(self.position + self.step_length * moved)

@@ -1,4 +1,4 @@
-"""A policy of one's own, which touches beside the emptiest imprint so far, against all strategies."""
+"""Example of a policy: touch near the emptiest imprint so far. The script compares all strategies."""
 
 import visuohaptic as vh
 
@@ -6,18 +6,18 @@ APART = 0.2  # object radii between two touches
 
 
 def next_location(view, touches):
-    """Return the seen place that is nearest to the emptiest imprint and apart from all touches."""
+    """Return the visible location nearest to the emptiest imprint, and more than `APART` away from all touches."""
     import numpy as np
 
-    places = view.places.points
+    points = view.places.points
     if touches:
-        empty = [0 if one.imprint is None else (one.imprint == 0).mean() for one in touches]
-        steps = places[:, None] - np.array([one.point for one in touches])
+        empty = [0 if touch.imprint is None else (touch.imprint == 0).mean() for touch in touches]
+        steps = points[:, None] - np.array([touch.point for touch in touches])
         distances = np.linalg.norm(steps, axis=2)
         apart = (distances > APART).all(axis=1)
         order = np.argsort(distances[apart, np.argmax(empty)])
-        places = places[apart][order]
-    return places[0] if len(places) else None
+        points = points[apart][order]
+    return points[0] if len(points) else None
 
 
 vh.register(vh.Policy("nearest_edge", "beside the emptiest imprint", next_location))
@@ -42,12 +42,13 @@ if __name__ == "__main__":
     from visuohaptic.recognition import LeaveOneObjectPerClassOut, touch_descriptors
     from visuohaptic.recognition.parameters import RecognitionParameters
 
-    asked = as_parameters({"probing.strategies": STRATEGIES.names, "viewpoints.count": 4})
+    parameters = as_parameters({"probing.strategies": STRATEGIES.names, "viewpoints.count": 4})
     objects = [vh.load(path) for path in sorted(Path("meshes/paper").glob("*/*.ply.gz"))]
     subjects = [
-        Subject(one.key, lambda one=one: RayCaster(one.surface), range(4)) for one in objects
+        Subject(thing.key, lambda thing=thing: RayCaster(thing.surface), range(4))
+        for thing in objects
     ]
-    features = pa.concat_tables(run(subject, asked)["features"] for subject in subjects)
+    features = pa.concat_tables(run(subject, parameters)["features"] for subject in subjects)
     model, counts = make_pipeline(StandardScaler(), KNeighborsClassifier(1)), range(1, 6)
     figure = Figure(figsize=(7, 4), layout="constrained")
     axes = figure.subplots()

@@ -1,11 +1,11 @@
-"""A map of one's own: a touch becomes its first principal components."""
+"""Example of a map: the first principal components of a touch."""
 
 import visuohaptic as vh
 from visuohaptic.recognition.maps import FeatureGroups, Map
 
 
 def fit(touches, settings, generator):
-    """Find the directions in which the training touches vary most, as weights of the features."""
+    """Compute the first principal directions of training touches (n, d) as weights of the features."""
     import numpy as np
 
     _, _, directions = np.linalg.svd(touches - touches.mean(axis=0), full_matrices=False)
@@ -13,7 +13,7 @@ def fit(touches, settings, generator):
 
 
 def reduce(fitted, touches):
-    """Weigh and add the features of touches."""
+    """Compute the principal components of touches: (..., d) to (..., outputs)."""
     return touches @ fitted.weights
 
 

@@ -1,10 +1,10 @@
-"""An attention channel of one's own: red places draw the eye."""
+"""Example of an attention channel: red regions are salient."""
 
 import visuohaptic as vh
 
 
 def measure_redness(view, _):
-    """Give how far red is above green and blue, as one plane."""
+    """Compute the excess of red over green and blue as one plane."""
     import numpy as np
 
     red, green, blue = view.colour
@@ -22,7 +22,7 @@ if __name__ == "__main__":
     colour = np.full((1, 128, 128, 3), 0.5, dtype=np.float32)
     colour[0, 30:42, 30:42] = (0.9, 0.2, 0.2)
     colour[0, 80:92, 80:92] = (0.2, 0.2, 0.9)
-    [found] = attend(
+    [attention] = attend(
         colour,
         mask=np.ones((1, 128, 128), bool),
         point=np.stack([rows, columns, np.zeros_like(rows)], axis=-1)[None],
@@ -31,4 +31,5 @@ if __name__ == "__main__":
         curvature=np.zeros((1, 128, 128), np.float32),
         parameters=AttentionParameters(weights=ChannelWeights.only("redness")),
     )
-    print("red", found.saliency[30:42, 30:42].max(), "blue", found.saliency[80:92, 80:92].max())
+    saliency = attention.saliency
+    print("red", saliency[30:42, 30:42].max(), "blue", saliency[80:92, 80:92].max())

@@ -1,4 +1,4 @@
-"""A network of one's own on imprints and poses: PyTorch behind the interface of scikit-learn."""
+"""Example of a neural network on imprints and poses: PyTorch behind the interface of scikit-learn."""
 
 import numpy as np
 import torch
@@ -7,7 +7,7 @@ from torch import nn
 
 
 class TouchNetwork(nn.Module):
-    """Convolutions over each imprint, then layers over imprint and pose; a sequence is the mean of its touches."""
+    """Convolutions over each imprint, then linear layers over imprint and pose; scores are averaged over the touches."""
 
     def __init__(self, classes):
         super().__init__()
@@ -25,14 +25,14 @@ class TouchNetwork(nn.Module):
 
 
 class TorchClassifier(ClassifierMixin, BaseEstimator):
-    """Classify sequences of touches, as `vh.evaluate(…, inputs="touches")` gives them."""
+    """Classify sequences of touches from `vh.evaluate(…, inputs="touches")`."""
 
     def __init__(self, epochs=30, random_state=None):
         self.epochs = epochs
         self.random_state = random_state
 
     def fit(self, X, y):
-        """Fit on sequences (n, t) of classes (n,)."""
+        """Fit on sequences (n, t) with classes `y` (n,)."""
         torch.manual_seed(0 if self.random_state is None else self.random_state)
         self.classes_, labels = np.unique(y, return_inverse=True)
         self.network_ = TouchNetwork(len(self.classes_))
@@ -48,14 +48,14 @@ class TorchClassifier(ClassifierMixin, BaseEstimator):
         return self
 
     def predict(self, X):
-        """Predict the classes of sequences (n, t): shape (n,)."""
+        """Predict the classes (n,) of sequences (n, t)."""
         with torch.no_grad():
             scores = self.network_(*tensors(X))
         return self.classes_[scores.argmax(dim=1).numpy()]
 
 
 def tensors(sequences):
-    """Return imprints (n, t, r, r) and poses (n, t, 6) as tensors of their own memory."""
+    """Copy imprints (n, t, r, r) and poses (n, t, 6) to tensors."""
     return [torch.from_numpy(sequences[name].copy()) for name in ("imprint", "pose")]
 
 

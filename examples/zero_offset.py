@@ -1,4 +1,4 @@
-"""An effect of the sensor of one's own: cells that nothing loads give an output all the same."""
+"""Example of a sensor effect: a constant output of unloaded cells."""
 
 import numpy as np
 from pydantic import Field
@@ -8,7 +8,7 @@ from visuohaptic.sensor.effect_pipeline import EffectDecision
 
 
 def need(situation, signal):
-    """Say which touches need it, and why or why not: quick, and before anything is simulated."""
+    """Decide quickly, before any simulation, which touches need the effect, with the reason."""
     offset = situation.scene.zero_offset
     return EffectDecision(
         np.full(len(situation), offset > 0), f"an offset of {offset:g} of full scale"
@@ -26,7 +26,7 @@ vh.register(
         need,
         run,
         example={"zero_offset": 0.1},
-        description="Output of cells that nothing loads",
+        description="Output of unloaded cells",
         settings={
             "zero_offset": (float, Field(0.0, ge=0, le=0.5, description="Offset (of full scale)"))
         },

@@ -1,7 +1,7 @@
-"""How much each further touch tells: a study with a step of its own, in one file.
+"""Example of a study with a step of its own: the accuracy after each further touch.
 
-Copy it into folder ``studies/``; ``snakemake -j2 study_first_touches`` measures its conditions, writes
-results/studies/first_touches.parquet as for every study, and then does its step.
+Copy this file to folder ``studies/``. ``snakemake -j2 study_first_touches`` then measures the conditions, writes
+results/studies/first_touches.parquet, as for every study, and runs the step.
 """
 
 from pathlib import Path
@@ -13,24 +13,24 @@ COUNTS = (1, 2, 3)
 
 
 def conditions(run):
-    """Give a condition for each number of touches; `run` has the run's parameters."""
+    """Yield a condition per number of touches; `run` are the run's parameters."""
     for count in COUNTS:
         yield Condition(f"{count} touches", {"recognition.touches": count})
 
 
-def gains(given):
-    """Write what each touch adds to the accuracy, by pipeline, strategy and classifier."""
-    cells = read_cells(given.inputs["blocks"])
-    found = {}
-    for (_, *how), cell in cells.items():
+def write_curves(step):
+    """Write the mean accuracy after each number of touches, by pipeline, strategy and classifier."""
+    cells = read_cells(step.inputs["blocks"])
+    curves = {}
+    for (_, *names), cell in cells.items():
         if cell.error is None:
-            found.setdefault(", ".join(how), []).append(float(cell.accuracy.mean()))
-    write_json(found, Path(given.outputs[0]))
+            curves.setdefault(", ".join(names), []).append(float(cell.accuracy.mean()))
+    write_json(curves, Path(step.outputs[0]))
 
 
 STUDY = Study(
     "first_touches",
     "How much does each further touch tell?",
     conditions,
-    steps=(Step("first_touches", f"{__name__}:gains", ("reports/first_touches.json",)),),
+    steps=(Step("first_touches", f"{__name__}:write_curves", ("reports/first_touches.json",)),),
 )

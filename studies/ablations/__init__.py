@@ -1,1 +1,1 @@
-"""Study `ablations`: one part of the method is left out or replaced, and the rest is as in the run."""
+"""Study `ablations`: leave out or replace one part of the method at a time."""

@@ -20,11 +20,11 @@ NAMES = {
     "fixed_sensor_size": "sensor of fixed size",
     "without_map": "no self-organising map",
 }
-"""Words for conditions; other conditions are shown by name."""
+"""Labels of conditions; other conditions are shown by name."""
 
 
 def condition_name(name: str) -> str:
-    """Return the name of a condition in words."""
+    """Return the label of a condition."""
     if name in NAMES:
         return NAMES[name]
     channel = name.removeprefix("without_")

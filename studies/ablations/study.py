@@ -1,4 +1,4 @@
-"""Study `ablations`: one part of the method is left out or replaced, and the rest is as in the run."""
+"""Study `ablations`: leave out or replace one part of the method at a time."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ PARTS: dict[str, Changes] = {
 
 
 def ablated(run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield the ablations of a run; ablations that need a pipeline that the run lacks are left out."""
+    """Yield the ablations whose pipelines the run has."""
     for name, changes in PARTS.items():
         if set(changes.get("recognition.pipelines", ())) <= set(run.recognition.pipelines):
             yield Condition(name, {**FIXATION_ONLY, **changes})

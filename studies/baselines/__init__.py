@@ -1,1 +1,1 @@
-"""Baselines beside our pipeline: the nearest object by kernel density, a perceptron, and the paper's pipeline."""
+"""Compare pipeline `order_free` with baselines: the nearest object by kernel density, a perceptron, the paper's pipeline."""

@@ -1,4 +1,4 @@
-"""Choose the settings of the baselines on the objects that report nothing: `python -m baselines.choose RESULTS`.
+"""Choose the settings of the baselines on objects that no result reports: `python -m baselines.choose RESULTS`.
 
 README.md beside this file states the rule.
 """
@@ -14,7 +14,7 @@ from typing import Any
 
 import visuohaptic as vh
 from baselines.estimators import NearestObject, TouchPerceptron
-from classifier_settings.choose import choosing_half
+from classifier_settings.choose import choosing_half, first_near_best
 from visuohaptic.meshes.catalogue import models_of_set
 from visuohaptic.tables.phases import TOUCHES, of_objects
 from visuohaptic.tables.schema import read_table
@@ -23,7 +23,7 @@ CHOSEN = Path(__file__).with_name("chosen.json")
 STRATEGIES = ("fixation", "random")
 FOLDS = 5
 LEVEL = 0.001
-"""Settings whose mean accuracies differ by less count as equal."""
+"""Differences of mean accuracies up to this share do not count."""
 
 GRIDS: Mapping[str, tuple[Any, Mapping[str, Sequence[Any]]]] = {
     "nearest_object": (
@@ -33,12 +33,6 @@ GRIDS: Mapping[str, tuple[Any, Mapping[str, Sequence[Any]]]] = {
     "touch_perceptron": (TouchPerceptron, {"hidden": ((64,), (256,)), "penalty": (1e-4, 1.0)}),
 }
 """Estimators and the settings to try, the simplest first."""
-
-
-def chosen_of(accuracies: Mapping[str, float]) -> str:
-    """Return the first setting whose mean accuracy is at most `LEVEL` below the highest."""
-    best = max(accuracies.values())
-    return next(name for name, mean in accuracies.items() if mean >= best - LEVEL)
 
 
 def main() -> None:
@@ -53,16 +47,21 @@ def main() -> None:
     for name, (estimator, grid) in GRIDS.items():
         accuracies = {}
         for values in itertools.product(*grid.values()):
-            own = dict(zip(grid, values, strict=True))
+            settings = dict(zip(grid, values, strict=True))
             means = [
                 vh.evaluate(
-                    estimator(**own), touches, strategy=one, inputs="touches", splits=FOLDS
+                    estimator(**settings),
+                    touches,
+                    strategy=strategy,
+                    inputs="touches",
+                    splits=FOLDS,
                 ).accuracy
-                for one in STRATEGIES
+                for strategy in STRATEGIES
             ]
-            accuracies[json.dumps(own)] = sum(means) / len(means)
-            print(f"{name} {own}: {100 * accuracies[json.dumps(own)]:.2f} %", flush=True)
-        settings = json.loads(chosen_of(accuracies))
+            mean = sum(means) / len(means)
+            accuracies[json.dumps(settings)] = mean
+            print(f"{name} {settings}: {100 * mean:.2f} %", flush=True)
+        settings = json.loads(first_near_best(accuracies, LEVEL))
         result[name] = {"settings": settings, "accuracy": accuracies}
     CHOSEN.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
 

@@ -24,11 +24,11 @@ IMPRINT_COMPONENTS = 20
 
 
 class NearestObject(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
-    """Name the class of the training object under whose density of touches a sequence is likeliest.
+    """Predict the class of the training object with the highest likelihood of a sequence's touches.
 
-    The density is Gaussian around each training touch of an object, over the pose and the skin. Poses have deviation
-    1 over the training touches; the skin is six principal components of the standardised shape of the imprints. The
-    log densities of a sequence's touches add up.
+    The likelihood of a touch is a Gaussian kernel density over the training touches of an object, in the space of pose
+    and skin. Poses are standardised over the training touches. The skin is six principal components of the
+    standardised shape of the imprints. The log likelihoods of a sequence's touches are added.
 
     Parameters
     ----------
@@ -37,7 +37,8 @@ class NearestObject(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     skin : float
         Standard deviation of the first component of the skin; 0 for poses only.
     tested : int, optional
-        Touches of a sequence that count in predictions, the first ones; None for all. Every touch is learnt.
+        The number of touches, from the first, that predictions use. The default is all touches. Training uses all
+        touches.
     """
 
     def __init__(
@@ -48,18 +49,18 @@ class NearestObject(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.tested = tested
 
     def fit(self, X: NDArray[np.void], y: IntArray, groups: IntArray) -> Self:
-        """Keep the touches of sequences (n, t), as `touch_arrays` has them, of classes and objects (n,)."""
+        """Fit on sequences (n, t) of `touch_arrays` with classes `y` (n,) and objects `groups` (n,)."""
         self.classes_ = np.unique(y)
         self.pose_ = StandardScaler().fit(_rows(X, "pose"))
         self.components_ = make_pipeline(StandardScaler(), PCA(SKIN_COMPONENTS)).fit(_shapes(X))
         rows, owners = self._describe(X), np.repeat(groups, X.shape[1])
         objects, first = np.unique(groups, return_index=True)
         self.labels_ = y[first]
-        self.touches_ = [rows[owners == one] for one in objects]
+        self.touches_ = [rows[owners == index] for index in objects]
         return self
 
     def predict(self, X: NDArray[np.void]) -> NDArray[Any]:
-        """Predict the classes of sequences (n, t): shape (n,)."""
+        """Predict the classes (n,) of sequences (n, t)."""
         X = X[:, : self.tested]
         rows = self._describe(X)
         logs = [self._log_density(rows, touches) for touches in self.touches_]
@@ -72,14 +73,14 @@ class NearestObject(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         return density
 
     def _describe(self, sequences: NDArray[np.void]) -> FloatArray:
-        """Compute the numbers of touches, (n * t, 12)."""
+        """Compute the coordinates of touches in the space of pose and skin, (n * t, 12)."""
         weight = self.skin / np.sqrt(self.components_[-1].explained_variance_[0])
         skin = weight * self.components_.transform(_shapes(sequences))
         return np.concatenate([self.pose_.transform(_rows(sequences, "pose")), skin], axis=1)
 
 
 class TouchPerceptron(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
-    """Multilayer perceptron of single touches; the log probabilities of a sequence's touches add up.
+    """Multilayer perceptron of single touches. The log probabilities of a sequence's touches are added.
 
     Parameters
     ----------
@@ -88,7 +89,7 @@ class TouchPerceptron(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     penalty : float
         Weight of the penalty on squared weights.
     tested : int, optional
-        As of `NearestObject`.
+        As in `NearestObject`.
     random_state : int, optional
         Seed of weights and batches.
     """
@@ -106,27 +107,27 @@ class TouchPerceptron(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         self.random_state = random_state
 
     def fit(self, X: NDArray[np.void], y: IntArray) -> Self:
-        """Fit on the touches of sequences (n, t), as `touch_arrays` has them."""
+        """Fit on sequences (n, t) of `touch_arrays` with classes `y` (n,)."""
         self.pca_ = PCA(IMPRINT_COMPONENTS, svd_solver="covariance_eigh").fit(_rows(X, "imprint"))
         self.scaling_ = StandardScaler().fit(self._describe(X))
         self.network_ = MLPClassifier(
             self.hidden, alpha=self.penalty, max_iter=100, random_state=self.random_state
         )
         with warnings.catch_warnings():
-            # A fixed number of passes is part of the setting.
+            # The number of passes is fixed, so the fit need not converge.
             warnings.simplefilter("ignore", ConvergenceWarning)
             self.network_.fit(self.scaling_.transform(self._describe(X)), np.repeat(y, X.shape[1]))
         self.classes_ = self.network_.classes_
         return self
 
     def predict(self, X: NDArray[np.void]) -> NDArray[Any]:
-        """Predict the classes of sequences (n, t): shape (n,)."""
+        """Predict the classes (n,) of sequences (n, t)."""
         X = X[:, : self.tested]
         logs = self.network_.predict_log_proba(self.scaling_.transform(self._describe(X)))
         return self.classes_[logs.reshape(*X.shape, -1).sum(axis=1).argmax(axis=1)]
 
     def _describe(self, sequences: NDArray[np.void]) -> FloatArray:
-        """Compute pose, principal components of the imprint, and size of touches, (n * t, 27)."""
+        """Compute pose, principal components of the imprint, and sensor size of touches, (n * t, 27)."""
         imprints = self.pca_.transform(_rows(sequences, "imprint"))
         parts = [_rows(sequences, "pose"), imprints, _rows(sequences, "sensor_size")]
         return np.concatenate(parts, axis=1)

@@ -30,19 +30,21 @@ Cells = Mapping[tuple[str, str, int], KeptCell]
 
 
 def blocks() -> dict[str, str]:
-    """Return the parts of the page, by the names of their blocks."""
+    """Return the generated parts of the page by name of the block."""
     kept = {name: read_kept(name) for name in SETS}
     strategies = [strategy_name(name) for name in STRATEGIES]
     heads = ["objects", "classifier", *strategies]
     accuracies = {
-        length: table(heads, [row for one in kept.values() for row in _accuracies(one, length)])
+        length: table(
+            heads, [row for of_set in kept.values() for row in _accuracies(of_set, length)]
+        )
         for length in LENGTHS
     }
-    differences = [row for one in kept.values() for row in _differences(one)]
+    differences = [row for of_set in kept.values() for row in _differences(of_set)]
     seconds = ["objects", "classifier", "splits"]
     seconds += [f"{kind}, {length}" for kind in ("fit", "predict") for length in LENGTHS]
     sources = "; ".join(
-        f"{SETS[name]}: {one.commit[:12]}, {one.date}" for name, one in kept.items()
+        f"{SETS[name]}: {of_set.commit[:12]}, {of_set.date}" for name, of_set in kept.items()
     )
     return {
         "headline": headline(kept),
@@ -50,24 +52,24 @@ def blocks() -> dict[str, str]:
         "differences": table(
             ["objects that report", "less ours", "touches", *strategies], differences
         ),
-        "seconds": table(seconds, [row for one in kept.values() for row in _seconds(one)]),
+        "seconds": table(seconds, [row for of_set in kept.values() for row in _seconds(of_set)]),
         "chosen": table(["classifier", "settings", "choosing half"], list(_chosen())),
         "sources": _wrapped(f"Measured once and kept; {sources}."),
     }
 
 
 def headline(kept: Mapping[str, KeptBaselines]) -> str:
-    """Say whether a baseline is ahead of ours at five touches on the objects that report, and which is closest."""
+    """Write whether a baseline is ahead of pipeline `order_free` at five touches, or else which baseline is closest."""
     baselines = [name for name in LABELS if name != OURS]
-    leads = {
-        of_set: [
-            (difference(one, name, strategy, HEADLINE_TOUCHES), name, strategy, one)
+    leads_of_sets = [
+        [
+            (difference(of_set, name, strategy, HEADLINE_TOUCHES), name, strategy, of_set)
             for name in baselines
             for strategy in STRATEGIES
         ]
-        for of_set, one in kept.items()
-    }
-    ahead = [lead for found in leads.values() for lead in found if lead[0].low > 0]
+        for of_set in kept.values()
+    ]
+    ahead = [lead for leads in leads_of_sets for lead in leads if lead[0].low > 0]
     if ahead:
         first = "**A baseline is ahead of our pipeline at five touches**, with a paired interval above 0:"
     else:
@@ -75,29 +77,31 @@ def headline(kept: Mapping[str, KeptBaselines]) -> str:
             "**No baseline is ahead of our pipeline at five touches** on the objects that report: no paired "
             "interval lies above 0. The closest, in points less ours:"
         )
-    closest = [max(found, key=lambda lead: lead[0].mean) for found in leads.values()]
+    closest = [max(leads, key=lambda lead: lead[0].mean) for leads in leads_of_sets]
     lines = [_wrapped(f"- {_lead(*lead)}.", "  ") for lead in ahead or closest]
-    level = [_level(one, baselines) for one in kept.values()]
+    level = [_level(of_set, baselines) for of_set in kept.values()]
     return "\n".join([_wrapped(first), "", *lines, "", *filter(None, level)])
 
 
 def _level(kept: KeptBaselines, names: Sequence[str]) -> str:
-    """Name the baselines whose paired intervals hold 0 by every strategy; empty where there is none."""
-    found = []
+    """Write the baselines whose paired intervals contain 0 for all strategies; empty if there are none."""
+    labels = []
     for name in names:
-        intervals = [difference(kept, name, one, HEADLINE_TOUCHES) for one in STRATEGIES]
-        if all(one.low <= 0 <= one.high for one in intervals):
-            found.append(LABELS[name])
-    if not found:
+        intervals = [difference(kept, name, strategy, HEADLINE_TOUCHES) for strategy in STRATEGIES]
+        if all(interval.low <= 0 <= interval.high for interval in intervals):
+            labels.append(LABELS[name])
+    if not labels:
         return ""
     count = len(kept.objects) - len(kept.choosing)
-    return _wrapped(f"By every strategy {count} objects do not tell ours from: {', '.join(found)}.")
+    return _wrapped(
+        f"By every strategy {count} objects do not tell ours from: {', '.join(labels)}."
+    )
 
 
 def difference(kept: KeptBaselines, name: str, strategy: str, touches: int) -> Interval:
-    """Compute a baseline's accuracy less ours, paired over the objects that report."""
+    """Compute the accuracy of a baseline minus that of `OURS`, paired over objects outside of `kept.choosing`."""
     cells = _by_name(kept)
-    (own, other) = (cells[one, strategy, touches] for one in (OURS, name))
+    own, other = (cells[classifier, strategy, touches] for classifier in (OURS, name))
     rows = [
         (theirs, ours, weight)
         for key, theirs, ours, weight in zip(
@@ -112,8 +116,8 @@ def difference(kept: KeptBaselines, name: str, strategy: str, touches: int) -> I
 def _accuracies(kept: KeptBaselines, touches: int) -> Iterator[list[object]]:
     cells = _by_name(kept)
     for name, label in LABELS.items():
-        found = [_accuracy(cells[name, strategy, touches]) for strategy in STRATEGIES]
-        yield [len(kept.objects), label, *(_interval(one, percent) for one in found)]
+        accuracies = [_accuracy(cells[name, strategy, touches]) for strategy in STRATEGIES]
+        yield [len(kept.objects), label, *(_text(accuracy, percent) for accuracy in accuracies)]
 
 
 def _accuracy(cell: KeptCell) -> Interval:
@@ -127,43 +131,37 @@ def _differences(kept: KeptBaselines) -> Iterator[list[object]]:
     for touches in LENGTHS:
         for name, label in LABELS.items():
             if name != OURS:
-                found = [difference(kept, name, strategy, touches) for strategy in STRATEGIES]
-                written = (_interval(one, points) for one in found)
-                yield [reporting, label, touches, *written]
+                leads = [difference(kept, name, strategy, touches) for strategy in STRATEGIES]
+                yield [reporting, label, touches, *(_text(lead, points) for lead in leads)]
 
 
 def _seconds(kept: KeptBaselines) -> Iterator[list[object]]:
     cells = _by_name(kept)
     for name, label in LABELS.items():
-        found = [cells[name, STRATEGIES[0], length] for length in LENGTHS]
-        times = [*(one.fit for one in found), *(one.predict for one in found)]
-        yield [len(kept.objects), label, found[0].splits, *(f"{time:.2g} s" for time in times)]
+        own = [cells[name, STRATEGIES[0], length] for length in LENGTHS]
+        times = [*(cell.fit for cell in own), *(cell.predict for cell in own)]
+        yield [len(kept.objects), label, own[0].splits, *(f"{time:.2g} s" for time in times)]
 
 
 def _chosen() -> Iterator[list[object]]:
-    for name, one in json.loads(CHOSEN.read_text(encoding="utf-8")).items():
-        settings = ", ".join(f"{key} {value}" for key, value in one["settings"].items())
-        yield [
-            LABELS[name],
-            settings,
-            _plain(percent(one["accuracy"][json.dumps(one["settings"])])),
-        ]
+    for name, choice in json.loads(CHOSEN.read_text(encoding="utf-8")).items():
+        settings = ", ".join(f"{key} {value}" for key, value in choice["settings"].items())
+        accuracy = choice["accuracy"][json.dumps(choice["settings"])]
+        yield [LABELS[name], settings, _plain(percent(accuracy))]
 
 
 def _lead(lead: Interval, name: str, strategy: str, kept: KeptBaselines) -> str:
     reporting = len(kept.objects) - len(kept.choosing)
-    return (
-        f"{LABELS[name]}, {strategy_name(strategy)}, {reporting} objects: {_interval(lead, points)}"
-    )
+    return f"{LABELS[name]}, {strategy_name(strategy)}, {reporting} objects: {_text(lead, points)}"
 
 
 def _by_name(kept: KeptBaselines) -> Cells:
     return {(cell.classifier, cell.strategy, cell.touches): cell for cell in kept.cells}
 
 
-def _interval(one: Interval, write: Callable[[float], str]) -> str:
-    ends = f"{write(one.low)} to {write(one.high)}"
-    return _plain(f"{write(one.mean)} ({ends})")
+def _text(interval: Interval, write: Callable[[float], str]) -> str:
+    ends = f"{write(interval.low)} to {write(interval.high)}"
+    return _plain(f"{write(interval.mean)} ({ends})")
 
 
 def _wrapped(text: str, indent: str = "") -> str:

@@ -1,6 +1,6 @@
-"""Measure the baselines beside our pipeline and the paper's: `python -m baselines.measure RESULTS SET`.
+"""Measure pipeline `order_free`, the paper's pipeline and the baselines: `python -m baselines.measure RESULTS SET`.
 
-The accuracy of each object is kept in ``kept_SET.json`` beside this file.
+Writes the accuracies per object to ``kept_SET.json`` beside this file.
 """
 
 from __future__ import annotations
@@ -36,19 +36,30 @@ STRATEGIES = ("fixation", "random", "random_visible")
 LENGTHS = (5, 1)
 OURS = "order_free"
 FEWER_SPLITS = {"paper": 27, "benchmark": 5}
-"""Splits of the perceptron, whose fits take seconds; each object is tested as often as any other of its class."""
+"""Number of splits of the perceptron by set, because a fit takes seconds. All objects of a class are tested equally
+often."""
 
 
 @dataclass(frozen=True)
 class Contestant:
-    """A classifier, or the name of a registered one, its input, and its splits by set where these are not all."""
+    """A classifier to compare.
+
+    Attributes
+    ----------
+    inputs : {"features", "descriptors", "touches"}
+        The classifier's input.
+    estimator : object or str
+        An unfitted classifier, or the name of a registered classifier.
+    splits : mapping of str to int
+        The number of splits by set of objects. The default is all splits.
+    """
 
     inputs: Inputs
     estimator: Any
     splits: Mapping[str, int] = field(default_factory=dict)
 
     def evaluate(self, table: pa.Table, objects: str, strategy: str, touches: int) -> Evaluation:
-        """Evaluate on so many touches of a strategy; estimators of single touches learn from the most."""
+        """Evaluate on the first `touches` of each sequence; estimators of single touches are fitted on `max(LENGTHS)`."""
         estimator = self.estimator
         if self.inputs == "touches":
             estimator = clone(estimator).set_params(tested=touches)
@@ -65,7 +76,7 @@ class Contestant:
 
 
 class KeptCell(BaseModel):
-    """Accuracy and weight of each object, None where it was not tested, and the processor's seconds per split."""
+    """Accuracy and weight per object (None for untested objects), and processor seconds of fit and predict per split."""
 
     classifier: str
     strategy: str
@@ -78,7 +89,7 @@ class KeptCell(BaseModel):
 
 
 class KeptBaselines(BaseModel):
-    """Measured cells of one set of objects; `choosing` are the objects that chose settings."""
+    """Measured cells of one set of objects. Settings were chosen on the objects in `choosing`."""
 
     commit: str
     date: str
@@ -89,7 +100,7 @@ class KeptBaselines(BaseModel):
 
 @cache
 def contestants() -> dict[str, Contestant]:
-    """Return what is compared, ours first, with the chosen settings."""
+    """Return the classifiers to compare with their chosen settings, first `OURS`."""
     chosen = json.loads(CHOSEN.read_text(encoding="utf-8"))
     nearest = NearestObject(**chosen["nearest_object"]["settings"])
     perceptron = TouchPerceptron(**chosen["touch_perceptron"]["settings"])
@@ -104,22 +115,22 @@ def contestants() -> dict[str, Contestant]:
 def measure(
     features: pa.Table, touches: pa.Table, objects: Sequence[str], name_of_set: str
 ) -> Iterator[KeptCell]:
-    """Yield every cell of a run's tables, by classifier, strategy and number of touches."""
-    for name, one in contestants().items():
-        table = touches if one.inputs == "touches" else features
+    """Evaluate every classifier, strategy and number of touches on a run's tables, and yield the cells."""
+    for name, contestant in contestants().items():
+        table = touches if contestant.inputs == "touches" else features
         for strategy in STRATEGIES:
             for length in LENGTHS:
-                found = one.evaluate(table, name_of_set, strategy, length)
-                print(f"{name} {strategy} {length}: {found}", flush=True)
+                evaluation = contestant.evaluate(table, name_of_set, strategy, length)
+                print(f"{name} {strategy} {length}: {evaluation}", flush=True)
                 yield KeptCell(
                     classifier=name,
                     strategy=strategy,
                     touches=length,
-                    splits=found.splits,
-                    accuracy=tuple(found.by_object.get(key) for key in objects),
-                    weights=tuple(found.weights.get(key) for key in objects),
-                    fit=found.fit.processor / found.splits,
-                    predict=found.predict.processor / found.splits,
+                    splits=evaluation.splits,
+                    accuracy=tuple(evaluation.by_object.get(key) for key in objects),
+                    weights=tuple(evaluation.weights.get(key) for key in objects),
+                    fit=evaluation.fit.processor / evaluation.splits,
+                    predict=evaluation.predict.processor / evaluation.splits,
                 )
 
 
@@ -130,7 +141,7 @@ def read_kept(name: str) -> KeptBaselines:
 
 
 def main() -> None:
-    """Measure every cell of a run, and keep each as soon as it is measured."""
+    """Measure all cells of a run, and write the file after each cell."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, help="folder results/ of a run with three strategies")
     parser.add_argument("set", choices=("paper", "benchmark"))

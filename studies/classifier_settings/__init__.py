@@ -1,1 +1,1 @@
-"""Settings of pipeline `order_free`, chosen on objects that report nothing."""
+"""Choose the settings of pipeline `order_free` on objects that no result reports."""

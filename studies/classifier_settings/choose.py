@@ -54,11 +54,11 @@ GRIDS: Mapping[str, tuple[Any, Mapping[str, Sequence[Any]]]] = {
     ),
     "logistic_regression": (LogisticRegression(max_iter=1000), {"C": (0.03, 0.3, 1.0)}),
 }
-"""Unfitted classifiers and the settings to try, the simplest or the library's default first."""
+"""Unfitted classifiers, and the values of each setting; the simplest value or the library's default comes first."""
 
 
 def choosing_half(models: Sequence[Model], seed: int = HALVES_SEED) -> set[str]:
-    """Return the objects, `class/name`, of the half that chooses: every second one of each class in a drawn order."""
+    """Return the objects, ``class/name``, on which settings are chosen: a random half of each class."""
     generator = np.random.default_rng(seed)
     chosen: set[str] = set()
     for category in sorted({model.category for model in models}):
@@ -67,12 +67,28 @@ def choosing_half(models: Sequence[Model], seed: int = HALVES_SEED) -> set[str]:
     return chosen
 
 
+def first_near_best(accuracies: Mapping[str, float], margin: float) -> str:
+    """Return the first name whose accuracy is at most `margin` below the highest accuracy."""
+    best = max(accuracies.values())
+    return next(name for name, accuracy in accuracies.items() if accuracy >= best - margin)
+
+
 def scores_of(
     estimator: Any,
     grid: Mapping[str, Sequence[Any]],
     tables: Sequence[pa.Table],
 ) -> Iterator[tuple[str, float]]:
-    """Yield each setting and its mean accuracy over strategies, rounds and folds of whole objects."""
+    """Yield each setting and its mean accuracy over tables, rounds and folds of whole objects.
+
+    Parameters
+    ----------
+    estimator : object
+        An unfitted classifier.
+    grid : mapping of str to sequence
+        Values by parameter of the classifier.
+    tables : sequence of pyarrow.Table
+        Rows of `tables.FEATURES`, one table per strategy.
+    """
     steps = [
         ("scaling", StandardScaler()),
         ("rotation", "passthrough"),
@@ -93,7 +109,7 @@ def scores_of(
 
 
 def main() -> None:
-    """Print and write the mean accuracy of every setting on the half that chooses."""
+    """Print and write the mean accuracy of every setting on the objects of `choosing_half`."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, help="folder results/ of a run of set `benchmark`")
     parser.add_argument("--catalogue", type=Path, default=Path("meshes/catalogue.csv"))

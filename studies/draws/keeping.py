@@ -1,6 +1,6 @@
-"""Accuracies per object and draw, which the library keeps: ``src/visuohaptic/report/draws.json``.
+"""Keep accuracies per object and draw in the library: ``src/visuohaptic/report/draws.json``.
 
-`python -m draws.keeping SET` puts those of ``reports/draws.json``, which study `draws` writes, into the package.
+`python -m draws.keeping SET` copies the accuracies of ``reports/draws.json``, which study `draws` writes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from visuohaptic.studies.study import StepInputs
 
 MEASURED = Path("reports/draws.json")
 _LIST = re.compile(r"\[[^\[\]\"]*\]")
-PLACE = Path(visuohaptic.report.__file__).with_name(KEPT)
+KEPT_FILE = Path(visuohaptic.report.__file__).with_name(KEPT)
 
 
 def make_draws(step: StepInputs) -> None:
@@ -34,8 +34,8 @@ def make_draws(step: StepInputs) -> None:
 
 
 def accuracies_of(cells: dict[CellKey, Cell]) -> dict[str, Any]:
-    """Arrange the cells of study `draws` as `KeptSet` has them; what could not be run raises `ReportError`."""
-    failed = [f"{strategy}: {one.error}" for (_, _, strategy, _), one in cells.items() if one.error]
+    """Arrange the cells of study `draws` as fields of `KeptSet`. Raises `ReportError` if a cell has an error."""
+    failed = [f"{key[2]}: {cell.error}" for key, cell in cells.items() if cell.error]
     if failed:
         raise ReportError(f"Draws could not be measured, {failed[0]}")
     objects = sorted({key for cell in cells.values() for key in cell.objects})
@@ -43,41 +43,41 @@ def accuracies_of(cells: dict[CellKey, Cell]) -> dict[str, Any]:
     for (_, pipeline, strategy, classifier), cell in sorted(
         cells.items(), key=lambda item: draw_of(item[0][2])
     ):
-        known = dict(zip(cell.objects, cell.accuracy.tolist(), strict=True))
-        found = pipelines.setdefault(pipeline, {"classifier": classifier, "random": []})
-        accuracies = [known.get(key) for key in objects]
+        accuracy_of = dict(zip(cell.objects, cell.accuracy.tolist(), strict=True))
+        kept = pipelines.setdefault(pipeline, {"classifier": classifier, "random": []})
+        accuracies = [accuracy_of.get(key) for key in objects]
         if strategy == "fixation":
             weights = dict(zip(cell.objects, cell.weights.tolist(), strict=True))
-            found |= {"fixation": accuracies, "weights": [weights.get(key) for key in objects]}
+            kept |= {"fixation": accuracies, "weights": [weights.get(key) for key in objects]}
         else:
-            found["random"].append(accuracies)
+            kept["random"].append(accuracies)
     return {"objects": ["/".join(key) for key in objects], "pipelines": pipelines}
 
 
-def keep(name: str, measured: Path = MEASURED, place: Path = PLACE) -> None:
-    """Put measured draws of a set of objects into a file of kept draws, in the place of earlier ones."""
-    found = read_json(measured, dict, "holds no measured draws", "run `make draws` again")
-    if found["set"] != name:
+def keep(name: str, measured: Path = MEASURED, kept_file: Path = KEPT_FILE) -> None:
+    """Replace the draws of a set of objects in the file of kept draws by measured draws."""
+    draws = read_json(measured, dict, "holds no measured draws", "run `make draws` again")
+    if draws["set"] != name:
         raise ReportError(
-            f"{measured} has draws of set {found['set']}; draws of {name} are needed."
+            f"{measured} has draws of set {draws['set']}; draws of {name} are needed."
         )
-    kept = read_kept(place) if place.exists() else {}
+    kept = read_kept(kept_file) if kept_file.exists() else {}
     kept[name] = KeptSet(
         commit=find_commit(),
         date=datetime.now(UTC).strftime("%Y-%m-%d"),
-        objects=found["objects"],
+        objects=draws["objects"],
         pipelines={
-            pipeline: KeptPipeline.model_validate(one)
-            for pipeline, one in found["pipelines"].items()
+            pipeline: KeptPipeline.model_validate(values)
+            for pipeline, values in draws["pipelines"].items()
         },
     )
-    atomic_write_text(place, _written(sorted(kept.items())))
+    atomic_write_text(kept_file, _as_json(sorted(kept.items())))
 
 
-def _written(kept: Iterable[tuple[str, KeptSet]]) -> str:
-    """Write kept draws as JSON with one line per list of numbers."""
-    sets = ",\n".join(f'"{name}": {one.model_dump_json(indent=1)}' for name, one in kept)
-    return _LIST.sub(lambda found: " ".join(found[0].split()), f"{{\n{sets}\n}}\n")
+def _as_json(kept: Iterable[tuple[str, KeptSet]]) -> str:
+    """Return kept draws as JSON with one line per list of numbers."""
+    sets = ",\n".join(f'"{name}": {of_set.model_dump_json(indent=1)}' for name, of_set in kept)
+    return _LIST.sub(lambda match: " ".join(match[0].split()), f"{{\n{sets}\n}}\n")
 
 
 if __name__ == "__main__":

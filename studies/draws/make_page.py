@@ -13,33 +13,33 @@ PAGE = Path(__file__).parent / "README.md"
 
 
 def blocks() -> dict[str, str]:
-    """Return the table of the page, by the name of its block."""
+    """Return the table of the page by name of the block."""
     kept = read_kept()
-    found = [
+    draws = [
         read_draws(name, pipeline)
         for name in sorted(kept)
         for pipeline in sorted(kept[name].pipelines, key="paper".__ne__)
     ]
     heads = ["set", "objects", "pipeline", "draws", "fixation", "random: mean", "lead: lowest"]
     heads += ["mean", "highest", "standard deviation", "commit", "day"]
-    return {"draws": table(heads, [_row(one) for one in found if one is not None])}
+    return {"draws": table(heads, [_row(kept) for kept in draws if kept is not None])}
 
 
-def _row(one: KeptDraws) -> list[object]:
-    leads = one.lead.leads
+def _row(kept: KeptDraws) -> list[object]:
+    leads = kept.lead.leads
     return [
-        one.set,
-        one.objects,
-        f"{one.pipeline}, {classifier_name(one.classifier)}",
-        one.lead.count,
-        share(one.fixation),
-        share(sum(one.random) / len(one.random)),
+        kept.set,
+        kept.objects,
+        f"{kept.pipeline}, {classifier_name(kept.classifier)}",
+        kept.lead.count,
+        share(kept.fixation),
+        share(sum(kept.random) / len(kept.random)),
         points(min(leads)),
-        points(one.lead.mean),
+        points(kept.lead.mean),
         points(max(leads)),
-        percent_points(one.lead.standard_deviation),
-        one.commit[:12],
-        one.date,
+        percent_points(kept.lead.standard_deviation),
+        kept.commit[:12],
+        kept.date,
     ]
 
 

@@ -1,4 +1,4 @@
-"""Twenty draws of random places, in both pipelines: how far the choice of a draw moves the lead of fixation."""
+"""Study `draws`: the lead of fixation over twenty draws of random places, in both pipelines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ DRAWS = 20
 
 
 def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield fixation with draw 0, which a run has, and all further draws, which are touched for the study."""
+    """Yield two conditions: fixation with draw 0, and all further draws."""
     both = {**ONE_CLASSIFIER, "recognition.pipelines": tuple(HEADLINE_CLASSIFIERS)}
     further = tuple(name_of_draw("random", draw) for draw in range(1, DRAWS))
     yield Condition("first draw", {**both, "probing.strategies": ("fixation", "random")})

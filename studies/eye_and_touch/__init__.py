@@ -1,1 +1,1 @@
-"""Study `eye_and_touch`: accuracy of the eye, what touch adds to it, and what the next touch is worth."""
+"""Study `eye_and_touch`: accuracy by eye, the gain by touch, and the gain per second of further touches."""

@@ -101,7 +101,7 @@ def _answer_split(
 
 @dataclass(frozen=True)
 class Sense:
-    """A classifier of descriptors, fitted on some sequences.
+    """A classifier of descriptors that is fitted on training sequences.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ def senses_figures(path: Path) -> Row:
     `ReportError` if the file holds other content.
     """
 
-    def arranged(summary: Row) -> Row:
+    def arrange(summary: Row) -> Row:
         rows = [
             {"sight": sight["sight"]}
             | {answer: figure_of(sight["answers"][answer], "accuracy") for answer in ANSWERS}
@@ -38,7 +38,7 @@ def senses_figures(path: Path) -> Row:
         return {"sentence": _sentence(summary, rows), "rows": rows, "curves": summary["curves"]}
 
     way_out = "run `snakemake -j2 eye_and_touch_all` again"
-    return read_json(path, arranged, "holds no figures of study eye_and_touch", way_out)
+    return read_json(path, arrange, "holds no figures of study eye_and_touch", way_out)
 
 
 def _sentence(summary: Row, rows: Sequence[Row]) -> str:
@@ -57,7 +57,7 @@ def _sentence(summary: Row, rows: Sequence[Row]) -> str:
 
 def eye_and_touch_values(context: ReportContext) -> Values | None:
     """Return the values of the section; None if the run has no figures of the study."""
-    path = context.run.made(FIGURES)
+    path = context.run.existing_file(FIGURES)
     if path is None:
         return None
     return {"senses": senses_figures(path), "answers": ANSWERS, "draw_times": draw_times}
@@ -67,7 +67,7 @@ def eye_and_touch_values(context: ReportContext) -> Values | None:
 def draw_times(curves: Sequence[Mapping[str, Any]]) -> Figure:
     """Draw accuracy after a look and after each further touch against the robot's time, one line per strategy.
 
-    `curves` are those of ``reports/eye_and_touch.json``; only the look and the checked product are drawn.
+    `curves` come from ``reports/eye_and_touch.json``. Only the look and the checked product are drawn.
     """
     looks = [row for row in curves if row["answer"] == LOOK]
     lines: dict[str, Any] = {}

@@ -17,7 +17,7 @@ FINEST = 128
 """Largest number of rows and columns of the eye's picture (pixels). Finer views are subsampled by a whole step."""
 
 WINDOW = 64
-"""Rows and columns to which a picture is resized before it is described (pixels)."""
+"""Rows and columns of the resized picture from which histograms are computed (pixels)."""
 
 LEAST_CONTRAST = 2
 """Least difference between an object's colour and a background without noise (levels of 255)."""

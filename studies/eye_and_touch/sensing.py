@@ -145,7 +145,7 @@ def sense_all(
 
 
 def _both(table: pa.Table, other: pa.Table) -> pa.Table:
-    """Return the rows of a table with viewpoints that the other table has, too."""
+    """Return the rows of a table whose viewpoints are also in the other table."""
     keys = ["class", "object", "viewpoint"]
     viewpoints = other.group_by(keys).aggregate([])
     return table.join(viewpoints, keys, join_type="left semi").select(table.column_names)

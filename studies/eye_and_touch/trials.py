@@ -227,9 +227,9 @@ def _stop(
     affordable = max(budget - cost.look_seconds, 0) / cost.touch_seconds
     worth = worth_of_budget(expected_gain(pace, confidence), affordable)
     tested = np.stack([answered.tested for answered in by_touches])
-    made = touches_made(worth, expected_gain(pace, tested.max(axis=3)))
-    answers = np.take_along_axis(tested, made[None, :, :, None], axis=0)[0]
-    return answers, cost.look_seconds + cost.touch_seconds * made.astype(np.float64)
+    counts = touches_made(worth, expected_gain(pace, tested.max(axis=3)))
+    answers = np.take_along_axis(tested, counts[None, :, :, None], axis=0)[0]
+    return answers, cost.look_seconds + cost.touch_seconds * counts.astype(np.float64)
 
 
 def learn_pace(
@@ -257,10 +257,10 @@ def learn_pace(
     right = correct.sum(axis=1)
     doubt = np.maximum((1 - confidence).sum(axis=1), np.finfo(np.float64).tiny)
     pace = np.zeros(len(right))
-    for made in range(len(right) - 1):
-        further = np.arange(1, len(right) - made)
-        shares = np.clip((right[made + 1 :] - right[made]) / doubt[made], 0, 1)
-        pace[made] = (shares / (further * touch_seconds)).max()
+    for count in range(len(right) - 1):
+        further = np.arange(1, len(right) - count)
+        shares = np.clip((right[count + 1 :] - right[count]) / doubt[count], 0, 1)
+        pace[count] = (shares / (further * touch_seconds)).max()
     return pace
 
 

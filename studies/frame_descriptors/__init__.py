@@ -1,1 +1,1 @@
-"""Which descriptors of touches serve an object of unknown pose best."""
+"""Choose descriptors of touches for objects of unknown pose."""

@@ -16,7 +16,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 from sklearn.model_selection import StratifiedGroupKFold, cross_val_score
 
-from classifier_settings.choose import HALVES_SEED, choosing_half
+from classifier_settings.choose import HALVES_SEED, choosing_half, first_near_best
 from frame_descriptors.families import local_frames, pair_waves, spectral_moments, triples
 from turned.study import STUDY, name_of
 from visuohaptic.meshes.catalogue import models_of_set
@@ -37,7 +37,7 @@ TOUCHES = 5
 STRATEGY = "fixation"
 DRAWS = (3, 4)
 MARGIN = 0.005
-"""Share of sequences by which a family may be behind a later one and still be taken."""
+"""A family is preferred to later families that are more accurate by at most this share of the sequences."""
 
 Family = Callable[[NDArray[np.float64], NDArray[np.float64], WaveBasis], NDArray[np.float64]]
 
@@ -49,7 +49,7 @@ FAMILIES: Mapping[str, Sequence[Family]] = {
     "triples": (triples,),
     "all together": (spectral_moments, pair_waves, local_frames, triples),
 }
-"""What is described beside pairs of touches and skin without roll, the fewest numbers first."""
+"""Descriptors that are added to `BASELINE`, sorted by the number of values."""
 
 BASELINE = RecognitionParameters(
     frame="none",
@@ -58,12 +58,12 @@ BASELINE = RecognitionParameters(
 
 
 def read_turned(results: Path, draw: int, half: set[str]) -> TouchSequences:
-    """Read the sequences of the objects of a half, `class/name`, whose meshes are turned in any way."""
+    """Read the sequences of draw `draw` of meshes turned by any rotation, for the objects ``class/name`` of `half`."""
     run = as_parameters({"meshes.set": "benchmark"})
     (key,) = (
-        one.key
-        for one in plan_study(STUDY, run).conditions
-        if one.condition.name == name_of("any", draw, BASELINE.frame, TOUCHES)
+        planned.key
+        for planned in plan_study(STUDY, run).conditions
+        if planned.condition.name == name_of("any", draw, BASELINE.frame, TOUCHES)
     )
     table = read_table(FEATURES, results / "study_features" / STUDY.name / f"{key}.parquet")
     table = table.filter(pc.is_in(keys_of(table), value_set=pa.array(sorted(half))))
@@ -74,7 +74,7 @@ def read_turned(results: Path, draw: int, half: set[str]) -> TouchSequences:
 def describe(
     sequences: TouchSequences, families: Sequence[Family], waves: WaveBasis
 ) -> NDArray[np.float64]:
-    """Describe sequences by the baseline and some families: (s, d)."""
+    """Compute the descriptors of s sequences by `BASELINE` and by families, shape (s, d)."""
     names = sequences.feature_names
     pose = sequences.features[:, :, [names.index(name) for name in POSE]]
     points, normals = pose[..., :3], pose[..., 3:]
@@ -95,14 +95,8 @@ def score(rows: NDArray[np.float64], sequences: TouchSequences) -> float:
     return float(np.mean(scores))
 
 
-def choose(accuracy: Mapping[str, float]) -> str:
-    """Return the first family that is at most `MARGIN` behind the best."""
-    best = max(accuracy.values())
-    return next(name for name, value in accuracy.items() if value >= best - MARGIN)
-
-
 def main() -> None:
-    """Print and write the mean accuracy of every family on the half that chooses."""
+    """Print and write the mean accuracy of every family on the objects of `choosing_half`."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, help="folder results/ of `make turned SET=benchmark`")
     parser.add_argument("--catalogue", type=Path, default=Path("meshes/catalogue.csv"))
@@ -114,14 +108,14 @@ def main() -> None:
     accuracy, numbers = {}, {}
     for name, families in FAMILIES.items():
         described = [describe(sequences, families, waves) for sequences in drawn]
-        values = [score(rows, one) for rows, one in zip(described, drawn, strict=True)]
+        values = [score(*pair) for pair in zip(described, drawn, strict=True)]
         accuracy[name], numbers[name] = float(np.mean(values)), described[0].shape[1]
         print(f"{name}: {100 * accuracy[name]:.2f} %, {numbers[name]} numbers", flush=True)
     result = {
         "objects": len(half),
         "accuracy": accuracy,
         "numbers": numbers,
-        "chosen": choose(accuracy),
+        "chosen": first_near_best(accuracy, MARGIN),
     }
     arguments.output.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
 

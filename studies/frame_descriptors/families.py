@@ -1,7 +1,6 @@
-"""Families of descriptors of touches that no rotation or translation of all touches changes.
+"""Descriptors of touches that are invariant to rotation and translation of all touches.
 
-Points and normals have the shape (s, t, 3): s sequences of t touches, in object radii and as unit
-vectors.
+Points (object radii) and normals (unit vectors) have the shape (s, t, 3) for s sequences of t touches.
 """
 
 from __future__ import annotations
@@ -36,12 +35,12 @@ def pair_waves(points: Array, normals: Array, waves: WaveBasis) -> Array:
 
 
 def local_frames(points: Array, normals: Array, waves: WaveBasis) -> Array:
-    """Describe each touch in the local reference frames of all others: (s, 24 + w).
+    """Describe each touch in the local reference frames of all other touches: (s, 24 + w).
 
-    The frame of a touch has its normal as first axis, and as second axis the way, in the tangent
-    plane, to the mean of the other touches. Frames of one normal are those of spin images (A. Johnson
-    and M. Hebert, PAMI 1999); a second axis from the neighbours is that of SHOT (F. Tombari et al.,
-    ECCV 2010). Along the third axis only sizes count, so a mirrored object is described alike.
+    The first axis of a touch's frame is its normal. The second axis points, in the tangent plane, to the mean of the
+    other touches. Frames with only the first axis are those of spin images (A. Johnson and M. Hebert, PAMI 1999). A
+    second axis from the neighbours is that of SHOT (F. Tombari et al., ECCV 2010). Coordinates along the third axis are
+    absolute values, so a mirrored object has the same descriptors.
     """
     touches = points.shape[1]
     others = (points.sum(axis=1, keepdims=True) - points) / max(touches - 1, 1)
@@ -61,12 +60,13 @@ def local_frames(points: Array, normals: Array, waves: WaveBasis) -> Array:
     return np.concatenate([statistics(coordinates), embed(coordinates, waves)], axis=1)
 
 
-def spectral_moments(points: Array, normals: Array, waves: WaveBasis) -> Array:  # noqa: ARG001 - as all families
+def spectral_moments(points: Array, normals: Array, waves: WaveBasis) -> Array:  # noqa: ARG001 - the signature of all families
     """Describe the touches of a sequence by moments and spectra of the whole set: (s, 34).
 
-    Statistics of `central_coordinates` about the mean of the points; eigenvalues of the normals' second moment, length of their mean;
-    trace and singular values of the moment of points and normals; traces of powers of kernel matrices
-    between touches, without and with the cosine between normals.
+    - statistics of `central_coordinates` about the mean of the points
+    - eigenvalues of the second moment of the normals, and the length of their mean
+    - trace and singular values of the mixed moment of points and normals
+    - traces of powers of kernel matrices between touches, without and with the cosine between normals
     """
     touches = points.shape[1]
     centred = points - points.mean(axis=1, keepdims=True)
@@ -92,8 +92,11 @@ def spectral_moments(points: Array, normals: Array, waves: WaveBasis) -> Array: 
 def triples(points: Array, normals: Array, waves: WaveBasis) -> Array:
     """Describe the triangles of all triples of touches: (s, 28 + w).
 
-    Sides by length, area, the mean cosine of the normals to the triangle's own normal and the mean of
-    its size, and the size of the triple product of the normals; without three touches zeros.
+    - sides, sorted by length, and area
+    - absolute mean, and mean absolute value, of the cosines between the normals and the triangle's normal
+    - absolute triple product of the normals
+
+    With fewer than three touches all values are 0.
     """
     index = np.array(list(combinations(range(points.shape[1]), 3)), dtype=np.int64).reshape(-1, 3)
     corners, own = points[:, index], normals[:, index]

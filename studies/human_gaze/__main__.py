@@ -93,7 +93,7 @@ def measure(
     """Compare the attention model with where people looked on objects.
 
     A recording is a text file, one point per line: x y z seconds, or x y z, a normal and seconds. Its mesh has
-    the same name. Weights are fitted to other objects than those they are compared on.
+    the same name. Weights are tested on objects to which they were not fitted.
 
     Example: python -m human_gaze recordings
     """

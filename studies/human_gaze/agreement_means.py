@@ -46,7 +46,7 @@ class PredictorRow:
     measures : mapping of str to Interval
         Mean of each measure of `SHOWN`.
     gain : Interval
-        Mean correlation minus that of the predictor to compare with.
+        Mean correlation minus the mean correlation of the predictor to compare with.
     positive : int
         Objects with a gain above 0.
     objects : int

@@ -1,1 +1,1 @@
-"""Study `settings_cost`: accuracy against time in many settings, one thing varied at a time."""
+"""Study `settings_cost`: accuracy against time; each family of settings varies one parameter."""

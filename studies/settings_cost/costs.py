@@ -1,4 +1,4 @@
-"""Run time and error rate of every setting of the study."""
+"""Measure run time and error rate of every setting of the study."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from visuohaptic.studies.study import StepInputs
 
 
 def make_seconds(step: StepInputs) -> None:
-    """Time every setting side by side: `tables.COST_SECONDS`."""
+    """Write `tables.COST_SECONDS` of all settings."""
     write_seconds(step, STUDY, settings_of(step.run), step.run.cost.rounds)
 
 
 def make_costs(step: StepInputs) -> None:
-    """Join error rates and seconds of all settings, and mark the front and the steps: `tables.COST`."""
+    """Write `tables.COST` of all settings."""
     write_costs(step, STUDY, settings_of(step.run))

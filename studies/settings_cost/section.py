@@ -1,4 +1,4 @@
-"""What accuracy costs in time in every setting."""
+"""The section of the report on accuracy and run time of every setting."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ COSTS = "results/settings_cost.parquet"
 
 
 def settings_cost_values(context: ReportContext) -> Values | None:
-    """Read what the settings cost; None where nothing was measured."""
-    path, run = context.run.made(COSTS), context.run
+    """Return the values of the section; None if the run has no table of the study."""
+    path, run = context.run.existing_file(COSTS), context.run
     rows = read_costs(path, tuple(families_of(run.parameters))) if path else []
     if not rows:
         return None

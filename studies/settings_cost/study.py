@@ -1,4 +1,4 @@
-"""The settings whose accuracy and run time are compared: in each family one thing varies over its whole range."""
+"""Study `settings_cost`: settings whose accuracy and run time are compared; each family varies one parameter."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ CLASSIC_CHANNELS = ("colour", "intensity", "orientation")
 
 
 def families_of(run: ExperimentParameters) -> Families:
-    """Vary one thing in each family, over its whole range."""
+    """Return the families of settings; each varies one parameter over its range."""
     cost, weights = run.cost, run.attention.weights.model_dump()
     used = [name for name, weight in weights.items() if weight]
     classic, own = (
-        {name: (weight or 1.0) if name in kept else 0.0 for name, weight in weights.items()}
-        for kept in (CLASSIC_CHANNELS, used)
+        {name: (weight or 1.0) if name in channels else 0.0 for name, weight in weights.items()}
+        for channels in (CLASSIC_CHANNELS, used)
     )
     lean = {"rendering.resolution": cost.lean_view_resolution, "attention.weights": classic}
     views = {counted(count, "viewpoint"): {"viewpoints": count} for count in cost.viewpoints}
@@ -52,7 +52,7 @@ def families_of(run: ExperimentParameters) -> Families:
 
 
 def settings_of(run: ExperimentParameters) -> list[Setting]:
-    """Make all settings, family by family."""
+    """Return all settings, family by family."""
     return make_settings(run, families_of(run))
 
 

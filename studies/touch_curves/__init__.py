@@ -1,1 +1,1 @@
-"""Study `touch_curves`: accuracy over the number of touches, by every strategy, one of them adaptive."""
+"""Study `touch_curves`: accuracy against the number of touches by every strategy, including `adaptive`."""

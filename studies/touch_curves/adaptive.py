@@ -1,4 +1,4 @@
-"""Policies that learn, such as `adaptive`: each split chooses its touches by its training objects."""
+"""Measure learning policies such as `adaptive`: each split trains the policy, which then chooses the touches."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import pyarrow as pa
 
-import touch_curves.choosing  # noqa: F401 - it adds `adaptive`
+import touch_curves.choosing  # noqa: F401 - registers `adaptive`
 from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.seeds import spawn_generator
@@ -44,21 +44,24 @@ from visuohaptic.touches.choosing import in_reach
 from visuohaptic.touches.touching import touch_part
 
 CANDIDATES = 256
-"""Places of an object among which `adaptive` chooses where a viewpoint sees them."""
+"""Candidates per object for `adaptive`; a viewpoint has the candidates that it sees."""
 
 
 def make_candidates(step: StepInputs) -> None:
-    """Touch objects wherever `adaptive` may choose to, in reach where places are replaced: rows of `tables.FEATURES`."""
+    """Touch objects at all candidates of `adaptive`, and write `tables.FEATURES`.
+
+    If ``probing.unreachable`` is ``replace``, only candidates in reach are touched.
+    """
     features, parameters = [], step.run
     for mesh in usable_meshes(step.inputs["meshes"]):
         subject = Subject.of_mesh(object_of(mesh), mesh)
         caster = subject.caster
         generator = spawn_generator(parameters.seed, "candidates", subject.key)
-        crowd = spread_far(caster.surface, CANDIDATES, generator)
-        outwards = orient_outwards(caster, crowd.points, crowd.normals)
-        places = ProbingLocations(crowd.points, outwards, crowd.faces)
+        spread = spread_far(caster.surface, CANDIDATES, generator)
+        outwards = orient_outwards(caster, spread.points, spread.normals)
+        locations = ProbingLocations(spread.points, outwards, spread.faces)
         parts = [
-            candidate_table(Viewpoint(subject.key, number, caster, camera), places)
+            candidate_table(Viewpoint(subject.key, number, caster, camera), locations)
             for number, camera in enumerate(place_cameras(parameters.viewpoints))
         ]
         located = pa.concat_tables(parts).combine_chunks()
@@ -71,7 +74,7 @@ def make_candidates(step: StepInputs) -> None:
 
 
 def make_adaptive_rows(step: StepInputs) -> None:
-    """Write `tables.STUDY` of the study's conditions on touches that learning policies choose, `adaptive` first."""
+    """Write `tables.STUDY` of the study's conditions for touches of each learning policy, first `adaptive`."""
     planned = plan_study(TOUCH_CURVES, step.run).conditions
     features = read_table(FEATURES, step.inputs["tables"])
     rows = [
@@ -85,38 +88,52 @@ def make_adaptive_rows(step: StepInputs) -> None:
 def learning_rows(
     policy: LearningPolicy, features: pa.Table, planned: Sequence[Planned], pipeline: str
 ) -> Iterator[pa.Table]:
-    """Choose the touches of every split by a policy that learnt its training objects, then train and test.
+    """Choose the touches of each split by a policy, then train and test.
 
-    `features` are those that `make_candidates` writes; the conditions differ in the number of touches. Yields
-    `tables.STUDY` of each condition, by the policy's name.
+    Parameters
+    ----------
+    policy : LearningPolicy
+        The policy.
+    features : pyarrow.Table
+        The table of `make_candidates`.
+    planned : sequence of Planned
+        Conditions that differ only in the number of touches.
+    pipeline : str
+        The pipeline to train.
+
+    Yields
+    ------
+    pyarrow.Table
+        `tables.STUDY` per condition; column ``strategy`` is the name of the policy.
     """
-    keys = [(TOUCH_CURVES.name, one.condition.name, pipeline, policy.name) for one in planned]
+    keys = [(TOUCH_CURVES.name, each.condition.name, pipeline, policy.name) for each in planned]
     classifiers = (HEADLINE_CLASSIFIERS[pipeline],)
     try:
         chosen = choose_for_splits(policy, features, planned)
     except REFUSALS as refusal:
         yield from (error_rows(key, classifiers, str(refusal)) for key in keys)
         return
-    for key, one in zip(keys, planned, strict=True):
+    for key, condition in zip(keys, planned, strict=True):
         try:
-            yield from cell_rows(key, predict_chosen(chosen, one.parameters, pipeline))
+            yield from cell_rows(key, predict_chosen(chosen, condition.parameters, pipeline))
         except REFUSALS as refusal:
             yield error_rows(key, classifiers, str(refusal))
 
 
 @dataclass(frozen=True)
 class ChosenTouches:
-    """Touches that were chosen for each split, as many as the longest sequence needs.
+    """The touches that a policy chose in each split; t is the largest number of touches of the conditions.
 
     Attributes
     ----------
     sequences : TouchSequences
-        The sequences without features.
+        The s sequences without features.
     first : pyarrow.Table
-        The features of the first candidate of each sequence, which show the columns of a pipeline.
+        Rows of the first candidate of each sequence, from which the columns of a pipeline are read.
     splits : list of Split
+        The splits.
     features : list of ndarray of shape (s, t, k)
-        Features of the chosen touches of all sequences, per split.
+        Features of the chosen touches, per split.
     """
 
     sequences: TouchSequences
@@ -128,19 +145,19 @@ class ChosenTouches:
 def choose_for_splits(
     policy: LearningPolicy, features: pa.Table, planned: Sequence[Planned]
 ) -> ChosenTouches:
-    """Choose touches for every split; `planned` conditions differ only in the number of touches."""
+    """Choose touches in every split; the conditions `planned` differ only in the number of touches."""
     features, run = classes_of_two(features), planned[0].parameters
     first = select(features, touch=0)
     candidates = gather_candidates(features, _columns_of(first, run, "order_free"))
     splits = draw_splits(candidates.sequences, run.recognition.protocol, run.seed)
-    most = max(one.parameters.recognition.touches or 1 for one in planned)
-    rows = choose_in_splits(policy, candidates, splits, most, run)
-    chosen = [candidates.features[some] for some in rows]
+    most = max(condition.parameters.recognition.touches or 1 for condition in planned)
+    rows_of_splits = choose_in_splits(policy, candidates, splits, most, run)
+    chosen = [candidates.features[rows] for rows in rows_of_splits]
     return ChosenTouches(candidates.sequences, first, splits, chosen)
 
 
 def predict_chosen(chosen: ChosenTouches, run: ExperimentParameters, pipeline: str) -> Predictions:
-    """Train and test every split on its own touches."""
+    """Train and test a pipeline in every split on the touches that were chosen in the split."""
     started = time.process_time()
     names = _columns_of(chosen.first, run, pipeline)
     columns = [chosen.sequences.feature_names.index(name) for name in names]
@@ -154,6 +171,6 @@ def predict_chosen(chosen: ChosenTouches, run: ExperimentParameters, pipeline: s
 
 
 def _columns_of(first: pa.Table, run: ExperimentParameters, pipeline: str) -> tuple[str, ...]:
-    """Return the columns that a pipeline uses of candidates, by one touch per sequence."""
+    """Return the columns of candidates that a pipeline uses; `first` has one touch per sequence."""
     single = run.recognition.model_copy(update={"touches": 1})
     return gather_pipeline(first, single, pipeline).feature_names

@@ -1,8 +1,8 @@
 """Strategy `adaptive`: each next touch has the largest expected information gain.
 
-Before a touch, the position and normal of every candidate are known, as the viewpoint sees
-them; the imprint is not. It is predicted from training objects: how often, near such a pose,
-objects of each class gave each kind of imprint.
+Before a touch, the position and normal of every candidate are known, as the viewpoint sees them. The imprint is
+unknown. Its probability is estimated from training objects: the frequency of each kind of imprint near the same pose,
+per class.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ WORDS = 16
 """Number of kinds of imprint."""
 
 COMMON_SHARE = 0.1
-"""Share of every class's likelihood that is the mean over the classes, so that none is 0."""
+"""Share of the mean over the classes in the likelihood of each class, so that no likelihood is 0."""
 
 LEAST_LIKELIHOOD = 1e-6
 """Likelihood of a touch unlike any in training."""
 
 SMALLEST_OUTCOME = 1e-300
-"""Replaces a probability of 0 in a logarithm; it adds no entropy."""
+"""Replaces a probability of 0 in a logarithm; the product of both adds no entropy."""
 
 REHEARSED_TOUCHES = 5
 """Length of the random sequences of training objects that set the temperature."""
@@ -45,10 +45,24 @@ REHEARSED_TOUCHES = 5
 
 @dataclass(frozen=True)
 class TouchModel:
-    """Likelihood of imprints by pose and class, from t training touches only.
+    """Likelihood of kinds of imprint by pose and class, estimated from t training touches.
 
-    `poses` (t, 6) are scaled as the kernel needs them; `kinds` (t,) are below `words`. Of other
-    objects than those of training, `class_of_owner` (o,) is not looked at.
+    Attributes
+    ----------
+    poses : ndarray of shape (t, 6)
+        Poses from `scale_poses`.
+    kinds : ndarray of shape (t,), int64
+        Kind of imprint, 0 to `words` - 1.
+    words : int
+        Number of kinds of imprint, m.
+    owner : ndarray of shape (t,), int64
+        Index of the object of each touch.
+    class_of_owner : ndarray of shape (o,), int64
+        Class of each object; only entries of training objects are used.
+    classes : int
+        Number of classes, c.
+    parameters : OrderFreeParameters
+        Scale of positions and normals.
     """
 
     poses: FloatArray
@@ -60,28 +74,28 @@ class TouchModel:
     parameters: OrderFreeParameters
 
     def log_likelihood(self, poses: FloatArray, left_out: int) -> FloatArray:
-        """Give the log likelihood of each word at each pose, by class: (n, 6) to (n, m, c).
+        """Compute the log likelihood of each kind of imprint at each pose by class: (n, 6) to (n, m, c).
 
-        A training object, `left_out`, is ignored, for its own touches must not predict its imprints;
-        -1 for none. The only object of a class is kept.
+        Touches of training object `left_out` are ignored, unless the object is the only one of its class; -1 ignores
+        none. An object's own touches must not predict its imprints.
         """
         scaled = scale_poses(poses, self.parameters)
         squares = np.einsum("nd,nd->n", scaled, scaled)[:, None]
         squares = squares + np.einsum("td,td->t", self.poses, self.poses)
         kernel = np.exp(-0.5 * np.maximum(squares - 2 * scaled @ self.poses.T, 0))
         weights = self._weights(left_out)
-        found = np.zeros((len(poses), self.words, self.classes))
+        likelihood = np.zeros((len(poses), self.words, self.classes))
         for category in range(self.classes):
             rows = np.flatnonzero(self.class_of_owner[self.owner] == category)
             member = np.zeros((len(rows), self.words))
             member[np.arange(len(rows)), self.kinds[rows]] = weights[rows]
-            found[:, :, category] = kernel[:, rows] @ member
-        common = found.mean(axis=2, keepdims=True)
-        mixed = (1 - COMMON_SHARE) * found + COMMON_SHARE * common
+            likelihood[:, :, category] = kernel[:, rows] @ member
+        common = likelihood.mean(axis=2, keepdims=True)
+        mixed = (1 - COMMON_SHARE) * likelihood + COMMON_SHARE * common
         return np.log(mixed + LEAST_LIKELIHOOD)
 
     def _weights(self, left_out: int) -> FloatArray:
-        """Weigh touches so that all objects of a class have the same weight."""
+        """Return weights of touches with which all objects of a class have the same total weight."""
         objects = np.unique(self.owner)
         classes = self.class_of_owner[objects]
         kept = objects[(objects != left_out) | (np.bincount(classes)[classes] == 1)]
@@ -93,7 +107,10 @@ class TouchModel:
 def fit_adaptive(
     lessons: Lessons, parameters: ExperimentParameters, generator: np.random.Generator
 ) -> Learnt:
-    """Fit the touch model and its temperature on training objects, whose own touches are chosen without them."""
+    """Fit the touch model and its temperature on training objects.
+
+    The touches of a training object are chosen without its own training touches.
+    """
     model, words = fit_touch_model(lessons, parameters.recognition.order_free, generator)
     known = {
         int(owner): _plan(model, lessons.poses[lessons.owner == owner], int(owner))
@@ -125,10 +142,16 @@ add_learning_policy(ADAPTIVE, "touch_curves")
 
 @dataclass(frozen=True)
 class Plan:
-    """An object's candidates as the touch model sees them.
+    """Log likelihoods of an object's candidates.
 
-    `poses` (n, 6) are those of all candidates; equal ones have one `pose_number` (n,), below u.
-    `log_likelihood` is that of each word under each class, (u, m, c).
+    Attributes
+    ----------
+    poses : ndarray of shape (n, 6)
+        Pose of each candidate.
+    pose_number : ndarray of shape (n,), int64
+        Index of each pose among the u distinct poses.
+    log_likelihood : ndarray of shape (u, m, c)
+        Log likelihood of each kind of imprint under each class, at each distinct pose.
     """
 
     poses: FloatArray
@@ -137,8 +160,8 @@ class Plan:
 
 
 def _plan(model: TouchModel, poses: FloatArray, left_out: int) -> Plan:
-    first, seen = np.unique(poses, axis=0, return_inverse=True)
-    return Plan(poses, seen.reshape(-1), model.log_likelihood(first, left_out))
+    distinct, number = np.unique(poses, axis=0, return_inverse=True)
+    return Plan(poses, number.reshape(-1), model.log_likelihood(distinct, left_out))
 
 
 def choose_next(
@@ -149,63 +172,87 @@ def choose_next(
     kinds: IntArray,
     focus_radius: float,
 ) -> IntArray:
-    """Choose the next touch of each of an object's viewpoints: candidates, (v,), int64.
+    """Choose the next touch of each of an object's v viewpoints.
 
-    It is the open candidate with the largest expected information gain: the entropy of
-    the class is expected to be least after it, averaged over the kinds of imprint with their
-    probabilities under the belief so far (D. V. Lindley, Ann. Math. Statist. 27, 1956). The pose is
-    known before the touch, so it adds no gain; after the touch, pose and imprint are both evidence.
+    The next touch is the open candidate with the largest expected information gain: the entropy of the class after the
+    touch is smallest, averaged over the kinds of imprint with their probabilities under the current belief (D. V.
+    Lindley, Ann. Math. Statist. 27, 1956). The pose is known before the touch and adds no gain. After the touch, both
+    pose and imprint are evidence. Candidates within `focus_radius` of a touch are closed. If all are closed, untouched
+    candidates count as open; if all are touched, all candidates do.
 
-    `predicted` is the plan's log likelihood with a sum of 1 over the words. `view` is the viewpoint of
-    each candidate, (n,), ascending from 0 without a gap. `chosen` are the touches so far, (v, t), and
-    `kinds` their words. No two touches are closer than `focus_radius` while there is
-    another place; once all places are closed, all but those touched are open again, and at last all.
+    Parameters
+    ----------
+    plan : Plan
+        Log likelihoods of the n candidates.
+    predicted : ndarray of shape (u, m, c)
+        The plan's log likelihood, normalised to a sum of 1 over the kinds of imprint.
+    view : ndarray of shape (n,), int64
+        Viewpoint of each candidate, 0 to v - 1, ascending.
+    chosen, kinds : ndarray of shape (v, t), int64
+        Candidates touched so far, and the kinds of their imprints.
+    focus_radius : float
+        Least distance of touches, object radii.
+
+    Returns
+    -------
+    ndarray of shape (v,), int64
+        The chosen candidates.
     """
     views, poses = len(chosen), plan.poses
     belief = np.zeros((views, plan.log_likelihood.shape[2]))
-    shut = np.zeros(len(poses), dtype=np.int64)
-    for places, words in zip(chosen.T, kinds.T, strict=True):
-        belief += plan.log_likelihood[plan.pose_number[places], words]
-        steps = poses[:, :3] - poses[places[view], :3]
+    closed = np.zeros(
+        len(poses), dtype=np.int64
+    )  # 0 for open, 1 for near a touch, 2 and more for touched
+    for touched, words in zip(chosen.T, kinds.T, strict=True):
+        belief += plan.log_likelihood[plan.pose_number[touched], words]
+        steps = poses[:, :3] - poses[touched[view], :3]
         near = np.einsum("nd,nd->n", steps, steps) <= focus_radius**2
-        shut = np.maximum(shut, near)
-        shut[places] += 2
-    left = expected_entropy(belief, predicted)[view, plan.pose_number]
-    # Lowest first among the least shut: open ones, then near ones, then touched ones.
-    order = np.lexsort((left, shut, view))
+        closed = np.maximum(closed, near)
+        closed[touched] += 2
+    entropy = expected_entropy(belief, predicted)[view, plan.pose_number]
+    order = np.lexsort((entropy, closed, view))
     return order[np.searchsorted(view, np.arange(views))]
 
 
 def expected_entropy(belief: FloatArray, log_likelihood: FloatArray) -> FloatArray:
-    """Give the uncertainty about the class that is expected to be left after a touch: (v, u), nats.
+    """Compute the expected entropy of the class after a touch.
 
-    `belief` holds the log probabilities of the classes so far, up to a constant, (v, c);
-    `log_likelihood` that of each of m outcomes at u places, (u, m, c).
+    Parameters
+    ----------
+    belief : ndarray of shape (v, c)
+        Log probabilities of the classes so far, each row up to a constant.
+    log_likelihood : ndarray of shape (u, m, c)
+        Log likelihood of m outcomes under c classes at u poses.
+
+    Returns
+    -------
+    ndarray of shape (v, u)
+        Entropy, nats.
     """
-    places, outcomes, classes = log_likelihood.shape
-    # Factors that are common to a place or to a sequence cancel; the largest is made 1.
+    poses, outcomes, classes = log_likelihood.shape
+    # Common factors of a pose or a sequence cancel, so scale the largest to 1.
     level = log_likelihood - log_likelihood.max(axis=(1, 2), keepdims=True)
     prior = belief - belief.max(axis=1, keepdims=True)
     weight, likelihood = np.exp(prior), np.exp(level)
     by_class = likelihood.sum(axis=1)
     outcome = weight @ likelihood.reshape(-1, classes).T
-    outcome = outcome.reshape(-1, places, outcomes)
-    # The entropy of the class given the outcome is that of both less that of the outcome; of
-    # both, the logarithm is the sum of the prior's and the likelihood's.
-    both = (weight * prior) @ by_class.T + weight @ (likelihood * level).sum(axis=1).T
-    alone = (outcome * np.log(np.maximum(outcome, SMALLEST_OUTCOME))).sum(axis=2)
-    return np.maximum(alone - both, 0.0) / outcome.sum(axis=2)
+    outcome = outcome.reshape(-1, poses, outcomes)
+    # H(class | outcome) = H(class, outcome) - H(outcome), both up to the sign and the sum of the weights.
+    # log p(class, outcome) = prior + level.
+    joint = (weight * prior) @ by_class.T + weight @ (likelihood * level).sum(axis=1).T
+    marginal = (outcome * np.log(np.maximum(outcome, SMALLEST_OUTCOME))).sum(axis=2)
+    return np.maximum(marginal - joint, 0.0) / outcome.sum(axis=2)
 
 
 def fit_touch_model(
     lessons: Lessons, parameters: OrderFreeParameters, generator: np.random.Generator
 ) -> tuple[TouchModel, Words]:
-    """Fit the touch model on lessons, each place of an object once; also return the words of features.
+    """Fit the touch model on lessons; equal poses of an object count once.
 
-    The generator starts the words' centres.
+    The generator draws the initial centres of k-means. Also returns the function from features to kinds of imprint.
     """
-    places = np.column_stack([lessons.owner, lessons.poses])
-    rows = np.sort(np.unique(places, axis=0, return_index=True)[1])
+    owners_and_poses = np.column_stack([lessons.owner, lessons.poses])
+    rows = np.sort(np.unique(owners_and_poses, axis=0, return_index=True)[1])
     words, count = fit_words(lessons.names, lessons.features[rows], generator)
     poses, kinds = scale_poses(lessons.poses[rows], parameters), words(lessons.features[rows])
     of_training = (poses, kinds, count, lessons.owner[rows], lessons.class_of_object)
@@ -213,25 +260,25 @@ def fit_touch_model(
 
 
 Words = Callable[[FloatArray], IntArray]
-"""The kind of imprint (n,) of features (n, k)."""
+"""Returns the kind of imprint (n,) of features (n, k)."""
 
 
 def fit_words(
     names: Sequence[str], features: FloatArray, generator: np.random.Generator
 ) -> tuple[Words, int]:
-    """Find at most `WORDS` kinds of imprint among features (n, k) by k-means; also return their number.
+    """Cluster the imprints of features (n, k) to at most `WORDS` kinds by k-means.
 
-    All columns but the pose and the contact's states are the skin's. The generator starts the
-    centres.
+    Columns of contourlets, imprint and sensor size are used. The generator draws the initial centres. Returns the
+    function from features to kinds, and the number of kinds.
     """
     from sklearn.cluster import KMeans
 
     columns = [
-        place
-        for place, name in enumerate(names)
+        column
+        for column, name in enumerate(names)
         if name.startswith(("contourlet_", "imprint_")) or name == "sensor_size"
     ]
-    logarithmic = [names[place] == "sensor_size" for place in columns]
+    logarithmic = [names[column] == "sensor_size" for column in columns]
 
     def skin_of(rows: FloatArray) -> FloatArray:
         values = rows[:, columns]
@@ -252,7 +299,7 @@ def fit_words(
 
 
 def scale_poses(poses: FloatArray, parameters: OrderFreeParameters) -> FloatArray:
-    """Scale poses for a Gaussian kernel of unit width, left and right being alike: (n, 6) both."""
+    """Scale poses (n, 6) for a Gaussian kernel of unit width; x is an absolute value, so left equals right."""
     scaled = poses / parameters.wave_length
     scaled[:, 3:] *= parameters.normal_weight
     scaled[:, [0, 3]] = np.abs(scaled[:, [0, 3]])
@@ -260,7 +307,7 @@ def scale_poses(poses: FloatArray, parameters: OrderFreeParameters) -> FloatArra
 
 
 def _log_sum(logarithms: FloatArray) -> FloatArray:
-    """Sum over the middle axis what has these logarithms: (u, m, c) to (u, 1, c)."""
+    """Compute the log of the sum of exponentials over the middle axis: (u, m, c) to (u, 1, c)."""
     largest = logarithms.max(axis=1, keepdims=True)
     sums: FloatArray = np.exp(logarithms - largest).sum(axis=1, keepdims=True)
     return largest + np.log(sums)
@@ -269,7 +316,7 @@ def _log_sum(logarithms: FloatArray) -> FloatArray:
 def _fit_temperature(
     lessons: Lessons, kinds: IntArray, plans: Mapping[int, Plan], generator: np.random.Generator
 ) -> float:
-    """Find the temperature that calibrates the belief on training objects left out."""
+    """Fit the temperature that calibrates the belief on random touches of training objects that are left out."""
     scores, labels = [], []
     for owner, plan in plans.items():
         own = lessons.owner == owner

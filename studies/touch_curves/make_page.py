@@ -1,9 +1,9 @@
-"""Fill the tables of README.md and draw curves.png from the figures of this study that are kept beside them.
+"""Fill the tables of README.md and draw curves.png from the kept figures of this study.
 
-kept_paper.json and kept_benchmark.json hold what the page takes of reports/studies/touch_curves.json and
-reports/touch_curves.json, of the paper's twelve objects and of the catalogue's 142, with the command that gives them and
-the date. `python -m touch_curves.make_page paper COMMAND` keeps those of the run that is there. Figures of before our own
-pipeline became `order_free` are those of pipeline `best`, and keep this name.
+kept_paper.json and kept_benchmark.json contain figures of reports/studies/touch_curves.json and reports/touch_curves.json
+of the paper's twelve objects and of the 142 objects of the catalogue, with command and date.
+`python -m touch_curves.make_page paper COMMAND` keeps the figures of the run in this folder. Older figures name pipeline
+`order_free` by its former name `best`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ PAGE = HERE / "README.md"
 PICTURE = HERE / "curves.png"
 KEPT = HERE / "kept"
 SHOWN = (1, 2, 3, 5, 8, 16)
-"""Touches of the table."""
+"""Numbers of touches in the table."""
 OF_A_POINT = ("accuracy", "low", "high")
 COLOURS = (
     *("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e", "#b0182b"),
@@ -40,34 +40,38 @@ COLOURS = (
 
 
 def figures_of_run() -> Figures:
-    """Give what the page takes of the run that is there: ``curves`` and ``needed``, by pipeline and strategy."""
+    """Read ``curves`` and ``needed`` of the run in this folder, by pipeline and strategy."""
     measured = read_json(REPORTS / "studies" / "touch_curves.json")
     needed = read_json(REPORTS / "touch_curves.json")
     curves = {
         pipeline: {
             strategy: [
-                [cell[value] for value in OF_A_POINT] for cell in of_classifier(found).values()
+                [cell[value] for value in OF_A_POINT]
+                for cell in of_classifier(by_classifier).values()
             ]
-            for strategy, found in measured[pipeline].items()
+            for strategy, by_classifier in measured[pipeline].items()
         }
         for pipeline in pipelines_of(measured)
     }
     return {
         "curves": curves,
         "needed": {
-            pipeline: {name: of_classifier(found) for name, found in needed[pipeline].items()}
+            pipeline: {
+                strategy: of_classifier(by_classifier)
+                for strategy, by_classifier in needed[pipeline].items()
+            }
             for pipeline in pipelines_of(needed)
         },
     }
 
 
 def title(pipeline: str) -> str:
-    """Name a pipeline on the page: the paper's, or ours."""
+    """Return the label of a pipeline on the page."""
     return "the paper's pipeline" if pipeline == "paper" else "ours"
 
 
 def curve_table(figures: Figures) -> str:
-    """Set accuracy by touches, the largest area first, and what fixation gains in area."""
+    """Write the table of accuracy by touches and of fixation's gain in area, the largest area first."""
     rows = []
     for pipeline in pipelines_of(figures["needed"]):
         needed = figures["needed"][pipeline]
@@ -82,10 +86,10 @@ def curve_table(figures: Figures) -> str:
 
 
 def draw(sets: Mapping[str, Figures]) -> Figure:
-    """Draw accuracy against touches, and the interval of fixation: a column a set, a row a pipeline."""
+    """Draw accuracy against touches, with the interval of fixation; one column per set, one row per pipeline."""
     figure = Figure(figsize=(5.4 * len(sets), 8.4), layout="constrained")
     axes = figure.subplots(2, len(sets), sharex=True, squeeze=False)
-    strategies = sorted({name for one in sets.values() for name in one["needed"]["paper"]})
+    strategies = sorted({name for figures in sets.values() for name in figures["needed"]["paper"]})
     for column, (name, figures) in enumerate(sets.items()):
         for panel, pipeline in zip(axes[:, column], pipelines_of(figures["curves"]), strict=True):
             panel.set_title(f"{SETS[name]}, {title(pipeline)}")
@@ -93,7 +97,7 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
             for strategy, colour in zip(strategies, COLOURS, strict=False):
                 points = figures["curves"][pipeline][strategy]
                 line, low, high = (
-                    [100 * value for value in one] for one in zip(*points, strict=True)
+                    [100 * value for value in values] for values in zip(*points, strict=True)
                 )
                 touches = range(1, len(line) + 1)
                 is_fixation = strategy == "fixation"
@@ -111,8 +115,8 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
 
 
 def blocks(sets: Mapping[str, Figures]) -> dict[str, str]:
-    """Give the tables of the page, by the names of their blocks."""
-    tables = {name: curve_table(one) for name, one in sets.items()}
+    """Return the tables of the page by name of the block."""
+    tables = {name: curve_table(figures) for name, figures in sets.items()}
     return {**tables, "commands": commands(sets)}
 
 

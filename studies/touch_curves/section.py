@@ -1,4 +1,4 @@
-"""Accuracy against touches: the curves, their areas, and who wins, in a chart and in words."""
+"""The section of the report on accuracy against touches: curves, areas, and a verdict."""
 
 from __future__ import annotations
 
@@ -34,29 +34,30 @@ NEEDED = "results/touches_needed.parquet"
 
 
 def touch_curves_values(context: ReportContext) -> Values | None:
-    """Read the curves over touches, the paper's pipeline first; None where nothing was measured."""
-    needed = context.run.made(NEEDED)
+    """Return the values of the section, first of pipeline `paper`; None if the run has no figures of the study."""
+    needed = context.run.existing_file(NEEDED)
     points_of = read_figures(context.run.file_of("studies"), STUDY.name)
     if not points_of or needed is None:
         return None
     points_by_cell = by_cell(points_of)
-    found = [
+    pipelines = [
         curves(*key, rows, points_by_cell.get(key, []))
         for key, rows in by_cell(read_table(TOUCHES_NEEDED, needed).to_pylist()).items()
     ]
-    return {"pipelines": found, "draw_curves": draw_curves} if found else None
+    return {"pipelines": pipelines, "draw_curves": draw_curves} if pipelines else None
 
 
 def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: list[Row]) -> Row:
-    """Give ``rows`` of `tables.TOUCHES_NEEDED` with ``adjusted_p`` over the strategies, the largest area first.
+    """Return the values of one pipeline and classifier.
 
-    ``by_touches`` has a row for each number of touches, with the ``points`` of all strategies by name.
+    ``rows`` are `needed`, rows of `TOUCHES_NEEDED`, with ``adjusted_p`` over the strategies, the largest area first.
+    ``by_touches`` has one row per number of touches, with the ``points`` of all strategies by name.
     """
     compared = [row for row in needed if row["p_value"] is not None]
     adjusted = holm([row["p_value"] for row in compared])
-    found = {row["strategy"]: value for row, value in zip(compared, adjusted, strict=True)}
+    adjusted_of = {row["strategy"]: value for row, value in zip(compared, adjusted, strict=True)}
     rows = [
-        {**row, "adjusted_p": found.get(row["strategy"]), "needed": touches_needed(row)}
+        {**row, "adjusted_p": adjusted_of.get(row["strategy"]), "needed": touches_needed(row)}
         for row in needed
     ]
     rows.sort(key=lambda row: -row["area"])
@@ -69,23 +70,25 @@ def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: lis
         "rows": rows,
         "points": points_of,
         "strategies": sorted((row["strategy"] for row in rows), key=strategy_place),
-        "by_touches": [{"touches": one, "points": by_touches[one]} for one in sorted(by_touches)],
+        "by_touches": [
+            {"touches": touches, "points": points} for touches, points in sorted(by_touches.items())
+        ],
         "verdict": verdict(rows) if rows else "",
     }
 
 
 def touches_needed(row: Row) -> Markup:
-    """Write how many touches a strategy needs, with those that its intervals leave open."""
+    """Write the number of touches that a strategy needs, with its interval."""
     most = row["most_touches"]
-    found = Markup("{}").format(f"never up to {most}" if row["touches"] is None else row["touches"])
+    text = Markup("{}").format(f"never up to {most}" if row["touches"] is None else row["touches"])
     if row["touches_low"] is None:
-        return found
+        return text
     high = f"more than {most}" if row["touches_high"] is None else row["touches_high"]
-    return found + Markup('<span class="interval">{} to {}</span>').format(row["touches_low"], high)
+    return text + Markup('<span class="interval">{} to {}</span>').format(row["touches_low"], high)
 
 
 def verdict(ranked: Sequence[Row]) -> str:
-    """Say of rows of `curves` whether attention has the largest area, and what is beyond chance."""
+    """Write whether attention has the largest area, and which differences are significant; `ranked` are rows of `curves`."""
     best = ranked[0]
     first = (
         f"The largest area under the curve of 1 to {counted(best['most_touches'], 'touch')} is that of "
@@ -112,7 +115,10 @@ def verdict(ranked: Sequence[Row]) -> str:
 
 @style()
 def draw_curves(table: Sequence[Row]) -> Figure:
-    """Draw accuracy against touches by strategy: rows of the study's `tables.STUDY_FIGURES`, of one pipeline and classifier."""
+    """Draw accuracy against touches by strategy.
+
+    `table` has rows of `tables.STUDY_FIGURES` of the study, of one pipeline and classifier.
+    """
     rows = [row for row in table if row["accuracy"] is not None]
     strategies = sorted({row["strategy"] for row in rows}, key=strategy_place)
     lines, intervals = {}, {}
@@ -137,7 +143,7 @@ def _place_in_study(row: Mapping[str, Any]) -> int:
 
 
 def _end(row: Mapping[str, Any], end: str) -> float:
-    """Give the end of an interval; one object alone has none."""
+    """Return an end of the interval, or the accuracy if there is no interval, as for a single object."""
     return float(row["accuracy"] if row[end] is None else row[end])
 
 

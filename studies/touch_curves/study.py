@@ -1,4 +1,4 @@
-"""Accuracy after one touch, two, and so on, by every strategy."""
+"""Study `touch_curves`: accuracy after 1 to 16 touches by every strategy."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from visuohaptic.studies.study import (
 )
 
 LONGEST_SEQUENCE = 16
-"""Touches of the sequences of which curves over touches are made."""
+"""The largest number of touches of the curves."""
 
 
 def curve_conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Give one touch, two touches, and so on, by all strategies but `adaptive`.
+    """Yield one condition per number of touches, with all strategies of the package.
 
-    One that touches places out of reach, whatever the parameters say, is left out.
+    Strategies that always keep locations out of reach are left out.
     """
     strategies = tuple(entry.name for entry in STRATEGIES if entry.unreachable != "keep")
     shared = {"probing.strategies": strategies, "probing.when_exhausted": "begin_again"}
@@ -33,7 +33,7 @@ def curve_conditions(_run: ExperimentParameters) -> Iterator[Condition]:
 
 
 def touches_name(count: int) -> str:
-    """Name the condition of so many touches."""
+    """Return the name of the condition with `count` touches."""
     return f"{count} touch{'' if count == 1 else 'es'}"
 
 
@@ -72,4 +72,4 @@ STUDY = Study(
         ),
     ),
 )
-"""Accuracy after one touch, two, and so on, by every strategy, one of them adaptive."""
+"""Accuracy against the number of touches by every strategy, including `adaptive`."""

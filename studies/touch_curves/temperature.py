@@ -1,4 +1,4 @@
-"""The temperature that turns scores into probabilities."""
+"""Fit a temperature that calibrates class scores."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LEAST, MOST = 0.02, 50.0
 
 
 def fit_temperature(scores: FloatArray, labels: IntArray, doubt: float = 0.0) -> float:
-    """Return what scores are divided by so that their softmax has the least mean log loss.
+    """Fit the temperature that minimises the mean log loss of the softmax of scores / temperature.
 
     C. Guo et al., "On calibration of modern neural networks", ICML 2017.
 
@@ -21,14 +21,14 @@ def fit_temperature(scores: FloatArray, labels: IntArray, doubt: float = 0.0) ->
     scores : ndarray of shape (n, c)
         Log probabilities of held-out sequences, each row up to a constant.
     labels : ndarray of shape (n,)
-        Their classes.
+        Class index of each sequence.
     doubt : float
-        Share of the truth that is spread over all classes, in [0, 1).
+        Label smoothing: share of each label that is spread over all classes, in [0, 1).
 
     Returns
     -------
     float
-        Between `LEAST` and `MOST`.
+        The temperature, between `LEAST` and `MOST`.
     """
     classes = scores.shape[1]
     truth = (1 - doubt) * np.eye(classes)[labels] + doubt / classes

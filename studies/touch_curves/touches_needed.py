@@ -1,4 +1,4 @@
-"""The area under each curve of accuracy over touches, and how many touches a level takes."""
+"""Compute the area under each curve of accuracy against touches, and the number of touches that a level needs."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ _KEYS = ("pipeline", "strategy", "classifier")
 
 
 def curve_areas(curve: Sequence[Cell]) -> NDArray[np.float64]:
-    """Give the area under each object's curve, as a share of that of accuracy 1: shape (o,).
+    """Compute the area under each object's curve, as a share of the area of accuracy 1, shape (o,).
 
-    The cells are those with one touch, two, and so on, of the same o objects.
+    `curve` has one cell per number of touches, ascending from 1, all with the same o objects.
     """
     accuracy = np.stack([cell.accuracy for cell in curve], axis=1)
     if len(curve) == 1:
@@ -47,21 +47,26 @@ def curve_areas(curve: Sequence[Cell]) -> NDArray[np.float64]:
 
 
 def stays_at(level: float, values: Sequence[float]) -> int | None:
-    """Give the fewest touches from which on values stay at a level; None if they never do."""
-    below = [place for place, value in enumerate(values) if value < level]
-    first = max(below) + 1 if below else 0
-    return first + 1 if first < len(values) else None
+    """Return the smallest number of touches from which all values are at least `level`; None if there is none.
+
+    `values` are ordered by the number of touches, ascending from 1.
+    """
+    below = [touches for touches, value in enumerate(values, start=1) if value < level]
+    first = max(below, default=0) + 1
+    return first if first <= len(values) else None
 
 
 def touches_needed(cells: Mapping[CellKey, Cell], intervals: IntervalParameters) -> pa.Table:
-    """Sum up curves with intervals over objects: `TOUCHES_NEEDED`.
+    """Summarise curves with intervals over objects; return `TOUCHES_NEEDED`.
 
-    A curve that failed somewhere is left out, and a gain where fixations weren't run on the same
-    objects. Raises `RecognitionError` if no curve is whole.
+    Curves with a missing or failed cell are left out. The gain is None if fixation was not tested on the same objects.
+    Raises `RecognitionError` if no curve is complete.
     """
     curves = _curves(cells)
     if not curves:
-        raise RecognitionError("There is no curve with a point at each number of touches.")
+        raise RecognitionError(
+            "No curve has a point at each number of touches; at least one such curve is needed."
+        )
     rows = [
         {
             **dict(zip(_KEYS, key, strict=True)),
@@ -87,19 +92,19 @@ def make_touches_needed(step: StepInputs) -> None:
 
 def _curves(cells: Mapping[CellKey, Cell]) -> dict[tuple[str, ...], list[Cell]]:
     names = [touches_name(count) for count in range(1, LONGEST_SEQUENCE + 1)]
-    found = {
+    curves = {
         key: [cells[(name, *key)] for name in names if (name, *key) in cells]
         for key in dict.fromkeys(key[1:] for key in cells)
     }
     return {
         key: curve
-        for key, curve in found.items()
+        for key, curve in curves.items()
         if len(curve) == len(names) and not any(cell.error for cell in curve)
     }
 
 
 def _reached(points: Sequence[Interval]) -> dict[str, int | None]:
-    # Where the upper end stays at the level, fewer touches may do.
+    # The upper end of the accuracy gives the lower end of the number of touches.
     ends = {"touches": "mean", "touches_low": "high", "touches_high": "low"}
     return {
         name: stays_at(LEVEL, [getattr(point, end) for point in points])

@@ -45,7 +45,7 @@ def trust_figures(table: Path, figures: Path) -> Row:
 
 def trust_values(context: ReportContext) -> Values | None:
     """Return the values of the section; None if the run has no figures of the study."""
-    table, figures = context.run.made(TABLE), context.run.made(FIGURES)
+    table, figures = context.run.existing_file(TABLE), context.run.existing_file(FIGURES)
     if not table or not figures:
         return None
     return {"trust": trust_figures(table, figures), "draw_coverage": coverage}

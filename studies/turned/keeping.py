@@ -1,7 +1,6 @@
-"""Accuracies per object of turned objects, which the library keeps: ``src/visuohaptic/report/turned.json``.
+"""Keep accuracies per turned object in the library: ``src/visuohaptic/report/turned.json``.
 
-`python -m turned.keeping SET` puts the accuracies of ``reports/turned.json``, which study `turned` writes, into the
-package.
+`python -m turned.keeping SET` copies the accuracies of ``reports/turned.json``, which study `turned` writes.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ MEASURED = Path("reports/turned.json")
 NAMES = ("turns", "known", "touches", "pipeline", "strategy", "classifier")
 """Columns that name a kept cell."""
 CHOSEN = Path(classifier_settings.__file__).with_name("chosen.json")
-"""Holds the half of the objects on which descriptors and settings were chosen."""
-PLACE = Path(visuohaptic.report.__file__).with_name(KEPT)
+"""The file with the objects on which descriptors and settings were chosen."""
+KEPT_FILE = Path(visuohaptic.report.__file__).with_name(KEPT)
 
 
 def make_turned(step: StepInputs) -> None:
@@ -37,11 +36,12 @@ def make_turned(step: StepInputs) -> None:
 
 
 def means_over_draws(cells: Mapping[CellKey, Cell]) -> dict[str, Any]:
-    """Arrange the cells of study `turned` as `TurnedSet` has them, and name the conditions that `failed`, with the reason.
+    """Arrange the cells of study `turned` as fields of `TurnedSet`.
 
-    An object's accuracy is the mean over the draws that tested the object.
+    An object's accuracy is the mean over the draws that tested the object. ``failed`` lists failed conditions with
+    their errors.
     """
-    failed = [f"{condition}: {one.error}" for (condition, *_), one in cells.items() if one.error]
+    failed = [f"{key[0]}: {cell.error}" for key, cell in cells.items() if cell.error]
     objects = sorted({key for cell in cells.values() for key in cell.objects})
     drawn: dict[tuple[object, ...], list[dict[Any, tuple[float, float]]]] = {}
     for (condition, pipeline, strategy, classifier), cell in cells.items():
@@ -51,42 +51,42 @@ def means_over_draws(cells: Mapping[CellKey, Cell]) -> dict[str, Any]:
         turns, _, known, touches = condition.split()
         key = (turns, known, int(touches), pipeline, strategy, classifier)
         drawn.setdefault(key, []).append(dict(zip(cell.objects, values, strict=True)))
-    found = []
+    kept = []
     for names, draws in drawn.items():
-        accuracy, weights = zip(*(_mean(draws, one) for one in objects), strict=True)
+        accuracy, weights = zip(*(_mean(draws, key) for key in objects), strict=True)
         named = dict(zip(NAMES, names, strict=True))
-        found.append({**named, "draws": len(draws), "accuracy": accuracy, "weights": weights})
-    return {"failed": failed, "objects": ["/".join(key) for key in objects], "cells": found}
+        kept.append({**named, "draws": len(draws), "accuracy": accuracy, "weights": weights})
+    return {"failed": failed, "objects": ["/".join(key) for key in objects], "cells": kept}
 
 
 def _mean(
     draws: list[dict[Any, tuple[float, float]]], key: tuple[str, str]
 ) -> tuple[float | None, float | None]:
-    found = [draw[key] for draw in draws if key in draw]
-    if not found:
+    tested = [draw[key] for draw in draws if key in draw]
+    if not tested:
         return None, None
-    accuracy, weights = (sum(values) / len(found) for values in zip(*found, strict=True))
+    accuracy, weights = (sum(values) / len(tested) for values in zip(*tested, strict=True))
     return accuracy, weights
 
 
-def keep(name: str, measured: Path = MEASURED, place: Path = PLACE) -> None:
-    """Put the measured accuracies of a set of objects into the kept file, in the place of earlier ones."""
-    found = read_json(measured, dict, "holds no turned objects", "run `make turned` again")
-    if found["set"] != name:
-        raise ReportError(f"{measured} has set {found['set']}; set {name} is needed.")
-    if found["failed"]:
-        raise ReportError(f"Turned objects could not be measured, {found['failed'][0]}")
+def keep(name: str, measured: Path = MEASURED, kept_file: Path = KEPT_FILE) -> None:
+    """Replace the accuracies of a set of objects in the kept file by measured accuracies."""
+    turned = read_json(measured, dict, "holds no turned objects", "run `make turned` again")
+    if turned["set"] != name:
+        raise ReportError(f"{measured} has set {turned['set']}; set {name} is needed.")
+    if turned["failed"]:
+        raise ReportError(f"Turned objects could not be measured, {turned['failed'][0]}")
     chosen = read_json(CHOSEN, dict, "holds no objects that chose", "restore the file")["half"]
-    kept = read_turned(place) if place.exists() else {}
+    kept = read_turned(kept_file) if kept_file.exists() else {}
     kept[name] = TurnedSet(
         commit=find_commit(),
         date=datetime.now(UTC).strftime("%Y-%m-%d"),
-        objects=found["objects"],
-        choosing=tuple(sorted(set(chosen).intersection(found["objects"]))),
-        cells=tuple(TurnedCell.model_validate(one) for one in found["cells"]),
+        objects=turned["objects"],
+        choosing=tuple(sorted(set(chosen).intersection(turned["objects"]))),
+        cells=tuple(TurnedCell.model_validate(cell) for cell in turned["cells"]),
     )
-    sets = ",\n".join(f'"{one}": {kept[one].model_dump_json()}' for one in sorted(kept))
-    atomic_write_text(place, f"{{\n{sets}\n}}\n")
+    sets = ",\n".join(f'"{key}": {kept[key].model_dump_json()}' for key in sorted(kept))
+    atomic_write_text(kept_file, f"{{\n{sets}\n}}\n")
 
 
 if __name__ == "__main__":

@@ -39,7 +39,7 @@ LONGEST = 20
 
 
 def compared() -> dict[str, tuple[CellName, CellName]]:
-    """Return the cells that are compared in pairs by fixation, the second from the first."""
+    """Return the pairs of cells by fixation to compare: the first minus the second, by label."""
     five, twenty = HEADLINE_TOUCHES, LONGEST
     ours = CellName("any", "none", five, "fixation")
     turned_full = CellName("any", "full", five, "fixation")
@@ -62,7 +62,7 @@ def compared() -> dict[str, tuple[CellName, CellName]]:
 
 
 def blocks() -> dict[str, str]:
-    """Return the tables of the page, by the names of their blocks."""
+    """Return the tables of the page by name of the block."""
     kept, intervals = read_turned(), IntervalParameters()
     sets = sorted(kept, key="paper".__ne__)
     curves = {name: curve_rows(kept[name], intervals) for name in sets}
@@ -82,11 +82,11 @@ def blocks() -> dict[str, str]:
     return {
         "turned": f"{table(heads, headline)}\n\n{source}",
         "frames": table(known, five),
-        "lengths": table([*by_length, *(_counted(one) for one in lengths)], lines),
+        "lengths": table([*by_length, *(_counted(length) for length in lengths)], lines),
         "compared": table(
-            ["by fixation, in pairs over objects", *(f"{_reporting(kept[one])} objects" for one in sets)],
+            ["by fixation, in pairs over objects", *(f"{_reporting(kept[name])} objects" for name in sets)],
             [
-                [label, *(_plain(with_interval(contrast(kept[one], [first], [second], intervals), points)) for one in sets)]
+                [label, *(_plain(with_interval(contrast(kept[name], [first], [second], intervals), points)) for name in sets)]
                 for label, (first, second) in compared().items()
             ],
         ),
@@ -94,7 +94,7 @@ def blocks() -> dict[str, str]:
 
 
 def draw(kept: Mapping[str, TurnedSet]) -> Figure:
-    """Draw the accuracy against the number of touches, by what is known of the frame."""
+    """Draw the accuracy against the number of touches, by the known part of the frame."""
     sets = sorted(kept, key="paper".__ne__)
     figure, panels = plt.subplots(
         1, len(sets), figsize=(10, 4.8), sharey=True, layout="constrained"
@@ -138,7 +138,10 @@ def _headline(row: TurnedRow) -> list[object]:
         f"{row.pipeline}, {classifier_name(row.classifier)}",
         row.pose,
         row.draws,
-        *(_plain(with_interval(one, percent)) for one in (row.fixation, row.random, row.visible)),
+        *(
+            _plain(with_interval(accuracy, percent))
+            for accuracy in (row.fixation, row.random, row.visible)
+        ),
         _plain(with_interval(row.lead, points)),
     ]
 
@@ -148,20 +151,23 @@ def _known(row: TurnedRow) -> list[object]:
         row.objects,
         row.pose,
         KNOWN[row.known],
-        *(_plain(with_interval(one, percent)) for one in (row.fixation, row.random, row.visible)),
-        *(_plain(with_interval(one, points)) for one in (row.lead, row.salience)),
+        *(
+            _plain(with_interval(accuracy, percent))
+            for accuracy in (row.fixation, row.random, row.visible)
+        ),
+        *(_plain(with_interval(lead, points)) for lead in (row.lead, row.salience)),
     ]
 
 
 def _curves(rows: list[TurnedRow], lengths: list[int]) -> Iterator[list[object]]:
-    """Yield a line per pose, frame and strategy: the mean at each number of touches."""
+    """Yield one row per pose, frame and strategy, with the mean at each number of touches."""
     cells = {(row.turns, row.known, row.touches): row for row in rows}
     fields = dict(zip(("fixation", "random", "visible"), STRATEGIES, strict=True))
     for turns, known in dict.fromkeys((row.turns, row.known) for row in rows):
-        found = [cells[turns, known, touches] for touches in lengths]
+        curve = [cells[turns, known, touches] for touches in lengths]
         for name, strategy in fields.items():
-            shares = [_plain(percent(getattr(row, name).mean)) for row in found]
-            yield [found[0].objects, POSES[turns], KNOWN[known], strategy_name(strategy), *shares]
+            shares = [_plain(percent(getattr(row, name).mean)) for row in curve]
+            yield [curve[0].objects, POSES[turns], KNOWN[known], strategy_name(strategy), *shares]
 
 
 def _counted(touches: int) -> str:

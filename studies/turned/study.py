@@ -1,4 +1,4 @@
-"""What an unknown pose costs: objects turned before they are looked at, recognised by what is known of their frame."""
+"""Study `turned`: the accuracy on objects that are turned before the look, by the known part of their frame."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
 from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, Changes, Condition, Step, Study
 
 DRAWS = 5
-"""Draws of the turns."""
+"""Number of draws of the turns."""
 
 RECOGNISED_BY: dict[Known, Changes] = {
     STATISTICS: {
@@ -22,34 +22,36 @@ RECOGNISED_BY: dict[Known, Changes] = {
     },
     **{frame: {"recognition.frame": frame} for frame in get_args(Frame)},
 }
-"""The parameters by which touches are described, by what is known of the frame."""
+"""Parameters of the descriptors by known part of the frame."""
 
 FRAMES: dict[Turns, tuple[Known, ...]] = {
     "none": ("none", "centre", "vertical", "full"),
     "vertical": ("none", "centre", "vertical", "full"),
     "any": (STATISTICS, "none", "centre", "full"),
 }
-"""What the descriptors take as known of the frame, by how objects are turned; turned in any way, no object stands
-upright, so that no vertical is known."""
+"""Known parts of the frame by turns of the objects. The vertical is unknown if objects are turned in any way."""
 
 CURVES: dict[Turns, tuple[Known, ...]] = {
     "none": ("full",),
     "vertical": ("vertical",),
     "any": ("none", "centre", "full"),
 }
-"""The frames in which sequences of other lengths than the run's are recognised, too: what is not known is turned."""
+"""Known parts of the frame, by turns, that are also measured with other numbers of touches than the run's."""
 
 LENGTHS = (1, 2, 10, 20)
-"""Touches of these sequences."""
+"""These numbers of touches."""
 
 
 def name_of(turns: Turns, draw: int, known: Known, touches: int) -> str:
-    """Name a condition after how its objects are turned, the draw, what is known of the frame, and the touches."""
+    """Return the name of a condition from turns, draw, known part of the frame, and number of touches."""
     return f"{turns} {draw} {known} {touches}"
 
 
 def conditions(run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield each pose of the objects, by draw, frame and touches; objects that are not turned have no draws."""
+    """Yield one condition per turns, draw, known part of the frame and number of touches.
+
+    Objects that are not turned have a single draw.
+    """
     own = run.recognition.touches or run.attention.fixations
     for turns in POSES:
         for draw in range(1 if turns == "none" else DRAWS):

@@ -1,4 +1,4 @@
-"""Turned objects, recognised by a pipeline that is fitted on upright objects which all face one way."""
+"""Recognise turned objects by a pipeline that is fitted on upright objects that all face the same way."""
 
 from __future__ import annotations
 
@@ -30,31 +30,32 @@ PIPELINE = "order_free"
 
 def make_trained_upright(step: StepInputs) -> None:
     """Write `tables.STUDY` of each draw of the turns and each strategy."""
-    planned = {one.condition.name: one for one in plan_study(TURNED, step.run).conditions}
+    conditions = plan_study(TURNED, step.run).conditions
+    planned_of = {planned.condition.name: planned for planned in conditions}
     touches = touches_of_run(step.run)
-    upright = planned[name_of("none", 0, "full", touches)]
-    learnt = read_table(FEATURES, step.made[str(upright.key)])
+    upright = planned_of[name_of("none", 0, "full", touches)]
+    training = read_table(FEATURES, step.made[str(upright.key)])
     parts: list[pa.Table] = []
     for turns in POSES:
         for draw in range(DRAWS if turns != "none" else 0):
-            turned = planned[name_of(turns, draw, "full", touches)]
+            turned = planned_of[name_of(turns, draw, "full", touches)]
             tested = read_table(FEATURES, step.made[str(turned.key)])
             name = name_of(turns, draw, TRAINED_UPRIGHT, touches)
             for strategy in STRATEGIES:
                 key = (TURNED.name, name, PIPELINE, strategy)
-                parts += _measured(key, turned, learnt, tested, step.run)
+                parts += _measure(key, turned, training, tested, step.run)
     write_table(STUDY, pa.concat_tables(parts), step.outputs[0])
 
 
-def _measured(
+def _measure(
     key: tuple[str, str, str, str],
     planned: Planned,
-    learnt: pa.Table,
+    training: pa.Table,
     tested: pa.Table,
     run: ExperimentParameters,
 ) -> Iterator[pa.Table]:
     try:
-        rows = [condition_features(planned, table, key[3]) for table in (learnt, tested)]
+        rows = [condition_features(planned, table, key[3]) for table in (training, tested)]
         yield from cell_rows(key, predict_turned(planned, rows[0], rows[1], run))
     except REFUSALS as refusal:
         classifiers = planned.parameters.recognition.order_free.classifiers

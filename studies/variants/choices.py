@@ -28,7 +28,7 @@ Where = Literal["upstream", "recognition", "opponent"]
 
 @dataclass(frozen=True)
 class Choice:
-    """One open choice.
+    """An open choice.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Choice:
 
     @property
     def base(self) -> str:
-        """First option, which all variants have that don't vary this choice."""
+        """First option, which variants have that do not vary this choice."""
         return next(iter(self.options))
 
     @cached_property

@@ -106,7 +106,7 @@ def choose_default(
     if len(objects) != 1:
         raise RecognitionError(
             f"The variants were tested on {len(objects)} different sets of objects; the rule "
-            "compares variants on the same ones."
+            "needs the same objects for all variants."
         )
     scores = {
         name: np.mean([cell.accuracy for cell in of_variant], axis=0)
@@ -211,9 +211,7 @@ def _option_scores(cells: Mapping[CellKey, Cell]) -> dict[Option, NDArray[np.flo
             raise RecognitionError(f"Variant {name} can't be run, so it has no score: {cell.error}")
     shared = frozenset.intersection(*(frozenset(cell.objects) for _, cell in every))
     if not shared:
-        raise RecognitionError(
-            "No object was tested in all variants; the rule compares on one at least."
-        )
+        raise RecognitionError("No object was tested in all variants; at least one is needed.")
     scores = {
         name: np.mean(
             [cell.accuracy[[key in shared for key in cell.objects]] for cell in of_variant], axis=0
@@ -280,7 +278,7 @@ def write_choice(
 ) -> None:
     """Apply the rules to the blocks `parts` of the study, and write the result as JSON.
 
-    `features` is the folder of the features that the study recomputed; only the second rule needs it.
+    `features` is the folder of the recomputed features, for the second rule.
     """
     run = ExperimentParameters()
     cells, intervals = read_cells(parts), run.recognition.intervals

@@ -39,7 +39,7 @@ Options = Mapping[str, str]
 """An option of every choice, by the choice's name."""
 
 STRATEGIES = ("fixation", *OPPONENTS.values())
-"""What every variant touches by, on the same viewpoints."""
+"""The strategies of every variant, from the same viewpoints."""
 
 FACTORIAL = (
     "map_output",
@@ -64,7 +64,7 @@ PARTS_ON_PAPER_SET: tuple[Part, ...] = (
     "default",
 )
 PARTS_ON_OTHERS: tuple[Part, ...] = ("recognition", "further", "literal", "single", "default")
-# All combinations of a test object a class are too many on larger sets.
+# On larger sets there are too many combinations of one test object per class.
 _FOLDS: Changes = {"recognition.protocol.protocol": "grouped_folds"}
 
 _COLUMNS: Mapping[str, str] = {
@@ -84,18 +84,17 @@ _COLUMNS: Mapping[str, str] = {
 }
 """Each choice's column in the two-level design: the product of these basic columns.
 
-Products of an odd number of five basic columns make a design of resolution IV in 32 runs (G. Box,
-W. Hunter and J. Hunter, Statistics for Experimenters, chapter 6). The four options of the
-viewpoints take two basic columns and their product AB. No other choice has that column, but
-interactions such as that of the channels and the sensor's size have (C times ABC). Of choices with
-more than two options the first two are in the design.
+Products of an odd number of five basic columns make a design of resolution IV in 32 runs (G. Box, W. Hunter and
+J. Hunter, Statistics for Experimenters, chapter 6). The four options of the viewpoints take two basic columns and their
+product AB. AB is also the column of some interactions, such as channels with sensor size (C times ABC), but of no other
+choice. Choices with more than two options have their first two options in the design.
 """
 
 VARIED_ALONE = ("viewpoints", *_COLUMNS)
-"""What part ``single`` varies."""
+"""The choices that part ``single`` varies."""
 
 BASE: dict[str, str] = {choice.name: choice.base for choice in CHOICES}
-"""The base of the design."""
+"""The base of the design: the first option of every choice."""
 
 LITERAL = BASE | {
     "map_output": "one_hot",

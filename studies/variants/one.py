@@ -1,4 +1,4 @@
-"""Measure one variant, from files to a file."""
+"""Measure a single variant."""
 
 from __future__ import annotations
 
@@ -14,10 +14,7 @@ from visuohaptic.studies.study import StepInputs
 
 
 def make_variant(step: StepInputs) -> None:
-    """Measure one variant as the whole study does, and write its rows of `VARIANTS`, without seconds, as JSON.
-
-    Numbers are not rounded.
-    """
+    """Measure one variant as in the study, and write its rows of `VARIANTS`, without seconds and unrounded, as JSON."""
     run = step.run
     with tempfile.TemporaryDirectory() as folder:
         block = Path(folder, "variant.parquet")

@@ -1,7 +1,7 @@
 """Write the page of all variants: sentences, the specification curve, and how much each choice explains.
 
-The curve follows U. Simonsohn, J. Simmons and L. Nelson, "Specification curve analysis", Nature
-Human Behaviour 4, 2020: variants are sorted by result, with their options below.
+The curve follows U. Simonsohn, J. Simmons and L. Nelson, "Specification curve analysis", Nature Human Behaviour 4,
+2020. Variants are sorted by result, with their options below.
 
 `python -m variants.page FILE` writes the page of the kept variants.
 """
@@ -59,7 +59,7 @@ def render_variants_page(table: str | Path | None) -> str:
     """
     figures = variants_figures(read_variants(table), kept_variants(OUTSIDE))
     if figures is None:
-        raise ReportError(f"{table} has no variant that could be run; one at least is needed.")
+        raise ReportError(f"{table} has no variant that could be run; at least one is needed.")
     environment = make_environment()
     environment.loader = ChoiceLoader(
         [PackageLoader("visuohaptic.report"), PackageLoader("variants")]

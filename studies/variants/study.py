@@ -22,7 +22,7 @@ STUDY = Study(
             takes=("results/variants.parquet",),
             is_shown=False,
         ),
-        # One dot of the page: `snakemake -j2 results/variant/r017.json`.
+        # A single variant: `snakemake -j2 results/variant/r017.json`.
         Step(
             "variant",
             "variants.one:make_variant",

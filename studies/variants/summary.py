@@ -1,6 +1,6 @@
 """Summarise all variants for the report: the verdict, counts and sentences.
 
-`python -m variants.summary` writes the summary of the kept tables into the package, where every report reads it.
+`python -m variants.summary` writes the summary of the kept tables into the package, for all reports.
 """
 
 from __future__ import annotations

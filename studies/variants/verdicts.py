@@ -40,7 +40,7 @@ OPPOSED = 0.05
 
 @dataclass(frozen=True)
 class Evidence:
-    """How much better the claimed method is in one variant on one of `SETS`: a paired difference, as a share, with interval."""
+    """Paired difference of accuracy, claimed method minus the other, of a variant on one of `SETS`, with interval."""
 
     objects: str
     variant: Kind

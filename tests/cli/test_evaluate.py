@@ -52,7 +52,7 @@ def test_objects_that_the_model_learnt_are_no_test(visuohaptic, model, tmp_path)
     write_features(tmp_path, (2, 2))
     ended = visuohaptic("evaluate", model)
     assert ended.code == 1
-    assert "Of 4 objects touched by fixation none is of a class that the model knows" in ended.err
+    assert "None of 4 objects touched by fixation is new to the model" in ended.err
 
 
 @pytest.mark.parametrize("inputs", ["features", "descriptors"])

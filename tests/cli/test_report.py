@@ -39,6 +39,6 @@ def test_what_a_run_lacks_is_named_with_the_way_out(visuohaptic, tmp_path, run, 
     shutil.rmtree(path) if path.is_dir() else path.unlink()
     ended = visuohaptic("report", "run")
     assert ended.code == 1
-    assert ended.err.startswith(f"error: run/{lost} is not there")
+    assert ended.err.startswith(f"error: run/{lost} does not exist")
     assert "snakemake -j2" in ended.err
     assert not (tmp_path / "report").exists()

@@ -181,18 +181,22 @@ def test_own_splits_are_objects_or_a_splitter(features):
         ("class0/object0", ParameterError, "splits is of type str"),
         ([], ParameterError, "splits is empty"),
         (["class0/object0"], ParameterError, "Split 0 is 'class0/object0'; a list"),
-        ([["class0/none"]], ParameterError, "Split 0 tests class0/none, which was not touched"),
+        (
+            [["class0/none"]],
+            ParameterError,
+            "Split 0 tests class0/none, which has no whole sequence",
+        ),
         ([[]], RecognitionError, "Split 0 has no test object"),
         (
             [["class0/object0", "class0/object1", "class0/object2"]],
             RecognitionError,
-            "Split 0 tests class class0 without a training object",
+            "Split 0 tests class class0, which has no training object",
         ),
         (StratifiedGroupKFold(13), RecognitionError, "can't divide the objects: .*n_splits=13"),
         (
             KFold(7, shuffle=True, random_state=0),
             RecognitionError,
-            "Split 0 trains and tests class",
+            "Split 0 has class",
         ),
     ],
 )

@@ -126,7 +126,7 @@ def test_order_of_rows_changes_nothing_and_all_of_it_is_json():
 
 
 def test_tables_of_different_runs_are_refused():
-    with pytest.raises(RecognitionError, match="must come from one run"):
+    with pytest.raises(RecognitionError, match="must come from the same run"):
         summarise(SECOND[0], FIRST[1])
 
 

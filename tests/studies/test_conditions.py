@@ -104,7 +104,7 @@ def test_a_preset_replaces_the_whole_scene_and_other_changes_come_on_top():
         ({"seed.x": 1}, "mine: seed.x is no parameter; seed has no parts."),
         ({"sensor.largest_size": -1}, "mine: sensor.largest_size is -1"),
         ({"scene.preset": "moon"}, "mine: scene.preset is 'moon'"),
-        ({"meshes.set": "all"}, "mine: meshes.set can't vary, for a study has the prepared objects of the run."),
+        ({"meshes.set": "all"}, "mine: meshes.set can't vary, because a study uses the prepared objects of the run."),
         ({"workflow": {}}, "mine: workflow can't vary"),
         ({"plugins": ["a.py"]}, "mine: plugins can't vary"),
     ],

@@ -72,7 +72,7 @@ def test_a_files_name_must_be_plain_and_free(tmp_path, name):
         ("fails", "1 / 0", "fails.py can't be run: ZeroDivisionError: division by zero."),
         ("empty", "", "empty.py has no STUDY of name 'empty'"),
         ("other", PYTHON, "other.py has no STUDY of name 'other'"),
-        ("lost", LOST_STEP, "lost.py: 'gone:make' of step s is not there"),
+        ("lost", LOST_STEP, "lost.py: step s: 'gone:make' is not importable"),
         ("statistics", PYTHON, "'statistics' is the name of another module"),
     ],
 )
@@ -95,5 +95,5 @@ def test_a_study_of_the_repository_keeps_its_name(tmp_path, name):
 def test_two_files_of_one_name_are_refused(tmp_path):
     write(tmp_path, "mine.yaml")
     write(tmp_path, "mine.py", PYTHON)
-    with pytest.raises(ParameterError, match="are studies of one name; one is allowed"):
+    with pytest.raises(ParameterError, match="are studies of the same name; rename one of them"):
         find_studies(RUN, [tmp_path])

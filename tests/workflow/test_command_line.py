@@ -33,7 +33,7 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_
 def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / ".cache/run.lock").mkdir(parents=True)
-    with pytest.raises(FolderError, match=f"{tmp_path} can't be written .* `make why` says"):
+    with pytest.raises(FolderError, match=f"{tmp_path} can't be written .* `make why` lists"):
         claim_folder()
     monkeypatch.setattr(os, "access", lambda *_: False)
     with pytest.raises(FolderError, match=r"can't be written \(permission denied\)"):
@@ -51,7 +51,7 @@ def test_the_callers_python_path_is_kept(monkeypatch):
     ("sensor", "options", "sentence"),
     [
         ({"largest_size": -1, "shape": "round"}, [], "sensor.shape is no parameter"),
-        ({}, ["--rerun-triggers", "params"], "leave out --rerun-triggers"),
+        ({}, ["--rerun-triggers", "params"], "--rerun-triggers allows only mtime"),
         ({}, ["gaze_all"], "error: gaze_all is no target: it is now `make gaze FOLDER=...`."),
     ],
 )

@@ -98,7 +98,7 @@ def test_a_source_edited_in_the_last_job_leaves_the_lock_as_it_was(locked):
     )
     output = experiment.snakemake().stdout
     assert f"{KEPT}: " in output
-    assert "are not those of today's parameters, code and meshes" in output
+    assert "do not match the current parameters, code and meshes" in output
     assert lock_of(experiment) == before
 
 

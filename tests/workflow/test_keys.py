@@ -47,7 +47,7 @@ class Run:
     def make(self, *rules):
         keys = self.keys()
         for record in [f"{rule}.json" for rule in rules or ("mesh", "touch")]:
-            given = keys.given(record)
+            given = keys.snapshot(record)
             check_inputs(given)
             job = keys.jobs[record]
             for table in job.tables:
@@ -113,23 +113,23 @@ def test_a_parameter_is_named(run):
 
 
 def test_code_edited_while_a_job_runs_leaves_no_record(run):
-    given = run.keys().given("touch.json")
+    given = run.keys().snapshot("touch.json")
     Path("touch.py").write_text("edited")
     with pytest.raises(StateError, match=r"touch\.py was changed"):
         check_unchanged(given)
     Path("touch.py").write_text("touch.py")
-    with pytest.raises(StateError, match="written again"):
+    with pytest.raises(StateError, match="was written during this run"):
         check_unchanged(given)
 
 
 def test_a_job_refuses_what_was_made_in_another_state_or_edited(run):
-    given = run.keys().given("touch.json")
+    given = run.keys().snapshot("touch.json")
     Path("mesh.ply").write_text("edited")
-    with pytest.raises(StateError, match=r"mesh\.ply is not what its record says"):
+    with pytest.raises(StateError, match=r"mesh\.ply differs from its record"):
         check_inputs(given)
     Path("model.obj").write_text("other")
     run.make("mesh")
-    with pytest.raises(StateError, match=r"mesh\.json is of another state"):
+    with pytest.raises(StateError, match=r"mesh\.json is not of this run"):
         check_inputs(given)
 
 
@@ -188,7 +188,7 @@ def test_only_what_records_name_and_no_job_of_today_makes_is_put_aside(run):
         Path(name).parent.mkdir(parents=True, exist_ok=True)
         Path(name).write_text(text)
     (sentence,) = put_aside(["results/now.parquet"])
-    assert sentence.startswith("3 files that today's run no longer names were put into .cache/")
+    assert sentence.startswith("3 files of former jobs were moved to .cache/")
     left = {file.name for folder in ("results", "logs") for file in Path(folder).rglob("*.*")}
     assert left == {"mine.parquet", "now.parquet"}
     assert len(list(Path(".cache/aside").rglob("gone.*"))) == 3
@@ -246,11 +246,11 @@ def test_what_was_read_from_a_file_is_remembered_until_the_file_changes(tmp_path
     os.utime(file, ns=(long_ago, long_ago))
     time.sleep(2.1)  # until the time of change is old enough
     digests = Digests(memory)
-    assert digests.remembered(find, file) == ["one"]
+    assert digests.read_cached(find, file) == ["one"]
     digests.save()
-    assert Digests(memory).remembered(find, file) == ["one"]
+    assert Digests(memory).read_cached(find, file) == ["one"]
     file.write_text("two")
-    assert Digests(memory).remembered(find, file) == ["two"]
+    assert Digests(memory).read_cached(find, file) == ["two"]
     assert asked == ["one", "two"]
 
 

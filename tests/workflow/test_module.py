@@ -46,4 +46,4 @@ def test_snakemakes_own_report_shows_tables_with_captions(experiment):
     page = (experiment.folder / "snakemake-report.html").read_text()
     for name in ("accuracy.csv", "confusion.csv", "report.html", "metrics.json"):
         assert name in page
-    assert "assigned to the right class" in page
+    assert "correctly classified test sequences" in page

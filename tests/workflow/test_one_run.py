@@ -62,5 +62,5 @@ def test_beside_a_run_a_second_one_is_refused_and_a_dry_run_is_possible(at_work)
     for command in (("snakemake", "-j2"), ("dvc", "repro")):
         result = at_work.run(*command, check=False)
         assert result.returncode != 0
-        assert "at work" in result.stdout or "is busy" in result.stdout
+        assert "is active" in result.stdout or "is busy" in result.stdout
     assert parts(at_work, "touches")

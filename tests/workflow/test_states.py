@@ -109,7 +109,7 @@ def test_files_of_the_user_stay_and_what_is_no_longer_named_is_put_aside(stand_i
     assert "gone was left out" not in output
     assert all(file.read_text() == "mine" for file in mine)
     assert not [*results.rglob("random.parquet"), *results.rglob("00-01.parquet")]
-    assert "files that today's run no longer names were put into .cache/aside/" in output
+    assert "files of former jobs were moved to .cache/aside/" in output
     assert list((stand_in.folder / ".cache/aside").rglob("random.parquet"))
 
 
@@ -123,7 +123,7 @@ def test_code_edited_while_a_job_runs_certifies_nothing(stand_in):
     )
     result = stand_in.snakemake("-j1", "features_all", check=False)
     assert result.returncode != 0
-    assert f"error: {MODULE} was changed while this run was at work" in result.stdout
+    assert f"error: {MODULE} was changed during this run" in result.stdout
     assert "Traceback" not in result.stdout
     assert not list((stand_in.folder / "results/features").rglob("*.parquet"))
     script.write_text(whole)

@@ -1,4 +1,4 @@
-"""Shared by all rules: parameters, objects, blocks of viewpoints, and what each job takes."""
+"""Shared by all rules: parameters, objects, blocks of objects and viewpoints, and inputs of jobs."""
 
 import atexit
 import json
@@ -8,10 +8,10 @@ import sys
 from functools import cache, partial
 from pathlib import Path
 
-# This file's own place: the folder of the Snakefile that was called may be another workflow's.
+# By the path of this file, because the main Snakefile may be another workflow's.
 ROOT = Path(os.path.abspath(sys._getframe().f_code.co_filename)).parents[2]
 SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
-# Where the user's studies lie: in the working folder, and in the clone.
+# Folders with studies: of the working folder, and of the clone.
 STUDY_FOLDERS = [Path("studies").absolute(), ROOT / "studies"]
 sys.path[:0] = map(str, SOURCES)
 
@@ -70,12 +70,12 @@ from visuohaptic_workflow.planning import (
 from visuohaptic_workflow.records import PREFIX
 from visuohaptic_workflow.termination import (
     end_at_once,
-    is_termination_asked,
+    is_termination_received,
     pass_termination_on,
 )
 from visuohaptic_workflow.why import ASKED, verify, why
 
-# The environment in which the run was called, for the process that writes DVC's lock.
+# The environment of the caller, for the process that writes DVC's lock.
 ENVIRONMENT = {
     name: value
     for name, value in os.environ.items()
@@ -83,21 +83,22 @@ ENVIRONMENT = {
 }
 set_job_environment(*SOURCES)
 sys.path[:] = [*without_studies_of_clones(sys.path), *map(str, STUDY_FOLDERS)]
-# Another workflow that uses this one as a module decides by its own means.
+# Whether this is the main workflow. If it is a module, the main workflow decides which jobs run.
 IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
-# A job on another machine parses this file, too, and takes over what the run was planned with.
+# Whether this process plans the run. Jobs on other machines parse this file too, but use the plan of the run.
 HERE = f"{platform.node()}:{os.getpid()}"
 IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
-# In a storage, where records can't be read at the start, and in another workflow, Snakemake's own memory decides.
+# Whether keys decide which jobs run. Otherwise Snakemake's own metadata decide: in a storage, where records can't be
+# read at the start, and in another workflow.
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None
-# Whether this process decides by keys what runs.
+# Whether this process decides by keys which jobs run.
 DECIDES = IS_KEYED and IS_PLANNER
 DIGESTS = Digests(".cache/digests.json")
-READ_IMPORTS = partial(DIGESTS.remembered, imports_of)
+READ_IMPORTS = partial(DIGESTS.read_cached, imports_of)
 
 
 def stop(sentence):
-    """End with a sentence; as a module of another workflow, leave the end to that."""
+    """Print an error and exit; as a module of another workflow, raise `WorkflowError`."""
     if not IS_MAIN:
         raise WorkflowError(sentence)
     print(f"error: {sentence}", file=sys.stderr)
@@ -105,7 +106,7 @@ def stop(sentence):
 
 
 def or_stop(function, *arguments):
-    """Call a function; on an error of this package, end with its message, not a traceback."""
+    """Call a function; on an error of this package, `stop` with its message instead of a traceback."""
     try:
         return function(*arguments)
     except VisuohapticError as error:
@@ -114,13 +115,13 @@ def or_stop(function, *arguments):
 
 or_stop(check_folder, ROOT, Path.cwd())
 if DECIDES:
-    # Also where nothing runs: files of a new clone would be read again each time.
+    # Save even if no job runs; else the files of a new clone would be read again each time.
     atexit.register(DIGESTS.save)
     os.environ[PREFIX] = sys.prefix
     if set(values_of_option(sys.argv, "--rerun-triggers")) - {"mtime"}:
         stop(
-            "Keys decide what runs here, and Snakemake's other reasons would run it again for ever: "
-            "leave out --rerun-triggers, or say --rerun-triggers mtime."
+            "--rerun-triggers allows only mtime here: keys decide which jobs run, and with other triggers Snakemake "
+            "would run the same jobs each time."
         )
     if ASKED not in os.environ:
         or_stop(check_writable)
@@ -130,21 +131,21 @@ if DECIDES:
 
 
 def shipped(path):
-    """Give the path of a file or folder of the repository, relative to the working folder."""
+    """Return the path of a file of the working folder, or else of the repository, relative to the working folder."""
     return path if Path(path).exists() else os.path.relpath(ROOT / path)
 
 
-# From another folder the workflow runs with that folder's parameters, or else with its own.
+# The parameters of the working folder, or else of the repository.
 configfile: shipped("params.yaml")
 
 
-# Those of a workflow that uses this one as a module are its own matter.
+# A workflow that uses this workflow as a module checks its own configuration.
 for file in workflow.configfiles if IS_MAIN else []:
     or_stop(check_spelling, file)
 if IS_MAIN and IS_PLANNER:
-    for given in values_of_option(sys.argv, "--config", "-C"):
-        or_stop(check_config, given)
-# Before anything is checked by the names that they register; jobs load them as the package is imported.
+    for value in values_of_option(sys.argv, "--config", "-C"):
+        or_stop(check_config, value)
+# Load plug-ins before parameters are checked against registered names. Jobs load them when they import the package.
 or_stop(load_installed)
 or_stop(load_files, config.get("plugins", []))
 load_in_child_processes()
@@ -169,12 +170,12 @@ DOWNLOADED = {
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
 OBJECT_BLOCKS = divide(OBJECTS, PARAMETERS.workflow.objects_per_job)
-# The viewpoints of a job, by names such as 00-15.
+# The viewpoints of each block, by names such as 00-15.
 VIEW_BLOCKS = {}
 for start in range(0, PARAMETERS.viewpoints.total, PARAMETERS.workflow.views_per_job):
     end = min(start + PARAMETERS.workflow.views_per_job, PARAMETERS.viewpoints.total)
     VIEW_BLOCKS[f"{start:02d}-{end - 1:02d}"] = list(range(start, end))
-# What wildcards stand for, in rules that do not list their jobs' wildcards.
+# Values of each wildcard. Rules in VALUES_OF_RULES list the wildcards of their jobs instead.
 VALUES = {
     "objects": OBJECT_BLOCKS,
     "views": VIEW_BLOCKS,
@@ -192,7 +193,7 @@ wildcard_constraints:
 
 
 def in_clone(files):
-    """Mark files that no job makes: they are where the workflow is, also where results are kept in a storage."""
+    """Mark files that no job makes as local, because they are not in the storage of the results."""
     return [local(str(file)) for file in files]
 
 
@@ -215,16 +216,16 @@ def companions_of(wildcards):
 
 
 def models_of(wildcards):
-    """Give the size in cm and the rotation to upright of each object of a block, from the catalogue."""
-    found = {key: CATALOGUED.get(key) for key in OBJECT_BLOCKS[wildcards.objects]}
+    """Return the size in cm and the rotation to upright of each object of a block; None for own models."""
+    models = {key: CATALOGUED.get(key) for key in OBJECT_BLOCKS[wildcards.objects]}
     return {
         key: model and {"dimensions": model.dimensions, "rotation": model.rotation}
-        for key, model in found.items()
+        for key, model in models.items()
     }
 
 
 def blocks_with(objects):
-    """Name the blocks that hold at least one of some objects."""
+    """List the names of the blocks that contain at least one of the objects."""
     return [
         name
         for name, block in OBJECT_BLOCKS.items()
@@ -233,42 +234,43 @@ def blocks_with(objects):
 
 
 def meshes_of(objects=OBJECTS):
-    """List the folders that hold the meshes of some objects, and may hold others."""
+    """List the folders with the meshes of objects; the folders may contain further meshes."""
     return expand("results/meshes/{objects}", objects=blocks_with(objects))
 
 
 def files_of(table, each="{objects}/{views}", suffix="parquet", **chosen):
-    """List the files of a table, one for each value of some wildcards, or for those that are chosen."""
+    """List the files of a table: all values of the wildcards in `each`, or the values in `chosen`."""
     return expand(f"results/{table}/{each}.{suffix}", **{**VALUES, **chosen})
 
 
 def views_of(table):
-    """List the files of a table that belong to one block of objects, which a job names."""
+    """List patterns of the files of a table for all viewpoints of one block of objects."""
     return [f"results/{table}/{{objects}}/{views}.parquet" for views in VIEW_BLOCKS]
 
 
 def places_of(files, **chosen):
-    """List the files of all places, chosen before the first touch or by policies; `files` is `files_of` or `views_of`."""
+    """List the files with probing locations, of strategies and policies; `files` is `files_of` or `views_of`."""
     return [*files("fixations", **chosen), *files("policy_fixations", **chosen)]
 
 
-# What each rule runs and takes.
+# Code and inputs of each rule.
 DECLARED = {}
-# What the jobs of this run are given: in the process that plans it, and in those of other machines, which read it.
-GIVEN_FILE = Path("logs/given.json")
-GIVEN = {}
+# Snapshots of the jobs of this run (`Keys.snapshot`), by record. Jobs on other machines read them from the file.
+SNAPSHOTS_FILE = Path("logs/snapshots.json")
+SNAPSHOTS = {}
 
 
-def takes(name, script=None, own=(), **inputs):
-    """Declare what a rule runs and takes; give its input, files whose times count for nothing where its record fits.
+def takes(name, script=None, own=(), **files_by_name):
+    """Declare the code and inputs of a rule, and return its input function.
 
-    The script has the rule's name, unless another one is given; it also runs `own` files, which lie outside of the library.
+    If a job's record is current, the times of its inputs are ignored. `script` defaults to the name of the rule. `own` are
+    modules outside of the library.
     """
     path = ROOT / "workflow/scripts" / (script or f"{name}.py")
     runs = Runs(path, CODE.get(name, STEP), tuple(own))
-    DECLARED[name] = Declared(runs, inputs)
+    DECLARED[name] = Declared(runs, files_by_name)
 
-    def found(wildcards):
+    def inputs(wildcards):
         files = DECLARED[name].files(wildcards)
         if not IS_KEYED:
             code = in_clone(map(os.path.relpath, find_code(runs).files))
@@ -276,35 +278,41 @@ def takes(name, script=None, own=(), **inputs):
         if not IS_PLANNER:
             return files
         record = fill(str(getattr(rules, name).output.record), wildcards)
-        reason = keys().why(record)
-        if reason is None:
-            return {
-                part: ancient(item) if isinstance(item, str) else [*map(ancient, item)]
-                for part, item in files.items()
-            }
-        GIVEN[record] = keys().given(record)
-        if is_claimed_by_another():  # which makes it, or will be waited for
-            return files
-        marker = or_stop(mark_stale, record, reason, keys().jobs[record].tables)
-        return {**files, "why": [*marker, *sorted(keys().stale_behind(record))]}
+        return inputs_by_key(record, files)
 
-    return unpack(found)
+    return unpack(inputs)
+
+
+def inputs_by_key(record, files):
+    """Return a job's inputs: with times to be ignored if the record is current, else with the reason to run the job."""
+    reason = keys().why(record)
+    if reason is None:
+        return {
+            part: ancient(item) if isinstance(item, str) else [*map(ancient, item)]
+            for part, item in files.items()
+        }
+    SNAPSHOTS[record] = keys().snapshot(record)
+    # Another run makes the files, or this run will wait for it.
+    if is_claimed_by_another():
+        return files
+    marker = or_stop(mark_stale, record, reason, keys().jobs[record].tables)
+    return {**files, "why": [*marker, *sorted(keys().stale_behind(record))]}
 
 
 def key_of_job(wildcards, output):
-    """Give what tells a job its key, and what it was planned with."""
+    """Return the snapshot of a job, with the parts of its key; None without keys."""
     if not IS_KEYED:
         return None
     if not IS_PLANNER:
-        return json.loads(GIVEN_FILE.read_text(encoding="utf-8")).get(output.record)
-    if output.record not in GIVEN:
-        GIVEN[output.record] = keys().given(output.record)
-    return GIVEN[output.record]
+        return json.loads(SNAPSHOTS_FILE.read_text(encoding="utf-8")).get(output.record)
+    if output.record not in SNAPSHOTS:
+        SNAPSHOTS[output.record] = keys().snapshot(output.record)
+    return SNAPSHOTS[output.record]
 
 
 @cache
 def keys():
-    """Give the keys of all jobs that today's parameters and objects ask for."""
+    """Return the keys of all jobs of the current parameters and objects."""
     jobs = [
         job
         for name, declared in DECLARED.items()
@@ -322,17 +330,17 @@ def keys():
 
 @cache
 def find_code(runs):
-    """Find the code of a job, plug-ins among it."""
+    """Find the code of a job, with plug-ins."""
     return code_of(runs, SOURCES, STUDY_FOLDERS, loaded(), READ_IMPORTS)
 
 
 def all_cores(wildcards):
-    """Give the number of cores for a job that must run alone; profiles of clusters set it to one."""
+    """Return the number of cores for a job that must be the only running job; profiles of clusters set it to one."""
     return workflow.cores or 1
 
 
-def answer():
-    """Answer `make why` or `make verify`, or let DVC write its lock, if this process is asked to, and end."""
+def answer_make():
+    """Answer `make why` or `make verify`, or write DVC's lock, and exit, if environment variable ASKED is set."""
     if not DECIDES or ASKED not in os.environ:
         return
     targets, is_fine = [*map(str, rules.all.input)], True
@@ -347,24 +355,24 @@ def answer():
     sys.exit(not is_fine)
 
 
-def claim():
-    """Allow one run at a time in this folder, and say what its jobs were planned with."""
+def start_run():
+    """Lock this folder for the run, and write the snapshots of its jobs."""
     if DECIDES:
         or_stop(claim_folder)
         pass_termination_on()
-        atomic_write_text(GIVEN_FILE, json.dumps(GIVEN))
+        atomic_write_text(SNAPSHOTS_FILE, json.dumps(SNAPSHOTS))
 
 
 def close_run():
-    """Put aside what is no longer named, and say what was left out, what is of an earlier state, and what the report holds, once it is today's."""
+    """Move files of former jobs aside, print the results and warnings, and let DVC lock a complete run."""
     if not DECIDES:
         return
-    # With Arrow, which a run that has nothing to do never needs.
+    # Imports Arrow, which a run without jobs does not need.
     from visuohaptic_workflow.closing import lines_at_end, put_aside
 
     end_at_once()
-    found = {record: read_record(record).get("key") for record in keys().jobs}
-    stale = {record: key for record, key in found.items() if key != keys().key(record)}
+    key_of = {record: read_record(record).get("key") for record in keys().jobs}
+    stale = {record: key for record, key in key_of.items() if key != keys().key(record)}
     report_is_current = "results/records/report.json" not in stale
     lines = []
     if report_is_current:
@@ -372,24 +380,22 @@ def close_run():
         lines += put_aside(named)
     if any(stale.values()):
         count = sum(key is not None for key in stale.values())
-        lines.append(
-            f"{count} records are of an earlier state: `make verify` lists them."
-        )
+        lines.append(f"{count} records are not current: `make verify` lists them.")
     lines += lines_at_end(report_is_current=report_is_current)
     for line in lines:
         print(line, file=sys.stderr)
     make_empty_outputs()
-    if is_lockable() and not is_termination_asked():
+    if is_lockable() and not is_termination_received():
         lock({*stale})
 
 
 def are_parameters_current():
-    """Return whether params.yaml, read again, has the parameters of this process."""
+    """Return whether params.yaml still has the parameters of this process."""
     return read_parameters("params.yaml") == PARAMETERS
 
 
 def lock(stale):
-    """Let DVC lock a whole run by the parameters of params.yaml; some records are stale."""
+    """Let DVC lock a complete run with the parameters of params.yaml; `stale` are records that are not current."""
     if not or_stop(are_parameters_current):
         print(
             "dvc.lock stays as it was: this run's parameters are not those of params.yaml.",

@@ -1,7 +1,7 @@
-"""Meshes: models as they come → one clean, centred, coloured surface of unit size an object.
+"""Meshes: source models → one clean, centred, coloured surface of unit size per object.
 
-Takes meshes/catalogue.csv, meshes/paper/, meshes/own/, and downloads what the set lacks;
-gives results/meshes/<block>/<class>/<object>.ply: a block is named after its first object, <class>/<object>.
+Reads meshes/catalogue.csv, meshes/paper/ and meshes/own/, and downloads missing models of the set. Writes
+results/meshes/<block>/<class>/<object>.ply; a block has the name of its first object, <class>/<object>.
 """
 
 from dataclasses import asdict

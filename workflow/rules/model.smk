@@ -1,8 +1,9 @@
 """Model: features of all objects → the recognition model that `visuohaptic recognise` loads.
 
-Takes results/features/; gives results/models/recogniser.skops, which holds no code, but the parameters with
-which its touches were made. A model of other touches than those of the first strategy is made by its name, such as
-results/models/recogniser_random.skops; results/models/all_strategies.skops learns from all touches of the run. Study `trust` measures how far the answers of such models can be relied on.
+Reads results/features/. Writes results/models/recogniser.skops, which contains the parameters of its touches, but no
+code. This model is trained on touches of the first strategy. Models of other strategies are targets by name, such as
+results/models/recogniser_random.skops; results/models/all_strategies.skops is trained on all touches of the run. Study
+`trust` measures how reliable the answers of such models are.
 """
 
 MODELS = {

@@ -1,8 +1,8 @@
-"""Pictures: each object's mesh, views and touches → what the report shows of it, small enough for a page.
+"""Pictures: each object's mesh, views and touches → small pictures and models for the report.
 
-Takes results/meshes/, results/views/, results/touches/ and results/stability/; gives results/pictures/, made beside the
-other jobs, so that the report has only to put it in its place. Of many objects a sample has pictures, and all that
-exceeded a tolerance.
+Reads results/meshes/, results/views/, results/touches/ and results/stability/. Writes results/pictures/, in parallel to
+other jobs, so that the report only inserts them. If there are many objects, only a sample has pictures, and each object
+that exceeded a tolerance.
 """
 
 from visuohaptic.report.shown import OBJECTS_AT_MOST, faces_of_model

@@ -1,10 +1,10 @@
 """Recognition: features of all objects → scores and predictions for every split and classifier.
 
-Takes results/features/; gives the tables results/scores/ and results/predictions/, a job per pipeline.
+Reads results/features/. Writes the tables results/scores/ and results/predictions/, with one job per pipeline.
 """
 
-# In the name of the record: a job of other strategies has another record, and files of a strategy that is no longer
-# asked for are put aside.
+# Part of the record's name: with other strategies the job has another record, and files of former strategies are moved
+# aside.
 STRATEGIES_ASKED = "+".join(PARAMETERS.probing.strategies)
 
 
@@ -18,7 +18,7 @@ rule recognition_all:
 rule recognition:
     input:
         takes("recognition", features=files_of("features")),
-        # Stops before the first job where there are no classes to tell apart.
+        # Stops before the first job if there are fewer than two classes.
         checked=lambda wildcards: or_stop(check_classes, OBJECTS) or [],
     output:
         scores=files_of("scores", "{{pipeline}}/{strategy}"),

@@ -1,24 +1,24 @@
 """Report: every table → one HTML page, the numbers behind it, and plots for DVC.
 
-Takes results/ and, if they exist, logs/ and credits; gives reports/report.html,
-reports/metrics.json and reports/plots/.
+Reads results/ and, if they exist, logs/ and credits. Writes reports/report.html, reports/metrics.json and
+reports/plots/.
 """
 
 TEMPLATES = in_clone(
     sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
 )
-# What studies bring to the page: a section each, and its templates.
+# Sections of studies, and their templates.
 SECTIONS = section_files(STUDY_FOLDERS)
 SECTION_TEMPLATES = in_clone(
     os.path.relpath(template)
     for section in SECTIONS.values()
     for template in sorted(section.parent.glob("templates/*.*"))
 )
-# Of study human_gaze, which is no part of the workflow.
+# Table of study human_gaze, which is not part of the workflow.
 AGREEMENT_WITH_GAZE = in_clone(
     filter(os.path.exists, [shipped("studies/human_gaze/agreement.parquet")])
 )
-# What `visuohaptic evaluate` and `make test-hard` measured.
+# Files that `visuohaptic evaluate` and `make test-hard` write.
 MEASURED_BESIDE = ["reports/evaluation.parquet", "docs/figures/hard_cases.json"]
 
 
@@ -54,10 +54,10 @@ rule metrics:
     params:
         key=key_of_job,
         intervals=PARAMETERS.recognition.intervals.model_dump(),
-        # Those that no accuracy depends on are left out.
+        # Without sections that no accuracy depends on.
         parameters=PARAMETERS.model_dump(mode="json", exclude={"workflow", "cost"}),
     message:
-        "summing up the scores"
+        "summarising the scores"
     script:
         "../scripts/metrics.py"
 
@@ -81,7 +81,7 @@ rule report:
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
             gaze=AGREEMENT_WITH_GAZE,
-            # Not part of `all`; once present they are shown in the report.
+            # Not part of `all`; the report shows existing files.
             measured=[
                 *SHOWN_FILES,
                 *in_clone(filter(os.path.exists, MEASURED_BESIDE)),

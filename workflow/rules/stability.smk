@@ -1,7 +1,7 @@
-"""Stability: each object's mesh, probing locations and imprints → its numerical errors, beside their tolerances.
+"""Stability: each object's mesh, probing locations and imprints → numerical errors and their tolerances.
 
-Takes results/meshes/, results/fixations/, results/policy_fixations/ and results/touches/; gives results/stability/. A tolerance that is
-exceeded fails no job: the tables say so, the report shows it, and the run's last lines name it.
+Reads results/meshes/, results/fixations/, results/policy_fixations/ and results/touches/. Writes results/stability/. An
+exceeded tolerance fails no job; the tables, the report and the last lines of the run name it.
 """
 
 
@@ -33,6 +33,6 @@ rule stability_of_object:
         scene=PARAMETERS.scene.model_dump(),
         seed=PARAMETERS.seed,
     message:
-        "checking the numbers of {wildcards.objects} and others"
+        "computing numerical errors of {wildcards.objects} and others"
     script:
         "../scripts/stability_of_object.py"

@@ -1,12 +1,13 @@
-"""Studies: conditions that each change some parameters → how accuracy changes with them.
+"""Studies: conditions that change parameters → the accuracy of each condition.
 
-Takes results/meshes/, results/fixations/, results/touches/ and results/features/, and of a user's own studies
-studies/<study>.yaml or .py; gives results/study_features/<study>/ (what conditions share, made once),
-results/study_blocks/<study>/ (some conditions a job), results/studies/<study>.parquet and reports/studies/<study>.json,
-and what a study's own steps make (`visuohaptic.studies.study.Step`). Studies `frontier` and `influence` are part of
-`all`. The others are not: `snakemake -j2 study_<study>` makes one, as `<study>_all` does for those of Python, and writes
-the report; later runs keep it up to date, or leave it as it is (`workflow.keep_studies_current`). Of studies that a run
-is not asked for and that have no files there are no rules.
+Reads results/meshes/, results/fixations/, results/touches/ and results/features/, and the user's studies
+studies/<study>.yaml or .py. Writes results/study_features/<study>/ (features that conditions share),
+results/study_blocks/<study>/ (one file per block of conditions), results/studies/<study>.parquet,
+reports/studies/<study>.json, and the files of a study's steps (`visuohaptic.studies.study.Step`).
+
+Studies of the package are part of `all`, except study `effects`. `snakemake -j2 study_<study>` makes any study and the
+report; for studies in Python, so does `<study>_all`. Later runs update the study or keep its files
+(`workflow.keep_studies_current`). Studies have rules only if they are requested, have files, or are part of the run.
 """
 
 
@@ -16,13 +17,14 @@ wildcard_constraints:
     block=r"\d+-\d+",
 
 
-# Studies of the package and of Python have a second name; those that are part of every run have it without the report.
+# Target study_<study> for each study, with the report. Also <study>_all for each study of the package or in Python, with
+# the report unless the study is part of every run.
 for name, study, report_of_name in [
-    *((f"study_{one.name}", one, report_of_study) for one in STUDIES.values()),
+    *((f"study_{study.name}", study, report_of_study) for study in STUDIES.values()),
     *(
-        (f"{one.name}_all", one, [] if one.is_part_of_run else report_of_study)
-        for one in STUDIES.values()
-        if one.is_coded
+        (f"{study.name}_all", study, [] if study.is_part_of_run else report_of_study)
+        for study in STUDIES.values()
+        if study.is_coded
     ),
 ]:
 
@@ -31,7 +33,7 @@ for name, study, report_of_name in [
             name
         input:
             study.targets,
-            # By name, so that a lost block is missed although its figures are there.
+            # Listed, so that Snakemake makes a lost block again although the figures exist.
             study_blocks(study.name),
             report_of_name,
 
@@ -55,7 +57,7 @@ rule features_of_study:
         sample=lambda wildcards: sample_of(wildcards.study),
         parameters=recomputation_parameters,
     message:
-        "recomputing features for study {wildcards.study}, from its {params.phase} on"
+        "recomputing features for study {wildcards.study}, from {params.phase} on"
     script:
         "../scripts/features_of_study.py"
 
@@ -103,7 +105,7 @@ rule figures_of_study:
         ),
         intervals=PARAMETERS.recognition.intervals.model_dump(),
     message:
-        "summing up study {wildcards.study}"
+        "summarising study {wildcards.study}"
     script:
         "../scripts/figures_of_study.py"
 
@@ -129,7 +131,7 @@ for study, step in STEPS:
             ),
         conda:
             "../envs/visuohaptic.yaml"
-        # What measures run times works on one, and takes all there are, so that no other job is in its way.
+        # Jobs that measure run times reserve all cores, so that no other job runs at the same time.
         threads: all_cores if step.is_alone else 1
         params:
             **params_of_step(study, step),

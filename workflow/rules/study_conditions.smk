@@ -1,4 +1,4 @@
-"""What the rules of studies share: conditions, their blocks, and what each job takes."""
+"""Shared by the rules of studies: conditions, their blocks, and inputs of jobs."""
 
 from dataclasses import replace
 from importlib.util import find_spec
@@ -21,7 +21,7 @@ from visuohaptic_workflow.studies_asked import (
     studies_to_plan,
 )
 
-# Jobs on other machines parse these files, too, and have other arguments.
+# Jobs on other machines parse these files with other arguments, so hand over the arguments of the planning process.
 if IS_PLANNER:
     os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
 ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
@@ -30,33 +30,38 @@ if IS_MAIN and IS_PLANNER:
     moved = find_moved(sys.argv[1:], STUDIES)
     if moved:
         stop(moved)
-# Hundreds of conditions take time to plan. Which rules another workflow takes of its module is not known.
+# Planning hundreds of conditions takes time, so plan only studies that need rules. As a module, plan all studies: the
+# requested rules are unknown.
 if IS_MAIN:
     STUDIES = studies_to_plan([*ARGUMENTS, *sys.argv[1:]], STUDIES)
 PLANS = {
     name: or_stop(plan_study, study, PARAMETERS) for name, study in STUDIES.items()
 }
 STUDIES_OF_RUN = [study for study in STUDIES.values() if study.is_part_of_run]
-# Each step with its study; those of one name would be one rule.
+# Each step with its study; the names of steps are unique.
 STEPS = [(study, step) for study in STUDIES.values() for step in study.steps]
-# With thousands of objects the sampled studies would take longer than all the rest.
+# The objects of sampled studies, which would take longest with thousands of objects.
 SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
 
 
 def takes_predictions(study):
-    """Say whether the run's predictions stand for a study's conditions: not where it measures a part of the objects."""
+    """Return whether a study uses the run's predictions: only if it measures all objects and a step takes them."""
     return any("predictions" in step.takes for step in study.steps) and (
         SAMPLE == OBJECTS or not study.is_sampled
     )
 
 
 def conditions_to_measure(study):
-    """Plan the conditions of a study that the run itself did not measure."""
+    """Return the plan of a study without the conditions that the run measures."""
     plan = PLANS[study.name]
     if not takes_predictions(study):
         return plan
-    left = [one for one in plan.conditions if not is_measured_by_run(one, PARAMETERS)]
-    return replace(plan, conditions=tuple(left))
+    remaining = [
+        planned
+        for planned in plan.conditions
+        if not is_measured_by_run(planned, PARAMETERS)
+    ]
+    return replace(plan, conditions=tuple(remaining))
 
 
 BLOCKS = {
@@ -66,7 +71,7 @@ BLOCKS = {
     for study in STUDIES.values()
 }
 
-# Measured once, and left as they are.
+# Studies whose existing files are kept even if they are not current.
 KEPT_STUDIES = [
     study
     for study in STUDIES.values()
@@ -93,7 +98,8 @@ VALUES_OF_RULES |= {
     ],
     **{
         step.name: [
-            {"condition": one.condition.name} for one in PLANS[study.name].conditions
+            {"condition": planned.condition.name}
+            for planned in PLANS[study.name].conditions
         ]
         for study, step in STEPS
         if "condition" in step.wildcards
@@ -102,7 +108,7 @@ VALUES_OF_RULES |= {
 
 
 def study_blocks(study):
-    """List the files of a study's blocks, and of steps that count as blocks."""
+    """List the files of a study's blocks, and of its steps with `is_block`."""
     steps = (step for step in STUDIES[study].steps if step.is_block)
     return [
         *(f"results/study_blocks/{study}/{block}.parquet" for block in BLOCKS[study]),
@@ -111,7 +117,7 @@ def study_blocks(study):
 
 
 def of_pipelines(patterns):
-    """List files, with those of each pipeline where they are of one."""
+    """Fill wildcard ``pipeline`` of file patterns with all pipelines; other files are unchanged."""
     return expand(patterns, pipeline=PARAMETERS.recognition.pipelines)
 
 
@@ -121,23 +127,23 @@ def objects_of(study):
 
 
 def sample_of(study):
-    """List the objects that a study takes of blocks that may hold more; nothing where it takes all."""
+    """Return the objects of a sampled study, or None if the study measures all objects."""
     return None if objects_of(study) == OBJECTS else objects_of(study)
 
 
 def recomputation_of(wildcards):
-    """Give the features that a job recomputes."""
+    """Return the recomputation of a job."""
     return PLANS[wildcards.study].recomputations[wildcards.key]
 
 
-# What features may be recomputed from, whatever the first phase.
+# Tables, and the meshes, that recomputations may need.
 NEEDED = dict.fromkeys(
-    name for one in OF_OBJECT for name in inputs_needed_from(next(iter(one.writes)))
+    name for phase in OF_OBJECT for name in inputs_needed_from(next(iter(phase.writes)))
 )
 
 
 def needed_by_recomputation(table):
-    """Give what lists the parts of a table, or the meshes, where a job recomputes features from it."""
+    """Return an input function that lists the files of a table, or the meshes, if the job's recomputation needs them."""
 
     def files(wildcards):
         if table not in inputs_needed_from(recomputation_of(wildcards).phase):
@@ -151,40 +157,43 @@ def needed_by_recomputation(table):
 
 
 def recomputation_parameters(wildcards):
-    """Give the parameters with which a job recomputes features."""
+    """Return the parameters with which a job recomputes features."""
     return recomputation_of(wildcards).parameters.model_dump(
         exclude={**WITHOUT_EFFECT, "recognition": True}
     )
 
 
 def conditions_of(wildcards, study=None):
-    """List the conditions of a job: those of its block, or the one of a study's step."""
+    """List the conditions of a job: of its block, or of its step if `study` is given."""
     if study is None:
         return BLOCKS[wildcards.study][wildcards.block]
-    conditions = PLANS[study].conditions
-    return [one for one in conditions if one.condition.name == wildcards.condition]
+    return [
+        planned
+        for planned in PLANS[study].conditions
+        if planned.condition.name == wildcards.condition
+    ]
 
 
 def keys_of(wildcards, study=None):
-    """Name the features that a job's conditions need and the run does not have."""
-    return sorted({one.key for one in conditions_of(wildcards, study)} - {None})
+    """List the keys of the recomputed features of a job's conditions."""
+    return sorted({planned.key for planned in conditions_of(wildcards, study)} - {None})
 
 
 def features_of(study):
-    """List the run's own features of a study's objects."""
+    """List the files of the run's features for a study's objects."""
     return files_of("features", objects=blocks_with(objects_of(study)))
 
 
 def made_features(study, keys):
-    """List the files of features by their keys."""
+    """List the files of recomputed features by key."""
     return [f"results/study_features/{study}/{key}.parquet" for key in keys]
 
 
 def features_for(study=None):
-    """Give what lists the features of a job's conditions: the run's own, where one needs them, and others."""
+    """Return input functions for the features of a job's conditions: of the run if needed, and recomputed."""
 
     def own(wildcards):
-        is_needed = any(one.key is None for one in conditions_of(wildcards, study))
+        is_needed = None in {planned.key for planned in conditions_of(wildcards, study)}
         return features_of(study or wildcards.study) if is_needed else []
 
     def made(wildcards):
@@ -194,13 +203,13 @@ def features_for(study=None):
 
 
 def own_code_of(step):
-    """List the file that holds what a step does, where it lies outside of the library."""
+    """List the module of a step, if it is outside of the library."""
     file = Path(find_spec(step.work.partition(":")[0]).origin)
     return [] if file.is_relative_to(SOURCES[0]) else [file]
 
 
 def measured_objects(study, step):
-    """List the objects whose meshes and fixations a step takes: where few are enough, some that are spread over all."""
+    """List the objects whose meshes and fixations a step takes: all, or evenly spaced objects if few suffice."""
     objects = objects_of(study.name)
     counts = {"timed": PARAMETERS.cost.objects, "two": 2}
     count = counts.get(step.objects, len(objects) or 1)
@@ -208,13 +217,13 @@ def measured_objects(study, step):
 
 
 def inputs_of_step(study, step):
-    """Give what a step takes: files by name, or functions of its job's wildcards that list them."""
+    """Return the inputs of a step: files by name, or functions of wildcards that list them."""
     if "condition" in step.wildcards:
         return features_for(study.name)
     measured = measured_objects(study, step)
-    found = {
+    available = {
         "meshes": meshes_of(measured),
-        # Of the first viewpoints, which are enough.
+        # The first block of viewpoints is enough.
         "fixations": places_of(
             files_of, objects=blocks_with(measured), views=[*VIEW_BLOCKS][:1]
         ),
@@ -228,19 +237,19 @@ def inputs_of_step(study, step):
         ),
     }
     where = step.takes_where.items()
-    found["tables"] = of_pipelines(
+    available["tables"] = of_pipelines(
         [
-            *(name for name in step.takes if name not in found),
+            *(name for name in step.takes if name not in available),
             *(file for name, file in where if attrgetter(name)(PARAMETERS)),
         ]
     )
-    names = (*step.takes, *(["tables"] if found["tables"] else []))
-    return {name: found[name] for name in names if name in found}
+    names = (*step.takes, *(["tables"] if available["tables"] else []))
+    return {name: available[name] for name in names if name in available}
 
 
 def params_of_step(study, step):
-    """Give what a step's job is told, but for its key."""
-    told = {
+    """Return the params of a step's job, without its key."""
+    params = {
         "study": study.name,
         "work": step.work,
         "inputs": list(inputs_of_step(study, step)),
@@ -252,18 +261,18 @@ def params_of_step(study, step):
         "condition": None,
     }
     if {"meshes", "fixations"} & {*step.takes}:
-        told["measured"] = measured_objects(study, step)
+        params["measured"] = measured_objects(study, step)
     if "made" in step.takes:
-        told["recomputed"] = list(PLANS[study.name].recomputations)
+        params["recomputed"] = list(PLANS[study.name].recomputations)
     if "condition" in step.wildcards:
-        told["recomputed"] = lambda wildcards: keys_of(wildcards, study.name)
-        told["condition"] = lambda wildcards: describe_conditions(
+        params["recomputed"] = lambda wildcards: keys_of(wildcards, study.name)
+        params["condition"] = lambda wildcards: describe_conditions(
             conditions_of(wildcards, study.name)
         )[0]
-    return told
+    return params
 
 
-# What the report shows beside the run itself: files that exist, or that this run makes, with their studies.
+# Files of further studies that the report shows, by file: they exist, or this run makes them.
 SHOWN_FILES = {
     file: study
     for study in STUDIES.values()
@@ -274,7 +283,7 @@ SHOWN_FILES = {
 
 
 def shown_studies(wildcards):
-    """Say by which keys the report knows that a study is of today's state."""
+    """Return the file of figures and the current keys of each shown study, to find studies that are not current."""
     shown = {}
     for file, study in SHOWN_FILES.items() if IS_KEYED else ():
         figures = {"figures": study.shown[0], "keys": {}}
@@ -285,5 +294,5 @@ def shown_studies(wildcards):
 
 
 def report_of_study(wildcards):
-    """List the report, which shows a study; a stage of DVC for a study leaves it alone."""
+    """List the files of the report, which shows a study; none in a stage of DVC."""
     return [] if "DVC_STAGE" in os.environ else rules.report_all.input

@@ -1,4 +1,4 @@
-"""Write who made the downloaded models, and under which licences."""
+"""Write the authors and licences of the downloaded models."""
 
 from visuohaptic.meshes.catalogue import Credit, Model, write_credits
 from visuohaptic_workflow.jobs import job

@@ -1,4 +1,4 @@
-"""Bring the models that the chosen set needs and the repository does not hold."""
+"""Download the models of the chosen set that are not in the repository."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from visuohaptic_workflow.jobs import job
 with job(snakemake):
     fetch_models(
         models=[Model(**model) for model in snakemake.params.models],
-        # Where results are kept in a storage, the outputs' folder is not the working folder.
+        # With results in a storage, the folder of the outputs is not the working folder.
         folder=Path(snakemake.output.record).parents[2] / "meshes/downloaded",
         cache=snakemake.params.cache,
         jobs=snakemake.threads,

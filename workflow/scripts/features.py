@@ -1,4 +1,4 @@
-"""Describe the imprints of a block of objects and of viewpoints."""
+"""Compute features of the imprints of a block of objects and viewpoints."""
 
 from visuohaptic.features.describing import describe
 from visuohaptic_workflow.jobs import job

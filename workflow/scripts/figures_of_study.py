@@ -1,4 +1,4 @@
-"""Sum up a study: each condition's accuracy, and what it gains or loses."""
+"""Summarise a study: each condition's accuracy, and its difference to another condition."""
 
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import make_study_figures

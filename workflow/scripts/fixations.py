@@ -1,4 +1,4 @@
-"""Look at a block of objects from a block of viewpoints."""
+"""Render views of a block of objects and viewpoints, and compute fixations."""
 
 from visuohaptic.fixations.object_views import ObjectViews
 from visuohaptic_workflow.jobs import job

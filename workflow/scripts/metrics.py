@@ -1,4 +1,4 @@
-"""Sum up the scores of all pipelines and strategies."""
+"""Summarise the scores of all pipelines and strategies."""
 
 from visuohaptic.evaluation.metrics import make_metrics
 from visuohaptic.recognition.parameters import IntervalParameters

@@ -1,4 +1,4 @@
-"""Fit and keep the model that classifies objects of which the run knows nothing."""
+"""Fit the recognition model on all objects, and write it."""
 
 from visuohaptic.recognition.model_files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters

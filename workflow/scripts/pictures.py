@@ -1,4 +1,4 @@
-"""Make what the report shows of a block of objects."""
+"""Make the report's pictures of a block of objects."""
 
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.report.object_pictures import make_pictures

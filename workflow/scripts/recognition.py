@@ -1,4 +1,4 @@
-"""Train and test one pipeline on the touches of each strategy."""
+"""Train and test a pipeline on the touches of each strategy."""
 
 from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters

@@ -1,4 +1,4 @@
-"""Write the report of everything that was run."""
+"""Write the report of the run."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from visuohaptic_workflow.studies_asked import find_earlier_studies
 STUDY_FOLDERS = [Path("studies").absolute(), Path(jobs.__file__).parents[3] / "studies"]
 
 with job(snakemake):
-    # Where results are kept in a storage, it is not the working folder.
+    # With results in a storage, this is not the working folder.
     folder = Path(snakemake.input.metrics).parents[1]
     parameters = ExperimentParameters.from_mapping(snakemake.params.parameters)
     make_report(

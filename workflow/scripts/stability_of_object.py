@@ -1,4 +1,4 @@
-"""Check the numbers of a block of objects."""
+"""Compute the numerical errors of a block of objects."""
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.geometry.surface import meshes_in

@@ -1,8 +1,8 @@
-"""Do a step of a study: what its conditions' blocks do not do."""
+"""Run a step of a study."""
 
 from pathlib import Path
 
-import pyarrow as pa  # noqa: F401 - `job` keeps it from importing pandas, once it is there
+import pyarrow as pa  # noqa: F401 - imported first, so that `job` can keep it from importing pandas
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.study import StepInputs, do_step
@@ -12,24 +12,24 @@ from visuohaptic_workflow.jobs import job
 CLONE = Path(jobs.__file__).parents[3]
 
 with job(snakemake):
-    asked = snakemake.params
-    inputs = {name: list(snakemake.input[name]) for name in asked.inputs}
+    params = snakemake.params
+    inputs = {name: list(snakemake.input[name]) for name in params.inputs}
     if "meshes" in inputs:
         from visuohaptic.geometry.surface import meshes_in
 
-        inputs["meshes"] = list(meshes_in(inputs["meshes"], asked.measured).values())
+        inputs["meshes"] = list(meshes_in(inputs["meshes"], params.measured).values())
     do_step(
-        asked.work,
+        params.work,
         [Path("studies").absolute(), CLONE / "studies"],
         StepInputs(
-            study=asked.study,
+            study=params.study,
             inputs=inputs,
-            outputs=list(snakemake.output[: asked.files]),
-            run=ExperimentParameters.from_mapping(asked.parameters),
+            outputs=list(snakemake.output[: params.files]),
+            run=ExperimentParameters.from_mapping(params.parameters),
             wildcards=dict(snakemake.wildcards.items()),
-            made=dict(zip(asked.recomputed, inputs.get("made", ()), strict=True)),
-            objects=asked.sample,
-            condition=asked.condition,
+            made=dict(zip(params.recomputed, inputs.get("made", ()), strict=True)),
+            objects=params.sample,
+            condition=params.condition,
             processes=snakemake.threads,
         ),
     )

@@ -1,4 +1,4 @@
-"""Touch a block of objects where a block of viewpoints looked, and where policies choose to."""
+"""Touch a block of objects at the probing locations of a block of viewpoints, and where policies choose."""
 
 from visuohaptic.touches.acquiring import acquire_touches
 from visuohaptic_workflow.jobs import job

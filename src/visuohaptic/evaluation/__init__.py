@@ -1,1 +1,1 @@
-"""What predictions say: accuracies, their intervals over objects, comparisons, and the paper's figures beside them."""
+"""Accuracies of predictions, intervals over objects, comparisons of strategies, and the accuracies of the paper."""

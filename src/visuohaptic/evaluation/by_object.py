@@ -58,7 +58,7 @@ def average_by_object(rows: pa.Table, counted: str = "sequences") -> ObjectMeans
     _, run = np.unique(split * (repeat.max() + 1) + repeat, return_inverse=True)
     share = count / np.bincount(run, weights=count)[run]
     weights: FloatArray = np.bincount(owner, weights=share).astype(np.float64)
-    # Accuracy times count is a whole number up to rounding; only where viewpoints vote (count 1) it is a share.
+    # Accuracy times count is a whole number up to rounding, except for votes of viewpoints (count 1).
     correct = np.where(count > 1, np.rint(accuracy * count), accuracy)
     means = np.bincount(owner, weights=share * correct / count) / weights
     return ObjectMeans(objects, means, weights, share)

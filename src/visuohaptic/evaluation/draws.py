@@ -1,4 +1,4 @@
-"""Several draws of a random strategy's places: accuracies and leads as means over draws, and their spread."""
+"""Average accuracies and leads over several draws of the places of a random strategy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Any classifier on the experiment's own protocol: accuracy, interval, and seconds."""
+"""Evaluate any classifier with the experiment's protocol: accuracy, interval, and seconds."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from visuohaptic.tables.schema import Schema, read_table, take_table
 
 @dataclass(frozen=True)
 class Seconds:
-    """Time of one kind of work: seconds of the processor, over all threads of the process, and on the clock."""
+    """Seconds of processor time, summed over all threads of the process, and of wall time."""
 
     processor: float = 0.0
     wall: float = 0.0
@@ -53,26 +53,27 @@ class Seconds:
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """How often test sequences are correctly classified; it is equal to itself alone.
+    """Accuracy of a classifier on test sequences. Compared by identity.
 
     Attributes
     ----------
     accuracy : float
         Mean over splits of the share of test sequences that are correctly classified.
     low, high : float or None
-        Its interval over objects, as the report's; None where there is no such end.
+        Ends of the interval of `accuracy` over objects, computed as in the report. With a single object both are
+        None.
     by_object : mapping of str to float
-        The same of each object, `class/name`.
+        Mean accuracy of each object. Keys are ``class/name``.
     splits : int
-        How often the objects were divided into training and test objects.
+        The number of splits into training and test objects.
     predictions : pyarrow.Table
-        `tables.PREDICTIONS`: a row for each tested sequence of each split.
+        `tables.PREDICTIONS` with one row per test sequence and split.
     weights : mapping of str to float
-        Each object's weight in `accuracy`.
+        Weight of each object in `accuracy`. Keys are ``class/name``.
     fit, predict : Seconds
-        Time of all fits and of all predictions, summed over splits. Scaling, map and rotation that are fitted per
-        split count; looking, touching, and what is computed once for all splits do not. Processor time leaves out
-        processes that the classifier starts.
+        Time of all fits and of all predictions, summed over splits. The time of the scaling, map and rotation of
+        each split is included. The time of steps before the splits, such as touching, is not. Processor time does
+        not include processes that the classifier starts.
     """
 
     accuracy: float
@@ -95,24 +96,25 @@ class Evaluation:
     def compare(
         self, other: Evaluation, parameters: IntervalParameters | None = None
     ) -> PairedComparison:
-        """Compare with another classifier in pairs over the objects that both tested, as the report does.
+        """Compare two classifiers, paired over the objects that both tested, as in the report.
 
         Parameters
         ----------
         other : Evaluation
-            What is subtracted.
+            The evaluation to subtract.
         parameters : IntervalParameters, optional
-            Confidence and sign changes; without them those of the default run.
+            Confidence and number of permutations. The default is that of the default run.
 
         Returns
         -------
         PairedComparison
-            The mean difference by this evaluation's weights, its interval, and a two-sided p value.
+            The mean of this accuracy minus the other, weighted by `self.weights`, its interval, and a two-sided
+            p value.
 
         Raises
         ------
         RecognitionError
-            If both tested no object in common.
+            If the evaluations have no object in common.
         """
         objects = [name for name in self.by_object if name in other.by_object]
         if not objects:
@@ -137,49 +139,49 @@ def evaluate(
     inputs: Inputs = "features",
     splits: Splits = None,
 ) -> Evaluation:
-    """Train and test a classifier on every split of the experiment, as the report does.
+    """Train and test a classifier on each split of the experiment, as in the report.
 
     Parameters
     ----------
     estimator : object or str
-        An unfitted scikit-learn classifier, of which each split fits a copy, or the name of a registered one, such
-        as ``support_vector_machine``. `y` are whole numbers from 0, one per class. A `fit` with a parameter
-        `groups` also gets the object of each training sequence, (n,), as whole numbers. Parameters
-        `random_state` that are None, those of nested estimators too, get seeds.
+        An unfitted scikit-learn classifier, or the name of a registered classifier, such as
+        ``support_vector_machine``. Each split fits a copy. `y` are class indices from 0. If `fit` has a parameter
+        `groups`, it gets the object index of each training sequence, (n,). Each `random_state` that is None gets a
+        seed, in nested estimators too.
     table : pyarrow.Table, data frame, mapping of arrays or path
         Rows of `tables.FEATURES`: a run's ``results/features``, `Exploration.features` of several objects, or an
-        exported data set's ``features``. With `inputs` ``touches`` rows of `tables.TOUCHES`, such as
-        ``results/touches``. Other columns are left out.
+        exported data set's ``features``. With `inputs` ``touches``, rows of `tables.TOUCHES`, such as
+        ``results/touches``. Other columns are ignored.
     parameters : RecognitionParameters, optional
-        The protocol, the sequences, and their encoding; without it those of the default run.
+        The protocol, the sequences, and their encoding. The default is that of the default run.
     strategy : str
-        How the touches were chosen.
+        The probing strategy whose rows are evaluated.
     seed : int
-        The experiment's seed, which draws the splits; by default that of the default run.
+        The experiment's seed, from which the splits are drawn. The default is that of the default run.
     n_jobs : int
-        Processes that share the splits, -1 for one per processor. The result does not depend on the number.
+        The number of processes, -1 for one per processor. The result does not depend on it.
     inputs : {"features", "descriptors", "touches"}
-        What the classifier gets per sequence. ``features``: the paper's 60 numbers. ``descriptors``: the numbers
-        of our pipeline `order_free`, scaled and rotated as its classifiers get them. Scaling, map and rotation are
-        fitted on training objects only. ``touches``: imprints and poses, a structured array of shape (n, t), as
-        `recognition.touch_arrays` returns it; `recognition.flatten_touches` makes it two-dimensional.
+        The classifier's input per sequence. ``features``: the paper's 60 numbers. ``descriptors``: the numbers of
+        pipeline `order_free`, scaled and rotated. Scaling, map and rotation are fitted on training objects only.
+        ``touches``: imprints and poses, a structured array of shape (n, t) from `recognition.touch_arrays`;
+        `recognition.flatten_touches` makes it two-dimensional.
     splits : int, iterable or scikit-learn splitter, optional
-        None for all splits of the protocol. A number for so many of them: of combinations of one object per class a
-        balanced sample, of folds the first ones. The test objects, ``class/name``, of each split; all other objects
-        train. Or a splitter, which gets the objects as `groups`.
+        None: all splits of the protocol. A number n: a balanced sample of n combinations of one test object per
+        class, or the first n folds. An iterable: one list of test objects, ``class/name``, per split; all other
+        objects are training objects. A splitter gets the objects as `groups`.
 
     Returns
     -------
     Evaluation
-        The accuracy, its interval, and the seconds that fitting and predicting took.
+        The accuracy, its interval, and the seconds of fits and predictions.
 
     Raises
     ------
     ParameterError
-        If `inputs` or `splits` are not allowed.
+        If `inputs` or `splits` is not allowed.
     RecognitionError
-        If the table does not allow the experiment, the classifier can't be copied, fitted or tested, or it predicts
-        labels that are not in `y`.
+        If the table has too few sequences, the classifier can't be copied, fitted or tested, or a predicted label is
+        not in `y`.
 
     Examples
     --------
@@ -190,7 +192,7 @@ def evaluate(
         parameters = RecognitionParameters()
     if not isinstance(parameters, RecognitionParameters):
         raise ParameterError(
-            f"parameters is of type {type(parameters).__name__}; RecognitionParameters are needed."
+            f"parameters is of type {type(parameters).__name__}; RecognitionParameters is needed."
         )
     inputs = check_inputs(inputs)
     if isinstance(estimator, str):
@@ -201,27 +203,27 @@ def evaluate(
     whole = _of_strategy(_as_table(table, SCHEMAS[inputs]), strategy, parameters.touches)
     prepared = prepare(inputs, whole, classifier, parameters, seed)
     chosen = choose_splits(prepared.sequences, parameters.protocol, seed, splits)
-    tested = _test_splits(estimator, prepared, chosen, seed, n_jobs)
+    tests = _test_splits(estimator, prepared, chosen, seed, n_jobs)
     name = prepared.pipeline.name
     scores, predictions = prediction_tables(
-        prepared.sequences, [one.prediction for one in tested], name, strategy
+        prepared.sequences, [test.prediction for test in tests], name, strategy
     )
     summary = summarise(scores, predictions, parameters.intervals)
-    ((found,),) = (one.values() for one in summary["results"][name].values())
-    accuracy = found["accuracy"]
+    (figures,) = summary["results"][name][strategy].values()
+    accuracy = figures["accuracy"]
     return Evaluation(
         accuracy["mean"], accuracy["low"], accuracy["high"],
-        {key: mean for key, (mean, _) in found["by_object"].items()},
+        {key: mean for key, (mean, _) in figures["by_object"].items()},
         len(chosen), predictions,
-        {key: weight for key, (_, weight) in found["by_object"].items()},
-        sum((one.fit for one in tested), Seconds()),
-        sum((one.predict for one in tested), Seconds()),
+        {key: weight for key, (_, weight) in figures["by_object"].items()},
+        sum((test.fit for test in tests), Seconds()),
+        sum((test.predict for test in tests), Seconds()),
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Tested:
-    """Predictions of one split and the time that they took."""
+class _SplitTest:
+    """Predictions of one split, and the time of its fit and predictions."""
 
     prediction: SplitPrediction
     fit: Seconds
@@ -230,7 +232,7 @@ class _Tested:
 
 def _test_splits(
     estimator: Any, prepared: Prepared, splits: list[Split], seed: int, n_jobs: int
-) -> list[_Tested]:
+) -> list[_SplitTest]:
     parts = Parallel(n_jobs, return_as="generator")(
         delayed(_test_split)(prepared, split, seed, _short(estimator)) for split in splits
     )
@@ -239,7 +241,7 @@ def _test_splits(
         return list(progress)
     except VisuohapticError:
         raise
-    # An estimator that no other process can take over fails in any way.
+    # An estimator that can't be pickled may raise any exception.
     except Exception as error:
         raise RecognitionError(
             f"{_short(estimator)} can't be shared between processes: {_reason(error)}; set n_jobs to 1."
@@ -247,7 +249,7 @@ def _test_splits(
 
 
 @one_thread()
-def _test_split(prepared: Prepared, split: Split, seed: int, described: str) -> _Tested:
+def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str) -> _SplitTest:
     """Fit and test a classifier on one split, as `recognition.experiment.predict_split` does."""
     pipeline, sequences = prepared.pipeline, prepared.sequences
     generator = spawn_generator(seed, "recognition", pipeline.name, split.repeat, split.number)
@@ -265,23 +267,23 @@ def _test_split(prepared: Prepared, split: Split, seed: int, described: str) -> 
         predicted = model.predict(preparation.transform(prepared.rows[split.test]))
     except VisuohapticError:
         raise
-    # An estimator may fail in any way.
+    # An estimator may raise any exception.
     except Exception as error:
         raise RecognitionError(
-            f"{described} can't be fitted or tested on {_described(train)}: {_reason(error)}."
+            f"{estimator_text} can't be fitted or tested on {_describe_rows(train)}: {_reason(error)}."
         ) from error
     ended = _clock()
-    found = _checked(predicted, split, len(sequences.classes), described)
+    labels_of_test = _check_labels(predicted, split, len(sequences.classes), estimator_text)
     note = getattr(model, "note_", None)
-    return _Tested(
-        SplitPrediction(split, name, found, None, note),
+    return _SplitTest(
+        SplitPrediction(split, name, labels_of_test, None, note),
         _between(started, fitted),
         _between(fitted, ended),
     )
 
 
 def _seeded_deeply(estimator: Any, seed: int) -> Any:
-    """Set the `random_state` of an estimator, and those of nested estimators that have none."""
+    """Set `random_state` of an estimator, and of nested estimators without a seed."""
     nested = [
         name
         for name, value in estimator.get_params(deep=True).items()
@@ -292,47 +294,52 @@ def _seeded_deeply(estimator: Any, seed: int) -> Any:
     return seeded(estimator, seed)
 
 
-def _checked(predicted: Any, split: Split, classes: int, described: str) -> IntArray:
-    """Return predicted labels as whole numbers, and refuse what is none of the labels."""
-    found = np.asarray(predicted)
-    if found.shape != split.test.shape:
+def _check_labels(predicted: Any, split: Split, classes: int, estimator_text: str) -> IntArray:
+    """Return predicted labels as integers. Raises `RecognitionError` for a wrong shape or an unknown label."""
+    labels = np.asarray(predicted)
+    if labels.shape != split.test.shape:
         raise RecognitionError(
-            f"{described} predicted an array of shape {found.shape} for {len(split.test)} sequences; one label "
+            f"{estimator_text} predicted an array of shape {labels.shape} for {len(split.test)} sequences; one label "
             f"per sequence, shape ({len(split.test)},), is needed."
         )
-    allowed = np.isin(found, np.arange(classes))
+    allowed = np.isin(labels, np.arange(classes))
     if not allowed.all():
         raise RecognitionError(
-            f"{described} predicted the label {found[~allowed][0]!s:.40}; only labels of y, which are 0 to "
+            f"{estimator_text} predicted the label {labels[~allowed][0]!s:.40}; only labels of y, which are 0 to "
             f"{classes - 1}, are allowed."
         )
-    return found.astype(np.int64)
+    return labels.astype(np.int64)
 
 
 def check_classifier(estimator: Any) -> None:
-    """Raise `RecognitionError`, which says why, unless an object is a scikit-learn classifier that can be copied."""
+    """Raise `RecognitionError` unless an object is a scikit-learn classifier that can be copied."""
     if isinstance(estimator, type):
         raise RecognitionError(
             f"{estimator.__name__} is a class; an object of it is needed, such as {estimator.__name__}()."
         )
-    missing = [name for name in ("get_params", "fit") if not hasattr(estimator, name)]
-    kind = "of another kind"
-    if not missing and hasattr(estimator, "__sklearn_tags__"):
-        tagged = get_tags(estimator).estimator_type
-        if tagged == "classifier":
-            _check_clone(estimator)
-            return
-        kind = f"of the kind {tagged.replace('_', ' ')}" if tagged else "no estimator of classes"
-    elif not missing and hasattr(estimator, "predict"):
-        _check_clone(estimator)
-        return
-    raise RecognitionError(
-        f"{_short(estimator)} is {kind if not missing else f'without {missing[0]}'}; a scikit-learn classifier is needed."
-    )
+    problem = _why_no_classifier(estimator)
+    if problem is not None:
+        raise RecognitionError(
+            f"{_short(estimator)} is {problem}; a scikit-learn classifier is needed."
+        )
+    _check_clone(estimator)
+
+
+def _why_no_classifier(estimator: Any) -> str | None:
+    """Return the reason why an object is no classifier, such as ``without fit``; None for a classifier."""
+    for name in ("get_params", "fit"):
+        if not hasattr(estimator, name):
+            return f"without {name}"
+    if not hasattr(estimator, "__sklearn_tags__"):
+        return None if hasattr(estimator, "predict") else "without predict"
+    kind = get_tags(estimator).estimator_type
+    if kind == "classifier":
+        return None
+    return f"of estimator type {kind}"
 
 
 def _check_clone(estimator: Any) -> None:
-    """Refuse an estimator that scikit-learn can't copy: each split fits a copy."""
+    """Raise `RecognitionError` for an estimator that scikit-learn can't copy, because each split fits a copy."""
     try:
         clone(estimator)
     except Exception as error:
@@ -342,7 +349,7 @@ def _check_clone(estimator: Any) -> None:
         ) from error
 
 
-def _described(rows: Any) -> str:
+def _describe_rows(rows: Any) -> str:
     fields = rows.dtype.names
     if not fields:
         return f"rows of shape {rows.shape}"
@@ -369,28 +376,28 @@ def _between(start: Seconds, end: Seconds) -> Seconds:
 
 def _of_strategy(table: pa.Table, strategy: str, touches: int | None) -> pa.Table:
     """Take the whole sequences of one strategy and of classes with at least two objects."""
-    # pyarrow joins no tables with lists: rows are chosen by their keys, images by the rows.
+    # pyarrow can't join tables with list columns, so choose row numbers without these columns.
     lists = [field.name for field in table.schema if pa.types.is_list(field.type)]
     numbered = table.drop_columns(lists).append_column("row", [np.arange(len(table))])
     whole, _ = take_strategy(numbered, strategy, touches)
     return table.take(whole.column("row"))
 
 
-def _as_table(given: Any, schema: Schema) -> pa.Table:
-    read = read_table if isinstance(given, str | Path) else take_table
+def _as_table(table: Any, schema: Schema) -> pa.Table:
+    read = read_table if isinstance(table, str | Path) else take_table
     try:
-        return read(schema, given)
+        return read(schema, table)
     except TableError as error:
-        if schema is TOUCHES and _are_features(given, read):
+        if schema is TOUCHES and _is_feature_table(table, read):
             raise RecognitionError(
                 "The table has no imprints (column image); a table of touches is needed, such as results/touches."
             ) from error
         raise RecognitionError(f"The {schema.name} can't be used: {error}") from error
 
 
-def _are_features(given: Any, read: Callable[[Schema, Any], pa.Table]) -> bool:
+def _is_feature_table(table: Any, read: Callable[[Schema, Any], pa.Table]) -> bool:
     try:
-        read(FEATURES, given)
+        read(FEATURES, table)
     except TableError:
         return False
     return True

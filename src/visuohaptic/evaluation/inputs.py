@@ -1,4 +1,4 @@
-"""What a classifier that is evaluated gets of a sequence of touches."""
+"""Compute the input of the evaluated classifier from sequences of touches."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ SCHEMAS: Mapping[Inputs, Schema] = {
 
 @dataclass(frozen=True)
 class Prepared:
-    """Sequences of one strategy, one row of input per sequence, and the unfitted steps behind the rows."""
+    """Sequences of one strategy, one input row per sequence, and the unfitted pipeline that takes these rows."""
 
     sequences: TouchSequences
     rows: NDArray[Any]
@@ -47,14 +47,14 @@ class Prepared:
 
 @dataclass(frozen=True)
 class TouchPipeline:
-    """Imprints and poses as they are; nothing is fitted before the classifier."""
+    """Pipeline that passes imprints and poses unchanged to the classifier."""
 
     preparation: FunctionTransformer
     classifiers: Mapping[str, Any]
     name: str = "touches"
 
     def rows(self, sequences: TouchSequences) -> NDArray[Any]:
-        """Return the poses; imprints come with `gather_touches`."""
+        """Return the poses (n, d); `gather_touches` adds the imprints."""
         return sequences.features
 
     def seeds(self, generator: np.random.Generator) -> dict[str, int]:
@@ -66,7 +66,7 @@ class TouchPipeline:
 
 
 def check_inputs(inputs: str) -> Inputs:
-    """Return the kind of input of a name. Raises `ParameterError` if there is no such kind."""
+    """Check the name of an input. Raises `ParameterError` if the name is unknown."""
     for name in get_args(Inputs):
         if inputs == name:
             return name
@@ -80,9 +80,30 @@ def prepare(
     parameters: RecognitionParameters,
     seed: int,
 ) -> Prepared:
-    """Gather the sequences of one strategy and compute a classifier's input, of which nothing is fitted yet.
+    """Gather the sequences of one strategy and compute the classifier's input.
 
-    Raises `RecognitionError` if the table holds no whole sequence.
+    Parameters
+    ----------
+    inputs : {"features", "descriptors", "touches"}
+        The kind of input.
+    table : pyarrow.Table
+        Rows of `SCHEMAS[inputs]` with whole sequences of one strategy.
+    classifier : Classifier
+        The classifier behind the input.
+    parameters : RecognitionParameters
+        The sequences and their encoding.
+    seed : int
+        The experiment's seed.
+
+    Returns
+    -------
+    Prepared
+        The sequences, (n, ...) input rows, and the unfitted pipeline.
+
+    Raises
+    ------
+    RecognitionError
+        If the table has no whole sequence.
     """
     if inputs == "touches":
         sequences, arrays = gather_touches(table, parameters, seed)

@@ -1,4 +1,4 @@
-"""Splits of the evaluation: those of the protocol, some of them, or the caller's own."""
+"""Choose the splits of an evaluation: all or some splits of the protocol, or splits of the caller."""
 
 from __future__ import annotations
 
@@ -24,19 +24,30 @@ Splits = int | Iterable[Collection[str]] | Any | None
 def choose_splits(
     sequences: TouchSequences, protocol: ProtocolParameters, seed: int, splits: Splits
 ) -> list[Split]:
-    """Return the splits of sequences into training and test sequences.
+    """Split sequences into training and test sequences.
 
     Parameters
     ----------
+    sequences : TouchSequences
+        The sequences to split.
+    protocol : ProtocolParameters
+        The protocol of the experiment.
+    seed : int
+        The experiment's seed.
     splits : int, iterable or scikit-learn splitter, optional
-        None for all splits of the protocol. A number for so many of them: of combinations of one object per
-        class a balanced sample, of folds the first ones. The test objects, ``class/name``, of each split; all
-        other objects train. Or a splitter, which gets the objects as `groups`.
+        None: all splits of the protocol. A number n: a balanced sample of n combinations of one test object per
+        class, or the first n folds. An iterable: one list of test objects, ``class/name``, per split; all other
+        objects are training objects. A splitter gets the objects as `groups`.
+
+    Returns
+    -------
+    list of Split
+        Sorted sequence indices of each split.
 
     Raises
     ------
     ParameterError
-        If it is none of these, or names an object that was not touched.
+        If `splits` has another type, is empty, or contains an object that was not touched.
     RecognitionError
         If a split has no test object, trains and tests the same object, or tests a class that has no
         training object.
@@ -44,7 +55,7 @@ def choose_splits(
     if splits is None:
         return draw_splits(sequences, protocol, seed)
     if isinstance(splits, int | np.integer) and not isinstance(splits, bool):
-        return _some(sequences, protocol, seed, int(splits))
+        return _first_splits(sequences, protocol, seed, int(splits))
     check_two_classes(sequences)
     pairs: Iterable[tuple[IntArray, IntArray]]
     if hasattr(splits, "get_n_splits"):
@@ -56,15 +67,15 @@ def choose_splits(
             f"splits is of type {type(splits).__name__}; a whole number, a list of the test objects of each split, "
             "or a scikit-learn splitter is needed."
         )
-    found = [Split(number, 0, *map(np.sort, pair)) for number, pair in enumerate(pairs)]
-    if not found:
+    chosen = [Split(number, 0, *map(np.sort, pair)) for number, pair in enumerate(pairs)]
+    if not chosen:
         raise ParameterError("splits is empty; at least one split is needed.")
-    for split in found:
+    for split in chosen:
         _check(sequences, split)
-    return found
+    return chosen
 
 
-def _some(
+def _first_splits(
     sequences: TouchSequences, protocol: ProtocolParameters, seed: int, count: int
 ) -> list[Split]:
     if count < 1:
@@ -78,9 +89,8 @@ def _some(
 
 
 def _by_splitter(sequences: TouchSequences, splitter: Any) -> list[tuple[IntArray, IntArray]]:
-    given = (sequences.features, sequences.labels, sequences.object_index)
     try:
-        return list(splitter.split(*given))
+        return list(splitter.split(sequences.features, sequences.labels, sequences.object_index))
     except ValueError as error:
         reason = " ".join(str(error).split()).rstrip(".")
         raise RecognitionError(f"{splitter} can't divide the objects: {reason}.") from error
@@ -89,20 +99,20 @@ def _by_splitter(sequences: TouchSequences, splitter: Any) -> list[tuple[IntArra
 def _by_objects(
     sequences: TouchSequences, splits: Iterable[Any]
 ) -> Iterator[tuple[IntArray, IntArray]]:
-    places = {"/".join(owner): place for place, owner in enumerate(sequences.objects)}
+    index_of = {"/".join(owner): index for index, owner in enumerate(sequences.objects)}
     for number, tested in enumerate(splits):
         if isinstance(tested, str | bytes) or not isinstance(tested, Iterable):
             raise ParameterError(
                 f"Split {number} is {tested!r}; a list of its test objects, class/name, is needed."
             )
-        named = list(tested)
-        unknown = [name for name in named if name not in places]
+        names = list(tested)
+        unknown = [name for name in names if name not in index_of]
         if unknown:
             raise ParameterError(
-                f"Split {number} tests {unknown[0]}, which was not touched in whole sequences; the objects are "
-                f"{', '.join(list(places)[:3])} and so on."
+                f"Split {number} tests {unknown[0]}, which has no whole sequence; objects with whole sequences are "
+                f"{', '.join(list(index_of)[:3])} and so on."
             )
-        is_tested: BoolArray = np.isin(sequences.object_index, [places[name] for name in named])
+        is_tested: BoolArray = np.isin(sequences.object_index, [index_of[name] for name in names])
         yield np.flatnonzero(~is_tested), np.flatnonzero(is_tested)
 
 
@@ -114,11 +124,11 @@ def _check(sequences: TouchSequences, split: Split) -> None:
     if len(both):
         name = "/".join(sequences.objects[both[0]])
         raise RecognitionError(
-            f"Split {split.number} trains and tests {name}; whole objects are needed on either side."
+            f"Split {split.number} has {name} in training and test; each object must be in only one of them."
         )
     untrained = np.setdiff1d(labels[split.test], labels[split.train])
     if len(untrained):
         name = sequences.classes[untrained[0]]
         raise RecognitionError(
-            f"Split {split.number} tests class {name} without a training object of it; at least one is needed."
+            f"Split {split.number} tests class {name}, which has no training object; at least one is needed."
         )

@@ -46,15 +46,14 @@ METHOD = {
     "class_accuracy": "mean over a class's objects of their accuracy",
     "by_object": "each object's share of test sequences correctly classified, over all splits that tested it, and "
     "its weight in accuracy",
-    "interval": "over objects, not sequences, with the trained classifiers as they are: without the variation of "
-    "training objects; quantiles of the mean with random weights of the objects and of an extra one, which is as "
-    "the worst of them, or as bad as possible beside others as the best, whichever reaches further",
+    "interval": "over objects, for fixed trained classifiers: quantiles of the mean with random weights of the objects "
+    "and of an extra object; the extra object has the value of the worst object, or the worst possible value while "
+    "the others have the best value, and the wider interval counts",
     "comparison": "paired over the objects that both strategies tested, weighted as by fixation: mean "
     "difference, its interval by the same rule, and two-sided p value of the sign-change permutation test",
-    "draws": "where the places of a random strategy were drawn several times, accuracy, balanced_accuracy, "
-    "class_accuracy, by_object and difference are those of each object's mean over draws; leads are fixation "
-    "minus each draw, and standard_deviation is that of the leads (n - 1); object_accuracy and predictions are "
-    "of draw 0",
+    "draws": "for a random strategy with several draws of the places, accuracy, balanced_accuracy, class_accuracy, "
+    "by_object and difference use each object's mean over draws; leads are fixation minus each draw, and "
+    "standard_deviation is the standard deviation of the leads (n - 1); object_accuracy and predictions are of draw 0",
 }
 
 
@@ -127,8 +126,8 @@ def summarise(
     scored = {tuple(row.values()) for row in _distinct(scores, _CELL)}
     if scored != set(cells):
         raise RecognitionError(
-            f"Scores and predictions differ in {sorted(scored ^ set(cells))[0]}; both must come "
-            f"from one run."
+            f"Only one of scores and predictions has {sorted(scored ^ set(cells))[0]}; both must come "
+            f"from the same run."
         )
     figures = {key: _object_figures(rows) for key, rows in cells.items()}
     further = {key: draws for key, draws in further_draws(drawn).items() if key in figures}
@@ -182,8 +181,8 @@ def _texts(table: pa.Table, name: str) -> NDArray[np.str_]:
 
 def _object_figures(rows: pa.Table) -> _ObjectFigures:
     """Average each object's accuracy and vote over the splits and repeats that tested the object."""
-    # With these weights the weighted mean over objects equals the mean over splits: of a split's share of
-    # correct sequences, or of correct objects for the vote.
+    # With these weights the weighted mean over objects equals the mean over splits: of the share of correct
+    # sequences, or of the share of correct votes.
     owners = owners_of(rows)
     objects = tuple(sorted(set(owners)))
     index_of = {owner: index for index, owner in enumerate(objects)}
@@ -223,7 +222,7 @@ def _vote_credit(
     true_class: IntArray,
     names: NDArray[np.str_],
 ) -> FloatArray:
-    """Return the credit of each test in [0, 1], by column ``voted`` if it is complete, else by majority."""
+    """Return the credit of each test in [0, 1]: from column ``voted`` if complete, else by majority."""
     if rows.column("voted").null_count:
         return vote_credit(test, predicted, true_class)[1]
     voted = np.zeros(len(true_class), dtype=names.dtype)

@@ -68,10 +68,10 @@ def _warned(names: Sequence[str], noun: str, what: str, end: str = ".") -> list[
 
 
 def _objects_left_out(run: Run) -> Iterator[str]:
-    aside = sorted(run.set_aside)
-    for key in aside[:_MOST_REASONS]:
+    unusable = sorted(run.set_aside)
+    for key in unusable[:_MOST_REASONS]:
         yield f"{key} was left out: {run.set_aside[key]}"
-    yield from _warned(aside[_MOST_REASONS:], "more object", "left out:")
+    yield from _warned(unusable[_MOST_REASONS:], "more object", "left out:")
     untouched = sorted(set(run.named_objects) - set(run.objects) - set(run.set_aside))
     them = "it" if len(untouched) == 1 else "them"
     yield from _warned(untouched, "object", f"of the set left out, because no table holds {them}:")
@@ -106,40 +106,40 @@ def _views(run: Run) -> dict[tuple[str, int], int]:
 
 
 def _poor_views(run: Run) -> list[str]:
-    asked = run.parameters.attention.fixations
-    poor = [view for view, distinct in _views(run).items() if distinct < asked]
+    required = run.parameters.attention.fixations
+    poor = [view for view, distinct in _views(run).items() if distinct < required]
     owners: dict[str, list[str]] = {}
     for key, viewpoint in poor:
         owners.setdefault(key, []).append(str(viewpoint))
     named = [f"{key} (view {listed(views)})" for key, views in sorted(owners.items())]
-    count = f"{counted(len(poor), 'view')} with fewer than {asked} distinct fixations"
+    count = f"{counted(len(poor), 'view')} with fewer than {required} distinct fixations"
     return [f"{count}, {_TOO_FEW}: {listed_in_short(named)}."] if poor else []
 
 
 def _short_sequences(run: Run) -> list[str]:
     """Return a sentence on sequences with too few places in reach of the sensor; empty without such sequences."""
-    asked = run.parameters.attention.fixations
+    required = run.parameters.attention.fixations
     sequence = ["class", "object", "viewpoint", "strategy"]
     counts = run.touches.group_by(sequence).aggregate([([], "count_all")]).to_pylist()
-    made = {(key_of(row), row["viewpoint"], row["strategy"]): row["count_all"] for row in counts}
+    touches = {(key_of(row), row["viewpoint"], row["strategy"]): row["count_all"] for row in counts}
     short = [
         f"{key} (view {viewpoint}, {strategy})"
         for (key, viewpoint), distinct in sorted(_views(run).items())
         for strategy in sorted(run.parameters.probing.strategies)
         # Views that are poor in fixations have a warning of their own.
-        if (strategy != "fixation" or distinct >= asked)
-        and made.get((key, viewpoint, strategy), 0) < asked
+        if (strategy != "fixation" or distinct >= required)
+        and touches.get((key, viewpoint, strategy), 0) < required
     ]
-    return _warned(short, "sequence", f"with fewer than {asked} places in reach, {_TOO_FEW}:")
+    return _warned(short, "sequence", f"with fewer than {required} places in reach, {_TOO_FEW}:")
 
 
 def _unfitted_classifiers(run: Run) -> Iterator[str]:
     recognition = run.parameters.recognition
-    asked = {"paper": recognition.classifiers, "order_free": recognition.order_free.classifiers}
+    chosen = {"paper": recognition.classifiers, "order_free": recognition.order_free.classifiers}
     for pipeline, strategies in run.metrics["results"].items():
         fitted = {name for classifiers in strategies.values() for name in classifiers}
         yield from _warned(
-            [name.replace("_", " ") for name in asked.get(pipeline, ()) if name not in fitted],
+            [name.replace("_", " ") for name in chosen.get(pipeline, ()) if name not in fitted],
             "classifier",
             f"of pipeline {pipeline} left out, because the training sequences don't allow a fit:",
         )

@@ -152,7 +152,7 @@ def _accuracy_rows(runs: Sequence[Metrics]) -> Iterator[dict[str, object]]:
 def _difference(
     later: dict[str, tuple[float, float]], first: dict[str, tuple[float, float]]
 ) -> dict[str, object]:
-    """Return later minus first over the objects of both; runs that are equal on all of these have no interval."""
+    """Return later minus first over the objects of both runs; without an interval if all accuracies are equal."""
     objects = sorted(later.keys() & first.keys())
     if not objects:
         return {"objects": 0}

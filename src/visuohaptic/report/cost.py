@@ -39,7 +39,7 @@ _CUES = {
 
 
 def read_cost(path: Path | None, run: ExperimentParameters) -> Row | None:
-    """Read `tables.COST` and return the figures of `cost_figures`; None where nothing was measured."""
+    """Read `tables.COST` and return the result of `cost_figures`; None without rows."""
     rows = read_costs(path) if path else []
     return cost_figures(rows, run) if rows else None
 
@@ -86,7 +86,7 @@ def by_strategy(rows: Sequence[Row]) -> list[Row]:
 
 
 def on_robot(rows: Sequence[Row], cost: CostParameters) -> list[Row]:
-    """Return rows of `tables.COST` with the seconds of a robot's touches and looks added, and the front marked anew."""
+    """Add the seconds of a robot's touches and looks to rows of `tables.COST`, and mark the front again."""
     with_robot = []
     for row in rows:
         price = robot_price(row, cost)
@@ -226,8 +226,8 @@ def _verdict(row: Row) -> str:
 def find_savings(rows: Sequence[Row]) -> list[Row]:
     """Return the savings of quicker settings over the run's own setting, the largest saving first.
 
-    A setting counts if it is significantly quicker, has as many touches and viewpoints, and changes looking, touching
-    or describing only. Empty if the run's own setting is not among the rows.
+    Settings count if they are significantly quicker, have the same numbers of touches and viewpoints, and change no
+    parameter of recognition. Empty if the run's own setting is not among the rows.
     """
     reference = reference_row(rows)
     if not reference:

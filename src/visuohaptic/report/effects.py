@@ -48,7 +48,7 @@ def influence_figures(path: Path, scene: str) -> Row:
 
 
 def effects_answer(scenes: Sequence[Row]) -> str:
-    """Return a sentence on the number of effects that each scene needs, and on leaving out the others.
+    """Return a sentence on the number of effects that each scene needs, and on the time saved without other effects.
 
     `scenes` are the ``scenes`` of `influence_figures`; the sentence is empty without scenes.
     """
@@ -234,7 +234,7 @@ def replaced_sentence(touches: pa.Table, fixations: int) -> str:
 
 
 def count_missing(run: Run) -> Counter[str]:
-    """Count the touches that are missing from the number that the parameters ask for, by strategy."""
-    asked = run.views.num_rows * run.parameters.attention.fixations
-    made = Counter(run.touches.column("strategy").to_pylist())
-    return Counter({strategy: asked - count for strategy, count in made.items()})
+    """Count the touches that are missing from the number in the parameters, by strategy."""
+    required = run.views.num_rows * run.parameters.attention.fixations
+    counts = Counter(run.touches.column("strategy").to_pylist())
+    return Counter({strategy: required - count for strategy, count in counts.items()})

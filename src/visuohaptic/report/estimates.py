@@ -24,7 +24,7 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class Figure:
-    """A mean and its interval; an end is None where there is none."""
+    """A mean and the ends of its interval; missing ends are None."""
 
     mean: float
     low: float | None = None
@@ -58,7 +58,7 @@ def read_json(path: Path, make: Callable[[Any], Made], fault: str, way_out: str)
     fault : str
         The fault to name if reading fails, such as ``holds no kept draws``.
     way_out : str
-        What the reader can do then, such as ``run `make draws` again``.
+        The advice to the reader, such as ``run `make draws` again``.
 
     Raises
     ------

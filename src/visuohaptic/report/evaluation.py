@@ -1,4 +1,4 @@
-"""A model's answers for objects that it has not learnt."""
+"""A model's predictions for objects that it was not trained on."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from visuohaptic.tables.phases import owners_of
 
 
 def evaluation_figures(measured: MeasuredEvaluation, intervals: IntervalParameters) -> Row:
-    """Return the figures of a model's answers for objects that it has not learnt.
+    """Return the figures of a model's predictions for objects that it was not trained on.
 
-    ``sentence`` describes the answers from the largest number of views. ``rows`` has one row per strategy and number
-    of views. ``objects``, ``learnt`` and ``classes`` count the objects, and ``source`` says where kept answers are from.
+    ``sentence`` describes the predictions from the largest number of views. ``rows`` has one row per strategy and
+    number of views. ``objects`` and ``learnt`` are the numbers of test and training objects, and ``classes`` the number
+    per class as text. ``source`` is the source of kept predictions.
     """
     rows = rows_of(summarise_evaluation(measured.table, intervals))
     # Only objects of classes that the model knows can be classified correctly.

@@ -75,7 +75,7 @@ def pack_model(
 
 @cache
 def plotly_library() -> tuple[bytes, str]:
-    """Return plotly.js, and plotly.js as gzip in base64; the page unpacks it when a reader opens a model."""
+    """Return plotly.js, and plotly.js as gzip in base64, which the page unpacks when a reader opens a model."""
     source = files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
     return source, base64.b64encode(gzip.compress(source, 6, mtime=0)).decode("ascii")
 

@@ -1,4 +1,4 @@
-"""The table of pictures that the page shows of objects, made from views, touches and meshes."""
+"""Make the table of the page's pictures of objects from views, touches and meshes."""
 
 from __future__ import annotations
 

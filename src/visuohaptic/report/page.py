@@ -55,7 +55,7 @@ def make_report(
     parameters : ExperimentParameters
         The run's parameters.
     objects : sequence of str
-        Objects that were to take part, `class/name`.
+        All objects of the set, `class/name`.
     """
     atomic_write_text(output, render_page(read_run(files, parameters, objects)))
 
@@ -113,7 +113,7 @@ def _render_chapters(
 
 
 def content_policy(*scripts: str | bytes) -> str:
-    """Return a page's Content-Security-Policy: nothing is loaded, and only the given scripts run, by their digests."""
+    """Return a page's Content-Security-Policy: load nothing, and run only scripts with the digests of `scripts`."""
     digests = [
         sha256(script.encode("utf-8") if isinstance(script, str) else script).digest()
         for script in scripts

@@ -73,7 +73,7 @@ class RunFiles:
     gaze : path, optional
         The table that `gaze.gaze_sentence` reads.
     key : str
-        The digest of everything that the page is made from.
+        The digest of all inputs of the page.
     """
 
     metrics: str | Path
@@ -97,7 +97,7 @@ class RunFiles:
 
 @dataclass(frozen=True)
 class Run:
-    """A run's tables in memory; `named_objects` are the objects that were to take part, `class/name`."""
+    """A run's tables in memory; `named_objects` are all objects of the set, `class/name`."""
 
     files: RunFiles
     parameters: ExperimentParameters
@@ -165,7 +165,7 @@ class Run:
         path = self.files.extras.get(name)
         return None if path is None or not Path(path).exists() else Path(path)
 
-    def made(self, file: str) -> Path | None:
+    def existing_file(self, file: str) -> Path | None:
         """Return a file by its path relative to the run's folder; None if it does not exist."""
         path = Path(self.files.folder, file)
         return path if path.is_file() else None
@@ -180,7 +180,7 @@ class Run:
             relative to the run's folder.
         """
         if name.endswith(".parquet"):
-            return [path] if (path := self.made(name)) else []
+            return [path] if (path := self.existing_file(name)) else []
         extra, _, study = name.partition("/")
         if extra not in self.files.extras:
             return [Path(path) for path in getattr(self.files, name, ())]
@@ -200,7 +200,7 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
     parameters : ExperimentParameters
         The run's parameters.
     objects : sequence of str
-        Objects that were to take part, `class/name`.
+        All objects of the set, `class/name`.
 
     Raises
     ------
@@ -251,7 +251,7 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
     parameters : ExperimentParameters
         The parameters in its ``params.yaml``.
     objects : tuple of str
-        Objects that were to take part, `class/name`.
+        All objects of the set, `class/name`.
 
     Raises
     ------
@@ -263,8 +263,8 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
     for name in (PARAMETERS, *(f"results/{table}" for table in _TABLES), METRICS):
         if not (folder / name).is_file() and not _parts(folder / name):
             raise ReportError(
-                f"{folder / name} is not there, and the report needs it; name the folder of a "
-                "finished run, or run `snakemake -j2` there first."
+                f"{folder / name} does not exist; the report needs the folder of a finished run, so run "
+                "`snakemake -j2` there first, or name another folder."
             )
     parameters = read_parameters(folder / PARAMETERS)
     tables: dict[str, Any] = {name: _parts(results / name) for name in _TABLES}

@@ -71,11 +71,11 @@ class ReportContext:
     @cached_property
     def variants(self) -> VariantsSummary:
         """The summary of all variants of the paper: of this run, else the kept summary of the package."""
-        return read_variants(self.run.made(VARIANTS))
+        return read_variants(self.run.existing_file(VARIANTS))
 
     @cached_property
     def evaluation(self) -> Values:
-        """The model's answers for objects that it has not learnt: of this run, else the kept answers."""
+        """The model's predictions for objects that it was not trained on: of this run, else the kept predictions."""
         measured = read_evaluation(self.run.file_of("evaluation"))
         return evaluation_figures(measured, self.run.parameters.recognition.intervals)
 

@@ -297,7 +297,7 @@ def _kept_draws(run: Run) -> Iterator[str]:
 
 
 def evaluation_values(context: ReportContext) -> Values:
-    """Return a model's answers for objects that it has not learnt: of this run, else the kept answers."""
+    """Return a model's predictions for objects that it was not trained on: of this run, else the kept predictions."""
     return {"evaluation": context.evaluation}
 
 
@@ -316,7 +316,7 @@ def cost_values(context: ReportContext) -> Values | None:
 
 
 def effects_values(context: ReportContext) -> Values:
-    """Return the effects and channels of the run: how often each ran, and why it was needed or not."""
+    """Return the effects and channels of the run: how often each ran, and why."""
     effects, preset = sum_effects(context.run.effects), context.run.parameters.scene.preset
     visual = [row for row in effects if row["effect"] in VISUAL_EFFECTS]
     tactile = [row for row in effects if row["effect"] not in VISUAL_EFFECTS]
@@ -434,7 +434,7 @@ def objects_values(context: ReportContext) -> Values:
 
 
 def methods_values(context: ReportContext) -> Values | None:
-    """Return the parameters and constants of the methods text; None where nothing was tested."""
+    """Return the parameters and constants of the methods text; None if nothing was tested."""
     run = context.run
     if not run.pipelines:
         return None

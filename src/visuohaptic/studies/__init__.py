@@ -1,1 +1,1 @@
-"""Experiments on the method: what each part, effect, touch and second is worth."""
+"""Studies: experiments that change parameters of the run and compare the accuracies."""

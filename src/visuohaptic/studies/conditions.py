@@ -1,7 +1,7 @@
-"""The plan of a study: what its conditions recompute, what they share, and the blocks that measure them.
+"""Plan a study: the features that each condition recomputes, and the blocks of conditions that jobs measure.
 
-What a condition recomputes follows from the sections that it changes. What several conditions
-need alike has one key and is made once.
+The changed sections of a condition determine the first phase to recompute. Conditions that need the same features
+share a key, and the features are computed once per key.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from visuohaptic.phases import OF_OBJECT
 from visuohaptic.studies.study import Changes, Condition, Study
 
 AS_RUN = "as run"
-"""The condition that changes nothing."""
+"""Name of the condition without changes."""
 
 HEADLINE_CLASSIFIERS: Mapping[str, str] = {
     "paper": "support_vector_machine",
     "order_free": "linear_discriminant",
 }
-"""The classifier by which conditions are compared, by pipeline: the best of the paper, and the one that was chosen on
-objects that report nothing (studies/classifier_settings)."""
+"""The classifier of each pipeline whose accuracy is compared between conditions. Pipeline `paper`: the paper's most
+accurate classifier. Pipeline `order_free`: chosen on separate objects (studies/classifier_settings)."""
 
 ONE_CLASSIFIER: Changes = {
     "recognition.classifiers": (HEADLINE_CLASSIFIERS["paper"],),
@@ -43,29 +43,34 @@ FIXATION_ONLY: Changes = {"probing.strategies": ("fixation",), **ONE_CLASSIFIER}
 MOST_BLOCKS = 8
 MOST_CONDITIONS_A_BLOCK = 25
 LEAST_TRAININGS_A_BLOCK = 12
-"""Fewer pairs of a pipeline and a strategy take no longer than a job needs to start."""
+"""Training fewer pairs of pipeline and strategy takes less time than starting a job."""
 
 _ORDER = tuple(next(iter(phase.writes)) for phase in OF_OBJECT)
-"""The first table of each phase: from which on something is recomputed."""
+"""Name of each phase: the first table that it writes."""
 
 _FIXED = {
-    "plugins": "they are code of the whole run",
-    "workflow": "it changes no result",
-    "meshes": "a study has the prepared objects of the run",
-    "cost": "it belongs to what is timed",
-    "probing.random_draws": "a condition names its draws, such as random#1, among probing.strategies",
-    "recognition.intervals": "all conditions have the intervals of the run",
+    "plugins": "plug-ins are loaded once for the whole run",
+    "workflow": "section workflow changes no result",
+    "meshes": "a study uses the prepared objects of the run",
+    "cost": "section cost belongs to the studies that measure time",
+    "probing.random_draws": "a condition names draws, such as random#1, in probing.strategies",
+    "recognition.intervals": "all conditions use the intervals of the run",
 }
 
 _MAY_VARY = ("meshes.turns", "meshes.turn_draw")
-"""Parameters of fixed sections that a condition may change."""
+"""Exceptions from `_FIXED`: parameters that a condition may change."""
 
 
 @dataclass(frozen=True)
 class Recomputation:
-    """Features that a run does not have: those from `phase` on, the first that is recomputed.
+    """Features that the run does not have.
 
-    `parameters` ask for the strategies and the touches of all conditions that share them.
+    Attributes
+    ----------
+    phase : str
+        The first phase to recompute, named by its first table.
+    parameters : ExperimentParameters
+        Parameters with all strategies, and the largest number of touches, of the conditions that share the features.
     """
 
     phase: str
@@ -74,7 +79,7 @@ class Recomputation:
 
 @dataclass(frozen=True)
 class Planned:
-    """A condition, its parameters, and the key of its features; None for those of the run."""
+    """A condition, its parameters, and the key of its features; the key is None for features of the run."""
 
     condition: Condition
     parameters: ExperimentParameters
@@ -83,7 +88,7 @@ class Planned:
 
 @dataclass(frozen=True)
 class Plan:
-    """The conditions of a study in their order, and the features that they need, by key."""
+    """The conditions of a study in order, and the features to recompute by key."""
 
     conditions: tuple[Planned, ...]
     recomputations: Mapping[str, Recomputation]
@@ -92,12 +97,31 @@ class Plan:
 def with_changes(
     run: ExperimentParameters, changes: Changes, source: str = "params.yaml"
 ) -> ExperimentParameters:
-    """Change parameters by their dotted names; raises `ParameterError`, which begins with `source`.
+    """Return the parameters with some values changed.
 
-    A new ``scene.preset`` replaces the whole scene; more `recognition.touches` than there are
-    fixations bring as many fixations.
+    A new ``scene.preset`` replaces the whole scene. If `recognition.touches` exceeds the number of fixations, the
+    fixations are raised to that number.
+
+    Parameters
+    ----------
+    run : ExperimentParameters
+        The parameters of the run.
+    changes : mapping of str to Any
+        New values by dotted name.
+    source : str
+        The beginning of error messages.
+
+    Returns
+    -------
+    ExperimentParameters
+        The changed parameters.
+
+    Raises
+    ------
+    ParameterError
+        If a name is unknown or can't vary, or a value is not allowed.
     """
-    # Sections that no change concerns are not checked again; there may be hundreds of conditions.
+    # Unchanged sections stay models, which are not validated again: there may be hundreds of conditions.
     values: dict[str, Any] = {name: getattr(run, name) for name in type(run).model_fields}
     for name in {path.partition(".")[0] for path in changes} | {"recognition", "attention"}:
         if isinstance(values.get(name), BaseModel):
@@ -109,16 +133,15 @@ def with_changes(
         _set(values, path, value, source)
     touches = values["recognition"]["touches"]
     if isinstance(touches, int) and "attention.fixations" not in changes:
-        # More touches than the run has are made for the condition.
         values["attention"]["fixations"] = max(values["attention"]["fixations"], touches)
     return ExperimentParameters.from_mapping(values, source)
 
 
 def plan_study(study: Study, run: ExperimentParameters, source: str = "params.yaml") -> Plan:
-    """Find out what a study's conditions recompute, and what they share.
+    """Compute the parameters of each condition, and the features to recompute.
 
-    Conditions that need the same features have the same key. Raises `ParameterError`, which names
-    the condition, if one can't be made.
+    Conditions that need the same features get the same key. Raises `ParameterError`, which names the condition, if
+    its changes are not allowed.
     """
     own = _upstream(_turned_further(run, run, source))
     planned: list[Planned] = []
@@ -137,54 +160,64 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
             key = hashlib.sha256(text.encode()).hexdigest()[:12]
             needs.setdefault(key, []).append(Recomputation(phase, parameters))
         planned.append(Planned(condition, parameters, key))
-    return Plan(tuple(planned), {key: _merge(found) for key, found in needs.items()})
+    return Plan(tuple(planned), {key: _merge(needed) for key, needed in needs.items()})
 
 
 def is_measured_by_run(planned: Planned, run: ExperimentParameters) -> bool:
-    """Return whether the run's own predictions, one viewpoint a recognition, are those of a condition.
+    """Return whether the run's predictions already contain the predictions of a condition.
 
-    So they are where the condition asks for the run's touches and recognition, and for no other strategy, pipeline or
-    classifier than the run has.
+    This holds for a condition with one vote, the run's features and settings of recognition, and only strategies,
+    pipelines and classifiers of the run.
     """
     if planned.key is not None or planned.condition.votes != 1:
         return False
-    own, asked = run.recognition, planned.parameters.recognition
-    chosen = [
-        (asked.pipelines, own.pipelines),
+    own, needed = run.recognition, planned.parameters.recognition
+    names_needed_and_run = [
+        (needed.pipelines, own.pipelines),
         (planned.parameters.probing.strategies, run.probing.strategies),
     ]
-    if "paper" in asked.pipelines:
-        chosen.append((asked.classifiers, own.classifiers))
-    if "order_free" in asked.pipelines:
-        chosen.append((asked.order_free.classifiers, own.order_free.classifiers))
-    if not all({*few} <= {*all_of_run} for few, all_of_run in chosen):
+    if "paper" in needed.pipelines:
+        names_needed_and_run.append((needed.classifiers, own.classifiers))
+    if "order_free" in needed.pipelines:
+        names_needed_and_run.append((needed.order_free.classifiers, own.order_free.classifiers))
+    if not all({*names} <= {*names_of_run} for names, names_of_run in names_needed_and_run):
         return False
-    alike = own.model_copy(
+    own_with_same_names = own.model_copy(
         update={
             "touches": touches_of_run(run),
-            "pipelines": asked.pipelines,
-            "classifiers": asked.classifiers,
+            "pipelines": needed.pipelines,
+            "classifiers": needed.classifiers,
             "order_free": own.order_free.model_copy(
-                update={"classifiers": asked.order_free.classifiers}
+                update={"classifiers": needed.order_free.classifiers}
             ),
         }
     )
-    return asked == alike
+    return needed == own_with_same_names
 
 
 def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Planned]]:
-    """Cut a study into blocks that a job each measures, by names such as ``0000-0024``.
+    """Divide the conditions into blocks; one job measures one block.
 
-    A block has `conditions_per_job` conditions, or some more, so that conditions that differ in the
-    number of votes share one training. Without `conditions_per_job` a block has an eighth of the conditions, at most
-    25, and at least as many as are worth a job.
+    Parameters
+    ----------
+    plan : Plan
+        The plan of the study.
+    conditions_per_job : int, optional
+        The number of conditions per block. A block may have more, because conditions that share a training stay in
+        one block. The default is an eighth of the conditions, at most `MOST_CONDITIONS_A_BLOCK`, but enough for
+        `LEAST_TRAININGS_A_BLOCK`.
+
+    Returns
+    -------
+    dict of str to list of Planned
+        The blocks. Names such as ``0000-0024`` are the first and last number of a condition.
     """
-    step = conditions_per_job or _conditions_a_block(plan)
+    least_size = conditions_per_job or _default_block_size(plan)
     blocks: list[list[Planned]] = []
-    for _, alike in groupby(sorted(plan.conditions, key=training_key), key=training_key):
-        if not blocks or len(blocks[-1]) >= step:
+    for _, same_training in groupby(sorted(plan.conditions, key=training_key), key=training_key):
+        if not blocks or len(blocks[-1]) >= least_size:
             blocks.append([])
-        blocks[-1] += alike
+        blocks[-1] += same_training
     ends = [0, *accumulate(map(len, blocks))]
     return {
         f"{start:04d}-{end - 1:04d}": block
@@ -193,15 +226,15 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
 
 
 def training_key(planned: Planned) -> tuple[str, str]:
-    """Return the features and parameters of a condition: conditions with the same key share one training."""
+    """Return the key of the features, and the parameters. Conditions with equal results share one training."""
     return planned.key or "", planned.parameters.model_dump_json()
 
 
-def _conditions_a_block(plan: Plan) -> int:
+def _default_block_size(plan: Plan) -> int:
     count = len(plan.conditions)
     trainings = sum(
-        len(one.parameters.recognition.pipelines) * len(one.parameters.probing.strategies)
-        for one in plan.conditions
+        len(planned.parameters.recognition.pipelines) * len(planned.parameters.probing.strategies)
+        for planned in plan.conditions
     )
     least = -(-LEAST_TRAININGS_A_BLOCK * count // max(trainings, 1))
     return max(least, min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK))
@@ -211,30 +244,30 @@ def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
     """Describe a study and its conditions in built-in types."""
     conditions = [
         {
-            "name": one.condition.name,
-            "compared_with": one.condition.compared_with,
-            "recomputed": plan.recomputations[one.key].phase if one.key else "recognition",
+            "name": planned.condition.name,
+            "compared_with": planned.condition.compared_with,
+            "recomputed": plan.recomputations[planned.key].phase if planned.key else "recognition",
         }
-        for one in plan.conditions
+        for planned in plan.conditions
     ]
     return {"name": study.name, "title": study.title, "conditions": conditions}
 
 
-def describe_conditions(planned: Sequence[Planned]) -> list[dict[str, Any]]:
-    """Describe conditions, as their measurement needs them, in built-in types."""
+def describe_conditions(conditions: Sequence[Planned]) -> list[dict[str, Any]]:
+    """Describe conditions for `measuring.make_study_block` in built-in types."""
     return [
         {
-            "name": one.condition.name,
-            "changes": dict(one.condition.changes),
-            "votes": one.condition.votes,
-            "key": one.key,
+            "name": planned.condition.name,
+            "changes": dict(planned.condition.changes),
+            "votes": planned.condition.votes,
+            "key": planned.key,
         }
-        for one in planned
+        for planned in conditions
     ]
 
 
 def touches_needed(parameters: ExperimentParameters) -> int:
-    """Return the number of touches that a sequence must have: recognition may ask for more than are made."""
+    """Return the larger of the number of fixations and the number of touches that recognition uses."""
     return max(parameters.attention.fixations, parameters.recognition.touches or 0)
 
 
@@ -246,56 +279,57 @@ def touches_of_run(run: ExperimentParameters) -> int:
 def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
     for fixed, reason in _FIXED.items():
         if path not in _MAY_VARY and (path == fixed or path.startswith(f"{fixed}.")):
-            raise ParameterError(f"{source}: {path} can't vary, for {reason}.")
+            raise ParameterError(f"{source}: {path} can't vary, because {reason}.")
     section: Any = values
     parts = path.split(".")
-    for place, part in enumerate(parts):
+    for depth, part in enumerate(parts):
         if not isinstance(section, dict) or part not in section:
-            above = ".".join(parts[:place]) or "an experiment"
+            above = ".".join(parts[:depth]) or "an experiment"
             allowed = ", ".join(section) if isinstance(section, dict) else "no parts"
             raise ParameterError(f"{source}: {unknown_parameter(path)}; {above} has {allowed}.")
-        whole, section = section, section[part]
-    whole[part] = new
+        parent, section = section, section[part]
+    parent[part] = new
 
 
 def _turned_further(
     parameters: ExperimentParameters, run: ExperimentParameters, source: str
 ) -> ExperimentParameters:
-    """Replace how objects are turned by how they are turned beyond the run's meshes."""
-    asked, own = parameters.meshes, run.meshes
-    if asked.turns == "none" == own.turns:
-        further = asked.model_copy(update={"turn_draw": 0})
-    elif (asked.turns, asked.turn_draw) == (own.turns, own.turn_draw):
-        further = asked.model_copy(update={"turns": "none", "turn_draw": 0})
+    """Replace the turns of the objects by the turns that are applied to the run's meshes."""
+    meshes, own = parameters.meshes, run.meshes
+    if meshes.turns == "none" == own.turns:
+        further = meshes.model_copy(update={"turn_draw": 0})
+    elif (meshes.turns, meshes.turn_draw) == (own.turns, own.turn_draw):
+        further = meshes.model_copy(update={"turns": "none", "turn_draw": 0})
     elif own.turns == "none":
-        further = asked
+        further = meshes
     else:
         raise ParameterError(
-            f"{source}: meshes.turns is {asked.turns}, and the run's objects are turned already "
-            f"({own.turns}); meshes.turns: none is needed in params.yaml for other turns in a study."
+            f"{source}: meshes.turns is {meshes.turns}, but the run's objects are turned already "
+            f"({own.turns}); a study with other turns needs meshes.turns: none in params.yaml."
         )
     return parameters.model_copy(update={"meshes": further})
 
 
 def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
-    """Return the parameters that each phase's tables depend on, without the number of touches."""
+    """Return the parameters of each phase, without the strategies and the number of fixations."""
     attention = parameters.attention.model_copy(update={"fixations": 0})
     probing = parameters.probing.model_copy(update={"strategies": ()})
-    alike = parameters.model_copy(update={"attention": attention, "probing": probing})
-    found = [phase.written_values(alike) for phase in OF_OBJECT]
+    shared = parameters.model_copy(update={"attention": attention, "probing": probing})
+    values = [phase.written_values(shared) for phase in OF_OBJECT]
     if parameters.meshes.turns != "none":
-        found[0]["turns"] = parameters.meshes.turns, parameters.meshes.turn_draw
-    return dict(zip(_ORDER, found, strict=True))
+        values[0]["turns"] = parameters.meshes.turns, parameters.meshes.turn_draw
+    return dict(zip(_ORDER, values, strict=True))
 
 
-def _merge(found: Sequence[Recomputation]) -> Recomputation:
-    """Return one recomputation for all: from the first phase, with the most touches and every strategy."""
-    first, wanted = found[0].parameters, [one.parameters for one in found]
-    fixations = max(map(touches_needed, wanted))
-    strategies = dict.fromkeys(name for one in wanted for name in one.probing.strategies)
+def _merge(recomputations: Sequence[Recomputation]) -> Recomputation:
+    """Merge recomputations: the first phase, the most touches, and all strategies."""
+    parameters = [recomputation.parameters for recomputation in recomputations]
+    first = parameters[0]
+    fixations = max(map(touches_needed, parameters))
+    strategies = dict.fromkeys(name for each in parameters for name in each.probing.strategies)
     update = {
         "attention": first.attention.model_copy(update={"fixations": fixations}),
         "probing": first.probing.model_copy(update={"strategies": tuple(strategies)}),
     }
-    phase = min((one.phase for one in found), key=_ORDER.index)
+    phase = min((recomputation.phase for recomputation in recomputations), key=_ORDER.index)
     return Recomputation(phase, first.model_copy(update=update))

@@ -1,7 +1,7 @@
 """Study `random_draws`, part of every run: further draws of the places of random strategies.
 
-The run's own tables hold draw 0. One condition holds all further draws, so that one job touches them and one
-job classifies them.
+The run's tables contain draw 0. A single condition contains all further draws, so that one job touches and one job
+classifies them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ DRAWN_PIPELINE = "paper"
 
 
 def drawn_strategies(run: ExperimentParameters) -> tuple[str, ...]:
-    """Return the names of all draws of a run but the first of each strategy, such as ``random#1``."""
+    """Return the names of the draws after draw 0 of each random strategy, such as ``random#1``."""
     return tuple(
         name_of_draw(strategy, draw)
         for strategy in run.probing.strategies
@@ -29,9 +29,9 @@ def drawn_strategies(run: ExperimentParameters) -> tuple[str, ...]:
 
 
 def draw_conditions(run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield the condition of all further draws; none without a random strategy, or with one draw.
+    """Yield the condition of all further draws, if the run has further draws and pipeline `paper`.
 
-    A run without the headline classifier has all its classifiers measured.
+    The condition has the headline classifier, or all classifiers of a run without the headline classifier.
     """
     strategies, headline = drawn_strategies(run), HEADLINE_CLASSIFIERS[DRAWN_PIPELINE]
     classifiers = run.recognition.classifiers

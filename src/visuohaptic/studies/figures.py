@@ -1,4 +1,4 @@
-"""Each condition's accuracy with its interval, and what it gains or loses; the same for all studies."""
+"""Compute each condition's accuracy, its interval, and its difference to another condition, for all studies."""
 
 from __future__ import annotations
 
@@ -40,15 +40,23 @@ PredictionKey = tuple[str, str, str]
 _OMITTED = ("study", "title", "condition", "pipeline", "strategy", "classifier", "place", "seconds")
 CELL = ("condition", "pipeline", "strategy", "classifier")
 LEADER = "fixation"
-"""The strategy whose lead over each other one is given."""
+"""The strategy whose lead over each other strategy is computed."""
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One condition, pipeline, strategy and classifier: o objects, pairs of class and name, sorted.
+    """Accuracies of o objects for one condition, pipeline, strategy and classifier.
 
-    There is none where it could not be run, for the reason in `error`. The mean of `accuracy` (o,) by
-    `weights` (o,) is the mean over splits. `seconds` are those of training and testing.
+    Attributes
+    ----------
+    objects : tuple of (str, str)
+        Class and name of each object, sorted. Empty if the condition failed.
+    accuracy, weights : ndarray of shape (o,)
+        The weighted mean of the accuracies is the mean over splits.
+    seconds : float or None
+        Processor seconds of training and testing.
+    error : str or None
+        Reason why the condition failed.
     """
 
     objects: tuple[tuple[str, str], ...]
@@ -59,20 +67,20 @@ class Cell:
 
 
 def read_cells(parts: Iterable[str | Path]) -> dict[CellKey, Cell]:
-    """Read cells from files of `tables.STUDY`; each file holds all rows of its conditions."""
+    """Read cells from files of `tables.STUDY`. All rows of a condition must be in the same file."""
     tables = (read_table(STUDY, part) for part in parts)
     return {key: cell for table in tables for key, cell in cells_of(table).items()}
 
 
 def cells_of(rows: pa.Table) -> dict[CellKey, Cell]:
-    """Average each object's accuracy over the splits that tested it: rows of `tables.STUDY`."""
+    """Average each object's accuracy over splits, from rows of `tables.STUDY`."""
     return {key: _cell(part) for key, part in rows_by(rows, CELL).items()}
 
 
 def predicted_cells(predictions: pa.Table) -> dict[PredictionKey, Cell]:
-    """Average each object's accuracy over the splits that tested it: rows of `tables.PREDICTIONS`.
+    """Average each object's accuracy over splits, from rows of `tables.PREDICTIONS`.
 
-    Each viewpoint is one recognition of the object, as in rows of `tables.STUDY` with one vote.
+    Each viewpoint counts as one recognition, as in rows of `tables.STUDY` with one vote.
     """
     is_right = pc.equal(predictions.column("predicted"), predictions.column("class"))
     rows = predictions.append_column("right", pc.cast(is_right, pa.float64()))
@@ -86,12 +94,12 @@ def predicted_cells(predictions: pa.Table) -> dict[PredictionKey, Cell]:
 
 
 def rows_by(rows: pa.Table, names: Sequence[str]) -> dict[tuple[Any, ...], pa.Table]:
-    """Return the rows of each combination of values of some columns."""
+    """Group rows by the values of the named columns, in the order of the first row of each group."""
     columns = [rows.column(name).to_pylist() for name in names]
-    places: dict[tuple[Any, ...], list[int]] = {}
-    for place, key in enumerate(zip(*columns, strict=True)):
-        places.setdefault(key, []).append(place)
-    return {key: rows.take(chosen) for key, chosen in places.items()}
+    indices: dict[tuple[Any, ...], list[int]] = {}
+    for index, key in enumerate(zip(*columns, strict=True)):
+        indices.setdefault(key, []).append(index)
+    return {key: rows.take(chosen) for key, chosen in indices.items()}
 
 
 def condition_interval(cell: Cell, intervals: IntervalParameters) -> Interval:
@@ -104,10 +112,22 @@ def study_figures(
     cells: Mapping[CellKey, Cell],
     intervals: IntervalParameters,
 ) -> pa.Table:
-    """Sum up a study, as `conditions.describe_study` gives it: `tables.STUDY_FIGURES`.
+    """Summarise a study.
 
-    What was tested on other objects is not compared. A row of another strategy than `LEADER` says how
-    far that one is ahead in the same condition.
+    Parameters
+    ----------
+    study : mapping
+        The study as `conditions.describe_study` returns it.
+    cells : mapping of CellKey to Cell
+        The measured accuracies.
+    intervals : IntervalParameters
+        Confidence and number of permutations.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.STUDY_FIGURES`. Cells with different objects are not compared. Column ``lead`` is the accuracy of
+        `LEADER` minus the accuracy of the row's strategy in the same condition.
     """
     conditions = study["conditions"]
     order = {condition["name"]: place for place, condition in enumerate(conditions)}
@@ -148,7 +168,7 @@ def make_study_figures(
 
 
 def nested(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, Any]:
-    """Nest rows by some of their columns; what identifies a row and seconds are left out."""
+    """Nest rows by the values of `keys`, without the identifying columns and seconds."""
     figures: Row = {}
     for row in rows:
         inner = figures
@@ -159,7 +179,7 @@ def nested(rows: Sequence[Row], keys: Sequence[str]) -> dict[str, Any]:
 
 
 def write_json(figures: object, path: str | Path) -> None:
-    """Write figures, rounded, so that the same tables give the same bytes."""
+    """Write rounded figures as JSON; equal tables give equal bytes."""
     text = json.dumps(round_numbers(figures), indent=2, ensure_ascii=False) + "\n"
     atomic_write_text(path, text)
 
@@ -173,9 +193,9 @@ def _cell(rows: pa.Table) -> Cell:
 
 
 def average_objects(rows: pa.Table, counted: str) -> tuple[Cell, NDArray[np.float64]]:
-    """Average each object's `accuracy` over the splits and repeats that tested it; also each row's share of its split."""
-    found = average_by_object(rows, counted)
-    return Cell(found.objects, found.accuracy, found.weights), found.share
+    """Return `by_object.average_by_object` as a cell, and each row's share of the test sequences of its split."""
+    means = average_by_object(rows, counted)
+    return Cell(means.objects, means.accuracy, means.weights), means.share
 
 
 def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters) -> Row:
@@ -186,10 +206,11 @@ def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters) -> R
     return row | paired("difference", "p_value", compare(cell, other, intervals))
 
 
-def paired(name: str, p_value: str, found: PairedComparison | None) -> Row:
-    """Return a difference in pairs and its p value as columns; None where cells can't be compared."""
-    difference, value = (found.difference, found.p_value) if found else (None, None)
-    return {**ends(name, f"{name}_", difference), p_value: value}
+def paired(name: str, p_value: str, comparison: PairedComparison | None) -> Row:
+    """Return the columns of a paired difference and its p value; without a comparison all are None."""
+    if comparison is None:
+        return {**ends(name, f"{name}_", None), p_value: None}
+    return {**ends(name, f"{name}_", comparison.difference), p_value: comparison.p_value}
 
 
 def compare(
@@ -197,7 +218,7 @@ def compare(
     other: Cell | None,
     intervals: IntervalParameters,
 ) -> PairedComparison | None:
-    """Compare two cells in pairs; None where one is missing, they are the same, or of other objects."""
+    """Compare two cells, paired over objects. Returns None for a missing cell, equal cells, or other objects."""
     if cell is None or other is None or other is cell:
         return None
     if not cell.objects or other.objects != cell.objects:
@@ -206,13 +227,13 @@ def compare(
 
 
 def ends(name: str, prefix: str, interval: Interval | None) -> Row:
-    """Return an interval's mean under a name, and its ends under a prefix; NaN and missing ends are None."""
+    """Return columns: the mean as `name`, the ends as `prefix` + low and high; missing values and NaN become None."""
     values = plain_interval(interval).values() if interval else (None, None, None)
     return dict(zip((name, f"{prefix}low", f"{prefix}high"), values, strict=True))
 
 
 def _adjust(rows: Sequence[Row]) -> None:
-    """Adjust p values for their number, in each pipeline, strategy and classifier, in which rows are neighbours."""
+    """Set Holm's ``adjusted_p`` per pipeline, strategy and classifier, which are contiguous rows."""
     for _, of_cell in groupby(rows, key=itemgetter(*CELL[1:])):
         compared = [row for row in of_cell if row["p_value"] is not None]
         for row, value in zip(compared, holm([row["p_value"] for row in compared]), strict=True):

@@ -1,4 +1,4 @@
-"""Policies that learn: trained in every split on its training objects, and shown only what a hand would know."""
+"""Train learning policies per split, and let them choose touches by the features of earlier touches only."""
 
 from __future__ import annotations
 
@@ -28,19 +28,20 @@ from visuohaptic.tables.schema import matrix
 
 @dataclass(frozen=True)
 class Lessons:
-    """Touches of a split's training objects at all their candidates, and the objects' classes.
+    """Training data of a policy in a split: touches at all candidates of the training objects.
 
     Attributes
     ----------
     names : tuple of str
-        The k features.
+        Names of the k features.
     features : ndarray of shape (n, k)
+        Features of the n touches.
     owner : ndarray of shape (n,), int64
-        The object of each touch by its index.
+        Index of the object of each touch.
     view : ndarray of shape (n,), int64
-        The viewpoint of each touch, by an index over all objects, ascending.
+        Viewpoint of each touch, numbered over all objects, ascending.
     class_of_object : ndarray of shape (o,), int64
-        -1 for objects that are not in training.
+        Class index of each object; -1 for objects that are not in training.
     classes : int
         Number of classes.
     """
@@ -60,16 +61,16 @@ class Lessons:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Where one object may be touched from its v viewpoints, before any touch.
+    """Candidates of an object with v viewpoints, as known before any touch.
 
     Attributes
     ----------
     poses : ndarray of shape (n, 6)
-        Position and normal of each candidate, as the viewpoint sees it.
+        Position and normal of each candidate, as its viewpoint sees them.
     view : ndarray of shape (n,), int64
-        The viewpoint of each, ascending from 0 without a gap.
+        Index of the viewpoint of each candidate, 0 to v - 1, ascending.
     left_out : int
-        The index of a training object, whose own lessons must not choose its touches; -1 for other objects.
+        Index of the object if it is a training object, else -1. The policy must not use touches of this object.
     """
 
     poses: FloatArray
@@ -78,11 +79,11 @@ class Places:
 
 
 Choose = Callable[[IntArray, FloatArray], IntArray]
-"""``choose(chosen, felt)`` takes the candidates touched so far (v, t) and their features (v, t, k), and returns the next
-candidate of each viewpoint (v,)."""
+"""``choose(chosen, felt)`` takes the indices of the candidates touched so far (v, t) and their features (v, t, k). The
+result is the index of the next candidate of each viewpoint (v,)."""
 
 Learnt = Callable[[Places], Choose]
-"""What was learnt in a split: it begins the touches of an object."""
+"""A trained policy, which is called once per object."""
 
 
 @dataclass(frozen=True)
@@ -92,10 +93,10 @@ class LearningPolicy:
     Attributes
     ----------
     name : str
-        What tables and the report call it.
+        Name in tables and in the report.
     fit : callable
-        ``fit(lessons, parameters, generator)`` takes `Lessons`, the parameters of the condition and a
-        generator, and returns a `Learnt`. It must keep nothing from split to split.
+        ``fit(lessons, parameters, generator)`` takes `Lessons`, the parameters of the condition and a random
+        generator, and returns a `Learnt`. Calls must not depend on earlier calls.
     """
 
     name: str
@@ -103,11 +104,14 @@ class LearningPolicy:
 
 
 LEARNING_POLICIES: Registry[LearningPolicy] = Registry("learning policy")
-"""Policies that study `touch_curves` measures, in the order of its tables."""
+"""The learning policies of study `touch_curves`, in the order of its tables."""
 
 
 def add_learning_policy(entry: LearningPolicy, source: str) -> None:
-    """Add a learning policy; `RegistryError` if its name is taken, also by a strategy, or can't be one."""
+    """Register a learning policy.
+
+    Raises `RegistryError` if the name is invalid, or the name of another learning policy or probing strategy.
+    """
     if entry.name in STRATEGIES.names:
         raise RegistryError(
             f"{entry.name!r} can't name a learning policy; a probing strategy has that name."
@@ -117,10 +121,16 @@ def add_learning_policy(entry: LearningPolicy, source: str) -> None:
 
 @dataclass(frozen=True)
 class Candidates:
-    """Where objects may be touched, and the features (n, k) of a touch there.
+    """Candidates for touches of all objects, and their features.
 
-    `sequences` are the s to choose, one per viewpoint of an object, without features; `sequence` (n,),
-    ascending, is the index of the sequence that each is a candidate for.
+    Attributes
+    ----------
+    sequences : TouchSequences
+        The s sequences to choose, one per object and viewpoint, without features.
+    features : ndarray of shape (n, k)
+        Features of a touch at each candidate.
+    sequence : ndarray of shape (n,), int64
+        Index of the sequence of each candidate, ascending.
     """
 
     sequences: TouchSequences
@@ -134,30 +144,46 @@ class Candidates:
 
     @property
     def poses(self) -> FloatArray:
-        """Position and normal of each candidate (n, 6): known before a touch."""
+        """Position and normal of each candidate, shape (n, 6), which are known before a touch."""
         return self.features[:, [self.names.index(name) for name in POSE]]
 
     @property
     def owner(self) -> IntArray:
-        """Each candidate's object (n,)."""
+        """Index of the object of each candidate, shape (n,)."""
         return self.sequences.object_index[self.sequence]
 
 
 def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
-    """Gather the candidates of every viewpoint, sorted by class, object, viewpoint and place.
+    """Gather the candidates of all viewpoints, sorted by class, object, viewpoint and touch.
 
-    `features` are rows of strategy ``adaptive``; the names are columns to take, ``contact_…`` of the
-    contact's state. Raises `RecognitionError` if there are none.
+    Parameters
+    ----------
+    features : pyarrow.Table
+        Rows of `tables.FEATURES` of strategy ``adaptive``.
+    names : sequence of str
+        The columns to take. ``contact_…`` are columns of the contact's state.
+
+    Returns
+    -------
+    Candidates
+        The candidates.
+
+    Raises
+    ------
+    RecognitionError
+        If the table is empty.
     """
     if not len(features):
-        raise RecognitionError("There are no candidates to choose touches among.")
+        raise RecognitionError(
+            "There are no candidates for touches; rows of strategy adaptive are needed."
+        )
     keys = ["class", "object", "viewpoint", "touch"]
     features = spread_contact_states(features)
     features = features.sort_by([(key, "ascending") for key in keys])
     views = list(zip(*(features.column(key).to_pylist() for key in keys[:3]), strict=True))
     distinct = sorted(set(views))
     objects = tuple(sorted({view[:2] for view in distinct}))
-    place = {view: number for number, view in enumerate(distinct)}
+    index_of = {view: index for index, view in enumerate(distinct)}
     sequences = TouchSequences(
         features=np.zeros((len(distinct), 0, len(names))),
         feature_names=tuple(names),
@@ -169,21 +195,21 @@ def gather_candidates(features: pa.Table, names: Sequence[str]) -> Candidates:
     return Candidates(
         sequences,
         matrix(features, names),
-        np.array([place[view] for view in views], dtype=np.int64),
+        np.array([index_of[view] for view in views], dtype=np.int64),
     )
 
 
 def lessons_of(candidates: Candidates, split: Split) -> Lessons:
-    """Take what may be learnt in a split: touches and classes of its training sequences."""
-    sequences, taken = candidates.sequences, np.isin(candidates.sequence, split.train)
+    """Select the touches and classes of the training sequences of a split."""
+    sequences, in_training = candidates.sequences, np.isin(candidates.sequence, split.train)
     training = np.unique(sequences.object_index[split.train])
     classes = np.full(len(sequences.objects), -1)
     classes[training] = sequences.class_of_object[training]
     return Lessons(
         candidates.names,
-        candidates.features[taken],
-        candidates.owner[taken],
-        candidates.sequence[taken],
+        candidates.features[in_training],
+        candidates.owner[in_training],
+        candidates.sequence[in_training],
         classes,
         len(sequences.classes),
     )
@@ -196,31 +222,52 @@ def choose_in_split(
     touches: int,
     run: ExperimentParameters,
 ) -> IntArray:
-    """Train a policy in a split, and let it choose every sequence's touches: rows of the candidates, (s, touches).
+    """Train a policy on a split's training objects, then choose the touches of all sequences.
 
-    The policy learns `lessons_of` the split. Of an object it sees the poses of all candidates, and the features of those
-    that it has touched.
+    While it chooses, the policy gets the poses of all candidates of an object, but only the features of candidates
+    touched so far.
+
+    Parameters
+    ----------
+    policy : LearningPolicy
+        The policy.
+    candidates : Candidates
+        Candidates of s sequences.
+    split : Split
+        The split.
+    touches : int
+        The number of touches per sequence.
+    run : ExperimentParameters
+        Parameters of the condition; their seed seeds the policy's generator.
+
+    Returns
+    -------
+    ndarray of shape (s, touches), int64
+        Row indices of the chosen candidates.
 
     Raises
     ------
     PolicyError
-        If the policy raises, or chooses no candidate of each viewpoint.
+        If the policy raises an error, or does not choose one candidate per viewpoint.
     """
     generator = spawn_generator(run.seed, policy.name, *split.test.tolist())
     lessons, owner = lessons_of(candidates, split), candidates.owner
     chosen = np.zeros((len(candidates.sequences.object_index), touches), dtype=np.int64)
-    learnt = _asked(policy, "fit", policy.fit, lessons, run, generator)
-    for place in range(len(candidates.sequences.objects)):
-        rows = np.flatnonzero(owner == place)
-        members = np.flatnonzero(candidates.sequences.object_index == place)
+    learnt = _call_policy(policy, "fit", policy.fit, lessons, run, generator)
+    for index in range(len(candidates.sequences.objects)):
+        rows = np.flatnonzero(owner == index)
+        members = np.flatnonzero(candidates.sequences.object_index == index)
         view = np.searchsorted(members, candidates.sequence[rows])
-        left_out = place if lessons.class_of_object[place] >= 0 else -1
-        choose = _asked(policy, "begin", learnt, Places(candidates.poses[rows], view, left_out))
-        own = np.zeros((len(members), 0), dtype=np.int64)
+        left_out = index if lessons.class_of_object[index] >= 0 else -1
+        places = Places(candidates.poses[rows], view, left_out)
+        choose = _call_policy(policy, "begin", learnt, places)
+        touched = np.zeros((len(members), 0), dtype=np.int64)
         for _ in range(touches):
-            found = _asked(policy, "choose", choose, own.copy(), candidates.features[rows[own]])
-            own = np.column_stack([own, _checked(policy, found, view, len(members))])
-        chosen[members] = rows[own]
+            felt = candidates.features[rows[touched]]
+            picked = _call_policy(policy, "choose", choose, touched.copy(), felt)
+            picked = _check_choice(policy, picked, view, len(members))
+            touched = np.column_stack([touched, picked])
+        chosen[members] = rows[touched]
     return chosen
 
 
@@ -231,39 +278,42 @@ def choose_in_splits(
     touches: int,
     run: ExperimentParameters,
 ) -> list[IntArray]:
-    """Choose the touches of every split, as `choose_in_split` does.
+    """Choose the touches of each split with `choose_in_split`.
 
     Raises
     ------
     PolicyError
-        Also if the policy chooses otherwise in the first split once it was trained in the others: what it
-        keeps may be of the tested objects.
+        As `choose_in_split`. Also if a repetition of the first split gives other touches: the policy then remembers
+        other splits, and their training objects may be test objects of this split.
     """
-    found = [choose_in_split(policy, candidates, split, touches, run) for split in splits]
+    chosen = [choose_in_split(policy, candidates, split, touches, run) for split in splits]
     again = choose_in_split(policy, candidates, splits[0], touches, run)
-    if not np.array_equal(again, found[0]):
+    if not np.array_equal(again, chosen[0]):
         raise PolicyError(
-            f"learning policy {policy.name} chose other touches in split {splits[0].number} once it was trained in "
-            "others: it keeps what it learnt, which may be of tested objects; nothing may stay from split to split."
+            f"learning policy {policy.name} chose other touches when split {splits[0].number} was repeated after "
+            "the others, so it may remember tested objects; the choices in a split must not depend on other splits."
         )
-    return found
+    return chosen
 
 
-def _asked(policy: LearningPolicy, step: str, work: Callable[..., Any], *arguments: Any) -> Any:
+def _call_policy(
+    policy: LearningPolicy, step: str, work: Callable[..., Any], *arguments: Any
+) -> Any:
+    """Call a function of a policy; errors that are not the package's become `PolicyError`."""
     try:
         return work(*arguments)
     except VisuohapticError:
         raise
     except Exception as error:
-        said = " ".join(str(error).split()).rstrip(".")
+        reason = " ".join(str(error).split()).rstrip(".")
         raise PolicyError(
-            f"learning policy {policy.name}, {step}: it raised {type(error).__name__}: {said}."
+            f"learning policy {policy.name}, {step}: it raised {type(error).__name__}: {reason}."
         ) from error
 
 
-def _checked(policy: LearningPolicy, found: object, view: IntArray, views: int) -> IntArray:
-    """Return the chosen candidates (v,) if each is one of its own viewpoint's."""
-    picked = np.asarray(found)
+def _check_choice(policy: LearningPolicy, choice: object, view: IntArray, views: int) -> IntArray:
+    """Return the chosen candidates (v,) if candidate i belongs to viewpoint i, else raise `PolicyError`."""
+    picked = np.asarray(choice)
     if picked.shape != (views,) or picked.dtype.kind not in "iu":
         raise PolicyError(
             f"learning policy {policy.name} chose an array of shape {picked.shape} and type {picked.dtype}; "
@@ -272,6 +322,7 @@ def _checked(policy: LearningPolicy, found: object, view: IntArray, views: int) 
     inside = (picked >= 0) & (picked < len(view))
     if not inside.all() or (view[picked] != np.arange(views)).any():
         raise PolicyError(
-            f"learning policy {policy.name} chose candidates {picked.tolist()}; one of each viewpoint's own is needed."
+            f"learning policy {policy.name} chose candidates {picked.tolist()}; one candidate of each viewpoint is "
+            "needed."
         )
     return picked.astype(np.int64)

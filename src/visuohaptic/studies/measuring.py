@@ -1,4 +1,4 @@
-"""The one engine of all studies: features of a condition, and how well it classifies objects."""
+"""Measure conditions: read their features, train and test classifiers, and write accuracies. Used by all studies."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ Paths = Sequence[str | Path]
 
 @dataclass(frozen=True)
 class Predictions:
-    """Predictions of every split and classifier for some sequences, and the processor seconds of all."""
+    """Predictions of all splits and classifiers for some sequences, and their processor seconds in sum."""
 
     sequences: TouchSequences
     splits: Sequence[SplitPrediction]
@@ -59,9 +59,20 @@ def make_study_block(
     run: ExperimentParameters,
     objects: Collection[str] | None = None,
 ) -> None:
-    """Measure a block of a study's conditions: `tables.STUDY`.
+    """Measure a block of conditions and write `tables.STUDY`.
 
-    `conditions` are as `describe_conditions` gives them; the others are as `features_by_key` has them.
+    Parameters
+    ----------
+    study : str
+        The study's name.
+    conditions : sequence of mappings
+        The conditions as `conditions.describe_conditions` returns them.
+    features, made, objects
+        Files of features, as for `features_by_key`.
+    output : path
+        The file to write.
+    run : ExperimentParameters
+        The parameters of the run.
     """
     planned = [
         Planned(
@@ -73,18 +84,30 @@ def make_study_block(
     ]
     of_key = features_by_key(features, made, objects)
     parts: list[pa.Table] = []
-    for (key, _), alike in groupby(planned, key=training_key):
-        parts += measure_conditions(study, list(alike), of_key(key or None), run.seed)
+    for (key, _), same_training in groupby(planned, key=training_key):
+        parts += measure_conditions(study, list(same_training), of_key(key or None), run.seed)
     write_table(STUDY, pa.concat_tables(parts), output)
 
 
 def features_by_key(
     features: Paths, made: Mapping[str, str | Path], objects: Collection[str] | None
 ) -> Callable[[str | None], pa.Table | str]:
-    """Read features as conditions name them, or why they were refused: the run's (None), or made for some conditions.
+    """Return a function that reads features by the key of a condition.
 
-    `objects`, ``class/name``, are those of the run's features that count; None for all. One table is held
-    at a time, as conditions with the same features are neighbours.
+    Parameters
+    ----------
+    features : sequence of paths
+        The run's files of `tables.FEATURES`, for key None.
+    made : mapping of str to path
+        Files of recomputed features by key.
+    objects : collection of str, optional
+        Objects, ``class/name``, to take from the run's features. The default is all objects.
+
+    Returns
+    -------
+    callable
+        Takes a key. Returns a table, or an error message if the features could not be computed. Only the last table
+        is cached, because conditions with the same key are contiguous.
     """
 
     @lru_cache(maxsize=1)
@@ -98,34 +121,34 @@ def features_by_key(
 
 
 def condition_features(planned: Planned, features: pa.Table | str, strategy: str) -> pa.Table:
-    """Take a condition's rows, of one strategy, of features that others share; `RecognitionError` if there is none.
+    """Select the rows of a condition and strategy from features that several conditions share.
 
-    Viewpoints without a whole sequence by the strategy, and classes with a single object, are left out.
-    Features may be the sentence by which they were refused.
+    Viewpoints without a whole sequence, and classes with a single object, are left out. Raises `RecognitionError` if
+    no row is left, or if `features` is an error message.
     """
     if isinstance(features, str):
         raise RecognitionError(features)
     parameters = planned.parameters
-    made = pc.less(features.column("touch"), touches_needed(parameters))
-    return take_strategy(features.filter(made), strategy, parameters.recognition.touches)[0]
+    is_needed = pc.less(features.column("touch"), touches_needed(parameters))
+    return take_strategy(features.filter(is_needed), strategy, parameters.recognition.touches)[0]
 
 
 def measure_conditions(
-    study: str, alike: Sequence[Planned], features: pa.Table | str, seed: int
+    study: str, conditions: Sequence[Planned], features: pa.Table | str, seed: int
 ) -> Iterator[pa.Table]:
     """Train once, and test conditions that differ only in their votes.
 
-    A condition that can't be run has one row per classifier with the reason. `features` may be the sentence by which
-    they were refused. Yields `tables.STUDY` of each pipeline, strategy and condition.
+    Yields `tables.STUDY` per pipeline, strategy and condition. A refused condition has one row per classifier with
+    the reason. `features` may be an error message instead of a table.
     """
-    first = alike[0]
+    first = conditions[0]
     recognition = first.parameters.recognition
     for pipeline, strategy in product(recognition.pipelines, first.parameters.probing.strategies):
         predict = cache(partial(predict_condition, first, features, strategy, pipeline, seed))
-        for one in alike:
-            key = (study, one.condition.name, pipeline, strategy)
+        for planned in conditions:
+            key = (study, planned.condition.name, pipeline, strategy)
             try:
-                yield from cell_rows(key, predict(), one.condition.votes)
+                yield from cell_rows(key, predict(), planned.condition.votes)
             except REFUSALS as refusal:
                 paper = pipeline == "paper"
                 names = recognition.classifiers if paper else recognition.order_free.classifiers
@@ -135,7 +158,7 @@ def measure_conditions(
 def predict_condition(
     planned: Planned, features: pa.Table | str, strategy: str, pipeline: str, seed: int
 ) -> Predictions:
-    """Train and test every split of one pipeline on a condition's touches by one strategy."""
+    """Train and test a pipeline on every split of a condition's touches by one strategy."""
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
     sequences = gather_pipeline(rows, recognition, pipeline, seed)
@@ -153,8 +176,20 @@ _KEY = ("study", "condition", "pipeline", "strategy")
 def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> Iterator[pa.Table]:
     """Yield `tables.STUDY` of each classifier: one row per object, split and repeat.
 
-    With `votes`, every evenly spaced choice of so many viewpoints of an object is one recognition; without, each
-    sequence. Raises `RecognitionError` if there are fewer viewpoints.
+    Parameters
+    ----------
+    key : tuple of str
+        Study, condition, pipeline and strategy.
+    predictions : Predictions
+        The predictions of all splits and classifiers.
+    votes : int, optional
+        The number of viewpoints that vote. Each evenly spaced choice of `votes` viewpoints is one recognition. The
+        default is that each sequence is one recognition.
+
+    Raises
+    ------
+    RecognitionError
+        If the run has fewer viewpoints than `votes`.
     """
     sequences = predictions.sequences
     by_classifier: dict[str, list[tuple[NDArray[Any], ...]]] = {}
@@ -189,7 +224,7 @@ def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> I
 
 
 def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
-    """Return `tables.STUDY` of a condition that can't be run: one row per classifier with the reason."""
+    """Return `tables.STUDY` of a refused condition: one row per classifier with the error message."""
     empty = ("class", "object", "split", "repeat", "sequences", "accuracy", "seconds")
     return build_table(
         STUDY,
@@ -205,7 +240,7 @@ def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
 def _count_correct(
     sequences: TouchSequences, prediction: SplitPrediction
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Return the tested objects, and how many of how many sequences of each are correctly classified."""
+    """Return the tested objects, and the number of correct sequences and of all sequences of each object."""
     test = prediction.split.test
     owners, row = np.unique(sequences.object_index[test], return_inverse=True)
     correct = prediction.predicted == sequences.labels[test]
@@ -216,20 +251,22 @@ def _count_correct(
 def _vote(
     sequences: TouchSequences, prediction: SplitPrediction, votes: int
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Return the tested objects, the share of choices of `votes` viewpoints that classify each correctly, and ones."""
+    """Return the tested objects, each object's share of correct votes of `votes` viewpoints, and ones."""
     test, viewpoints = prediction.split.test, np.unique(sequences.viewpoint)
     if votes > len(viewpoints):
-        raise RecognitionError(f"{votes} viewpoints can't vote, for the run has {len(viewpoints)}.")
+        raise RecognitionError(
+            f"{votes} viewpoints can't vote; at most {len(viewpoints)}, the run's viewpoints, are allowed."
+        )
     owners, row = np.unique(sequences.object_index[test], return_inverse=True)
     if votes > 1 and np.isin(sequences.object_index, owners).sum() > len(test):
         raise RecognitionError(
-            "Objects are tested from some of their viewpoints only, so not all of these can vote; "
-            "choose a protocol that tests whole objects."
+            "The protocol tests objects from only some of their viewpoints; votes of several viewpoints need a "
+            "protocol that tests whole objects."
         )
     choices = viewpoints[evenly_spaced_subsets(len(viewpoints), votes)]
     chosen = (sequences.viewpoint[test] == choices[..., None]).any(axis=1)
     members = (row == np.arange(len(owners))[:, None])[:, None] & chosen
-    # An object may have no whole sequence from any viewpoint of a choice.
+    # An object may have no whole sequence from the viewpoints of a choice.
     voting = members.any(axis=2)
     true_class = np.broadcast_to(sequences.class_of_object[owners][:, None], voting.shape)
     credit = np.zeros(voting.shape)
@@ -240,19 +277,21 @@ def _vote(
 def group_credit(
     prediction: SplitPrediction, members: BoolArray, true_class: IntArray
 ) -> FloatArray:
-    """Return the credit of groups of test sequences: by log probabilities if there are any, else by majority vote.
+    """Return the credit of m groups of n test sequences: by pooled log probabilities if given, else by majority vote.
 
     Parameters
     ----------
+    prediction : SplitPrediction
+        Predictions for the n test sequences of a split.
     members : ndarray of shape (m, n), bool
-        The test sequences of each group.
-    true_class : ndarray of shape (m,)
-        The class of each group's object.
+        True for the test sequences of each group.
+    true_class : ndarray of shape (m,), int64
+        Class index of each group's object.
 
     Returns
     -------
-    ndarray of shape (m,)
-        1 for a correct classification, and 1/k if k classes share the most votes.
+    ndarray of shape (m,), float64
+        1 for a correct classification; 1/k if k classes, the true class included, have the most votes; else 0.
     """
     if prediction.log_probabilities is None:
         group, sequence = np.nonzero(members)

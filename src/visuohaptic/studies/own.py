@@ -1,4 +1,4 @@
-"""A user's own study: one YAML file in folder `studies/`."""
+"""Read a user's study: a YAML file in folder `studies/`."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from visuohaptic.studies.conditions import AS_RUN, ONE_CLASSIFIER, plan_study
 from visuohaptic.studies.study import Changes, Condition, Study
 
 USUAL: Changes = {"recognition.pipelines": ["paper"], **ONE_CLASSIFIER}
-"""What all conditions of an own study have, unless the file's `common` says otherwise."""
+"""Changes of all conditions, unless entry `common` of the file overrides them."""
 
 MOST_CONDITIONS = 20_000
 LONGEST_NAME = 100
 
 
 class StudyFile(Section):
-    """What the file may hold."""
+    """The allowed entries of the file."""
 
     title: str = Field(min_length=1, max_length=200, description="heading in the report")
     common: dict[str, Any] = Field({}, description="changes of all conditions, `as run` included")
@@ -44,70 +44,74 @@ class StudyFile(Section):
             is_plain = name.strip() and len(name) <= LONGEST_NAME and name.isprintable()
             if not is_plain or name == AS_RUN:
                 raise ValueError(
-                    f"{name[:100]!r} is no name of a condition; up to 100 printable characters are "
-                    f"allowed, and {AS_RUN!r} is taken"
+                    f"{name[:100]!r} is no name of a condition; 1 to {LONGEST_NAME} printable characters are "
+                    f"allowed, but not {AS_RUN!r}"
                 )
         return conditions
 
     @model_validator(mode="after")
     def _not_empty(self) -> StudyFile:
         if not self.conditions and not self.grid:
-            raise ValueError("there is neither `conditions` nor `grid`; one of them is needed")
+            raise ValueError("there is neither `conditions` nor `grid`; at least one is needed")
         return self
 
 
 def read_study(path: str | Path, run: ExperimentParameters) -> Study:
-    """Read and check a study; its first condition changes nothing but what is common to all.
+    """Read and check a study. The first condition, `AS_RUN`, has only the common changes.
 
-    Raises `ParameterError`, which names file, condition and parameter, if the file can't be read or
-    holds what is not allowed.
+    Raises `ParameterError`, which names file, condition and parameter, if the file can't be read, an entry is not
+    allowed, or a condition can't be run.
     """
     path = Path(path)
-    found = _read(path)
-    common = {**USUAL, **found.common}
-    for place, changes in _mappings(found):
-        _check_apart(changes, f"{path}: {place}")
-    count = 1 + len(found.conditions)
-    if found.grid:
-        count += math.prod(map(len, found.grid.values()))
+    file = _read(path)
+    common = {**USUAL, **file.common}
+    for entry, changes in _changes_by_entry(file):
+        _check_no_overlap(changes, f"{path}: {entry}")
+    count = 1 + len(file.conditions)
+    if file.grid:
+        count += math.prod(map(len, file.grid.values()))
     if count > MOST_CONDITIONS:
         raise ParameterError(
             f"{path}: there are {count:,} conditions; at most {MOST_CONDITIONS:,} are allowed."
         )
-    named = {AS_RUN: {}, **found.conditions}
-    for name, changes in _combinations(found.grid) if found.grid else ():
+    named = {AS_RUN: {}, **file.conditions}
+    for name, changes in _combinations(file.grid) if file.grid else ():
         if name in named:
-            raise ParameterError(f"{path}: two conditions have the name {name!r}; one is allowed.")
+            raise ParameterError(
+                f"{path}: two conditions have the name {name!r}; each needs a name of its own."
+            )
         named[name] = changes
-    unknown = {*found.compared_with, *found.compared_with.values()} - set(named)
+    unknown = {*file.compared_with, *file.compared_with.values()} - set(named)
     if unknown:
         raise ParameterError(
             f"{path}: compared_with: {min(unknown)!r} is no condition of the study; "
             f"{', '.join(itertools.islice(named, 20))} are allowed."
         )
     conditions = tuple(
-        Condition(name, {**common, **changes}, found.compared_with.get(name))
+        Condition(name, {**common, **changes}, file.compared_with.get(name))
         for name, changes in named.items()
     )
-    study = Study(path.stem, found.title, lambda _: conditions, is_coded=False)
+    study = Study(path.stem, file.title, lambda _: conditions, is_coded=False)
     plan_study(study, run, str(path))
     return study
 
 
-def _mappings(study: StudyFile) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Return each mapping of parameters, with its place in the file."""
+def _changes_by_entry(study: StudyFile) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the changed parameters of each entry of the file, with the entry's name."""
     yield "common", study.common
     yield "grid", study.grid
     for name, changes in study.conditions.items():
         yield f"conditions.{name}", changes
 
 
-def _check_apart(changes: Mapping[str, Any], place: str) -> None:
-    """Refuse a parameter that is named beside its section: which value counts would depend on the order."""
+def _check_no_overlap(changes: Mapping[str, Any], entry: str) -> None:
+    """Refuse changes of both a parameter and its section: the result would depend on the order."""
     for name in changes:
         *sections, _ = itertools.accumulate(name.split("."), "{}.{}".format)
         for section in {*sections} & {*changes}:
-            raise ParameterError(f"{place}: {name} is given twice, as {section} holds it, too.")
+            raise ParameterError(
+                f"{entry}: {name} is also part of {section}; only one of the two is allowed."
+            )
 
 
 def _read(path: Path) -> StudyFile:
@@ -116,20 +120,20 @@ def _read(path: Path) -> StudyFile:
         return StudyFile.model_validate(values)
     except ValidationError as error:
         problem = error.errors()[0]
-        place = ".".join(map(str, problem["loc"]))
+        entry = ".".join(map(str, problem["loc"]))
         message = problem["msg"].removeprefix("Value error, ")
         if problem["type"] == "extra_forbidden":
             message = f"there is no such entry; {', '.join(StudyFile.model_fields)} are allowed"
-        raise ParameterError(f"{path}: {place + ': ' if place else ''}{message}.") from None
+        raise ParameterError(f"{path}: {entry + ': ' if entry else ''}{message}.") from None
 
 
 def _combinations(grid: Mapping[str, list[Any]]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield every combination of a grid's values with a name such as ``touches 1, neighbours 3``."""
+    """Yield every combination of a grid's values, with a name such as ``touches 1, neighbours 3``."""
     short = [path.rpartition(".")[2] for path in grid]
     names = short if len(set(short)) == len(short) else list(grid)
-    for place, values in enumerate(itertools.product(*grid.values())):
+    for number, values in enumerate(itertools.product(*grid.values())):
         label = ", ".join(f"{name} {value}" for name, value in zip(names, values, strict=True))
         if len(label) > LONGEST_NAME:
-            # What tells two of them apart may be at their ends.
-            label = f"{label[: LONGEST_NAME - 10]} … {place}"
+            # Cut labels may be equal, so the number distinguishes them.
+            label = f"{label[: LONGEST_NAME - 10]} … {number}"
         yield label, dict(zip(grid, values, strict=True))

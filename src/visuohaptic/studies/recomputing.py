@@ -1,6 +1,6 @@
-"""Features that conditions of a study share and the run does not have.
+"""Recompute features that conditions of a study share and the run does not have.
 
-This module imports no classifier: a job that touches again does not wait for scikit-learn.
+This module must not import classifiers, so that a job that only touches does not load scikit-learn.
 """
 
 from __future__ import annotations
@@ -30,18 +30,27 @@ Paths = Sequence[str | Path]
 
 @dataclass(frozen=True)
 class Sources:
-    """Files of the run that features are made from: meshes, and parts of tables by name.
+    """Files of the run from which features are recomputed.
 
-    `objects`, ``class/name``, are those of the tables that count; None for all. Meshes are taken as they
-    are.
+    Attributes
+    ----------
+    meshes : sequence of paths
+        Mesh files; all of them are used.
+    tables : mapping of str to sequence of paths
+        Parts of tables by name.
+    objects : collection of str, optional
+        Objects, ``class/name``, to take from the tables. The default is all objects.
     """
 
     meshes: Paths = ()
     tables: Mapping[str, Paths] = field(default_factory=dict)
     objects: Collection[str] | None = None
 
-    def taken_from(self, phase: str) -> list[dict[str, Paths]]:
-        """Return the files to read together from a phase on, by table; imprints are large and come part by part."""
+    def files_for(self, phase: str) -> list[dict[str, Paths]]:
+        """Return groups of files by table, each to be read at once, for a recomputation from `phase` on.
+
+        If only a table of imprints is needed, each part is a group, because imprints are large.
+        """
         needed = inputs_needed_from(phase)
         tables = {name: self.tables[name] for name in needed if name != "meshes"}
         if "meshes" in needed or len(tables) > 1:
@@ -50,7 +59,7 @@ class Sources:
 
 
 def make_study_features(recomputation: Recomputation, sources: Sources, output: str | Path) -> None:
-    """Write features that conditions share; where they are refused, an empty table with the reason."""
+    """Write recomputed features, or an empty table with the error message in its metadata."""
     try:
         table = recompute_features(recomputation, sources)
     except REFUSALS as refusal:
@@ -59,20 +68,20 @@ def make_study_features(recomputation: Recomputation, sources: Sources, output: 
 
 
 def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
-    """Recompute features of the strategies that the parameters name: `tables.FEATURES`.
+    """Recompute `tables.FEATURES` of the strategies in the parameters.
 
-    Meshes are turned as the parameters ask, beyond what their files are turned.
+    The meshes of the files are turned by `parameters.meshes.turns`.
     """
     parameters = recomputation.parameters
     meshes = {object_of(mesh): mesh for mesh in sources.meshes}
     parts = [FEATURES.arrow.empty_table()]
-    for taken in sources.taken_from(recomputation.phase):
+    for files_by_table in sources.files_for(recomputation.phase):
         tables = {
             name: _of_strategies(
                 of_objects(read_table(SCHEMAS[name], files), sources.objects),
                 parameters.probing.strategies,
             )
-            for name, files in taken.items()
+            for name, files in files_by_table.items()
         }
         for key, known in objects_of(tables, meshes):
             viewpoints = range(parameters.viewpoints.total)
@@ -84,7 +93,7 @@ def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Tab
 
 
 def _rotation(key: str, parameters: ExperimentParameters) -> FloatArray | None:
-    """Draw the rotation of an object that is turned beyond its mesh file."""
+    """Draw the rotation of an object; None if objects are not turned."""
     turns = parameters.meshes.turns
     if turns == "none":
         return None

@@ -5,7 +5,7 @@ from visuohaptic.attention.errors import AttentionError
 from visuohaptic.base.errors import VisuohapticError
 
 REFUSALS = (VisuohapticError, AttentionError, ContourletError)
-"""What a condition may fail with; anything else is a fault of the program."""
+"""Expected errors of a condition; other errors are bugs."""
 
 ERROR = b"error"
-"""Metadata of a table of features: the sentence by which they were refused."""
+"""Metadata key of the error message in an empty table of features."""

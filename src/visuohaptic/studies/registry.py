@@ -1,4 +1,4 @@
-"""All studies of a run: those of the package, and the user's own files."""
+"""Find all studies of a run: the studies of the package and of the user's files."""
 
 from __future__ import annotations
 
@@ -27,56 +27,74 @@ STUDIES = (
 """The studies of the package."""
 
 PACKAGED = tuple(study.name for study in STUDIES)
-"""Their names, which no other study may have."""
+"""Names of the studies of the package, which no other study may have."""
 
 REPOSITORY = Path(__file__).parents[3] / "studies"
-"""The studies of the clone that this package lies in; there is no such folder beside an installed package."""
+"""Folder `studies` of the repository that contains this package. An installed package has no such folder."""
 
 _KINDS = ("*.yaml", "*.py", "*/study.py")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,40}")
 
 
 def find_studies(run: ExperimentParameters, folders: Iterable[str | Path]) -> dict[str, Study]:
-    """Return every study by its name, first the package's, then the user's.
+    """Return all studies by name: first the package's, then the user's.
 
-    A user's study is a file ``<name>.yaml`` or ``<name>.py`` of a folder, or ``<name>/study.py``
-    with more beside it; of two folders the first one's counts, but the name of a later folder's
-    ``<name>/study.py`` is taken. Python holds a `Study` named ``STUDY``. Raises `ParameterError`,
-    which names the file, if one is not as it should be.
+    A user's study is a file ``<name>.yaml``, ``<name>.py`` or ``<name>/study.py`` in one of the folders. If two folders
+    have a study of the same name, the first folder counts; but a ``<name>/study.py`` of a later folder must not have
+    the name of an earlier study. A Python file defines a `Study` named ``STUDY``.
+
+    Parameters
+    ----------
+    run : ExperimentParameters
+        The parameters of the run.
+    folders : iterable of paths
+        The folders of the user's studies.
+
+    Returns
+    -------
+    dict of str to Study
+        The studies; the user's are sorted by name.
+
+    Raises
+    ------
+    ParameterError
+        If a name is not allowed, or a file can't be read. The message names the file.
     """
-    found = {study.name: study for study in STUDIES}
+    studies = {study.name: study for study in STUDIES}
     for name, path in _files(map(Path, folders)).items():
         if not _NAME.fullmatch(name) or name in PACKAGED:
             raise ParameterError(
-                f"{path}: {name!r} is no name of a study; up to 41 small letters, digits and "
-                f"underscores are allowed, a letter first, and none of {', '.join(PACKAGED)}."
+                f"{path}: {name!r} is no name of a study; up to 41 lower-case letters, digits and underscores, "
+                f"beginning with a letter, are allowed, and none of {', '.join(PACKAGED)}."
             )
-        found[name] = read_study(path, run) if path.suffix == ".yaml" else load_study(path, name)
-    return found
+        studies[name] = read_study(path, run) if path.suffix == ".yaml" else load_study(path, name)
+    return studies
 
 
 def load_study(path: Path, name: str) -> Study:
-    """Run a file of Python, which has all rights of the user, and give its study.
+    """Import a Python file and return its study. The file runs with all rights of the user.
 
-    Its folder is searched for modules after all others. Raises `ParameterError` if the file can't be
-    run or holds no study of its name.
+    The file's folder is appended to `sys.path`. Raises `ParameterError` if the file can't be imported, or defines no
+    study of its name.
     """
     study = getattr(import_file(path, name), "STUDY", None)
     if not isinstance(study, Study) or study.name != name:
-        raise ParameterError(f"{path} has no STUDY of name {name!r}; one Study is needed.")
+        raise ParameterError(
+            f"{path} has no STUDY of name {name!r}; a Study of that name is needed."
+        )
     for step in study.steps:
-        if not _is_there(step.work):
+        if not _has_module(step.work):
             raise ParameterError(
-                f"{path}: {step.work!r} of step {step.name} is not there; module:function is needed."
+                f"{path}: step {step.name}: {step.work!r} is not importable; module:function is needed."
             )
     return study
 
 
 def import_file(path: Path, study: str) -> ModuleType:
-    """Import a file of a study, ``<study>.py`` or one of folder ``<study>/``.
+    """Import a file of a study: ``<study>.py``, ``<study>/study.py`` or ``<study>/section.py``.
 
-    The folder that holds the study is searched for modules after all others. Raises `ParameterError`
-    if the file can't be run, or if another module has its name.
+    The folder of the study is appended to `sys.path`. Raises `ParameterError` if the file can't be imported, or if
+    another module has its name.
     """
     package = path.name in {"study.py", "section.py"}
     folder = path.parents[1] if package else path.parent
@@ -86,28 +104,26 @@ def import_file(path: Path, study: str) -> ModuleType:
     except VisuohapticError as error:
         raise ParameterError(f"{path}: {error}") from error
     except Exception as error:
-        said = " ".join(str(error).split())
-        raise ParameterError(f"{path} can't be run: {type(error).__name__}: {said}.") from error
+        reason = " ".join(str(error).split())
+        raise ParameterError(f"{path} can't be run: {type(error).__name__}: {reason}.") from error
     if not module.__file__ or not path.samefile(module.__file__):
         raise ParameterError(
-            f"{path}: {study!r} is the name of another module; choose another one."
+            f"{path}: {study!r} is the name of another module; choose another name."
         )
     return module
 
 
 def section_files(folders: Iterable[str | Path]) -> dict[str, Path]:
-    """Find the sections that studies bring to the report, ``<study>/section.py``, by study.
-
-    Of two folders with a study of one name, the first one's counts.
-    """
-    found: dict[str, Path] = {}
+    """Find the report sections of studies, ``<study>/section.py``, by study; earlier folders take precedence."""
+    by_study: dict[str, Path] = {}
     for folder in map(Path, folders):
         for path in sorted(folder.glob("*/section.py")):
-            found.setdefault(path.parent.name, path)
-    return {name: found[name] for name in sorted(found)}
+            by_study.setdefault(path.parent.name, path)
+    return dict(sorted(by_study.items()))
 
 
-def _is_there(work: str) -> bool:
+def _has_module(work: str) -> bool:
+    """Return whether ``module:function`` names a module that can be found."""
     module, _, function = work.partition(":")
     try:
         return find_spec(module) is not None and bool(function)
@@ -116,19 +132,29 @@ def _is_there(work: str) -> bool:
 
 
 def _files(folders: Iterable[Path]) -> dict[str, Path]:
-    """Find the files of studies by name; of two folders, the first one's."""
-    found: dict[str, Path] = {}
+    """Find the files of studies by name; earlier folders take precedence."""
+    by_name: dict[str, Path] = {}
     for folder in folders:
-        named: dict[str, Path] = {}
-        for one in sorted(one for kind in _KINDS for one in folder.glob(kind)):
-            name = one.parent.name if one.name == "study.py" else one.stem
-            other = named.setdefault(name, one)
-            if other is not one:
-                raise ParameterError(f"{other} and {one} are studies of one name; one is allowed.")
-        for name in found.keys() & named.keys():
-            if named[name].name == "study.py" and not named[name].samefile(found[name]):
+        in_folder = _files_in(folder)
+        for name in by_name.keys() & in_folder.keys():
+            earlier, later = by_name[name], in_folder[name]
+            if later.name == "study.py" and not later.samefile(earlier):
                 raise ParameterError(
-                    f"{found[name]}: {name!r} is the name of study {named[name]}; choose another one."
+                    f"{earlier}: {name!r} is the name of study {later}; choose another name."
                 )
-        found = {**named, **found}
-    return {name: found[name] for name in sorted(found) if name != "dvc"}
+        by_name = {**in_folder, **by_name}
+    # dvc.yaml of the folder holds stages of DVC.
+    return {name: by_name[name] for name in sorted(by_name) if name != "dvc"}
+
+
+def _files_in(folder: Path) -> dict[str, Path]:
+    """Find the files of studies in a folder by name."""
+    by_name: dict[str, Path] = {}
+    for path in sorted(path for kind in _KINDS for path in folder.glob(kind)):
+        name = path.parent.name if path.name == "study.py" else path.stem
+        other = by_name.setdefault(name, path)
+        if other is not path:
+            raise ParameterError(
+                f"{other} and {path} are studies of the same name; rename one of them."
+            )
+    return by_name

@@ -1,4 +1,4 @@
-"""Which objects a study measures where there are many."""
+"""Choose a sample of objects for a study."""
 
 from __future__ import annotations
 
@@ -6,14 +6,24 @@ from collections.abc import Sequence
 from itertools import groupby
 
 LEAST_OF_CLASS = 2
-"""One object to train and one to test."""
+"""The least number of objects per class: one to train and one to test."""
 
 
 def sample_objects(objects: Sequence[str], maximum: int) -> list[str]:
-    """Choose at most so many of sorted objects, ``class/name``, evenly spread over the classes and within each.
+    """Choose objects evenly over the classes and within each class.
 
-    Every class keeps its share, rounded, and `LEAST_OF_CLASS` where it has so many; so there may be
-    some more than `maximum`.
+    Parameters
+    ----------
+    objects : sequence of str
+        Objects, ``class/name``, sorted.
+    maximum : int
+        The intended number of objects. The result may have slightly more: each class keeps its rounded share, and at
+        least `LEAST_OF_CLASS` objects.
+
+    Returns
+    -------
+    list of str
+        The chosen objects, or all objects if they are at most `maximum`.
     """
     if len(objects) <= maximum:
         return list(objects)
@@ -22,5 +32,5 @@ def sample_objects(objects: Sequence[str], maximum: int) -> list[str]:
         members = list(group)
         share = round(maximum * len(members) / len(objects))
         count = min(max(share, LEAST_OF_CLASS), len(members))
-        chosen += [members[place * len(members) // count] for place in range(count)]
+        chosen += [members[index * len(members) // count] for index in range(count)]
     return chosen

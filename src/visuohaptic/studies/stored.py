@@ -1,4 +1,4 @@
-"""Tables that were measured once and are kept with the package, with where they come from."""
+"""Read and write measured tables that are kept with the package, together with their source."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SOURCE = b"source"
 
 @dataclass(frozen=True)
 class Source:
-    """Where a kept table comes from: processor, day of the measurement (UTC), what was run, and the package's version."""
+    """Source of a kept table: processor, day of the measurement (UTC), command, and version of the package."""
 
     machine: str
     date: str
@@ -28,7 +28,7 @@ class Source:
 def store_table(
     schema: Schema, table: str | Path, output: str | Path, command: str, machine: str
 ) -> None:
-    """Write a measured table with the command and the processor that gave it."""
+    """Copy a measured table to `output`, with its command, processor, date and version in the metadata."""
     date = datetime.now(UTC).strftime("%Y-%m-%d")
     source = Source(machine, date, command, __version__)
     rows = read_table(schema, table)
@@ -37,5 +37,5 @@ def store_table(
 
 
 def source_of(path: str | Path) -> Source:
-    """Read where a kept table comes from."""
+    """Read the source of a kept table from its metadata."""
     return Source(**json.loads((pq.read_schema(path).metadata or {})[_SOURCE]))

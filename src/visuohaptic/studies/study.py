@@ -1,8 +1,8 @@
-"""What a study is: conditions to compare, and the jobs that follow their measurement.
+"""Define studies: conditions to compare, and the jobs that follow their measurement.
 
-A study of the package is an entry of `registry.STUDIES`. All others lie in folder ``studies/``: YAML for conditions
-alone, or Python with a `Study` named ``STUDY``, which may have steps of its own. A study that is a folder may bring its
-section of the report, too (`report.section.study_sections`).
+Studies of the package are entries of `registry.STUDIES`. All other studies are files in folder ``studies/``: YAML for
+studies with conditions only, or Python with a `Study` named ``STUDY``, which may have steps. A study in a folder of its
+own may also have a section of the report (`report.section.study_sections`).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 from visuohaptic.parameters import ExperimentParameters
 
 Changes = Mapping[str, Any]
-"""New values by the parameters' dotted names; a whole section may be named."""
+"""New values by dotted name of a parameter or a whole section."""
 
 WITHOUT_EFFECT = {
     "workflow": True,
@@ -27,13 +27,13 @@ WITHOUT_EFFECT = {
     "cost": True,
     "probing": {"random_draws"},
 }
-"""Parameters that no condition depends on, as `pydantic.BaseModel.model_dump` excludes them."""
+"""Parameters without effect on any condition, in the form of argument `exclude` of `pydantic.BaseModel.model_dump`."""
 
 DUMP_FOR_CONDITIONS = {"exclude": {**WITHOUT_EFFECT, "recognition": {"intervals"}}}
-"""All that conditions depend on."""
+"""Arguments of `model_dump` that select the parameters with an effect on conditions."""
 
 FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")
-"""What sums up a study's conditions, by its name."""
+"""Files with the figures of a study's conditions; ``{}`` is the study's name."""
 
 _OWN = (
     *FIGURES,
@@ -45,11 +45,18 @@ _OWN = (
 
 @dataclass(frozen=True)
 class Condition:
-    """One way to run the experiment: `changes` say what differs from the run's parameters.
+    """A way to run the experiment.
 
-    Its name is any text; `compared_with` names the condition that it is compared with, None the
-    study's first. So many `votes`, viewpoints, name an object together; with None each sequence
-    counts by itself.
+    Attributes
+    ----------
+    name : str
+        Any text.
+    changes : mapping of str to Any
+        Values that differ from the run's, by dotted name.
+    compared_with : str, optional
+        Name of the condition to compare with. The default is the study's first condition.
+    votes : int, optional
+        The number of viewpoints that vote on an object. The default is that each sequence counts by itself.
     """
 
     name: str
@@ -60,13 +67,28 @@ class Condition:
 
 @dataclass(frozen=True)
 class StepInputs:
-    """What a step's job is given: `inputs`, files by what the step takes, and `outputs`, its own files, to be written.
+    """Arguments of the job of a step.
 
-    `run` has the parameters that the step needs; all others have their defaults. `wildcards` are
-    those of a step with a job for each pipeline or condition, and `condition` is its condition, as
-    `conditions.describe_conditions` gives it. `made` has files of features that conditions share,
-    by key. `objects`, ``class/name``, count; None for all. The number of `processes`
-    that it may start changes no result.
+    Attributes
+    ----------
+    study : str
+        The study's name.
+    inputs : mapping of str to sequence of str
+        Files by entry of `Step.takes`.
+    outputs : sequence of str
+        The files to write.
+    run : ExperimentParameters
+        The parameters that the step needs; all other parameters have their defaults.
+    wildcards : mapping of str to str
+        Values of the wildcards, for a step with one job per pipeline or condition.
+    made : mapping of str to str
+        Files of recomputed features by key.
+    objects : sequence of str, optional
+        Objects, ``class/name``, to use. The default is all objects.
+    condition : mapping, optional
+        The condition as `conditions.describe_conditions` returns it, for a step with one job per condition.
+    processes : int
+        The number of processes that the job may start. Results do not depend on this number.
     """
 
     study: str
@@ -82,33 +104,33 @@ class StepInputs:
 
 @dataclass(frozen=True)
 class Step:
-    """A job of a study beside the blocks of its conditions.
+    """A job of a study in addition to the blocks of conditions.
 
     Attributes
     ----------
     name : str
-        What its rule, log and record are called.
+        Name of the rule, log and record.
     work : str
-        The function that does it, as ``module:function``, imported by its job only: it takes `StepInputs` and
-        writes the outputs. Its module is part of the job's key.
+        The function, as ``module:function``, which takes `StepInputs` and writes the outputs. Only the job imports
+        the module. The module's code is part of the job's key.
     files : tuple of str
-        What it makes; with ``{condition}`` or ``{pipeline}`` in them there is a job for each.
+        The files to write. With ``{condition}`` or ``{pipeline}`` in the names, the step has one job per value.
     takes : tuple of str
-        Tables of the run (``meshes``, ``fixations``, ``features``, ``predictions``), ``blocks`` of the conditions,
-        ``made`` (features of all conditions that the run does not have), and files of other steps. Where a step takes
-        predictions, blocks leave out the conditions that the run itself measured.
+        Inputs: tables of the run (``meshes``, ``fixations``, ``features``, ``predictions``), ``blocks`` of the
+        conditions, ``made`` (recomputed features), and files of other steps. If a step takes ``predictions``, the
+        blocks leave out conditions that the run measured.
     takes_where : mapping of str to str
-        Files of other steps that it takes only where a parameter is true, by the parameter's dotted name.
+        Files of other steps to take only if a parameter is true, by dotted name of the parameter.
     needs : mapping
-        Parameters that it depends on, as `pydantic.BaseModel.model_dump` takes them.
+        Arguments of `pydantic.BaseModel.model_dump` that select the parameters of the step.
     objects : str
-        Whose meshes and fixations it takes: ``all``, the ``study``'s, ``two``, or the ``timed`` objects.
+        The objects of the meshes and fixations: ``all``, ``study``, ``two`` or ``timed``.
     is_block : bool
-        Whether its files hold rows of `tables.STUDY`, which count as blocks do.
+        Whether the files contain rows of `tables.STUDY`, to be used like blocks.
     is_alone : bool
-        Whether it takes all cores: it measures run times, or starts processes of its own.
+        Whether the job takes all cores, because it measures run times or starts processes.
     is_shown : bool
-        Whether the report shows its files.
+        Whether the report shows the files.
     """
 
     name: str
@@ -126,38 +148,38 @@ class Step:
 
     @property
     def wildcards(self) -> tuple[str, ...]:
-        """The wildcards in the names of its files; each combination of their values has a job."""
+        """The wildcards in the names of the files; there is one job per combination of their values."""
         return tuple(name for name in ("condition", "pipeline") if f"{{{name}}}" in self.files[0])
 
     @property
     def record(self) -> str:
-        """The file that says what made its files."""
+        """The file with the record of the job (see `visuohaptic_workflow.records`)."""
         each = "".join(f"/{{{name}}}" for name in self.wildcards)
         return f"results/study_records/{self.name}{each}.json"
 
 
 @dataclass(frozen=True)
 class Study:
-    """Conditions under one title, and the steps that follow.
+    """Conditions to compare, and the steps that follow their measurement.
 
     Attributes
     ----------
     name, title : str
-        What rules and files call it, and its heading in the report.
+        Name of rules and files, and heading in the report.
     conditions : callable
-        Returns a run's conditions; the others are compared with the first.
+        Takes the run's parameters and returns the conditions.
     steps : tuple of Step
-        Jobs of its own, in the order of their work.
+        Further jobs, in the order of their work.
     has_figures : bool
-        Whether each condition's accuracy is summed up in `tables.STUDY_FIGURES`.
+        Whether `tables.STUDY_FIGURES` is written.
     is_sampled : bool
-        Whether it measures a sample of many objects (``cost.maximum_objects``).
+        Whether the study measures a sample of at most ``cost.maximum_objects`` objects.
     is_part_of_run : bool
-        Whether every run makes it.
+        Whether every run contains the study.
     is_on_request : bool
-        Whether later runs leave the study's files until its own target is asked for.
+        Whether later runs keep the study's files until its target is requested.
     is_coded : bool
-        Whether it comes with the package or as Python, and so has a rule ``<name>_all``, too.
+        Whether the study is part of the package or a Python file. Such a study also has a rule ``<name>_all``.
     """
 
     name: str
@@ -172,13 +194,13 @@ class Study:
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """The files that the report shows; the first has the study's date."""
+        """The files that the report shows; the date of the first file is the study's date."""
         steps = (file for step in self.steps if step.is_shown for file in step.files)
         return (*self._figures, *steps)
 
     @property
     def targets(self) -> tuple[str, ...]:
-        """The files that are made where the study is asked for, without its blocks."""
+        """The files to make for the study, without blocks and files with wildcards."""
         steps = (step for step in self.steps if not step.wildcards)
         return (*self._figures, *(file for step in steps for file in (*step.files, step.record)))
 
@@ -188,21 +210,21 @@ class Study:
 
     @property
     def patterns(self) -> tuple[str, ...]:
-        """Patterns of the files that are made only for the study."""
+        """Patterns of the files that only this study writes."""
         own = (pattern.format(self.name) for pattern in _OWN)
         steps = (name for step in self.steps for name in (*step.files, step.record))
         return tuple(re.sub(r"{\w+}", "*", pattern) for pattern in (*own, *steps))
 
     @property
     def taken(self) -> tuple[str, ...]:
-        """What its steps take: tables of the run, and files of steps, those of other studies too."""
+        """The inputs of all steps: tables of the run, and files of steps of all studies."""
         return tuple(
             name for step in self.steps for name in (*step.takes, *step.takes_where.values())
         )
 
     def owns(self, file: str) -> bool:
-        """Return whether a file is made only for the study."""
-        # Most patterns differ in their folder, for which no pattern has to be compiled.
+        """Return whether a file matches one of `patterns`."""
+        # Compare the fixed beginning first, which is faster than to compile each pattern.
         return any(
             file.startswith(re.split(r"[*?[]", pattern)[0]) and fnmatchcase(file, pattern)
             for pattern in self.patterns
@@ -210,7 +232,7 @@ class Study:
 
 
 def do_step(work: str, folders: Iterable[Path], step: StepInputs) -> None:
-    """Do a step's work; modules are also looked for in some folders, after all others."""
+    """Call the function `work` of a step; `folders` are appended to `sys.path`."""
     sys.path += map(str, folders)
     module, _, function = work.partition(":")
     getattr(import_module(module), function)(step)

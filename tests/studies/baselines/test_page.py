@@ -8,9 +8,10 @@ import pytest
 
 sys.path.append(str(Path(__file__).parents[3] / "docs"))
 
-from baselines.choose import CHOSEN, GRIDS, chosen_of
+from baselines.choose import CHOSEN, GRIDS, LEVEL
 from baselines.make_page import LABELS, difference, headline
 from baselines.measure import LENGTHS, OURS, STRATEGIES, KeptBaselines, KeptCell, read_kept
+from classifier_settings.choose import first_near_best
 
 OBJECTS = tuple(f"class/{number}" for number in range(20))
 
@@ -62,11 +63,11 @@ def test_objects_that_chose_settings_and_objects_that_were_not_tested_do_not_cou
 
 
 def test_the_chosen_settings_are_the_simplest_of_the_best():
-    assert chosen_of({"a": 0.5, "b": 0.7, "c": 0.7005, "d": 0.7002}) == "b"
+    assert first_near_best({"a": 0.5, "b": 0.7, "c": 0.7005, "d": 0.7002}, LEVEL) == "b"
     chosen = json.loads(CHOSEN.read_text())
     assert set(chosen) == set(GRIDS)
     for found in chosen.values():
-        assert found["settings"] == json.loads(chosen_of(found["accuracy"]))
+        assert found["settings"] == json.loads(first_near_best(found["accuracy"], LEVEL))
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,11 @@ from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.cost import seconds
 from visuohaptic.studies.cost.seconds import (
     FittedSetting,
-    feel,
     fit_setting,
     fit_settings,
+    look_and_touch,
     measure_seconds,
-    prepare,
+    prepare_surface,
     share_looks,
     time_object,
 )
@@ -63,13 +63,13 @@ def test_the_timed_way_feels_what_the_run_felt(surfaces, fitted, monkeypatch, at
 
 @pytest.mark.slow
 def test_what_settings_have_in_common_is_timed_once_and_counts_for_each(surfaces, fitted):
-    prepared = prepare(surfaces["ring/ring0"])
+    prepared = prepare_surface(surfaces["ring/ring0"])
 
     def parts(viewpoint=0, **changed):
         subject = Subject("ring/ring0", lambda: prepared.caster, [viewpoint])
         parameters = RUN.model_copy(update=changed)
         asked = replace(fitted[0], parameters=parameters, looking=parameters)
-        found = feel(subject, prepared, asked)[1]
+        found = look_and_touch(subject, prepared, asked)[1]
         return {name.removeprefix("seconds_"): value for name, value in found.items()}
 
     own = parts()
@@ -85,7 +85,7 @@ def test_what_settings_have_in_common_is_timed_once_and_counts_for_each(surfaces
     assert all(own[name] != small[name] for name in ("touch", "describe"))
     # No setting has what another one found out about the surface.
     assert "slopes" not in vars(prepared.caster)
-    assert ["slopes" in vars(stage.caster) for _, stage in prepared.further] == [True, True]
+    assert ["slopes" in vars(stage.caster) for _, stage in prepared.next_stages] == [True, True]
 
 
 @pytest.mark.slow
@@ -130,8 +130,8 @@ def test_settings_take_turns_on_the_same_objects(surfaces, fitted, monkeypatch):
         calls.append(one.setting.name)
         return parts["seconds_classify"] * viewpoints
 
-    monkeypatch.setattr(seconds, "feel", felt)
-    monkeypatch.setattr(seconds, "answer_seconds", answered)
+    monkeypatch.setattr(seconds, "look_and_touch", felt)
+    monkeypatch.setattr(seconds, "prediction_seconds", answered)
     few = dict(list(surfaces.items())[:2])
     rows = measure_seconds(few, fitted, rounds=2).to_pylist()
     names = [one.setting.name for one in fitted]
@@ -161,12 +161,14 @@ def test_settings_that_look_alike_share_the_look_that_finds_the_most_fixations()
 
 @pytest.mark.slow
 def test_a_touch_from_a_shared_look_is_the_first_of_more(surfaces, fitted):
-    prepared = prepare(surfaces["box/box1"])
+    prepared = prepare_surface(surfaces["box/box1"])
     subject = Subject("box/box1", lambda: prepared.caster, [0])
     touches = RUN.attention.fixations
     fewer = with_changes(RUN, {"attention.fixations": 1, "recognition.touches": 1})
-    alone = feel(subject, prepared, replace(fitted[0], parameters=fewer, looking=fewer))[0]
-    shared = feel(subject, prepared, replace(fitted[0], parameters=fewer, looking=RUN))[0]
+    alone = look_and_touch(subject, prepared, replace(fitted[0], parameters=fewer, looking=fewer))[
+        0
+    ]
+    shared = look_and_touch(subject, prepared, replace(fitted[0], parameters=fewer, looking=RUN))[0]
     assert touches > 1
     assert shared.equals(alone)
 

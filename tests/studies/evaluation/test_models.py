@@ -91,7 +91,7 @@ def test_an_object_of_a_class_that_the_model_does_not_know_is_counted_apart(mode
 
 
 def test_a_model_that_knows_all_objects_or_has_no_prediction_sets_is_not_evaluated(model):
-    with pytest.raises(RecognitionError, match="Of 9 objects touched by fixation none is of a"):
+    with pytest.raises(RecognitionError, match="None of 9 objects touched by fixation is new"):
         evaluate_model(model, LEARNT)
     with pytest.raises(RecognitionError, match="no prediction sets"):
         evaluate_model(dataclasses.replace(model, certainties={}), ALL)

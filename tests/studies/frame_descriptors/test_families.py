@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from recognition.synthetic import features_table
 
-from frame_descriptors.choose import FAMILIES, choose, describe, read_turned, score
+from classifier_settings.choose import first_near_best
+from frame_descriptors.choose import FAMILIES, MARGIN, describe, read_turned, score
 from frame_descriptors.families import local_frames, spectral_moments, triples
 from turned.study import STUDY
 from visuohaptic.geometry.turning import draw_rotation
@@ -102,5 +103,5 @@ def test_only_objects_of_the_half_are_read_and_scored(tmp_path):
 
 
 def test_a_family_of_fewer_numbers_is_taken_if_it_is_hardly_behind():
-    assert choose({"few": 0.560, "some": 0.561, "many": 0.5649}) == "few"
-    assert choose({"few": 0.559, "some": 0.561, "many": 0.5649}) == "some"
+    assert first_near_best({"few": 0.560, "some": 0.561, "many": 0.5649}, MARGIN) == "few"
+    assert first_near_best({"few": 0.559, "some": 0.561, "many": 0.5649}, MARGIN) == "some"

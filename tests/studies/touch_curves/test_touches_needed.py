@@ -84,5 +84,5 @@ def test_a_curve_that_failed_somewhere_is_left_out():
     broken = curve(RISE)
     broken[5] = Cell((), np.empty(0), np.empty(0), error="too few.")
     assert set(rows_of(cells({"fixation": curve(RISE), "random": broken}))) == {"fixation"}
-    with pytest.raises(RecognitionError, match="no curve"):
+    with pytest.raises(RecognitionError, match="No curve"):
         touches_needed(cells({"random": broken}), INTERVALS)

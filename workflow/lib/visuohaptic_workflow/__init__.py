@@ -1,1 +1,1 @@
-"""What the workflow needs beside the library: jobs, what they depend on, and how they start."""
+"""Code of the workflow: plan jobs, compute their keys, and run and record them."""

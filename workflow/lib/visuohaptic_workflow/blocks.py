@@ -1,4 +1,4 @@
-"""Blocks of objects: those that one job takes through a phase."""
+"""Divide objects into blocks; one job processes one block."""
 
 from __future__ import annotations
 
@@ -7,11 +7,22 @@ from collections.abc import Iterable, Iterator, Sequence
 
 
 def divide(objects: Iterable[str], per_job: int) -> dict[str, list[str]]:
-    """Divide objects, ``class/name``, into blocks of at most `per_job`, sorted, each by the name of its first object.
+    """Divide objects into blocks of at most `per_job` objects.
 
-    Too many objects are halved by a bit of each name's SHA-256, and so are the halves: an object stays in its block
-    whatever others there are, and an object more or less changes one block. A block that grows too large becomes
-    two, and two blocks that fit into one become one.
+    Sets of more than `per_job` objects are halved, again and again, by the bits of the SHA-256 of each name. So adding
+    or removing an object changes only one block, splits a block in two, or merges two blocks.
+
+    Parameters
+    ----------
+    objects : iterable of str
+        Objects, ``class/name``.
+    per_job : int
+        The largest number of objects of a block.
+
+    Returns
+    -------
+    dict of str to list of str
+        Sorted objects of each block, by the name of the first.
     """
     return {part[0]: part for part in sorted(_halve(sorted(objects), per_job, 0))}
 

@@ -1,4 +1,4 @@
-"""What a run does at its end: it puts aside what is no longer named, and says what it found and left out."""
+"""End a run: move files of former jobs aside, and describe results and rejected objects."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from visuohaptic_workflow.keys import read_record
 METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
 RECORDS = [Path("results", kind) for kind in ("records", "study_records", "model_records")]
-"""Where jobs leave their records: those of a run, of studies, and of models."""
+"""Folders with records of jobs: of the run, of studies, and of models."""
 ASIDE = Path(".cache/aside")
 
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
-    """Give all that a run says at its end; figures only of a current report, as others are another run's."""
+    """Return the lines to print at the end of a run; accuracies only if the report is current."""
     meshes = sorted(Path("results/meshes").glob("*/*/*/*.ply"), key=object_of)
     reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
     exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
@@ -37,7 +37,7 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
 
 
 def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:
-    """Give each pipeline's best classifier with its accuracy by strategy, and the report's path, as far as they are there."""
+    """Return lines with the accuracies of each pipeline's most accurate classifier, and the report's path, if they exist."""
     lines = []
     if Path(metrics).is_file():
         try:
@@ -65,7 +65,7 @@ def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
 
 
 def _describe_draws(table: PipelineTable) -> Iterator[str]:
-    """Say how far fixation leads each strategy that was drawn several times, and how far one draw moves that."""
+    """Yield the lead of fixation over each strategy with several draws, and the standard deviation over draws."""
     for strategy, compared in table.headline.comparisons.items():
         lead, draws = compared.difference, compared.draws
         if draws is None or draws.count < 2:
@@ -87,25 +87,31 @@ def _interval(low: float | None, high: float | None) -> str:
 
 
 def put_aside(named: Collection[str]) -> Iterator[str]:
-    """Move what records name, but for the files of today's jobs, to a folder beside the results, and say so in a sentence.
+    """Move files of former jobs, found by their records, to `ASIDE`, and yield a sentence if any were moved.
 
-    A reader of a folder would meet an object's rows twice where blocks were other ones. Nothing else is touched.
+    Without this, a reader of a folder would read rows of an object twice after blocks changed.
+
+    Parameters
+    ----------
+    named : collection of str
+        The files of current jobs, which stay.
     """
     stale = []
     records = {str(record) for folder in RECORDS for record in folder.rglob("*.json")}
-    # A job whose record has another place than before writes the log of before.
-    of_today = map(read_record, records.intersection(named))
-    named = {*named, *(kept["log"] for kept in of_today if kept)}
+    # A current job may share its log with a former job.
+    current = map(read_record, records.intersection(named))
+    named = {*named, *(kept["log"] for kept in current if kept)}
     for record in sorted(records.difference(named)):
-        kept = read_record(record)
-        stale += [record, *(kept["tables"] if kept else ()), *([kept["log"]] if kept else ())]
+        stale.append(record)
+        if kept := read_record(record):
+            stale += [*kept["tables"], kept["log"]]
     target = ASIDE / time.strftime("%Y-%m-%d-%H%M%S")
     moved = [file for file in dict.fromkeys(stale) if file not in named and os.path.lexists(file)]
     for file in map(Path, moved):
         (target / file).parent.mkdir(parents=True, exist_ok=True)
         file.rename(target / file)
-        with suppress(OSError):  # until a folder that holds something
+        with suppress(OSError):  # ends at the first folder that is not empty
             for folder in file.parents[:-2]:
                 folder.rmdir()
     if moved:
-        yield f"{len(moved)} files that today's run no longer names were put into {target}."
+        yield f"{len(moved)} files of former jobs were moved to {target}."

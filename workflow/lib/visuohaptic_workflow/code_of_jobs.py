@@ -1,4 +1,4 @@
-"""Which code is part of a job's key: folders of the library by rule, files of the user with what they import, versions."""
+"""Find the code of a job's key: folders of the library, files of the user and their imports, versions of packages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 LIBRARY = "visuohaptic"
 ALWAYS = ("base",)
-"""What every row of `CODE` has beside its own places."""
+"""Folders that belong to every row of `CODE`."""
 
 _TABLES = ("tables.phases", "tables.schema")
 _BY_OBJECT = ("io.phase_files", "visuohaptic_workflow.phase_jobs", "geometry", *_TABLES)
@@ -46,7 +46,7 @@ _STUDIES = (
 )
 _MEASURING = (*_PHASES, *_STUDIES)
 STEP = (*_PHASES, "evaluation", "studies", "tables")
-"""The row of a study's step that has none by its name: all that lies below the report."""
+"""The row of steps of studies without a row of their own: all folders below the report."""
 
 CODE = {
     "downloads": ("meshes", "geometry"),
@@ -70,10 +70,10 @@ CODE = {
     ),
     "report": (*STEP, "report", "stability", "__init__", "visuohaptic_workflow.studies_asked"),
 }  # fmt: skip
-"""Folders and modules of the library by rule: an edit of any file there makes the rule's jobs run again.
+"""Folders and modules of the library by rule. An edit of any of their files reruns the rule's jobs.
 
-A name is that of a folder or a module below src/visuohaptic, or of another package of this project. The contracts of
-import-linter, in pyproject.toml, forbid each phase what its row does not name.
+Names are relative to src/visuohaptic, or names of other packages of this project. The contracts of import-linter in
+pyproject.toml forbid phases to import other folders.
 """
 
 _DISTRIBUTIONS = {
@@ -85,18 +85,24 @@ _DISTRIBUTIONS = {
     "sklearn": ("scikit-learn",),
     "yaml": ("PyYAML",),
 }
-"""Packages whose module has another name."""
-
+"""Distributions of modules with another name; the first that is installed counts."""
 
 _OF_REPORT = {"section.html.jinja"}
-"""Beside a study's own templates; it is a source of the report."""
+"""Files in templates of studies that are sources of the report instead of a study's step."""
 
 
 @dataclass(frozen=True)
 class Runs:
-    """What a job runs: a script, places of the library (see `CODE`), and `own` files outside of the library.
+    """The code that a job runs: a script, folders of the library, and modules of studies.
 
-    These are modules of studies; what they import counts, too.
+    Attributes
+    ----------
+    script : Path
+        The script.
+    places : tuple of str
+        Folders and modules of the library, as in `CODE`.
+    own : tuple of Path
+        Modules outside of the library. Their imports count too.
     """
 
     script: Path
@@ -106,20 +112,20 @@ class Runs:
 
 @dataclass(frozen=True)
 class Code:
-    """The files of this project and of the user that a job runs, and the versions of other packages by name."""
+    """Files of this project and of the user that a job runs, and versions of other packages by name."""
 
     files: tuple[Path, ...]
     versions: dict[str, str]
 
 
 def imports_of(file: Path) -> list[str]:
-    """Return the dotted names that a file of Python imports, except for relative ones and for those of type checkers."""
+    """Return the dotted names that a Python file imports, without relative imports and imports for type checkers."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
     return sorted(set(_names_imported(tree)))
 
 
 Read = Callable[[Path], Iterable[str]]
-"""A function as `imports_of`, which may remember what it found."""
+"""`imports_of`, or the same with a cache."""
 
 
 def code_of(
@@ -129,50 +135,70 @@ def code_of(
     plug_ins: Iterable[PlugIn] = (),
     read: Read = imports_of,
 ) -> Code:
-    """Find the code of a job in the folders `sources`, which hold this project's packages.
+    """Find the code of a job.
 
-    Modules that files outside of the library import are also looked for in the folders `studies`. A plug-in counts where
-    it registered with a module of the job's places: a file with what it imports, an installed one by its version.
+    Parameters
+    ----------
+    runs : Runs
+        The script and modules of the job.
+    sources : sequence of Path
+        Folders with this project's packages.
+    studies : sequence of Path
+        Further folders with modules that `runs.own` and plug-ins may import.
+    plug_ins : iterable of PlugIn
+        Loaded plug-ins. Plug-ins that registered with a module of the job count: files with their imports, installed
+        packages with their version.
+    read : Read
+        Reads the imports of a file.
+
+    Returns
+    -------
+    Code
+        The files and versions.
     """
-    places = {*ALWAYS, *runs.places}
-    plug_ins = [one for one in plug_ins if any(_is_within(home, places) for home in one.registries)]
-    own = [*runs.own, *(one.file for one in plug_ins if one.file is not None)]
-    files, imported = _outside(own, studies, read)
-    own_names = {file.stem for file in files}
-    # What the table does not name: with its own row, or with all of the library.
+    names = {*ALWAYS, *runs.places}
+    plug_ins = [
+        plug_in
+        for plug_in in plug_ins
+        if any(_is_within(registry, names) for registry in plug_in.registries)
+    ]
+    own = [*runs.own, *(plug_in.file for plug_in in plug_ins if plug_in.file is not None)]
+    files, imported = _files_outside(own, studies, read)
+    own_modules = {file.stem for file in files}
+    # Imports from the library beyond the job's row: add the row of the imported folder, or else the whole library.
     for module in imported:
-        if module.startswith(f"{LIBRARY}.") and not _is_within(module, places):
-            places |= {*CODE.get(module.split(".")[1], [LIBRARY])}
+        if module.startswith(f"{LIBRARY}.") and not _is_within(module, names):
+            names |= {*CODE.get(module.split(".")[1], [LIBRARY])}
     files |= {Path(os.path.relpath(runs.script))}
-    others = {module.partition(".")[0] for module in imported}
-    for place in places:
-        found, packages = _at(place, tuple(sources), read)
-        files |= found
-        others |= packages
-    others -= {"", *sys.stdlib_module_names, *own_names, *_packages(sources), *_packages(studies)}
-    installed = {str(one.package): version_of(str(one.package)) for one in plug_ins if one.package}
-    versions = {name: version_of(name) for name in others} | installed
-    return Code(tuple(sorted(files)), dict(sorted(versions.items())))
+    packages = {module.partition(".")[0] for module in imported}
+    for name in names:
+        files_of_name, packages_of_name = _files_in_library(name, tuple(sources), read)
+        files |= files_of_name
+        packages |= packages_of_name
+    packages -= {
+        "", *sys.stdlib_module_names, *own_modules, *_packages(sources), *_packages(studies)
+    }  # fmt: skip
+    packages |= {str(plug_in.package) for plug_in in plug_ins if plug_in.package}
+    versions = {package: version_of(package) for package in sorted(packages)}
+    return Code(tuple(sorted(files)), versions)
 
 
-def module_of(place: str) -> str:
-    """Return the dotted name of the folder or module that an entry of `CODE` names."""
-    head = place.partition(".")[0]
-    return (
-        place if head in {LIBRARY, "contourlets", "visuohaptic_workflow"} else f"{LIBRARY}.{place}"
-    )
+def module_of(name: str) -> str:
+    """Return the full dotted name of a folder or module of `CODE`."""
+    head = name.partition(".")[0]
+    return name if head in {LIBRARY, "contourlets", "visuohaptic_workflow"} else f"{LIBRARY}.{name}"
 
 
-def _is_within(module: str, places: Iterable[str]) -> bool:
-    return any(f"{module}.".startswith(f"{module_of(place)}.") for place in places)
+def _is_within(module: str, names: Iterable[str]) -> bool:
+    return any(f"{module}.".startswith(f"{module_of(name)}.") for name in names)
 
 
 @cache
-def _at(
-    place: str, sources: tuple[Path, ...], read: Read
+def _files_in_library(
+    name: str, sources: tuple[Path, ...], read: Read
 ) -> tuple[frozenset[Path], frozenset[str]]:
-    """Return the files of a folder or module, with data beside them, and the packages that the modules import."""
-    module = module_of(place)
+    """Return the files of a folder or module, with its data files, and the packages that they import."""
+    module = module_of(name)
     path = next(
         path
         for source in sources
@@ -180,49 +206,50 @@ def _at(
         if path.is_dir() or path.with_suffix(".py").is_file()
     )
     if path.is_dir():
-        files = {one for one in path.rglob("*.*") if one.suffix in {".py", ".json", ".parquet"}}
-        modules = {one for one in files if one.suffix == ".py"}
+        files = {file for file in path.rglob("*.*") if file.suffix in {".py", ".json", ".parquet"}}
+        modules = {file for file in files if file.suffix == ".py"}
     else:
         files = {path.with_suffix(".py")}
         modules = {*files}
-        # Which Python runs before it.
-        packages = [one / "__init__.py" for one in path.parents if (one / "__init__.py").is_file()]
+        # Python runs the __init__ files of its packages before a module; that of the outermost does not count.
+        packages = [file for folder in path.parents if (file := folder / "__init__.py").is_file()]
         files |= {*packages[:-1]}
-    found = {name for one in modules for name in read(one)}
-    return frozenset(files), frozenset(name.partition(".")[0] for name in found)
+    imported = {import_name for module_file in modules for import_name in read(module_file)}
+    return frozenset(files), frozenset(import_name.partition(".")[0] for import_name in imported)
 
 
-def _outside(
+def _files_outside(
     files: Iterable[Path], folders: Sequence[Path], read: Read
 ) -> tuple[set[Path], set[str]]:
-    """Follow imports from files to modules that lie in some folders; give all files, and the names that they import."""
-    found: set[Path] = set()
+    """Follow imports from files to modules in `folders`. Returns all files, and the names that they import."""
+    visited: set[Path] = set()
     imported: set[str] = set()
     waiting = list(files)
     while waiting:
         file = Path(os.path.relpath(waiting.pop()))
-        if file in found:
+        if file in visited:
             continue
-        found.add(file)
+        visited.add(file)
         names = set(read(file))
         imported |= names
         if "importlib.resources" in names:
-            beside = (file.parent.glob(kind) for kind in ("*.json", "*.parquet", "templates/*.*"))
-            found |= {one for some in beside for one in some if one.name not in _OF_REPORT}
+            data = (file.parent.glob(kind) for kind in ("*.json", "*.parquet", "templates/*.*"))
+            visited |= {path for paths in data for path in paths if path.name not in _OF_REPORT}
         modules = [name for name in names if name.partition(".")[0] not in {"", LIBRARY}]
-        waiting += [one for name in modules for one in _modules_at(name, folders)]
-    return found, imported
+        waiting += [path for name in modules for path in _files_of_module(name, folders)]
+    return visited, imported
 
 
-def _modules_at(name: str, folders: Sequence[Path]) -> Iterator[Path]:
+def _files_of_module(name: str, folders: Sequence[Path]) -> list[Path]:
     """Return the file of a module and the `__init__` files of its packages, from the first folder that has any."""
     parts = name.split(".")
     for folder in folders:
         paths = [folder.joinpath(*parts[:count]) for count in range(1, len(parts) + 1)]
         files = [file for path in paths for file in (path / "__init__.py", path.with_suffix(".py"))]
-        if found := [file for file in files if file.is_file()]:
-            yield from found
-            return
+        existing = [file for file in files if file.is_file()]
+        if existing:
+            return existing
+    return []
 
 
 def _names_imported(node: ast.AST) -> Iterator[str]:
@@ -254,7 +281,7 @@ def version_of(module: str) -> str:
 
 
 def _version_in_header(name: str) -> str:
-    """Return what `importlib.metadata.version` returns; that function also parses the package's long description."""
+    """Return the result of `importlib.metadata.version`, without parsing the package's long description."""
     header, _, _ = (distribution(name).read_text("METADATA") or "").partition("\n\n")
-    found = re.search(r"^Version: *(\S+)", header, re.MULTILINE)
-    return found[1] if found else version(name)
+    match = re.search(r"^Version: *(\S+)", header, re.MULTILINE)
+    return match[1] if match else version(name)

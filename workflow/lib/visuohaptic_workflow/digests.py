@@ -1,4 +1,4 @@
-"""What files hold: their SHA-256, remembered as long as nothing about a file has changed."""
+"""SHA-256 of files, cached until the status of a file changes."""
 
 from __future__ import annotations
 
@@ -16,27 +16,26 @@ from typing import Any
 from visuohaptic.base.atomic_files import atomic_write_text
 
 TIMESTAMP = ".snakemake_timestamp"
-"""The file in a folder that is an output by whose time Snakemake judges it."""
+"""The file whose time Snakemake takes as the time of an output folder."""
 
 _YOUNG_NS = 2_000_000_000
-"""A file may change again without another time as long as it is younger than this, so it is read again."""
-
+"""Younger files, in nanoseconds, are not cached: a further change may leave their times as they are."""
 
 Stamp = tuple[int, ...]
 
 
 def stamp(path: str | Path) -> Stamp:
-    """Return what changes with a file, whatever its time is set to: size, inode, times of content and of change."""
-    return stamp_of(os.stat(path))  # noqa: PTH116 - thousands of times, and a Path takes longer than the kernel
+    """Return size, inode, and times of content and of change: at least one of them changes with the file."""
+    return stamp_of(os.stat(path))  # noqa: PTH116 - thousands of calls, and a Path takes longer than the kernel
 
 
-def stamp_of(found: os.stat_result) -> Stamp:
-    """Return the stamp of a file whose status the kernel gave."""
-    return (found.st_size, found.st_ino, found.st_mtime_ns, found.st_ctime_ns)
+def stamp_of(status: os.stat_result) -> Stamp:
+    """Return the stamp of a file by its status."""
+    return (status.st_size, status.st_ino, status.st_mtime_ns, status.st_ctime_ns)
 
 
 class Digests:
-    """SHA-256 of files; the file `memory` keeps them between processes, unless it is damaged."""
+    """SHA-256 of files, cached in the file `memory` between processes; a damaged cache is ignored."""
 
     def __init__(self, memory: str | Path | None = None) -> None:
         self._memory = memory
@@ -47,7 +46,7 @@ class Digests:
                 self._known = dict(json.loads(Path(memory).read_text(encoding="utf-8")))
 
     def of(self, path: str | Path) -> str:
-        """Give the SHA-256 of a file, or of a folder's files and their names; raises `OSError` if it can't be read."""
+        """Return the SHA-256 of a file, or of a folder's files and their names. Raises `OSError` as `open`."""
         status = os.stat(path)  # noqa: PTH116 - as in `stamp`
         if stat.S_ISDIR(status.st_mode):
             path = Path(path)
@@ -64,29 +63,29 @@ class Digests:
             return str(known[1])
         path = Path(path)
         with path.open("rb") as stream:
-            found = hashlib.file_digest(stream, "sha256").hexdigest()
-        if path.suffix == ".py" and (known is None or known[1] != found):
-            # Python would take bytecode for current that was made in the same second from as many bytes.
+            digest = hashlib.file_digest(stream, "sha256").hexdigest()
+        if path.suffix == ".py" and (known is None or known[1] != digest):
+            # Python can't tell bytecode from an edit in the same second with the same number of bytes.
             Path(importlib.util.cache_from_source(key)).unlink(missing_ok=True)
         young = max(now[2:]) > time.time_ns() - _YOUNG_NS
-        self._known[key] = [[] if young else now, found]
+        self._known[key] = [[] if young else now, digest]
         self._changed = True
-        return found
+        return digest
 
-    def remembered(self, find: Callable[[Path], Sequence[str]], path: Path) -> Sequence[str]:
-        """Return the strings that `find` reads from a file, remembered as long as the file has this content.
+    def read_cached(self, read: Callable[[Path], Sequence[str]], path: Path) -> Sequence[str]:
+        """Return `read(path)`, cached until the content of the file changes.
 
-        Only one `find` is remembered per file.
+        Always pass the same `read` for a file: the cache has one entry per file.
         """
         self.of(path)
         known = self._known[_key_of(path)]
-        if len(known) == 2:  # without what `find` read
-            known.append(find(path))
+        if len(known) == 2:  # stamp and digest, not yet the result of `read`
+            known.append(read(path))
             self._changed = True
         return list(known[2])
 
     def save(self) -> None:
-        """Keep what is known, where a file for it was named and can be written."""
+        """Write the cache to the file `memory`, if there is such a file name and the file can be written."""
         if self._memory is not None and self._changed:
             with suppress(OSError):
                 atomic_write_text(self._memory, json.dumps(self._known))
@@ -97,7 +96,7 @@ def _key_of(path: str | Path) -> str:
 
 
 def stamp_if_there(path: str | Path) -> Stamp | None:
-    """Return the stamp of a file; None for a file that is missing."""
+    """Return the stamp of a file; None for a missing file."""
     with suppress(FileNotFoundError, NotADirectoryError):
         return stamp(path)
     return None
@@ -106,6 +105,6 @@ def stamp_if_there(path: str | Path) -> Stamp | None:
 def stamps_of(
     files: Iterable[str], find_stamp: Callable[[str], Stamp | None] = stamp_if_there
 ) -> str:
-    """Return the digest of the stamps of files, to see later whether one was touched or removed."""
-    found = [[file, find_stamp(file)] for file in files]
-    return hashlib.sha256(json.dumps(found).encode()).hexdigest()
+    """Return a digest of the stamps of files, which changes if any file is written or removed."""
+    stamps = [[file, find_stamp(file)] for file in files]
+    return hashlib.sha256(json.dumps(stamps).encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""The lock file by which DVC knows a finished run, `dvc.lock`: written only for results that today's keys would give."""
+"""Write `dvc.lock`, by which DVC recognises a finished run, but only for results of the current keys."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from visuohaptic_workflow.keys import Keys
 LOCK = Path("dvc.lock")
 
 STAGE = "experiment"
-"""The stage of `dvc.yaml` that is locked; stages of studies are the user's to commit."""
+"""The stage of `dvc.yaml` to lock. Users commit stages of studies themselves."""
 
 IN_STAGE = "DVC_STAGE"
 """The variable that DVC sets in the environment of a stage's command."""
 
-EMPTY_WHERE_NOTHING_IS_MADE = (
+OUTPUTS_THAT_MAY_BE_EMPTY = (
     "meshes/downloaded",
     *(
         f"results/{folder}/{study}"
@@ -37,39 +37,41 @@ EMPTY_WHERE_NOTHING_IS_MADE = (
         )
     ),
 )
-"""Outputs of `dvc.yaml` that a run may not fill; DVC fails where an output is missing, and warns of an empty one."""
+"""Outputs of `dvc.yaml` that a run may leave empty. DVC fails if an output is missing, and warns of empty outputs."""
 
 KEPT = ".keep"
-"""The file that keeps an empty folder; readers of tables pass over hidden files."""
+"""The file that makes an empty folder non-empty. Readers of tables ignore hidden files."""
 
-_KEPT_AS_IT_WAS = "dvc.lock stays as it was"
+_UNCHANGED = "dvc.lock stays as it was"
 
 
 class LockError(VisuohapticError):
-    """The lock file can't be written for the results that are there."""
+    """The lock file can't be written for the existing results."""
 
 
 def is_lockable() -> bool:
-    """Return whether this folder is a repository of Git and DVC, with DVC installed, and no stage of DVC runs."""
+    """Return whether this folder is a repository of Git and DVC, DVC is installed, and no stage of DVC is running."""
     is_repository = Path(".dvc").is_dir() and Path(".git").exists() and Path("dvc.yaml").exists()
     return is_repository and IN_STAGE not in os.environ and find_spec("dvc") is not None
 
 
 def make_empty_outputs() -> None:
-    """Make the folders of `EMPTY_WHERE_NOTHING_IS_MADE`, each with a file `KEPT`."""
-    for folder in map(Path, EMPTY_WHERE_NOTHING_IS_MADE):
+    """Make the folders of `OUTPUTS_THAT_MAY_BE_EMPTY`, each with a file `KEPT`."""
+    for folder in map(Path, OUTPUTS_THAT_MAY_BE_EMPTY):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / KEPT).touch()
 
 
 def lock_in_new_process(environment: Mapping[str, str]) -> None:
-    """Ask a new process, which reads the workflow and its parameters again, to write the lock.
+    """Write the lock in a new process, which reads the workflow and its parameters again.
 
-    Its sentences go to standard error. Its failure fails nothing: the results are there.
+    Its output goes to standard error. Its exit status is ignored, because the results are complete.
     """
     ask = ["snakemake", "--list-rules", "--quiet", "--workflow-profile", "none"]
     command = [sys.executable, "-m", *ask]
-    with suppress(KeyboardInterrupt):  # the new process gets it, too, and the results are there
+    with suppress(
+        KeyboardInterrupt
+    ):  # the new process gets the signal too, and the results are complete
         subprocess.run(command, env=environment, check=False, stdout=sys.stderr)  # noqa: S603 - our own words
 
 
@@ -78,14 +80,24 @@ def write_lock(
 ) -> None:
     """Let DVC write its lock for the results behind `targets`.
 
-    `are_parameters_current` reads ``params.yaml`` again, and returns whether it says what the keys are made of. Raises
-    `LockError` if a record does not fit today's key, if an input or result changes meanwhile, or if DVC refuses; the
-    lock is then as it was before.
+    Parameters
+    ----------
+    keys : Keys
+        The keys of all jobs.
+    targets : iterable of str
+        Files of the run.
+    are_parameters_current : callable
+        Reads ``params.yaml`` again and returns whether the keys have the same parameters.
+
+    Raises
+    ------
+    LockError
+        If a record is not current, an input or result changes meanwhile, or DVC fails. The lock is then unchanged.
     """
     records = keys.needed_for(targets)
     if stale := [record for record in records if keys.why(record)]:
         raise LockError(
-            f"{_KEPT_AS_IT_WAS}: {len(stale)} results are not those of today's parameters, code and meshes, "
+            f"{_UNCHANGED}: {len(stale)} results do not match the current parameters, code and meshes, "
             f"such as {stale[0]}; `make why` lists the reasons."
         )
     make_empty_outputs()
@@ -96,39 +108,39 @@ def write_lock(
     done = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
     if done.returncode:
         _restore(old)
-        said = [line for line in done.stderr.splitlines() if line.startswith("ERROR: ")]
-        reason = said[0].removeprefix("ERROR: ") if said else f"status {done.returncode}"
-        raise LockError(f"{_KEPT_AS_IT_WAS}: `dvc commit` ended with: {reason}.")
+        errors = [line for line in done.stderr.splitlines() if line.startswith("ERROR: ")]
+        reason = errors[0].removeprefix("ERROR: ") if errors else f"status {done.returncode}"
+        raise LockError(f"{_UNCHANGED}: `dvc commit` ended with: {reason}.")
     if not (are_parameters_current() and all(map(keys.is_unchanged, records))):
         _restore(old)
-        raise LockError(f"{_KEPT_AS_IT_WAS}: a file changed while DVC read the results; run again.")
+        raise LockError(f"{_UNCHANGED}: a file changed while DVC read the results; run again.")
 
 
 def check_clone() -> None:
-    """Refuse an experiment of DVC in a folder of its own if the clone is shallow, with a `LockError`.
+    """Raise `LockError` for an experiment that DVC runs in a temporary folder of a shallow clone.
 
-    Git can't fetch the experiment's commit into a shallow clone, and DVC says nothing of that: the result is lost.
+    Git can't fetch the experiment's commit into a shallow clone, and DVC reports no error: the result would be lost.
     """
     clone = os.environ.get("DVC_ROOT", "")
     if not clone or Path(clone) == Path.cwd():
         return
     command = ["git", "-C", clone, "rev-parse", "--is-shallow-repository"]
-    said = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
-    if said.stdout.strip() == "true":
+    answer = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
+    if answer.stdout.strip() == "true":
         raise LockError(
-            f"{clone} is a shallow clone, from which DVC would lose this experiment's result; "
+            f"{clone} is a shallow clone, in which DVC would lose this experiment's result; "
             "run `git fetch --unshallow` there, then the experiment again."
         )
 
 
 def is_tracked() -> bool:
-    """Return whether Git knows the lock, so that queued experiments start with its results."""
+    """Return whether Git tracks the lock, so that queued experiments start with its results."""
     command = ["git", "ls-files", "--error-unmatch", str(LOCK)]
     return subprocess.run(command, check=False, capture_output=True).returncode == 0  # noqa: S603 - our own words
 
 
 def _is_readable(lock: Path) -> bool:
-    """Return whether a lock is there and is YAML of several entries; DVC refuses one that was cut off."""
+    """Return whether the lock is a YAML mapping; DVC refuses a truncated lock."""
     try:
         return isinstance(yaml.safe_load(lock.read_bytes()), dict)
     except (OSError, yaml.YAMLError):

@@ -1,4 +1,4 @@
-"""What every job of a workflow needs around its work: a log, a clock, and errors in one sentence."""
+"""Run a job of the workflow: measure its time, write its log and record, and report errors in one sentence."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from visuohaptic_workflow.records import check_inputs, check_unchanged, write_re
 
 
 def set_job_environment(*folders: str | Path) -> None:
-    """Let the processes that this one starts look for modules in these folders first, then in the caller's PYTHONPATH.
+    """Put folders in front of the caller's PYTHONPATH for child processes.
 
-    They import the package of this checkout, even if another is installed.
+    Child processes then import the package of this checkout, even if another version is installed.
     """
     inherited = without_studies_of_clones(os.environ.get("PYTHONPATH", "").split(os.pathsep))
     paths = dict.fromkeys([*map(str, folders), *filter(None, inherited)])
@@ -32,7 +32,7 @@ def set_job_environment(*folders: str | Path) -> None:
 
 
 def without_studies_of_clones(paths: Iterable[str]) -> list[str]:
-    """Drop folders ``studies`` of clones from a search path: modules of another clone would hide this one's."""
+    """Drop folders ``studies`` of clones from a search path: they would hide this clone's modules."""
     return [path for path in paths if not _is_studies_of_clone(Path(path))]
 
 
@@ -42,10 +42,11 @@ def _is_studies_of_clone(path: Path) -> bool:
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[None]:
-    """Run a job's work: time it, log it for `visuohaptic.io.job_logs.read_seconds`, and end with one sentence where it can't be done.
+    """Run the body as the work of a job: check its inputs, and write its log and record.
 
-    After any error it exits with status 1: the sentence goes to standard error and the log, which alone gets a traceback
-    where the error was not foreseen. Where the user stopped the run, with status 130 and nothing printed.
+    The log has the seconds that `visuohaptic.io.job_logs.read_seconds` reads. After an error the process exits with
+    status 1. A sentence goes to standard error and the log; the log also gets the traceback of an unexpected error.
+    If the user stops the run, the process exits with status 130 and prints nothing.
     """
     path = Path(snakemake.log[0])
     try:
@@ -55,18 +56,18 @@ def job(snakemake: Any) -> Iterator[None]:
             keep_pandas_out()
         started = time.time()
         imports = _seconds_since_start()
-        given = snakemake.params.get("key")
-        if given:
-            check_inputs(given)
+        snapshot = snakemake.params.get("key")
+        if snapshot:
+            check_inputs(snapshot)
         yield
-        if given:
-            check_unchanged(given)
-        write_record(snakemake, given)
+        if snapshot:
+            check_unchanged(snapshot)
+        write_record(snakemake, snapshot)
     except KeyboardInterrupt:
         raise SystemExit(STOPPED) from None
     except VisuohapticError as error:
         _end_with(path, f"error: {error}", "")
-    except Exception as error:  # noqa: BLE001 - the job ends here, and says why
+    except Exception as error:  # noqa: BLE001 - the job ends here with the reason
         _end_with(
             path, f"error: {type(error).__name__}: {error} (see {path})", traceback.format_exc()
         )
@@ -81,9 +82,9 @@ def _end_with(log: Path, sentence: str, details: str) -> None:
 
 
 def _seconds_since_start() -> float:
-    """Give the age of this process; the kernel knows it to a hundredth of a second."""
+    """Return the age of this process in seconds; the kernel counts hundredths."""
     if sys.platform == "linux":
-        # Field 22 of 52; the name in field 2 may hold spaces and brackets.
+        # Field 22 of 52. The name in field 2 may contain spaces and brackets.
         fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
         return time.clock_gettime(time.CLOCK_BOOTTIME) - int(fields[19]) / os.sysconf("SC_CLK_TCK")
     return time.time() - psutil.Process().create_time()

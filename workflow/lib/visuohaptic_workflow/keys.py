@@ -1,8 +1,9 @@
-"""Keys: what made a job's files, in one digest, and whether the same would be made today.
+"""Keys of jobs: digests of everything that determines a job's files.
 
-A key is the digest of a job's code (`code_of_jobs.CODE`), the versions of the packages that this imports, its parameters, the content of its
-sources, and the keys of the jobs that it takes from. A job's record is the last of its files: the parts of its key, and
-the digests of its tables. The record fits if its key is today's and each table has its digest. Times say nothing.
+The parts of a key are the job's code (`code_of_jobs.CODE`), versions of imported packages, parameters, the content of
+source files, and the keys of the jobs that made its other inputs. A job writes its record last: the parts of its key,
+and the digests of its tables. A record is current if its key is the current key and each table has its digest. Times of
+files do not count.
 """
 
 from __future__ import annotations
@@ -22,15 +23,27 @@ from visuohaptic_workflow.digests import Digests, Stamp, stamp_if_there, stamps_
 Parts = dict[str, Any]
 
 NEW = "new"
-"""The reason to run a job none of whose files is there."""
+"""The reason to run a job without any existing file."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """One job of a rule.
+    """A job of a rule.
 
-    `record`, one of its outputs, says what made the others; `find_params` gives the parameters that decide what they
-    hold, of built-in types.
+    Attributes
+    ----------
+    rule : str
+        Name of the rule.
+    wildcards : mapping of str to str
+        Values of the rule's wildcards.
+    runs : Runs
+        The code of the job.
+    inputs, outputs : tuple of str
+        Files.
+    record : str
+        The output with the parts of the job's key and the digests of its tables.
+    find_params : callable
+        Returns the parameters in built-in types.
     """
 
     rule: str
@@ -43,17 +56,17 @@ class Job:
 
     @cached_property
     def tables(self) -> list[str]:
-        """Its files but the record."""
+        """The outputs without the record."""
         return [file for file in self.outputs if file != self.record]
 
 
 def key_of(parts: Mapping[str, Any]) -> str:
-    """Give the key of its parts: 64 hexadecimal digits."""
+    """Compute a key from its parts: 64 hexadecimal digits."""
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
 def read_record(path: str | Path) -> dict[str, Any]:
-    """Read a record; an empty one where it is missing, or is none."""
+    """Read a record. Returns an empty dict if the file is missing or no record."""
     try:
         record = json.loads(Path(path).read_text(encoding="utf-8"))
         return record if {"key", "parts", "tables", "log"} <= record.keys() else {}
@@ -62,10 +75,20 @@ def read_record(path: str | Path) -> dict[str, Any]:
 
 
 class Keys:
-    """The keys of all jobs that today's parameters and objects ask for, each fixed when it is first asked for.
+    """The keys of all current jobs; each key is computed at first use and cached.
 
-    Files of the clone, `root`, have the same names wherever the run is. Jobs with a record in `kept` are left as they
-    are: other jobs that take from them take what is there.
+    Parameters
+    ----------
+    jobs : iterable of Job
+        All jobs of the current parameters and objects.
+    find_code : callable
+        Returns the `Code` of `Runs`.
+    digests : Digests
+        Digests of files.
+    root : Path
+        The clone. In keys, files of the clone have names relative to this folder.
+    kept : collection of str
+        Records of jobs that are not to run again. Jobs behind them use the existing files.
     """
 
     def __init__(
@@ -82,15 +105,15 @@ class Keys:
         self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
 
     def makers(self, files: Iterable[str]) -> dict[str, None]:
-        """Name the records of the jobs that make some files, each once."""
+        """Return the records of the jobs that make some files, each once."""
         return {self._makers[file]: None for file in files if file in self._makers}
 
     @cache  # noqa: B019 - a process has one such object, or few
     def parts(self, record: str) -> Parts:
-        """Give the parts of a job's key.
+        """Return the parts of a job's key.
 
-        ``code`` and ``sources``: digests by file; ``packages``: versions; ``parameters``; ``from``: the key of each
-        job that it takes from, by record.
+        ``code`` and ``sources`` are digests by file, ``packages`` versions by name, ``parameters`` values by name,
+        and ``from`` keys of the jobs behind the inputs by record.
         """
         job = self.jobs[record]
         return {
@@ -103,11 +126,11 @@ class Keys:
 
     @cache  # noqa: B019
     def key(self, record: str) -> str:
-        """Give a job's key."""
+        """Return a job's key."""
         return key_of(self.parts(record))
 
-    def given(self, record: str) -> Parts:
-        """Give what a job checks itself by: its key's parts, its files of code and sources, and what marks these today."""
+    def snapshot(self, record: str) -> Parts:
+        """Return the parts of a job's key, its files of code and sources, and their stamps, for checks in the job."""
         code = self._code_files(self.jobs[record].runs)
         files = {"code": code, "sources": self._sources(record)}
         stamps = stamps_of([*code, *files["sources"]], self._stamp)
@@ -115,7 +138,7 @@ class Keys:
 
     @cache  # noqa: B019
     def reason(self, record: str) -> str | None:
-        """Say why a job's files are not what it would make today; None where they are."""
+        """Return why a job's files are not current; None if they are."""
         kept, tables = read_record(record), self.jobs[record].tables
         if not kept:
             return "record: none of this version" if any(map(os.path.exists, tables)) else NEW
@@ -125,38 +148,40 @@ class Keys:
         return next((f"table: {file}" for file in edited), None)
 
     def why(self, record: str) -> str | None:
-        """Give the reason to run a job; None for one whose files are today's, or are left as they are."""
+        """Return the reason to run a job; None if its files are current or kept."""
         return None if record in self.kept else self.reason(record)
 
     @cache  # noqa: B019
     def stale_behind(self, record: str) -> set[str]:
-        """Name the records of stale jobs from which a job is parted by current ones alone.
+        """Return the records of stale jobs that only current jobs separate from a job.
 
-        From a job that runs Snakemake goes on to those that take its files, and passes over all others behind it
-        (https://github.com/snakemake/snakemake/issues/4166): a stale job must take something of these itself.
+        Snakemake runs a job after a rerun of its direct inputs, but not of stale jobs behind current jobs
+        (https://github.com/snakemake/snakemake/issues/4166). So these records must become direct inputs.
         """
         current = [maker for maker in self._makers_of(record) if self.why(maker) is None]
-        nearest = {one for maker in current for one in self._makers_of(maker) if self.why(one)}
+        nearest = {
+            stale for maker in current for stale in self._makers_of(maker) if self.why(stale)
+        }
         return nearest.union(*map(self.stale_behind, current))
 
     def needed_for(self, files: Iterable[str]) -> list[str]:
-        """Name the records of all jobs behind some files, in no order of work."""
-        found: dict[str, None] = {}
+        """Return the records of all jobs behind some files, in no particular order."""
+        needed: dict[str, None] = {}
         waiting = list(self.makers(files))
         while waiting:
             record = waiting.pop()
-            if record not in found:
-                found[record] = None
+            if record not in needed:
+                needed[record] = None
                 waiting += self._makers_of(record)
-        return list(found)
+        return list(needed)
 
     def is_unchanged(self, record: str) -> bool:
-        """Return whether code, sources and tables of a job that fits still have the digests of its key and record."""
+        """Return whether code, sources and tables of a current job still have the digests of its key and record."""
         parts, tables = self.parts(record), read_record(record).get("tables", {})
         code = self._digests_of(self._find_code(self.jobs[record].runs).files)
         sources = self._digests_of(self._sources(record))
-        found = {file: self._digest(file) for file in tables}
-        return (code, sources, found) == (parts["code"], parts["sources"], tables)
+        digests = {file: self._digest(file) for file in tables}
+        return (code, sources, digests) == (parts["code"], parts["sources"], tables)
 
     def _makers_of(self, record: str) -> dict[str, None]:
         return self.makers(self.jobs[record].inputs)
@@ -168,8 +193,8 @@ class Keys:
             ("code", "code"),
             ("packages", "packages"),
         ):
-            if (place := _first_difference(kept.get(part, {}), today[part])) is not None:
-                return f"{name}: {place}"
+            if (path := _first_difference(kept.get(part, {}), today[part])) is not None:
+                return f"{name}: {path}"
         for maker, key in today["from"].items():
             if kept.get("from", {}).get(maker) != key:
                 return self.reason(maker) or f"from: {self.jobs[maker].rule}"
@@ -207,8 +232,8 @@ class Keys:
         return {self._name(file): self._digest(file) for file in files}
 
     def _name(self, file: str | Path) -> str:
-        """Return the path of a file of the clone relative to the clone; of another file as it was named."""
-        # Made absolute without following links.
+        """Return the path relative to the clone for files of the clone, else the given path."""
+        # os.path.abspath does not follow links.
         path, root = os.path.abspath(file), f"{self._root}{os.sep}"  # noqa: PTH100
         return path.removeprefix(root) if path.startswith(root) else str(file)
 
@@ -219,12 +244,12 @@ class Keys:
             return "missing"
 
 
-def _first_difference(kept: Any, today: Any, place: str = "") -> str | None:
-    """Name the first place at which two values differ, such as ``sensor.largest_size``."""
+def _first_difference(kept: Any, today: Any, path: str = "") -> str | None:
+    """Return the path of the first difference of two values, such as ``sensor.largest_size``; None if equal."""
     if kept == today:
         return None
     if isinstance(kept, dict) and isinstance(today, dict):
         for name in [*today, *kept]:
             if kept.get(name) != today.get(name):
-                return _first_difference(kept.get(name), today.get(name), f"{place}.{name}")
-    return place.removeprefix(".")
+                return _first_difference(kept.get(name), today.get(name), f"{path}.{name}")
+    return path.removeprefix(".")

@@ -1,4 +1,4 @@
-"""What makes Snakemake run a job whose record does not fit, and say why: an input that is newer than the record."""
+"""Make Snakemake run a stale job and print the reason: an input, named after the reason, that is newer than the record."""
 
 from __future__ import annotations
 
@@ -15,18 +15,36 @@ from visuohaptic_workflow.one_run import not_writable
 
 FOLDER = Path("logs/why")
 
-_OF_A_RECORD = 946684800  # 2000-01-01; 1970 breaks ZIP and FAT
-_OF_A_MARKER = _OF_A_RECORD + 86400  # of a time to come Snakemake would say that a clock is wrong
+_TIME_OF_RECORD = 946684800  # 2000-01-01; 1970 breaks ZIP and FAT
+_TIME_OF_MARKER = _TIME_OF_RECORD + 86400  # Snakemake warns of times in the future
 
 
 def mark_stale(record: str, reason: str, tables: Iterable[str] = ()) -> list[str]:
-    """Make a record older than all inputs of its job, and return a folder that is named after the reason.
+    """Make a record older than all inputs of its job, and make a folder that is named after the reason.
 
-    The marker is a folder: Snakemake remembers the content of a small file, and would skip it the second time. A missing
-    record is replaced by an empty one: otherwise Snakemake would take tables that lie there, such as copied ones, for
-    results of the job. Write-protected `tables`, hard links to the cache of DVC, become writable copies: Snakemake does
-    not replace protected files. A new job needs no marker: nothing is changed, and no folder returned. Raises
-    `FolderError` if this user may not write here.
+    The marker is a folder, because Snakemake compares small files by content and would skip an equal file. A missing
+    record is replaced by an empty record; else Snakemake would take existing tables, such as copies, for results of the
+    job.
+
+    Parameters
+    ----------
+    record : str
+        The record.
+    reason : str
+        The reason to run the job. For `keys.NEW`, no file is changed.
+    tables : iterable of str
+        Tables of the job. Write-protected tables, which are hard links to the cache of DVC, become writable copies,
+        because Snakemake does not replace protected files.
+
+    Returns
+    -------
+    list of str
+        The marker, to be an input of the job; empty for a new job.
+
+    Raises
+    ------
+    FolderError
+        If this user may not write here.
     """
     if reason == NEW:
         return []
@@ -34,12 +52,12 @@ def mark_stale(record: str, reason: str, tables: Iterable[str] = ()) -> list[str
     marker = FOLDER / reason.replace("../", "").replace("{", "(").replace("}", ")")
     try:
         marker.mkdir(parents=True, exist_ok=True)
-        with suppress(PermissionError):  # another user's has that time
-            os.utime(marker, (_OF_A_MARKER, _OF_A_MARKER))
-        # A copy takes its place: it may be a link to DVC's cache, whose times are its own, or another user's.
+        with suppress(PermissionError):  # a marker of another user already has that time
+            os.utime(marker, (_TIME_OF_MARKER, _TIME_OF_MARKER))
+        # Replace the record by a copy: it may belong to another user, or be a link to DVC's cache, which must not change.
         with atomic_file(path) as copy:
             copy.write_bytes(path.read_bytes() if path.exists() else b"{}\n")
-            os.utime(copy, (_OF_A_RECORD, _OF_A_RECORD))
+            os.utime(copy, (_TIME_OF_RECORD, _TIME_OF_RECORD))
         for table in filter(_is_protected, map(Path, tables)):
             with atomic_file(table) as copy:
                 shutil.copyfile(table, copy)

@@ -1,4 +1,4 @@
-"""The jobs of phases that take one object at a time."""
+"""Run jobs of phases that process one object at a time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from visuohaptic.io.phase_files import Work, run_phase_on_files
 
 
 def run_block(snakemake: Any, work: Work) -> None:
-    """Take a block of objects and of viewpoints through one phase."""
+    """Run a phase on a block of objects and viewpoints."""
     params, inputs, outputs = (
         dict(part.items()) for part in (snakemake.params, snakemake.input, snakemake.output)
     )

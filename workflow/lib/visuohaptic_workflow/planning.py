@@ -1,4 +1,4 @@
-"""Which jobs the rules ask for today: rules' patterns, filled with the values of their wildcards."""
+"""Plan jobs: fill the patterns of rules with the values of their wildcards."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ Values = Mapping[str, Iterable[str]]
 
 @dataclass(frozen=True)
 class Declared:
-    """What a rule's job runs and takes: patterns of files, or functions of wildcards that list them, by name."""
+    """Code and inputs of a rule. Inputs are patterns of files by name, or functions of wildcards that return them."""
 
     runs: Runs
     inputs: Mapping[str, Any]
 
     def files(self, wildcards: Any) -> dict[str, Any]:
-        """Give a job's files by name, a string or a list as they were declared."""
+        """Return a job's input files by name, each a string or a list as declared."""
         return {
             name: _filled(item(wildcards) if callable(item) else item, wildcards)
             for name, item in self.inputs.items()
@@ -34,61 +34,71 @@ class Declared:
 
 
 def plan_jobs(
-    rule: str, declared: Declared, made: Any, chosen: Values | Sequence[Mapping[str, str]]
+    name: str, declared: Declared, rule: Any, values: Values | Sequence[Mapping[str, str]]
 ) -> Iterator[Job]:
-    """Give the jobs of a rule, one for each choice of values: what each wildcard stands for, or each job's wildcards.
+    """Yield the jobs of a rule.
 
-    `made` is the rule as Snakemake's `rules` gives it, of which `output` and `params` are read.
+    Parameters
+    ----------
+    name : str
+        Name of the rule.
+    declared : Declared
+        Code and inputs.
+    rule : Any
+        The rule from Snakemake's `rules`, with `output` and `params`.
+    values : mapping of str to iterable of str, or sequence of mappings of str to str
+        All values of each wildcard, for one job per combination; or the wildcards of each job.
     """
-    record = str(made.output.record)
-    if isinstance(chosen, Mapping):
+    record = str(rule.output.record)
+    if isinstance(values, Mapping):
         names = list(dict.fromkeys(_WILDCARD.findall(record)))
-        found = product(*(chosen[name] for name in names))
-        chosen = [dict(zip(names, values, strict=True)) for values in found]
-    for wildcards in chosen:
-        asked = SimpleNamespace(**wildcards)
-        listed = (
-            [files] if isinstance(files, str) else files for files in declared.files(asked).values()
+        combinations = product(*(values[wildcard] for wildcard in names))
+        values = [dict(zip(names, combination, strict=True)) for combination in combinations]
+    for wildcards in values:
+        namespace = SimpleNamespace(**wildcards)
+        inputs = (
+            [files] if isinstance(files, str) else files
+            for files in declared.files(namespace).values()
         )
         yield Job(
-            rule=rule,
+            rule=name,
             wildcards=wildcards,
             runs=declared.runs,
-            inputs=tuple(str(file) for files in listed for file in files),
-            outputs=tuple(fill(str(file), asked) for file in made.output),
-            record=fill(record, asked),
-            find_params=partial(_params_of, made, asked),
+            inputs=tuple(str(file) for files in inputs for file in files),
+            outputs=tuple(fill(str(file), namespace) for file in rule.output),
+            record=fill(record, namespace),
+            find_params=partial(_params_of, rule, namespace),
         )
 
 
 def values_of_option(arguments: Sequence[str], *names: str) -> list[str]:
-    """Give the values of an option that takes several, by its names, on a command line of Snakemake."""
-    found: list[str] = []
-    taking = False
+    """Return the values of an option with several values, by its names, on a command line of Snakemake."""
+    values: list[str] = []
+    follows_option = False
     for argument in arguments:
         name, _, value = argument.partition("=")
         if argument.startswith("-"):
-            taking = name in names
-            found += [value] if taking and value else []
-        elif taking:
-            found.append(argument)
-    return found
+            follows_option = name in names
+            values += [value] if follows_option and value else []
+        elif follows_option:
+            values.append(argument)
+    return values
 
 
 def fill(pattern: str, wildcards: Any) -> str:
-    """Put the values of wildcards into a pattern."""
+    """Replace the wildcards of a pattern by their values."""
     return _WILDCARD.sub(lambda match: str(getattr(wildcards, match[1])), pattern)
 
 
 def _filled(item: Any, wildcards: Any) -> Any:
     if not isinstance(item, str):
-        return [_filled(one, wildcards) for one in item]
-    return fill(item, wildcards) if _WILDCARD.search(item) else item  # flags of Snakemake stay
+        return [_filled(part, wildcards) for part in item]
+    return fill(item, wildcards) if _WILDCARD.search(item) else item  # keeps the flags of Snakemake
 
 
-def _params_of(made: Any, asked: Any) -> dict[str, Any]:
+def _params_of(rule: Any, wildcards: Any) -> dict[str, Any]:
     return {
-        name: value(asked) if callable(value) else value
-        for name, value in made.params.items()
+        name: value(wildcards) if callable(value) else value
+        for name, value in rule.params.items()
         if name != "key"
     }

@@ -1,4 +1,4 @@
-"""What a job checks before and after its work, and the record that it leaves."""
+"""Check the inputs of a job before and after its work, and write its record."""
 
 from __future__ import annotations
 
@@ -16,65 +16,72 @@ from visuohaptic_workflow.digests import Digests, stamps_of
 from visuohaptic_workflow.keys import key_of, read_record
 
 PREFIX = "VISUOHAPTIC_PREFIX"
-"""The variable of the environment that says which Python planned the run."""
+"""The environment variable with `sys.prefix` of the Python that planned the run."""
 
 
 class StateError(VisuohapticError):
-    """What a job works with is not what the run was planned for."""
+    """Packages, code or inputs of a job have changed since the run was planned."""
 
 
-def check_inputs(given: Mapping[str, Any]) -> None:
-    """Refuse files of another state than the run's, by what `Keys.given` gave to the job.
+def check_inputs(snapshot: Mapping[str, Any]) -> None:
+    """Check that packages, code and inputs are those of the plan.
 
-    Raises `StateError` if packages, code or sources are others than when the run began, or what it takes was made in
-    another state. Versions in an environment of its own (conda, a container) are left to its definition.
+    Versions of packages are checked only in the environment that planned the run, not in one of conda or a container.
+
+    Parameters
+    ----------
+    snapshot : mapping
+        The result of `Keys.snapshot`.
+
+    Raises
+    ------
+    StateError
+        If a package, a file of code or a source has changed since the run began, or an input was made with another key.
     """
     if os.environ.get(PREFIX) == sys.prefix:
-        for module, planned in given["parts"]["packages"].items():
-            if (found := version_of(module)) != planned:
+        for module, planned in snapshot["parts"]["packages"].items():
+            if (installed := version_of(module)) != planned:
                 raise StateError(
-                    f"{module} is {found} here, and {planned} where the run was planned."
+                    f"{module} has version {installed}, but the run was planned with {planned}; run again."
                 )
-    check_unchanged(given)
-    for record, key in given["parts"]["from"].items():
+    check_unchanged(snapshot)
+    for record, key in snapshot["parts"]["from"].items():
         kept = read_record(record)
         if kept.get("key") != key:
-            raise StateError(f"{record} is of another state than this run's; run again.")
+            raise StateError(f"{record} is not of this run; run again.")
         for file, digest in kept["tables"].items():
-            if not _holds(file, digest):
-                raise StateError(f"{file} is not what its record says; run again.")
+            if not _has_digest(file, digest):
+                raise StateError(f"{file} differs from its record; run again.")
 
 
-def check_unchanged(given: Mapping[str, Any]) -> None:
-    """Refuse code and sources that were changed, even if they were changed back, since the run began.
+def check_unchanged(snapshot: Mapping[str, Any]) -> None:
+    """Check that code and sources were not written since the run began, even if their content is the same again.
 
-    Raises `StateError` if one has another content, inode, time of change or size.
+    Raises `StateError` if the content, inode, size or a time of a file has changed.
     """
-    files = given["files"]
+    files = snapshot["files"]
     for part in ("code", "sources"):
-        for file, (name, digest) in zip(files[part], given["parts"][part].items(), strict=True):
-            if not _holds(file, digest):
-                raise StateError(f"{name} was changed while this run was at work; run again.")
-    if stamps_of([*files["code"], *files["sources"]]) != given["stamps"]:
-        raise StateError(
-            "a file of code or a source was written again while this run was at work; run again."
-        )
+        for file, (name, digest) in zip(files[part], snapshot["parts"][part].items(), strict=True):
+            if not _has_digest(file, digest):
+                raise StateError(f"{name} was changed during this run; run again.")
+    if stamps_of([*files["code"], *files["sources"]]) != snapshot["stamps"]:
+        raise StateError("a file of code or a source was written during this run; run again.")
 
 
-def write_record(snakemake: Any, given: Mapping[str, Any] | None) -> None:
-    """Write the record of the job that runs now, once its tables are there; one without a key fits never."""
+def write_record(snakemake: Any, snapshot: Mapping[str, Any] | None) -> None:
+    """Write the record of the current job after its tables. A record without a snapshot is never current."""
     path = str(snakemake.output.record)
     tables = [str(file) for file in snakemake.output if str(file) != path]
     record = {
-        "key": key_of(given["parts"]) if given else None,
-        "parts": given["parts"] if given else {},
+        "key": key_of(snapshot["parts"]) if snapshot else None,
+        "parts": snapshot["parts"] if snapshot else {},
         "tables": {file: Digests().of(file) for file in tables},
         "log": str(snakemake.log[0]),
     }
     atomic_write_text(path, json.dumps(record, indent=1, sort_keys=True) + "\n")
 
 
-def _holds(file: str, digest: str) -> bool:
+def _has_digest(file: str, digest: str) -> bool:
     with suppress(OSError):
         return Digests().of(file) == digest
     return False

@@ -1,4 +1,4 @@
-"""Which studies a run is asked for, and which of those that the report shows are of an earlier state."""
+"""Find the studies that a command line requests, and studies in the report that are not current."""
 
 from __future__ import annotations
 
@@ -17,20 +17,21 @@ if TYPE_CHECKING:
 
 
 def is_asked_for(arguments: Sequence[str], study: Study) -> bool:
-    """Whether a command line of Snakemake names a rule of a study, or a file."""
+    """Return whether a command line of Snakemake names a rule or file of a study."""
     return names_rules_of(arguments, study.name) or any(map(study.owns, arguments))
 
 
 def names_rules_of(arguments: Iterable[str], study: str) -> bool:
-    """Whether a command line names a rule of a study, also with the prefix that it has in another workflow's module."""
+    """Return whether a command line names a rule of a study, with or without the prefix of a workflow module."""
     rules = (f"study_{study}", f"{study}_all")
     return any(f"_{argument}".endswith(f"_{rule}") for argument in arguments for rule in rules)
 
 
 def studies_to_plan(arguments: Sequence[str], studies: Mapping[str, Study]) -> dict[str, Study]:
-    """Choose the studies that need rules: parts of the run, what is asked for, what has files, and what these take from.
+    """Return the studies that need rules.
 
-    A study is asked for by its rules, its files, or, on the command line of a job, as value of wildcard ``study``.
+    These are parts of the run, requested studies, studies with files, and studies whose files these take. A command
+    line requests a study by a rule, by a file, or, in a job, by the value of wildcard ``study``.
     """
     waiting = [
         study
@@ -53,9 +54,9 @@ def studies_to_plan(arguments: Sequence[str], studies: Mapping[str, Study]) -> d
 
 
 def find_moved(arguments: Sequence[str], studies: Mapping[str, Study]) -> str | None:
-    """Say of the first old name of a target on a command line where it is now.
+    """Return a sentence about the first former target on a command line, with its present name; None without one.
 
-    What a study of today has is no old name.
+    Targets of present studies are never former targets.
     """
     for option, argument in pairwise(("", *arguments)):
         if argument.startswith("-") or _PATHS_FOLLOW.fullmatch(option):
@@ -64,7 +65,7 @@ def find_moved(arguments: Sequence[str], studies: Mapping[str, Study]) -> str | 
             continue
         if argument in moved.TARGETS:
             return f"{argument} is no target: {moved.TARGETS[argument]}."
-        renamed = _OLD_WORD.sub(lambda found: moved.STUDIES[found[0]], argument)
+        renamed = _OLD_WORD.sub(lambda match: moved.STUDIES[match[0]], argument)
         if renamed != argument and _is_of_any(renamed, studies):
             return f"{argument} is no target: it is now {renamed}."
     return None
@@ -88,9 +89,17 @@ def _names_step(argument: str, study: Study) -> bool:
 
 
 def find_earlier_studies(shown: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
-    """Find the studies that today's parameters, code and tables would not give, with the dates of their figures.
+    """Find studies whose figures are not current, with the date of their figures.
 
-    `shown` has of each study its ``figures``, a file, and ``keys``: today's key of what makes them, by record.
+    Parameters
+    ----------
+    shown : mapping of str to mapping
+        Per study ``figures``, the file of its figures, and ``keys``, the current keys of its jobs by record.
+
+    Returns
+    -------
+    dict of str to str
+        Date, ``YYYY-MM-DD`` in UTC, of each study that is not current.
     """
     return {
         name: datetime.fromtimestamp(figures.stat().st_mtime, UTC).strftime("%Y-%m-%d")

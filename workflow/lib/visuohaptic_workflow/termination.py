@@ -1,4 +1,4 @@
-"""How SIGTERM ends a run: Snakemake starts no more jobs, and waits for the running ones."""
+"""End a run after SIGTERM: Snakemake starts no further jobs, and waits for running jobs."""
 
 from __future__ import annotations
 
@@ -6,30 +6,30 @@ import signal
 import threading
 from types import FrameType
 
-_asked = threading.Event()
+_received = threading.Event()
 
 
 def pass_termination_on() -> None:
-    """Call the handler of SIGTERM, from now on, in a thread of its own.
+    """Run Snakemake's handler of SIGTERM in a thread.
 
-    Snakemake's handler waits for a lock that the main thread may hold when the signal interrupts it: it would
-    wait for ever.
+    The handler waits for a lock. In the main thread, the handler would wait for ever if the signal interrupted the
+    owner of the lock.
     """
     handler = signal.getsignal(signal.SIGTERM)
 
     def pass_on(number: int, frame: FrameType | None) -> None:
-        _asked.set()
+        _received.set()
         if callable(handler):
             threading.Thread(target=handler, args=(number, frame), daemon=True).start()
 
     signal.signal(signal.SIGTERM, pass_on)
 
 
-def is_termination_asked() -> bool:
-    """Return whether SIGTERM came since `pass_termination_on`."""
-    return _asked.is_set()
+def is_termination_received() -> bool:
+    """Return whether SIGTERM was received since `pass_termination_on`."""
+    return _received.is_set()
 
 
 def end_at_once() -> None:
-    """Let SIGTERM end this process at once: no job runs any more."""
+    """Let SIGTERM end this process at once, after all jobs have ended."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

@@ -1,4 +1,4 @@
-"""Why jobs would run (`make why`), and whether what is there is what would be made (`make verify`)."""
+"""List the reasons why jobs would run (`make why`), and records that are not current (`make verify`)."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from pathlib import Path
 from visuohaptic_workflow.keys import Keys
 
 ASKED = "VISUOHAPTIC_ASKED"
-"""The variable of the environment by which the Snakefile is asked one of both, instead of running anything."""
+"""The environment variable that makes the Snakefile answer `why`, `verify` or `lock` instead of running jobs."""
 
 _MOST_LINES = 11
 
 
 def why(keys: Keys, targets: Iterable[str]) -> Iterator[str]:
-    """Say in a few lines which jobs behind some files would run, by reason."""
+    """Yield at most a few lines: the jobs behind some files that would run, by reason."""
     by_reason: dict[str, Counter[str]] = {}
     for record in keys.needed_for(targets):
         if reason := keys.why(record):
@@ -30,8 +30,8 @@ def why(keys: Keys, targets: Iterable[str]) -> Iterator[str]:
 
 
 def verify(keys: Keys) -> tuple[list[str], bool]:
-    """Name the records that are not what would be made today, and say whether there are none."""
-    there = {record: keys.reason(record) for record in keys.jobs if Path(record).exists()}
-    wrong = [f"{record}: {reason}" for record, reason in there.items() if reason]
-    count = f"{len(there)} records, {len(wrong)} of which are not today's."
-    return [*wrong, count], not wrong
+    """Return lines with all records that are not current and their reasons, and whether there are none."""
+    reasons = {record: keys.reason(record) for record in keys.jobs if Path(record).exists()}
+    stale = [f"{record}: {reason}" for record, reason in reasons.items() if reason]
+    count = f"{len(reasons)} records, {len(stale)} of them not current."
+    return [*stale, count], not stale

@@ -1,1 +1,1 @@
-"""What accuracy costs in time: settings, their error rates and seconds, and the front between the two."""
+"""Error rate against run time of several settings, and their Pareto front."""

@@ -1,4 +1,4 @@
-"""Rows of `tables.COST`: read, and marked where no other row is quicker and more accurate."""
+"""Read rows of `tables.COST`, and mark their Pareto front."""
 
 from __future__ import annotations
 
@@ -18,29 +18,32 @@ Row = dict[str, Any]
 
 
 def mark_front(rows: Sequence[Row]) -> list[Row]:
-    """Mark which rows are on the front, which are dominated, and which, without figures, are neither.
+    """Set ``on_front`` and ``dominated`` of each row.
 
-    On the front no other is at most as slow, at most as wrong, and one of both less.
+    A row is dominated if another row is no worse in seconds and error rate, and better in at least one of them. Rows
+    with both figures that are not dominated are on the front.
     """
     seconds, errors = seconds_and_errors(rows)
     as_good = (seconds <= seconds[:, None]) & (errors <= errors[:, None])
     better = (seconds < seconds[:, None]) | (errors < errors[:, None])
-    beaten = (as_good & better).any(axis=1)
-    front = np.isfinite(seconds + errors) & ~beaten
-    marks = zip(rows, front.tolist(), beaten.tolist(), strict=True)
-    return [{**row, "on_front": best, "dominated": worse} for row, best, worse in marks]
+    dominated = (as_good & better).any(axis=1)
+    on_front = np.isfinite(seconds + errors) & ~dominated
+    return [
+        {**row, "on_front": front, "dominated": beaten}
+        for row, front, beaten in zip(rows, on_front.tolist(), dominated.tolist(), strict=True)
+    ]
 
 
 def seconds_and_errors(rows: Sequence[Row]) -> FloatArray:
-    """Return the seconds and error rates of rows, shape (2, n), NaN where a row has none."""
+    """Return the seconds and error rates of n rows, shape (2, n); missing values are NaN."""
     return np.array(
         [[row[name] for row in rows] for name in ("seconds", "error")], dtype=np.float64
     )
 
 
 def read_costs(path: str | Path, order: Sequence[str] = ORDER) -> list[Row]:
-    """Read `tables.COST` as rows, family by family, those of `order` first, each along its line."""
+    """Read rows of `tables.COST`, sorted by family, first the families of `order`, and by ``place``."""
     rows: list[Row] = read_table(COST, path).to_pylist()
     families = dict.fromkeys((*order, *(row["family"] for row in rows)))
-    places = {family: place for place, family in enumerate(families)}
-    return sorted(rows, key=lambda row: (places[row["family"]], row["place"]))
+    rank = {family: index for index, family in enumerate(families)}
+    return sorted(rows, key=lambda row: (rank[row["family"]], row["place"]))

@@ -1,4 +1,4 @@
-"""Which settings are worth their time: the Pareto front of seconds and error rate, and paired comparisons."""
+"""Compute error rates, run times, the Pareto front and paired comparisons of settings."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ _TIMES = ("seconds", *(name for name, _ in COST_PARTS))
 
 
 def make_frontier(step: StepInputs) -> None:
-    """Join error rates and seconds of the frontier's settings: `tables.COST`."""
+    """Write `tables.COST` of study `frontier`."""
     write_costs(step, FRONTIER, frontier_settings(step.run))
 
 
 def write_costs(step: StepInputs, study: Study, settings: Sequence[Setting]) -> None:
-    """Join error rates and seconds of all settings, and mark the front and the steps: `tables.COST`."""
+    """Write `tables.COST`: error rates and seconds of settings, with the front and the steps marked."""
     cells = setting_cells(step, study, settings)
     times = setting_times(settings, read_table(COST_SECONDS, step.inputs["tables"]))
     rows = setting_rows(settings, cells, times, step.run)
@@ -54,7 +54,7 @@ def write_costs(step: StepInputs, study: Study, settings: Sequence[Setting]) -> 
 
 
 def setting_cells(step: StepInputs, study: Study, settings: Sequence[Setting]) -> list[Cell]:
-    """Read the accuracies of each setting: from the run's predictions, if they are given and hold the setting's."""
+    """Read the accuracies of each setting: from the run's predictions if these contain the setting, else from blocks."""
     measured = read_cells(step.inputs["blocks"])
     files = step.inputs["predictions"]
     predicted = predicted_cells(read_table(PREDICTIONS, files)) if files else {}
@@ -69,27 +69,27 @@ def setting_cells(step: StepInputs, study: Study, settings: Sequence[Setting]) -
 
 
 def setting_times(settings: Sequence[Setting], seconds: pa.Table) -> FloatArray:
-    """Return `tables.COST_SECONDS` as an array (s, o, t, p) by setting, object, turn and part, NaN where none is.
+    """Return `tables.COST_SECONDS` as an array (s, o, t, p) by setting, object, turn and part; missing times are NaN.
 
-    The first of p is the whole recognition, the others are `COST_PARTS`.
+    Part 0 is the whole recognition; the further parts are `COST_PARTS`.
     """
-    places = {(one.family, one.name): place for place, one in enumerate(settings)}
+    index_of = {(setting.family, setting.name): index for index, setting in enumerate(settings)}
     keys = zip(*(seconds.column(name).to_pylist() for name in COST_SECONDS.keys[:2]), strict=True)
     objects, owner = np.unique(seconds.column("object").to_pylist(), return_inverse=True)
     turns, turn = np.unique(seconds.column("turn").to_numpy(), return_inverse=True)
-    found = np.full((len(settings), len(objects), len(turns), len(_TIMES)), np.nan)
-    found[[places[key] for key in keys], owner, turn] = matrix(seconds, _TIMES)
-    return found
+    times = np.full((len(settings), len(objects), len(turns), len(_TIMES)), np.nan)
+    times[[index_of[key] for key in keys], owner, turn] = matrix(seconds, _TIMES)
+    return times
 
 
 def setting_rows(
     settings: Sequence[Setting], cells: Sequence[Cell], times: FloatArray, run: ExperimentParameters
 ) -> list[Row]:
-    """Return each setting with its error rate and seconds, and mark the front and the steps.
+    """Return rows of `tables.COST` with the front and the steps marked.
 
-    Errors are compared with those of the first setting that is the run's own, from one viewpoint.
+    Error rates are compared with the error rate of the first reference setting (`Setting.is_reference`).
     """
-    own = next((place for place, one in enumerate(settings) if one.is_own(run)), None)
+    own = next((index for index, each in enumerate(settings) if each.is_reference(run)), None)
     reference = None if own is None else cells[own]
     slower = slower_settings(np.log(times[..., 0]), run.recognition.intervals.confidence)
     rows: list[Row] = [
@@ -101,10 +101,10 @@ def setting_rows(
             "changes": setting.written_changes,
             **error_rate(cell, run),
             **paired("lost", "lost_p", _compare(reference, cell, run)),
-            **time_quantiles(times[place]),
-            "quicker": own is not None and bool(slower[place, own]),
+            **time_quantiles(times[index]),
+            "quicker": own is not None and bool(slower[index, own]),
         }
-        for place, (setting, cell) in enumerate(zip(settings, cells, strict=True))
+        for index, (setting, cell) in enumerate(zip(settings, cells, strict=True))
     ]
     if own is not None:
         rows[own] |= dict.fromkeys(("lost", "lost_low", "lost_high"), 0.0)
@@ -112,21 +112,20 @@ def setting_rows(
 
 
 def error_rate(cell: Cell, run: ExperimentParameters) -> Row:
-    """Return the share of wrong recognitions, its interval over objects, and the number of objects."""
+    """Return the columns of the error rate: its mean and interval over objects, and the number of objects."""
     if cell.error is not None:
         return {"failed": cell.error}
     wrong = replace(cell, accuracy=1 - cell.accuracy)
-    found = condition_interval(wrong, run.recognition.intervals)
-    return {**ends("error", "error_", found), "objects": len(cell.objects)}
+    interval = condition_interval(wrong, run.recognition.intervals)
+    return {**ends("error", "error_", interval), "objects": len(cell.objects)}
 
 
 def _compare(cell: Cell | None, other: Cell, run: ExperimentParameters) -> PairedComparison | None:
-    """Compare cells of the same objects."""
     return compare(cell, other, run.recognition.intervals)
 
 
 def time_quantiles(times: FloatArray) -> Row:
-    """Return the median and quartiles of a setting's seconds (o, t, p), and the medians of the parts."""
+    """Return columns with the median and quartiles of a setting's seconds (o, t, p), and the medians of the parts."""
     known = times[np.isfinite(times[..., 0])]
     if not len(known):
         return {}
@@ -136,10 +135,20 @@ def time_quantiles(times: FloatArray) -> Row:
 
 
 def slower_settings(logarithms: FloatArray, confidence: float) -> BoolArray:
-    """Tell which settings are significantly slower than which: (s, o, t) to (s, s), the slower second.
+    """Test for each pair of settings whether the second is significantly slower than the first.
 
-    An object's ratio of two times is the mean over the turns in which both were taken. Student's
-    interval of the objects' ratios is above 1; with fewer than two objects none is.
+    Parameters
+    ----------
+    logarithms : ndarray of shape (s, o, t)
+        Logarithm of the seconds by setting, object and turn; missing times are NaN.
+    confidence : float
+        Confidence of the interval.
+
+    Returns
+    -------
+    ndarray of shape (s, s), bool
+        Entry (i, j) is True if Student's interval of the mean over objects of log(time j / time i) is above 0.
+        Turns without both times are left out. With fewer than two objects every entry is False.
     """
     ratios = np.ma.masked_invalid(logarithms[None] - logarithms[:, None]).mean(axis=3)
     objects, spread = ratios.count(axis=2), ratios.std(axis=2, ddof=1)
@@ -150,41 +159,45 @@ def slower_settings(logarithms: FloatArray, confidence: float) -> BoolArray:
 def mark_steps(
     rows: list[Row], cells: Sequence[Cell], slower: BoolArray, run: ExperimentParameters
 ) -> list[Row]:
-    """Mark the settings that are worth their time; `slower` is as `slower_settings` gives it.
+    """Mark the steps of growing accuracy and time in place, and return the rows.
 
-    The first step is the most accurate setting among settings as quick as the quickest. So is each further
-    one, of the settings that are significantly slower and more accurate than the step before.
+    The first step is the most accurate of the settings that are not significantly slower than the quickest. Each
+    further step is chosen in the same way from the settings that are significantly slower and more accurate than the
+    step before. `slower` is the result of `slower_settings`.
     """
     seconds, errors = seconds_and_errors(rows)
-    known = np.flatnonzero(np.isfinite(seconds + errors)).tolist()
+    complete = np.flatnonzero(np.isfinite(seconds + errors)).tolist()
 
-    def as_quick(places: Sequence[int]) -> list[int]:
-        quickest = min(places, key=seconds.__getitem__, default=0)
-        return [place for place in places if not slower[quickest, place]]
+    def as_quick(settings: Sequence[int]) -> list[int]:
+        quickest = min(settings, key=seconds.__getitem__, default=0)
+        return [setting for setting in settings if not slower[quickest, setting]]
 
-    quick = as_quick(known)
-    for place, row in enumerate(rows):
-        row |= {"as_quick": place in quick, "step": False}
+    quick = as_quick(complete)
+    for index, row in enumerate(rows):
+        row |= {"as_quick": index in quick, "step": False}
     while quick:
         step = min(quick, key=errors.__getitem__)
         rows[step]["step"] = True
-        later = [place for place in known if slower[step, place]]
+        later = [setting for setting in complete if slower[step, setting]]
         quick = as_quick(more_accurate(later, step, cells, run))
     return rows
 
 
 def more_accurate(
-    places: Sequence[int], step: int, cells: Sequence[Cell], run: ExperimentParameters
+    settings: Sequence[int], step: int, cells: Sequence[Cell], run: ExperimentParameters
 ) -> list[int]:
-    """Of the given places, give those whose cells are significantly more accurate than the step's.
+    """Return the indices of the settings that are significantly more accurate than setting `step`.
 
-    By the sign-change test over objects; p values are adjusted for the number of settings (Holm).
+    Sign-change test over objects; p values have Holm's correction for the number of settings.
     """
-    compared = {place: _compare(cells[place], cells[step], run) for place in places}
-    found = [(place, one) for place, one in compared.items() if one]
-    adjusted = holm([one.p_value for _, one in found])
+    comparisons = [
+        (setting, comparison)
+        for setting in settings
+        if (comparison := _compare(cells[setting], cells[step], run))
+    ]
+    adjusted = holm([comparison.p_value for _, comparison in comparisons])
     return [
-        place
-        for (place, one), p_value in zip(found, adjusted, strict=True)
-        if one.difference.mean > 0 and p_value <= 1 - run.recognition.intervals.confidence
+        setting
+        for (setting, comparison), p_value in zip(comparisons, adjusted, strict=True)
+        if comparison.difference.mean > 0 and p_value <= 1 - run.recognition.intervals.confidence
     ]

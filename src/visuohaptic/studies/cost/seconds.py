@@ -1,4 +1,4 @@
-"""Run time of one recognition under each setting, without imports and files."""
+"""Measure the processor time of one recognition under each setting, without imports and reading of files."""
 
 from __future__ import annotations
 
@@ -34,21 +34,21 @@ from visuohaptic.tables.schema import build_rows, write_table
 from visuohaptic.tables.studies import COST_PARTS, COST_SECONDS
 
 FRONTIER_ROUNDS = 2
-"""Instead of `cost.rounds`, as the frontier is a part of every run."""
+"""Rounds of study `frontier`: fewer than `cost.rounds`, because every run contains this study."""
 
 LOOK = OF_OBJECT[0]
-"""The phase that looks."""
+"""The phase that renders views and computes fixations."""
 
 Row = dict[str, Any]
 Seconds = dict[str, float]
-"""Of the processor, by the names of `COST_PARTS`, and of a phase that has none there."""
+"""Processor seconds by column of `tables.COST_SECONDS`."""
 
 
 @dataclass(frozen=True)
 class FittedSetting:
-    """A setting with its parameters and a model that was trained for it.
+    """A setting, its parameters, and a model that was trained for the setting.
 
-    `looking` has the parameters of the look, which finds the most fixations of all settings that look alike.
+    `looking` are the parameters of phase `LOOK`. Settings that differ only in the number of fixations share them.
     """
 
     setting: Setting
@@ -58,12 +58,12 @@ class FittedSetting:
 
 
 def make_frontier_seconds(step: StepInputs) -> None:
-    """Time every setting of the frontier side by side: `tables.COST_SECONDS`."""
+    """Write `tables.COST_SECONDS` of study `frontier`."""
     write_seconds(step, FRONTIER, frontier_settings(step.run), FRONTIER_ROUNDS)
 
 
 def write_seconds(step: StepInputs, study: Study, settings: Sequence[Setting], rounds: int) -> None:
-    """Time every setting of a study, one for each of its conditions, side by side: `tables.COST_SECONDS`."""
+    """Write `tables.COST_SECONDS` of settings; setting i belongs to condition i of the study."""
     fitted = fit_settings(study, settings, step)
     meshes = usable_meshes(step.inputs["meshes"]) if fitted else ()
     surfaces = {object_of(mesh): read_surface(mesh) for mesh in meshes}
@@ -73,53 +73,59 @@ def write_seconds(step: StepInputs, study: Study, settings: Sequence[Setting], r
 def fit_settings(
     study: Study, settings: Sequence[Setting], step: StepInputs
 ) -> list[FittedSetting]:
-    """Train each setting that can be; settings that differ only in viewpoints or in strategy share a model.
+    """Train a model per setting; settings whose training is refused are left out.
 
-    The time of an answer depends on the model's size, which the strategy of the training touches does not change.
+    Settings that differ only in viewpoints or strategy share a model. The time of a prediction depends on the model's
+    size, and the size does not depend on the strategy of the training touches.
     """
     run, features = step.run, features_by_key(step.inputs["features"], step.made, step.objects)
-    planned = plan_study(study, run).conditions
+    conditions = plan_study(study, run).conditions
     models: dict[tuple[str, str], RecognitionModel | None] = {}
-    found: list[FittedSetting] = []
-    for setting, one in zip(settings, planned, strict=True):
-        asked = _model_key(one)
-        if models.get(asked) is None:
-            models[asked] = fit_setting(setting, one, features(one.key), run.seed)
-        if model := models[asked]:
-            found.append(FittedSetting(setting, one.parameters, model, one.parameters))
-    return share_looks(found)
+    settings_with_model: list[FittedSetting] = []
+    for setting, planned in zip(settings, conditions, strict=True):
+        key = _model_key(planned)
+        if models.get(key) is None:
+            models[key] = fit_setting(setting, planned, features(planned.key), run.seed)
+        if model := models[key]:
+            fitted = FittedSetting(setting, planned.parameters, model, planned.parameters)
+            settings_with_model.append(fitted)
+    return share_looks(settings_with_model)
 
 
 def share_looks(settings: Sequence[FittedSetting]) -> list[FittedSetting]:
-    """Assign one look to settings that look alike: fewer fixations are the first of more."""
-    alike: dict[str, list[ExperimentParameters]] = {}
+    """Set `looking` to the parameters with the most fixations among settings with otherwise equal looks.
+
+    A smaller number of fixations is a prefix of a larger number, so the touches stay the same.
+    """
+    by_look: dict[str, list[ExperimentParameters]] = {}
     for fitted in settings:
-        alike.setdefault(_look_key(fitted.parameters), []).append(fitted.parameters)
+        by_look.setdefault(_look_key(fitted.parameters), []).append(fitted.parameters)
     most = {
-        key: max(found, key=lambda one: one.attention.fixations) for key, found in alike.items()
+        key: max(parameters, key=lambda each: each.attention.fixations)
+        for key, parameters in by_look.items()
     }
     return [replace(fitted, looking=most[_look_key(fitted.parameters)]) for fitted in settings]
 
 
 def _look_key(parameters: ExperimentParameters) -> str:
-    """Return the parameters of a look, without the number of fixations, as text."""
+    """Return the parameters of phase `LOOK`, without the number of fixations, as JSON."""
     attention = parameters.attention.model_copy(update={"fixations": 0})
     values = LOOK.written_values(parameters.model_copy(update={"attention": attention}))
     return json.dumps(values, sort_keys=True)
 
 
 def _model_key(planned: Planned) -> tuple[str, str]:
-    """Return what settings with one model have in common: features, and all parameters but the strategies."""
+    """Return the key of the features, and the parameters without the strategies."""
     parameters = planned.parameters
     probing = parameters.probing.model_copy(update={"strategies": ()})
-    alike = parameters.model_copy(update={"probing": probing})
-    return training_key(replace(planned, parameters=alike))
+    without_strategies = parameters.model_copy(update={"probing": probing})
+    return training_key(replace(planned, parameters=without_strategies))
 
 
 def fit_setting(
     setting: Setting, planned: Planned, features: pa.Table | str, seed: int
 ) -> RecognitionModel | None:
-    """Train the model of a setting; return None where the training is refused."""
+    """Train the model of a setting. Returns None if the training is refused."""
     try:
         rows = condition_features(planned, features, setting.strategy)
         recognition = planned.parameters.recognition
@@ -131,17 +137,31 @@ def fit_setting(
 def measure_seconds(
     surfaces: Mapping[str, Surface], settings: Sequence[FittedSetting], rounds: int
 ) -> pa.Table:
-    """Time settings on the same objects: `tables.COST_SECONDS`, a row a recognition.
+    """Measure the seconds of recognitions of the same objects under each setting.
 
-    The settings take turns, so other work on the machine affects all equally. Where a setting finds
-    too few places to touch there is no row.
+    The settings take turns, so that other work on the machine affects all equally.
+
+    Parameters
+    ----------
+    surfaces : mapping of str to Surface
+        Surfaces by ``class/name``.
+    settings : sequence of FittedSetting
+        The settings to time.
+    rounds : int
+        Recognitions per object and setting, each from other viewpoints.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.COST_SECONDS` with one row per recognition. Refused recognitions have no row; an example is a view
+        with too few places to touch.
     """
-    distinct = {one.setting.written_changes: one for one in settings}.values()
+    distinct = {fitted.setting.written_changes: fitted for fitted in settings}.values()
     rows: list[Row] = []
     with threadpool_limits(limits=1), ExitStack() as afterwards:
         afterwards.callback(cv2.setNumThreads, cv2.getNumThreads())
         cv2.setNumThreads(1)
-        # What is made once for all, and once for a surface, is made here.
+        # Warm up: the first call fills caches per process and per surface.
         for key, surface in surfaces.items():
             time_object(key, surface, list(distinct), 0)
         for turn, (key, surface) in product(range(rounds), surfaces.items()):
@@ -152,25 +172,25 @@ def measure_seconds(
 def time_object(
     key: str, surface: Surface, settings: Sequence[FittedSetting], turn: int
 ) -> list[Row]:
-    """Time one recognition by each setting; what several have in common is done and timed once."""
-    prepared = prepare(surface)
-    felt: list[tuple[FittedSetting, pa.Table, Seconds]] = []
+    """Time one recognition under each setting; work that settings share runs, and is timed, once."""
+    prepared = prepare_surface(surface)
+    touched: list[tuple[FittedSetting, pa.Table, Seconds]] = []
     for fitted in settings:
         choices = evenly_spaced_subsets(
             fitted.parameters.viewpoints.total, fitted.setting.viewpoints
         )
-        # Another side of the object in each turn.
+        # Each turn looks from other viewpoints.
         subject = Subject(key, lambda: prepared.caster, choices[3 * turn % len(choices)].tolist())
         with suppress(*REFUSALS):
-            felt.append((fitted, *feel(subject, prepared, fitted)))
-    # An answer right after a phase takes a quarter longer, with none of its code in the processor's cache, and not
-    # every setting has a phase to itself. So each answer that counts follows another answer.
-    for fitted, features, _ in felt[:1]:
-        answer_seconds(fitted, features)
+            touched.append((fitted, *look_and_touch(subject, prepared, fitted)))
+    # The first prediction after other work takes a quarter longer (cold processor cache), so make one that is not
+    # timed.
+    for fitted, features, _ in touched[:1]:
+        prediction_seconds(fitted, features)
     return [
-        _row(fitted, seconds | {"seconds_classify": answered}, key, turn)
-        for fitted, features, seconds in felt
-        if (answered := answer_seconds(fitted, features)) is not None
+        _row(fitted, seconds | {"seconds_classify": predicting}, key, turn)
+        for fitted, features, seconds in touched
+        if (predicting := prediction_seconds(fitted, features)) is not None
     ]
 
 
@@ -181,8 +201,8 @@ def _row(fitted: FittedSetting, seconds: Seconds, key: str, turn: int) -> Row:
     return {**dict(zip(COST_SECONDS.keys, names, strict=True)), "seconds": whole, **seconds}
 
 
-def answer_seconds(fitted: FittedSetting, features: pa.Table) -> float | None:
-    """Return the processor seconds of an answer; None where the model refuses the touches."""
+def prediction_seconds(fitted: FittedSetting, features: pa.Table) -> float | None:
+    """Return the processor seconds of a prediction; None if the model refuses the touches."""
     start = time.process_time()
     try:
         fitted.model.recognise(features)
@@ -191,53 +211,55 @@ def answer_seconds(fitted: FittedSetting, features: pa.Table) -> float | None:
     return time.process_time() - start
 
 
-def feel(subject: Subject, prepared: Stage, fitted: FittedSetting) -> tuple[pa.Table, Seconds]:
-    """Look at an object and touch it: `tables.FEATURES`, and the seconds of each part.
+def look_and_touch(
+    subject: Subject, prepared: Stage, fitted: FittedSetting
+) -> tuple[pa.Table, Seconds]:
+    """Run the phases of an object. Returns `tables.FEATURES`, and the seconds of each part.
 
-    The object's key is for the random generators, not for the prediction.
+    The object's key only seeds the random generators.
     """
     stage, features = prepared, list[pa.Table]()
     for block in subject.blocks(VIEWPOINTS_AT_ONCE):
         for phase in OF_OBJECT:
-            asked = fitted.looking if phase is LOOK else fitted.parameters
-            stage = stage.after(phase, block, asked)
+            parameters = fitted.looking if phase is LOOK else fitted.parameters
+            stage = stage.next_stage(phase, block, parameters)
         features.append(stage.tables["features"])
     return pa.concat_tables(features), dict(stage.seconds)
 
 
 class TimedCaster(RayCaster):
-    """A surface prepared for rays that adds up the processor seconds of casting them."""
+    """A ray caster that sums the processor seconds of its casts."""
 
     seconds = 0.0
 
     def first_hits(self, *rays: Any) -> Any:
         """Cast rays as `RayCaster` does."""
         start = time.process_time()
-        found = super().first_hits(*rays)
+        hits = super().first_hits(*rays)
         self.seconds += time.process_time() - start
-        return found
+        return hits
 
 
 @dataclass(frozen=True)
 class Stage:
-    """An object after a phase: its surface, the tables, and the seconds of all phases so far.
+    """An object after a phase: its ray caster, the tables, and the seconds of all phases so far.
 
-    `further` has what was asked for next, by some setting, and the stage to which that led.
+    `next_stages` caches pairs of viewpoints and parameters, and the stage that the next phase led to.
     """
 
     caster: TimedCaster
     tables: Tables
     seconds: Seconds
-    further: list[tuple[Any, Stage]] = field(default_factory=list)
+    next_stages: list[tuple[Any, Stage]] = field(default_factory=list)
 
-    def after(self, phase: Phase, block: Subject, parameters: ExperimentParameters) -> Stage:
-        """Go through a phase, once for all that ask for the same from the same viewpoints."""
-        asked = block.viewpoints, phase.values(parameters)
-        for known, stage in self.further:
-            if known == asked:
+    def next_stage(self, phase: Phase, block: Subject, parameters: ExperimentParameters) -> Stage:
+        """Run a phase, once per combination of viewpoints and parameters."""
+        key = block.viewpoints, phase.values(parameters)
+        for known, stage in self.next_stages:
+            if known == key:
                 return stage
-        # What is found out about the surface at first use, such as the faces at each corner, stays in the
-        # copy, so that no other setting has it for nothing.
+        # A copy, because the caster caches properties of the surface at first use: no setting may profit from the
+        # cache of another setting.
         caster, seconds = copy(self.caster), dict(self.seconds)
         with _timed(seconds, phase.verb):
             timed = replace(block, find_caster=lambda: caster)
@@ -249,17 +271,17 @@ class Stage:
             tables = self.tables | tables_for_next(phase, done)
         if phase.verb == "touch":
             seconds["seconds_cast"] += caster.seconds - self.caster.seconds
-        found = Stage(caster, tables, seconds)
-        self.further.append((asked, found))
-        return found
+        stage = Stage(caster, tables, seconds)
+        self.next_stages.append((key, stage))
+        return stage
 
 
-def prepare(surface: Surface) -> Stage:
-    """Prepare a surface for rays, which is a part of looking."""
+def prepare_surface(surface: Surface) -> Stage:
+    """Build the ray caster of a surface; its seconds belong to phase `LOOK`."""
     seconds = {name: 0.0 for name, _ in COST_PARTS}
     with _timed(seconds, "look"):
         caster = TimedCaster(surface)
-        # The first ray finds the faces that lie on each other.
+        # The first ray searches for faces that lie on each other.
         caster.first_hits(np.zeros((1, 3)), np.ones((1, 3)))
     return Stage(caster, {}, seconds)
 

@@ -1,7 +1,7 @@
-"""The settings whose accuracy and run time are compared, and study `frontier`, which is part of every run.
+"""Settings whose accuracy and run time are compared, and study `frontier`, which is part of every run.
 
-Its settings are few touches of one view by each of the run's strategies, where accuracy is not yet at
-its limit, and what needs no other looking.
+Study `frontier` varies the numbers of touches and viewpoints of each strategy. Its other settings use the same views:
+small imprints, fewer cues, and pipeline `paper`.
 """
 
 from __future__ import annotations
@@ -28,15 +28,25 @@ from visuohaptic.studies.study import (
 )
 
 ORDER = (*STRATEGIES.names, "small_imprint", "cues", "paper")
-"""The families of the frontier, as they are shown."""
+"""The families of study `frontier`, in the order of the report."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One way to recognise: a family, what it varies to, and its place along the family's line.
+    """A way to recognise objects.
 
-    `touches` is the number per viewpoint, and `viewpoints` the number that vote. `changes` are other parameters that
-    differ from the run's, by their dotted names.
+    Attributes
+    ----------
+    family, name : str
+        The family varies a parameter; the name says the parameter's value.
+    place : int
+        Rank of the setting in its family.
+    touches, viewpoints : int
+        The number of touches per viewpoint, and the number of viewpoints that vote.
+    strategy, pipeline, classifier : str
+        Names of the probing strategy, the pipeline and the classifier.
+    changes : mapping of str to Any
+        Other parameters that differ from the run's, by dotted name.
     """
 
     family: str
@@ -54,8 +64,8 @@ class Setting:
         """The changes as JSON, sorted by name."""
         return json.dumps(dict(self.changes), sort_keys=True)
 
-    def is_own(self, run: ExperimentParameters) -> bool:
-        """Tell whether it is what others are compared with: the run's own, from one viewpoint."""
+    def is_reference(self, run: ExperimentParameters) -> bool:
+        """Return whether all settings are compared with this setting: the run's parameters, one viewpoint."""
         return self == Setting(self.family, self.name, self.place, touches_of_run(run))
 
     @property
@@ -74,7 +84,7 @@ class Setting:
 
 
 Families = Mapping[str, Mapping[str, Mapping[str, Any]]]
-"""By family and name, in what a setting differs: fields of `Setting`, or parameters by their dotted names."""
+"""Changes by family and name of a setting. Keys are fields of `Setting`, or dotted names of parameters."""
 
 CUES: Mapping[str, Mapping[str, Any]] = {
     "skin alone": {"recognition.order_free.cues": ("contourlet", "imprint", "sensor")},
@@ -83,12 +93,12 @@ CUES: Mapping[str, Mapping[str, Any]] = {
 
 
 def make_settings(run: ExperimentParameters, families: Families) -> list[Setting]:
-    """Make every setting of some families; `run` has all that a family does not vary."""
+    """Make the settings of families; values that a family does not vary are the run's."""
     own, settings = run.model_dump(), list[Setting]()
     for family, names in families.items():
         for place, (name, values) in enumerate(names.items()):
             fields: Any = {key: value for key, value in values.items() if "." not in key}
-            # What the run itself has is no change.
+            # Leave out values that equal the run's.
             changes = {
                 path: values[path]
                 for path in values
@@ -100,18 +110,18 @@ def make_settings(run: ExperimentParameters, families: Families) -> list[Setting
 
 
 def frontier_families(run: ExperimentParameters) -> Families:
-    """Vary touches and viewpoints of each strategy of the run, and what needs no other looking."""
+    """Return the families of study `frontier`."""
     cost, most = run.cost, touches_of_run(run)
     touches = sorted({min(count, most) for count in cost.frontier_touches})
     viewpoints = sorted({min(count, run.viewpoints.total) for count in cost.frontier_viewpoints})
     probed = {
         strategy: {
-            f"{counted(one, 'touch', 'es')}, {counted(views, 'viewpoint')}": {
-                "touches": one,
+            f"{counted(count, 'touch', 'es')}, {counted(views, 'viewpoint')}": {
+                "touches": count,
                 "viewpoints": views,
                 "strategy": strategy,
             }
-            for views, one in product(viewpoints, touches)
+            for views, count in product(viewpoints, touches)
         }
         for strategy in STRATEGIES.names
         if strategy in run.probing.strategies
@@ -130,7 +140,7 @@ def frontier_families(run: ExperimentParameters) -> Families:
 
 
 def counted(number: int, name: str, plural: str = "s") -> str:
-    """Write a number with what it counts."""
+    """Write a number and a noun, such as ``3 touches``."""
     return f"{number} {name}{plural * (number != 1)}"
 
 
@@ -147,7 +157,11 @@ def cost_study(
     *,
     is_part_of_run: bool = False,
 ) -> Study:
-    """Make a study of settings: `works` time them, and join seconds and error rates, as ``module:function``."""
+    """Make a study that compares run time and error rate of settings.
+
+    `works` names, as ``module:function``, the function that measures the seconds and the function that writes
+    `tables.COST`.
+    """
     robot = {"cost": {"touch_seconds", "look_seconds"}}
     seconds = Step(
         f"{name}_seconds",

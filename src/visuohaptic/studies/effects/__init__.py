@@ -1,1 +1,1 @@
-"""What each effect costs, and how far it moves images and accuracy."""
+"""Run time of each effect, and its influence on images and accuracy."""

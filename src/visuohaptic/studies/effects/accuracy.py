@@ -1,4 +1,4 @@
-"""How far each effect of the sensor moves recognition: every preset, and it without one effect."""
+"""Study `effects`: the accuracy with every preset, and with every preset without one effect of the sensor."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from visuohaptic.studies.study import Condition, Step, Study
 
 
 def effects_of(scene: Scene) -> tuple[str, ...]:
-    """Name the sensor's effects that a scene gives strength to."""
-    strengths = {
+    """Return the names of the sensor's effects that a scene simulates."""
+    is_simulated = {
         "adaptive_size": True,
         "elastic_cover": scene.cover != "none",
         "force_response": scene.break_pressure_pa > 0 or scene.saturation_pressure_pa is not None,
@@ -24,16 +24,16 @@ def effects_of(scene: Scene) -> tuple[str, ...]:
         "noise": scene.noise > 0,
         "quantisation": scene.bits is not None,
     }
-    return tuple(name for name, strong in strengths.items() if strong)
+    return tuple(name for name, simulated in is_simulated.items() if simulated)
 
 
 def without_effect(preset: str, effect: str) -> str:
-    """Name the condition of a preset without one of its effects."""
+    """Return the name of the condition of a preset without an effect."""
     return f"{preset} without {effect}"
 
 
 def effect_conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield the paper's pipeline in every preset, and without each of the preset's effects."""
+    """Yield conditions of pipeline `paper`: every preset, and every preset without each of its effects."""
     for preset in PRESETS:
         changes = {
             "recognition.pipelines": ("paper",),

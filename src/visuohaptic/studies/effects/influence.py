@@ -1,4 +1,4 @@
-"""What each effect costs under `auto` and `always`, and how far it moves images."""
+"""Measure the run time of each effect in modes `auto` and `always`, and its influence on images."""
 
 from __future__ import annotations
 
@@ -33,18 +33,17 @@ from visuohaptic.touches.choosing import Wanted, choose_locations
 from visuohaptic.touches.touching import place_sensors_at, random_fields
 
 ROUNDS = 3
-"""Times are medians over so many rounds, modes in turn."""
+"""Number of measurements of each time; the median is kept. The modes take turns."""
 
 VIEWS = 2
-"""The first so many viewpoints of each object measure the effects of the view."""
-
+"""Number of viewpoints per object that measure the effects of the view."""
 
 Row = dict[str, Any]
-"""Of `tables.EFFECT_INFLUENCE`: `touches` are views for effects of the view."""
+"""A row of `tables.EFFECT_INFLUENCE`. For effects of the view, ``touches`` is the number of views."""
 
 
 def measured_scenes(scene: Scene) -> dict[str, Scene]:
-    """Return the scenes to measure by name: every preset, and the run's own scene in place of its preset."""
+    """Return the scenes to measure by preset; the run's scene replaces its own preset."""
     presets = {name: Scene.model_validate({"preset": name}) for name in PRESETS}
     return {**presets, scene.preset: scene}
 
@@ -56,15 +55,30 @@ def touch_influence(
     scenes: Mapping[str, Scene],
     seed: int,
 ) -> list[Row]:
-    """Measure the sensor's effects, in each scene, at an object's probing locations, at least one.
+    """Measure the sensor's effects in each scene at the probing locations of an object.
 
-    Sensors are placed once a round and mode of the adaptive size, for all scenes. Noise is the same with and
-    without an effect.
+    Parameters
+    ----------
+    caster : RayCaster
+        The surface.
+    fixations : pyarrow.Table
+        Rows of `tables.FIXATIONS`, at least one.
+    sensor : SensorParameters
+        The sensor.
+    scenes : mapping of str to Scene
+        Scenes by name.
+    seed : int
+        The experiment's seed. The noise is the same with and without an effect.
+
+    Returns
+    -------
+    list of Row
+        One row per scene and effect.
     """
     fields = random_fields(fixations, seed)
     placed: dict[tuple[Mode, int], list[Placed]] = {}
 
-    def felt(scene: Scene, turn: int) -> Touches:
+    def touch(scene: Scene, turn: int) -> Touches:
         mode = scene.effects.adaptive_size
         if (mode, turn) not in placed:
             placed[mode, turn] = list(place_sensors_at(caster, fixations, sensor, mode))
@@ -73,7 +87,7 @@ def touch_influence(
     return [
         influence
         for name, scene in scenes.items()
-        for influence in _scene_influence(name, scene, felt)
+        for influence in _scene_influence(name, scene, touch)
     ]
 
 
@@ -83,25 +97,28 @@ def view_influence(
     rendering: RenderingParameters,
     modes: EffectModes,
 ) -> list[Row]:
-    """Measure the effects of the view from at least one camera, all from one cast of its rays."""
-    met = list(cast_pixel_rays(caster, cameras, rendering))
+    """Measure the effects of the view from c >= 1 cameras; the rays are cast once for all effects.
 
-    def seen(modes: EffectModes) -> Views:
-        return colour_views(caster, cameras, met, rendering, modes)
+    Returns one row per effect.
+    """
+    hits = list(cast_pixel_rays(caster, cameras, rendering))
+
+    def render(modes: EffectModes) -> Views:
+        return colour_views(caster, cameras, hits, rendering, modes)
 
     always = Scene().with_effects("always").effects
-    first = [seen(modes).effects, seen(always).effects]
-    seconds, seconds_always = _seconds(
-        first, lambda _: seen(modes).effects, lambda _: seen(always).effects
+    first = [render(modes).effects, render(always).effects]
+    seconds, seconds_always = _median_seconds(
+        first, lambda _: render(modes).effects, lambda _: render(always).effects
     )
-    found = []
+    rows = []
     for effect in VISUAL_EFFECTS:
-        with_it, without, forced = (
-            seen(modes.model_copy(update={effect: mode})) for mode in ("auto", "never", "always")
+        on, off, forced = (
+            render(modes.model_copy(update={effect: mode})) for mode in ("auto", "never", "always")
         )
-        (needed,) = (record.needed for record in with_it.effects if record.effect == effect)
-        change = np.abs(with_it.colour - without.colour)[with_it.mask]
-        found.append(
+        (needed,) = (record.needed for record in on.effects if record.effect == effect)
+        change = np.abs(on.colour - off.colour)[on.mask]
+        rows.append(
             {
                 "scene": "any",
                 "effect": effect,
@@ -110,16 +127,16 @@ def view_influence(
                 "seconds": seconds[effect],
                 "seconds_always": seconds_always[effect],
                 "image_shift": float(change.mean()) if change.size else 0.0,
-                "equal_to_always": bool(np.array_equal(with_it.colour, forced.colour)),
+                "equal_to_always": bool(np.array_equal(on.colour, forced.colour)),
             }
         )
-    return found
+    return rows
 
 
 def sum_influences(parts: Sequence[Row]) -> pa.Table:
-    """Add up what was measured on several objects: `tables.EFFECT_INFLUENCE`.
+    """Combine the rows of several objects to `tables.EFFECT_INFLUENCE`.
 
-    Seconds and touches are sums, shifts means over touches.
+    Seconds and touches are summed. ``image_shift`` is averaged over touches.
     """
     groups: dict[tuple[str, str], list[Row]] = {}
     for part in parts:
@@ -136,45 +153,45 @@ def sum_influences(parts: Sequence[Row]) -> pa.Table:
 
 
 def make_effect_influence(step: StepInputs) -> None:
-    """Measure the effects on a sample of objects under every preset."""
+    """Write `tables.EFFECT_INFLUENCE` of a sample of objects in every preset."""
     run, parts = step.run, list[Row]()
     scenes, placed = measured_scenes(run.scene), place_cameras(run.viewpoints)
     wanted = Wanted(run.attention.fixations, run.probing.unreachable, run.probing.when_exhausted)
     located = dict(by_object(read_table(FIXATIONS, step.inputs["fixations"])))
     for mesh in step.inputs["meshes"]:
         key = object_of(mesh)
-        if key not in located:  # set aside, or too slender for any view
+        if key not in located:  # rejected mesh, or an object that no view shows
             continue
         caster = RayCaster(read_surface(mesh))
         table, _ = choose_locations(caster, located[key], run.sensor, wanted)
         if not table.num_rows:
             continue
-        seen_from = sorted(set(table.column("viewpoint").to_pylist()))
-        cameras = [placed[number] for number in seen_from[:VIEWS]]
+        viewpoints = sorted(set(table.column("viewpoint").to_pylist()))
+        cameras = [placed[number] for number in viewpoints[:VIEWS]]
         parts += view_influence(caster, cameras, run.rendering, run.scene.effects)
         parts += touch_influence(caster, table, run.sensor, scenes, run.seed)
     write_table(EFFECT_INFLUENCE, sum_influences(parts), step.outputs[0])
 
 
 def _scene_influence(
-    name: str, scene: Scene, felt: Callable[[Scene, int], Touches]
+    name: str, scene: Scene, touch: Callable[[Scene, int], Touches]
 ) -> Iterator[Row]:
     always = scene.with_effects("always")
-    whole, forced = felt(scene, 0), felt(always, 0)
+    whole, forced = touch(scene, 0), touch(always, 0)
     modes = scene.effects.model_dump(include=set(TACTILE_EFFECTS))
     equal = None if "never" in modes.values() else np.array_equal(whole.images, forced.images)
-    seconds, seconds_always = _seconds(
+    seconds, seconds_always = _median_seconds(
         [whole.effects, forced.effects],
-        lambda turn: felt(scene, turn).effects,
-        lambda turn: felt(always, turn).effects,
+        lambda turn: touch(scene, turn).effects,
+        lambda turn: touch(always, turn).effects,
     )
     for record in whole.effects:
         shift = 0.0
-        # An effect that nothing needs changes no bit, so there is no need to touch again.
+        # An effect that no touch needs changes no image, so do not touch again.
         if record.runs and record.needed:
-            left = scene.effects.model_copy(update={record.effect: "never"})
-            part = felt(scene.model_copy(update={"effects": left}), 0)
-            shift = float(np.abs(part.images - whole.images).mean())
+            others = scene.effects.model_copy(update={record.effect: "never"})
+            without = touch(scene.model_copy(update={"effects": others}), 0)
+            shift = float(np.abs(without.images - whole.images).mean())
         yield {
             "scene": name,
             "effect": record.effect,
@@ -187,10 +204,10 @@ def _scene_influence(
         }
 
 
-def _seconds(
+def _median_seconds(
     first: Sequence[Sequence[EffectRecord]], *runs: Callable[[int], Sequence[EffectRecord]]
 ) -> Iterator[dict[str, float]]:
-    """Return the median seconds of each effect for each way to run; the ways take turns, and each ran once before."""
+    """Yield the median seconds of each effect for each run function; `first` are the records of the first round."""
     rounds = [list(first), *([run(turn) for run in runs] for turn in range(1, ROUNDS))]
     for ways in zip(*rounds, strict=True):
         yield {

@@ -1,1 +1,1 @@
-"""Fitted models, measured on objects that they have not learnt."""
+"""Evaluate fitted models on objects that they were not trained on."""

@@ -1,7 +1,7 @@
-"""A fitted model on objects that it has not learnt, such as the set `odd`: what its answers and sets hold.
+"""Evaluate a fitted model on objects that it was not trained on.
 
-`odd.parquet` beside this file is `tables.EVALUATION` of the 22 objects of that set, classified by models of
-the 142 of set `benchmark`, with where it comes from in its metadata;
+`odd.parquet` beside this file is `tables.EVALUATION` of the 22 objects of set `odd`, classified by models of the 142
+objects of set `benchmark`. Its metadata holds its source.
 `python -m visuohaptic.studies.evaluation.models reports/evaluation.parquet COMMAND PROCESSOR` writes it again.
 """
 
@@ -35,17 +35,32 @@ KEPT = "odd.parquet"
 
 @dataclass(frozen=True)
 class MeasuredEvaluation:
-    """`tables.EVALUATION`; where it comes from if it was not measured on the run's objects."""
+    """`tables.EVALUATION`, and its source if it is the table of the package instead of the run's."""
 
     table: pa.Table
     source: Source | None = None
 
 
 def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
-    """Classify the objects that a model of pipeline `order_free` has not learnt by every evenly spread choice of 1, 4 and 16 views.
+    """Classify objects that a model was not trained on, from every evenly spaced choice of 1, 4 and 16 views.
 
-    `features` are touched as those of its own objects; strategies that it has not learnt are left out. Raises
-    `RecognitionError` if no such object is of a class that the model knows, or it is not calibrated.
+    Parameters
+    ----------
+    model : RecognitionModel
+        A calibrated model of pipeline `order_free`.
+    features : pyarrow.Table
+        Rows of `tables.FEATURES` with the settings of the training objects. Rows of strategies that the model was
+        not trained on are ignored.
+
+    Returns
+    -------
+    pyarrow.Table
+        `tables.EVALUATION`.
+
+    Raises
+    ------
+    RecognitionError
+        If no new object has a class that the model knows, or the model has no prediction sets.
     """
     parts = [_evaluate_strategy(model, features, strategy) for strategy in model.strategies]
     return join_parts(EVALUATION, parts)
@@ -54,12 +69,12 @@ def evaluate_model(model: RecognitionModel, features: pa.Table) -> pa.Table:
 def _evaluate_strategy(model: RecognitionModel, features: pa.Table, strategy: str) -> pa.Table:
     """Evaluate a model on the touches by one strategy."""
     own = select(features, strategy=strategy)
-    found = set(owners_of(own))
-    new = sorted(found - set(model.objects))
+    touched = set(owners_of(own))
+    new = sorted(touched - set(model.objects))
     if not any(category in model.classes for category, _ in new):
         raise RecognitionError(
-            f"Of {len(found)} objects touched by {strategy} none is of a class that the model "
-            "knows and not among those that it learnt; one at least is needed."
+            f"None of {len(touched)} objects touched by {strategy} is new to the model and of a class that "
+            "the model knows; at least one is needed."
         )
     rows = [
         {"class": category, "object": name, **row}
@@ -80,12 +95,12 @@ def _evaluate_strategy(model: RecognitionModel, features: pa.Table, strategy: st
 def _classify_object(
     model: RecognitionModel, touches: pa.Table, category: str
 ) -> Iterator[dict[str, object]]:
-    """Classify an object of a class by every choice of its views; with fewer views, by all of them."""
+    """Yield the columns of each prediction for an object of class `category`."""
     viewpoint = touches.column("viewpoint").to_numpy()
     seen = np.unique(viewpoint)
     for views in sorted({min(views, len(seen)) for views in VIEWS}):
-        for bag, places in enumerate(evenly_spaced_subsets(len(seen), views)):
-            answer = model.answer(touches.filter(pa.array(np.isin(viewpoint, seen[places]))))
+        for bag, chosen in enumerate(evenly_spaced_subsets(len(seen), views)):
+            answer = model.answer(touches.filter(pa.array(np.isin(viewpoint, seen[chosen]))))
             if answer.candidates is None:
                 raise RecognitionError(
                     "The model has no prediction sets. Train it in pipeline order_free, with at least two "
@@ -103,7 +118,7 @@ def _classify_object(
 
 
 def summarise_evaluation(table: pa.Table, intervals: IntervalParameters) -> list[dict[str, Any]]:
-    """Sum up `tables.EVALUATION` by strategy and number of views, as `sum_up_answers` does."""
+    """Summarise `tables.EVALUATION` by strategy and number of views with `sum_up_answers`."""
     parts = [select(table, strategy=name) for name in table.column("strategy").unique().to_pylist()]
     return [
         figures
@@ -113,7 +128,7 @@ def summarise_evaluation(table: pa.Table, intervals: IntervalParameters) -> list
 
 
 def read_evaluation(path: str | Path | None) -> MeasuredEvaluation:
-    """Read what was measured on a run's objects, else what is kept with the package."""
+    """Read the run's `tables.EVALUATION` if the file exists, else the table of the package."""
     if path is not None and Path(path).is_file():
         return MeasuredEvaluation(read_table(EVALUATION, path))
     with as_file(files("visuohaptic.studies.evaluation").joinpath(KEPT)) as file:
