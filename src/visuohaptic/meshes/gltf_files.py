@@ -1,7 +1,8 @@
 """Read the default scene of a glTF 2.0 file, text (.gltf) or binary (.glb), as parts.
 
-Comments have section numbers of the specification (ISO/IEC 12113:2022). Colours are linear in glTF and sRGB in
-parts. A node, primitive, material or texture of the scene with an unsupported key or extension raises an error.
+Section numbers are those of the specification (ISO/IEC 12113:2022). Colours are linear in glTF and sRGB in parts. An
+extension that is neither read nor harmless raises an error. Unknown keys raise an error only in nodes and primitives.
+Keys of materials other than the base colour, such as `alphaMode` and `normalTexture`, are ignored.
 """
 
 from __future__ import annotations
@@ -35,9 +36,13 @@ from visuohaptic.meshes.scenes import (
     skinned,
     strip_faces,
 )
+from visuohaptic.meshes.textures import PackedImage
 
 MOST_TINTS = 16
-"""Largest number of distinct vertex colours that multiply an image of a primitive; of more colours, the mean is used."""
+"""Largest number of tints that multiply an image of a primitive; with more tints, all faces have their mean.
+
+A tint is the base colour times the mean vertex colour of a face. Tints are equal if they round to the same 8-bit sRGB.
+"""
 
 _INSTANCING, _VISIBILITY = "EXT_mesh_gpu_instancing", "KHR_node_visibility"
 _GLOSSINESS, _TRANSFORM = "KHR_materials_pbrSpecularGlossiness", "KHR_texture_transform"
@@ -65,7 +70,7 @@ _WRAPS = {10497: REPEAT, 33071: CLAMP, 33648: MIRROR}
 
 @dataclass(frozen=True)
 class _MeshNode:
-    """A node with a mesh: its number, its entry, and the matrices (n, 4, 4) of its instances."""
+    """A node with a mesh: its index in `nodes`, its JSON, and the matrices (n, 4, 4) from mesh to scene per instance."""
 
     number: int
     entry: dict[str, Any]
@@ -74,7 +79,7 @@ class _MeshNode:
 
 @dataclass(frozen=True)
 class _Appearance:
-    """Base colour of a material, linear, and its reference to an image; `label` names the material in errors."""
+    """Base colour (3,), linear, of a material, and the JSON that refers to its texture; `label` is for errors."""
 
     factor: FloatArray
     texture: dict[str, Any] | None
@@ -84,9 +89,12 @@ class _Appearance:
 def read_gltf(data: bytes, companions: Companions) -> list[Part]:
     """Read the meshes in the default scene of a glTF or GLB file, with the transforms of their nodes.
 
-    Parts are in the file's frame, in metres. Instances, skins and morph targets are applied. Colours are base
-    colour times vertex colour, multiplied in linear light. Raises `MeshError` if the file is broken, has too many
-    parts, or uses an unsupported feature. The message has only the reason; the caller adds the name of the file.
+    Parts are in the file's frame, in metres, y up. Instances, skins and morph targets are applied. Hidden nodes are
+    left out with all nodes below. Without a scene, all nodes are read. Colours are base colour times vertex colour,
+    multiplied in linear light.
+
+    Raises `MeshError` if the file is broken, has too many parts, or uses an unsupported feature. The message has only
+    the reason; the caller adds the name of the file. Broken JSON values may raise other errors, such as `ValueError`.
     """
     companions.up_axis = "y"
     document = GltfDocument(data, companions)
@@ -98,7 +106,7 @@ def read_gltf(data: bytes, companions: Companions) -> list[Part]:
 
 
 def _mesh_nodes(document: GltfDocument) -> list[_MeshNode]:
-    """Return the nodes with a mesh in the default scene, in the order of the tree."""
+    """Return the visible nodes with a mesh in the default scene, each parent before its children."""
     stack = [(number, np.eye(4)) for number in _roots(document)][::-1]
     mesh_nodes, visited = [], set()
     while stack:
@@ -123,6 +131,7 @@ def _mesh_nodes(document: GltfDocument) -> list[_MeshNode]:
 
 
 def _roots(document: GltfDocument) -> Sequence[int]:
+    """Return the root nodes (indices) of the default scene; without scenes, all nodes without a parent."""
     scenes, nodes = document.tree.get("scenes", ()), document.tree.get("nodes", ())
     if scenes:
         number = document.tree.get("scene", 0)
@@ -158,6 +167,7 @@ def _vector(holder: dict[str, Any], name: str, default: FloatArray, label: str) 
 
 
 def _placements(shifts: FloatArray, quaternions: FloatArray, scales: FloatArray) -> FloatArray:
+    """Return matrices (n, 4, 4) that scale, then rotate by quaternions (x, y, z, w), then shift."""
     matrices = np.tile(np.eye(4), (len(shifts), 1, 1))
     matrices[:, :3, :3] = rotation_matrices(quaternions) * scales[:, None, :]
     matrices[:, :3, 3] = shifts
@@ -165,7 +175,7 @@ def _placements(shifts: FloatArray, quaternions: FloatArray, scales: FloatArray)
 
 
 def _instances(document: GltfDocument, extension: dict[str, Any] | None, label: str) -> FloatArray:
-    """Return the matrices (n, 4, 4) of the instances of a node; without the extension, one unit matrix."""
+    """Return matrices (n, 4, 4) from mesh to node, one per instance; without the extension, one identity."""
     if extension is None:
         return np.eye(4)[None]
     attributes = required(extension, "attributes", dict, f"{_INSTANCING} of {label}")
@@ -192,7 +202,7 @@ def _instances(document: GltfDocument, extension: dict[str, Any] | None, label: 
 
 
 def _check_size(document: GltfDocument, mesh_nodes: Sequence[_MeshNode]) -> None:
-    """Raise `MeshError` for too many primitives or corners, counted per instance, before data is read."""
+    """Raise `MeshError`, before data is read, for too many primitives of all nodes or corners of all instances."""
     parts, corners = 0, 0
     for mesh_node in mesh_nodes:
         mesh = document.entry("meshes", mesh_node.entry["mesh"], f"node {mesh_node.number}")
@@ -207,7 +217,7 @@ def _check_size(document: GltfDocument, mesh_nodes: Sequence[_MeshNode]) -> None
                 document.count(index, "a primitive") for index in accessors if index is not None
             ]
             corners += len(mesh_node.matrices) * sum(counts)
-        check_parts(parts, "primitives, each counted per instance", corners)
+        check_parts(parts, "primitives, each counted per node", corners)
 
 
 def _mesh_parts(document: GltfDocument, mesh_node: _MeshNode) -> Iterator[Part]:
@@ -215,8 +225,8 @@ def _mesh_parts(document: GltfDocument, mesh_node: _MeshNode) -> Iterator[Part]:
     mesh = document.entry("meshes", number, f"node {mesh_node.number}")
     check_extensions(mesh, f"mesh {number}", ())
     weights = mesh_node.entry.get("weights", mesh.get("weights", ()))
-    for index, described in enumerate(mesh["primitives"]):
-        primitive = _Primitive(document, described, weights, f"mesh {number}, primitive {index}")
+    for index, entry in enumerate(mesh["primitives"]):
+        primitive = _Primitive(document, entry, weights, f"mesh {number}, primitive {index}")
         faces = primitive.faces()
         if len(faces):
             vertices, matrices = _posed(document, mesh_node, primitive)
@@ -227,7 +237,7 @@ def _mesh_parts(document: GltfDocument, mesh_node: _MeshNode) -> Iterator[Part]:
 def _posed(
     document: GltfDocument, mesh_node: _MeshNode, primitive: _Primitive
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the vertices of a primitive and the matrices of its instances; with a skin, one unit matrix."""
+    """Return vertices (v, 3), and matrices (n, 4, 4) to the scene per instance: with a skin, one identity."""
     vertices, skin = primitive.positions(), mesh_node.entry.get("skin")
     if skin is None:
         return vertices, mesh_node.matrices
@@ -250,14 +260,15 @@ def _posed(
 
 
 def _joint_matrices(document: GltfDocument, skin: Any, label: str) -> FloatArray:
-    described = document.entry("skins", skin, label)
-    check_extensions(described, f"skin {skin}", ())
-    joints, parents = required(described, "joints", list, f"skin {skin}"), _parents(document)
+    """Return matrices (j, 4, 4) per joint from the mesh at rest to the scene: joint to scene times inverse bind."""
+    entry = document.entry("skins", skin, label)
+    check_extensions(entry, f"skin {skin}", ())
+    joints, parents = required(entry, "joints", list, f"skin {skin}"), _parents(document)
     worlds = np.array([_world(document, joint, parents) for joint in joints])
-    if "inverseBindMatrices" not in described:
+    if "inverseBindMatrices" not in entry:
         return worlds
     matrices_label = f"inverseBindMatrices of skin {skin}"
-    inverses = document.numbers(described["inverseBindMatrices"], matrices_label, 16)
+    inverses = document.numbers(entry["inverseBindMatrices"], matrices_label, 16)
     if len(inverses) < len(worlds):
         raise MeshError(f"skin {skin} has {len(worlds)} joints and {len(inverses)} matrices")
     return worlds @ inverses[: len(worlds)].reshape(-1, 4, 4).transpose(0, 2, 1)
@@ -272,6 +283,7 @@ def _parents(document: GltfDocument) -> dict[int, int]:
 
 
 def _world(document: GltfDocument, joint: int, parents: dict[int, int]) -> FloatArray:
+    """Return the matrix (4, 4) from a joint's frame to the scene."""
     matrix, number, steps = np.eye(4), joint, 0
     while True:
         node = document.entry("nodes", number, "a skin")
@@ -284,31 +296,31 @@ def _world(document: GltfDocument, joint: int, parents: dict[int, int]) -> Float
 
 
 class _Primitive:
-    """A primitive of a mesh: its triangles, vertices and colours."""
+    """A primitive of a mesh: its triangles, vertices and colours. `entry` is its JSON, `weights` those of morph targets."""
 
     def __init__(
         self,
         document: GltfDocument,
-        described: dict[str, Any],
+        entry: dict[str, Any],
         weights: Sequence[float],
         label: str,
     ) -> None:
-        check_keys(described, label, _PRIMITIVE_KEYS)
-        check_extensions(described, label, ())
-        self.document, self.described, self.label = document, described, label
-        self.attributes: dict[str, int] = described["attributes"]
+        check_keys(entry, label, _PRIMITIVE_KEYS)
+        check_extensions(entry, label, ())
+        self.document, self.entry, self.label = document, entry, label
+        self.attributes: dict[str, int] = entry["attributes"]
         for name in self.attributes:
             if not _ATTRIBUTE.fullmatch(name):
                 raise MeshError(f"{label} has the attribute {name[:80]!r}, which is not read")
-        targets = described.get("targets", [])
+        targets = entry.get("targets", [])
         if any(weights) and len(weights) != len(targets):
             raise MeshError(f"{label} has {len(targets)} morph targets and {len(weights)} weights")
         pairs = zip(targets, weights, strict=False)
         self._targets = [(target, weight) for target, weight in pairs if weight]
 
     def faces(self) -> IntArray:
-        """Return triangles (f, 3); points and lines give no triangle."""
-        mode = self.described.get("mode", _TRIANGLES)
+        """Return vertex indices (f, 3) of the triangles; (0, 3) for points and lines, or without vertices."""
+        mode = self.entry.get("mode", _TRIANGLES)
         if mode in _NO_SURFACE or "POSITION" not in self.attributes:
             return np.zeros((0, 3), dtype=np.int64)
         corners = self._corners()
@@ -324,10 +336,11 @@ class _Primitive:
         return strip_faces(corners) if mode == _STRIP else fan_faces(corners)
 
     def _corners(self) -> IntArray:
+        """Return the vertex index per corner, (n,); without `indices`, every vertex in its order."""
         count = self.document.count(self.attributes["POSITION"], self.label)
-        if "indices" not in self.described:
+        if "indices" not in self.entry:
             return np.arange(count)
-        stored = self.document.stored(self.described["indices"], f"indices of {self.label}", 1)
+        stored = self.document.stored(self.entry["indices"], f"indices of {self.label}", 1)
         if stored.dtype.kind != "u":
             raise MeshError(f"{self.label} has indices of {stored.dtype}; unsigned ones are needed")
         corners = stored[:, 0]
@@ -338,51 +351,51 @@ class _Primitive:
         return corners
 
     def positions(self) -> FloatArray:
-        """Return vertices (v, 3) with the morph targets applied."""
+        """Return vertices (v, 3) in the frame of the mesh, with the morph targets applied."""
         position = self.document.entry("accessors", self.attributes["POSITION"], self.label)
-        if _DRACO in self.described.get("extensions", {}) and "bufferView" not in position:
+        if _DRACO in self.entry.get("extensions", {}) and "bufferView" not in position:
             raise MeshError(f"{self.label} has the extension {_DRACO}, which is not read")
         return self._morphed("POSITION", self.numbers("POSITION", 3))
 
     def numbers(self, name: str, *widths: int) -> FloatArray:
-        """Return an attribute, (v, k), float64; k must be in `widths`."""
+        """Return an attribute (v, k), float64; integers become fractions only if marked `normalized`. `widths`: allowed k."""
         return self._checked_rows(
             name, self.document.numbers(self._accessor(name), self._label_of(name), *widths)
         )
 
     def fractions(self, name: str, *widths: int) -> FloatArray:
-        """Return an attribute, (v, k), float64; integers become fractions of the largest integer of their type."""
+        """Return an attribute (v, k), float64; integers always become fractions of the largest integer of their type."""
         return self._checked_rows(
             name, self.document.fractions(self._accessor(name), self._label_of(name), *widths)
         )
 
     def stored(self, name: str, *widths: int) -> NDArray[Any]:
-        """Return an attribute, (v, k), in its stored type."""
+        """Return an attribute (v, k) in its stored type; k must be in `widths`."""
         return self._checked_rows(
             name, self.document.stored(self._accessor(name), self._label_of(name), *widths)
         )
 
     def painted(self, vertices: FloatArray, faces: IntArray) -> Iterator[Part]:
-        """Yield the triangles as parts with face colours, or with one image each."""
-        appearance = _appearance(self.document, self.described, self.label)
+        """Yield one part with face colours, or one part per tint of the image; vertices are not transformed."""
+        appearance = _appearance(self.document, self.entry, self.label)
         image = None if appearance.texture is None else self._image(appearance)
         if image is None:
             encoded = np.concatenate(
-                [encode_bytes(light) for light in self._light(appearance, faces)]
+                [encode_bytes(block) for block in self._linear_colours(appearance, faces)]
             )
             yield Part(vertices, faces, np.broadcast_to(encoded, (len(faces), 3)))
             return
-        light = np.concatenate(list(self._light(appearance, faces)))
+        colours = np.concatenate(list(self._linear_colours(appearance, faces)))
         coordinates, wraps = self._coordinates(appearance), self._wraps(appearance)
-        for tinted_faces, tint in self._tints(light, len(faces)):
+        for tinted_faces, tint in self._tints(colours, len(faces)):
             red, green, blue = map(float, tint)
             paint = Paint(
                 image, coordinates[faces[tinted_faces]], wraps, (red, green, blue), linear=True
             )
             yield Part(vertices, faces[tinted_faces], None, paint)
 
-    def _light(self, appearance: _Appearance, faces: IntArray) -> Iterator[FloatArray]:
-        """Yield linear colours of faces, (n, 3), in blocks; a single row if vertices have no colours."""
+    def _linear_colours(self, appearance: _Appearance, faces: IntArray) -> Iterator[FloatArray]:
+        """Yield linear colours (n, 3) per block of faces; without vertex colours, only the base colour (1, 3)."""
         if "COLOR_0" not in self.attributes:
             yield np.clip(appearance.factor[None], 0.0, 1.0)
             return
@@ -392,22 +405,23 @@ class _Primitive:
             mean = corners[faces[start : start + _BLOCK_FACES]].mean(axis=1)
             yield np.clip(appearance.factor * mean, 0.0, 1.0)
 
-    def _tints(self, light: FloatArray, count: int) -> Iterator[tuple[Any, FloatArray]]:
-        """Yield groups of faces with the same tint of their image, and the tint, (3,), linear."""
-        tones, group = np.unique(encode_bytes(light), axis=0, return_inverse=True)
+    def _tints(self, colours: FloatArray, face_count: int) -> Iterator[tuple[Any, FloatArray]]:
+        """Yield the faces of each tint, as index array or slice, and the tint (3,), linear; see `MOST_TINTS`."""
+        tones, group = np.unique(encode_bytes(colours), axis=0, return_inverse=True)
         if len(tones) == 1:
-            yield slice(None), light.mean(axis=0)
+            yield slice(None), colours.mean(axis=0)
         elif len(tones) > MOST_TINTS:
             self.document.companions.notes.append(
                 f"has {len(tones)} vertex colours on an image ({self.label}); their mean is read"
             )
-            yield slice(None), light.mean(axis=0)
+            yield slice(None), colours.mean(axis=0)
         else:
             for number in range(len(tones)):
-                tinted_faces = np.flatnonzero(group.reshape(count) == number)
-                yield tinted_faces, light[tinted_faces].mean(axis=0)
+                tinted_faces = np.flatnonzero(group.reshape(face_count) == number)
+                yield tinted_faces, colours[tinted_faces].mean(axis=0)
 
-    def _image(self, appearance: _Appearance) -> Any:
+    def _image(self, appearance: _Appearance) -> PackedImage | None:
+        """Return the image of a material; None if none can be used, in most cases with a remark in `companions`."""
         info = appearance.texture or {}
         check_extensions(info, f"the image of {appearance.label}", (_TRANSFORM,))
         if self._texcoord(appearance) not in self.attributes:
@@ -434,12 +448,13 @@ class _Primitive:
         return None
 
     def _texcoord(self, appearance: _Appearance) -> str:
+        """Return the name of the attribute with the image coordinates, such as TEXCOORD_0."""
         info = appearance.texture or {}
         extension = info.get("extensions", {}).get(_TRANSFORM, {})
         return f"TEXCOORD_{extension.get('texCoord', info.get('texCoord', 0))}"
 
     def _coordinates(self, appearance: _Appearance) -> FloatArray:
-        """Return image coordinates (v, 2); the second coordinate points up."""
+        """Return image coordinates (v, 2): 0 to 1 is one image, right and, unlike in glTF, up."""
         name = self._texcoord(appearance)
         stored = self._morphed(name, self.numbers(name, 2))
         extension = (appearance.texture or {}).get("extensions", {}).get(_TRANSFORM, {})
@@ -452,6 +467,7 @@ class _Primitive:
         return np.column_stack([shifted[:, 0], 1.0 - shifted[:, 1]])
 
     def _wraps(self, appearance: _Appearance) -> tuple[int, int]:
+        """Return REPEAT, CLAMP or MIRROR along the image's width and height."""
         texture = self.document.entry(
             "textures", (appearance.texture or {}).get("index"), appearance.label
         )
@@ -463,6 +479,7 @@ class _Primitive:
         return across, up
 
     def _morphed(self, name: str, values: FloatArray) -> FloatArray:
+        """Return the values (v, k) of an attribute plus the weighted offsets of the morph targets."""
         for target, weight in self._targets:
             if name in target:
                 target_label = f"the morph target's {name} of {self.label}"
@@ -486,7 +503,7 @@ class _Primitive:
 
 
 def _appearance(document: GltfDocument, primitive: dict[str, Any], label: str) -> _Appearance:
-    """Return base colour and image of a primitive; white without a material (section 3.7.2.1)."""
+    """Return base colour, without alpha, and texture of a primitive; white without a material (section 3.7.2.1)."""
     if "material" not in primitive:
         return _Appearance(np.ones(3), None, label)
     number = primitive["material"]

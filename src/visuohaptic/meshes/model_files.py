@@ -1,4 +1,4 @@
-"""Read a mesh from a file, an open file, or memory as a coloured surface."""
+"""Read a mesh from a path, an open file or an object in memory as a coloured surface."""
 
 from __future__ import annotations
 
@@ -35,13 +35,15 @@ Source: TypeAlias = (
 """Types of sources of a mesh; also a `TriangleMesh` of Open3D, legacy or tensor."""
 
 UNNAMED = "object"
-"""Name of a mesh without a name."""
+"""Name in messages of a mesh that has no file name."""
 
 PACKED = ".ply.gz"
 """Suffix of files that `write_surface` writes."""
 
+# Formats with a text form, which may begin with a byte order mark.
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae", "stl")
-_MOST_MISSING = 5
+_MOST_MISSING = 5  # missing files that a note lists
+_MOST_NOTES = 5
 _BLOCK_BYTES = 1 << 20
 
 
@@ -55,20 +57,22 @@ def read_mesh(
     source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
         The mesh. A path may also name a packed surface, ``.ply.gz``. A `Surface` is returned unchanged.
     file_type : str, optional
-        Format of an open file, such as ``obj``; by default the suffix of its name.
+        Format of an open file, such as ``obj``; by default the suffix of its name. Ignored for other sources.
     largest_megabytes : float
-        Largest size of a file, in 10⁶ bytes.
+        Largest size of a file, in 10⁶ bytes; of a packed surface, the size after unpacking.
 
     Returns
     -------
     Surface
-        Triangles in the frame and unit of the source, without unused vertices. Files that a model refers to are
-        read only from its folder and below; `Surface.notes` names missing files.
+        Triangles in the frame and unit of the source, glTF in metres. Unused vertices are dropped, except those of a
+        `Surface`. Files that a model refers to, such as images, are read only from the folder of the path and below.
+        An open file has no folder, so these files are missing. `Surface.notes` has up to five sentences; if files are
+        missing, the first names up to five of them.
 
     Raises
     ------
     MeshError
-        If the source has another type, can't be read, or has no triangle.
+        If the source has another type, can't be read, or has no triangle; also if a buffer of a glTF file is missing.
     """
     if isinstance(source, Surface):
         return source
@@ -83,7 +87,10 @@ def read_mesh(
 
 
 def name_of(source: Source) -> str:
-    """Return the name of a mesh for messages: its path, the stem of an open file, or ``object``."""
+    """Return the name of a mesh for messages.
+
+    The name is the path as given; the file name of an open file without folder and suffix; or ``object``.
+    """
     if isinstance(source, str | Path):
         return str(source)
     file_name = getattr(source, "name", None)
@@ -93,12 +100,20 @@ def name_of(source: Source) -> str:
 
 
 def surface_from_archive(data: bytes, name: str, archive: ZipFile) -> Surface:
-    """Read a member of a zip archive, and files that it refers to in its folder of the archive."""
+    """Read the content `data` of a member of a zip archive as a surface.
+
+    `name` is the path of the member in the archive, with the suffix of a model file. Files that the member refers to
+    are read from the same folder of the archive and below.
+    """
     return read_data(data, Path(name).suffix[1:], name, ArchiveCompanions(archive, name))
 
 
 def read_data(data: bytes, kind: str, name: str, companions: Companions) -> Surface:
-    """Read the content of a file of a kind such as ``obj``; raises `MeshError` with `name` and the reason."""
+    """Read the content of a model file as a surface.
+
+    `kind` is a suffix of `MODEL_SUFFIXES` without the dot, in upper or lower case; another kind raises `KeyError`.
+    `companions` reads the files that the model refers to. Raises `MeshError` with `name` and the reason if the content is broken.
+    """
     kind = kind.lower()
     if kind in _TEXT_KINDS:
         data = data.removeprefix(codecs.BOM_UTF8)
@@ -114,7 +129,7 @@ def _surface(
     kind: str,
     companions: Companions,
 ) -> Surface:
-    """Return the surface of a content, which is taken out of `holder` so that `read` can free it."""
+    """Read the only item of `holder` as a surface; the item is removed from the list so that `read` can free it."""
     # A parser may raise any error for a broken file.
     try:
         # No variable here refers to the content, so that `read` can free it.
@@ -129,7 +144,7 @@ def _parts_in_memory(mesh: Any, companions: Companions) -> Sequence[Part]:  # no
 
 
 def _notes(name: str, companions: Companions) -> tuple[str, ...]:
-    """Return remarks on a model as sentences; a single sentence names all missing files."""
+    """Return up to `_MOST_NOTES` sentences; the first lists up to `_MOST_MISSING` missing files."""
     notes = [f"{name} {note}." for note in dict.fromkeys(companions.notes)]
     missing = list(dict.fromkeys(companions.missing))
     if missing:
@@ -138,7 +153,7 @@ def _notes(name: str, companions: Companions) -> tuple[str, ...]:
             f"; and {omitted} more" if omitted > 0 else ""
         )
         notes.insert(0, f"{name} refers to {listed}. Its faces are coloured without them.")
-    return tuple(notes[:_MOST_MISSING])
+    return tuple(notes[:_MOST_NOTES])
 
 
 def _reason_of(error: Exception) -> str:
@@ -160,6 +175,7 @@ def _read_path(path: Path, name: str, largest_megabytes: float) -> Surface:
 
 
 def _kind_of(stream: Any, file_type: str | None) -> str:
+    """Return the format of an open file, a suffix in lower case without dot; raise `MeshError` if unsupported."""
     file_name = getattr(stream, "name", None)
     suffix = Path(file_name).suffix if isinstance(file_name, str) else ""
     kind = (suffix if file_type is None else file_type).lower().removeprefix(".")
@@ -176,7 +192,7 @@ def _kind_of(stream: Any, file_type: str | None) -> str:
 
 
 def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> bytes:
-    # `stream.read(n)` allocates n bytes before it reads.
+    # A single `stream.read(n)` would allocate the n allowed bytes even for a small file.
     content, bytes_left = io.BytesIO(), int(largest_megabytes * 1e6) + 1
     while bytes_left and (block := stream.read(min(bytes_left, _BLOCK_BYTES))):
         if not isinstance(block, bytes):

@@ -17,20 +17,39 @@ from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.up_axis import leans_on_y, steadiest_axis
 
 MERGE_TOLERANCE = 1e-6
-"""Vertices closer than this (object radii) are merged: some ten float32 steps at the unit sphere."""
+"""Step (object radii) of the grid on which `clean` merges vertices: about ten float32 steps at distance 1."""
 
 UP_AXES = {
     "x": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
     "y": np.eye(3),
     "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]),
 }
-"""Rotation matrix, (3, 3), per axis that turns the axis to y."""
+"""Rotation matrix (3, 3) per up axis of a file: `UP_AXES[axis] @ point` is the point with y up."""
 
 
 def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> Surface:
-    """Read the model of an object, turn it upright and normalise it.
+    """Read a mesh, turn it upright and normalise it into the object frame.
 
-    Raises `MeshError` with the name of the source if the source can't be read or has no area.
+    Parameters
+    ----------
+    model : Model
+        Only `rotation` and `dimensions` are used. `rotation` counts only if the source is the path of a packed
+        surface, ``.ply.gz``, in which models of the catalogue are stored.
+    source : path, open file or mesh in memory
+        Argument of `read_mesh`.
+    parameters : MeshParameters
+        Only `largest_megabytes` and `own_up_axis` are used. `own_up_axis` turns every source but a packed surface.
+
+    Returns
+    -------
+    Surface
+        As of `normalise`. Its notes include a doubtful up axis.
+
+    Raises
+    ------
+    MeshError
+        If the source can't be read, has a vertex that is not finite, or has no area. The message begins with the name
+        of the source.
     """
     return prepare_with_matrix(model, source, parameters)[0]
 
@@ -40,7 +59,7 @@ def prepare_with_matrix(
 ) -> tuple[Surface, FloatArray]:
     """Return the surface of `prepare_object`, and the matrix (4, 4) from the file's frame to the object frame.
 
-    `source` and `file_type` are arguments of `read_mesh`.
+    `matrix @ (x, y, z, 1)` transforms a point. `source` and `file_type` are arguments of `read_mesh`.
     """
     surface = read_mesh(source, file_type, parameters.largest_megabytes)
     name = name_of(source)
@@ -55,9 +74,9 @@ def prepare_with_matrix(
 def _upright(
     surface: Surface, name: str, parameters: MeshParameters
 ) -> tuple[FloatArray, list[str]]:
-    """Return the rotation (3, 3) that turns the up axis of an own model to y, and remarks on it."""
+    """Return the rotation (3, 3) to y up, by `own_up_axis`, and a note if the default y is doubtful."""
     axis: str = parameters.own_up_axis
-    _check_finite(surface, name)
+    _check_faces_and_vertices(surface, name)
     if axis == "auto":
         return UP_AXES[steadiest_axis(surface, {axis: UP_AXES[axis] for axis in "yz"})], []
     if axis != "file":
@@ -88,20 +107,22 @@ def normalise(
     rotation : numpy.ndarray, optional
         Shape (3, 3): turns the surface so that y is up.
     dimensions : tuple of float, optional
-        Extents along x, y and z to stretch to after the rotation; an extent of zero stays zero.
+        Extents along x, y and z to which the turned surface is stretched. Only their ratios count, because the radius
+        becomes 1. An axis along which the surface is flat stays flat.
     merge_tolerance : float
-        Vertices closer than this, in object radii, are merged.
+        Argument of `clean`, in object radii.
 
     Returns
     -------
     Surface
-        The centroid of the surface is the origin, and the farthest vertex has distance 1. No face is without area.
-        Vertices are exact in float32, so that float64 checks and the float32 ray caster see the same surface.
+        The centroid, weighted by area, is the origin, and the farthest vertex has distance 1, up to float32 rounding.
+        Every face has an area, and every vertex a face. Vertices are float64 with values that float32 represents
+        exactly, so that float64 checks and the float32 ray caster see the same surface.
 
     Raises
     ------
     MeshError
-        If a vertex is NaN or infinite, a face names a missing vertex, or the surface has no area.
+        If there is no face, a vertex of a face is missing, NaN or infinite, or the surface has no area.
     """
     return normalise_with_matrix(surface, name, rotation, dimensions, merge_tolerance)[0]
 
@@ -115,9 +136,10 @@ def normalise_with_matrix(
 ) -> tuple[Surface, FloatArray]:
     """Return the surface of `normalise`, and the matrix (4, 4) from the given frame to the object frame.
 
-    The matrix is exact up to rounding of vertices. It is not finite if float64 can't represent its scale.
+    `matrix @ (x, y, z, 1)` transforms a point. Vertices of the surface differ from transformed vertices only by merging
+    and float32 rounding. Entries of the matrix are infinite or NaN if the scale overflows float64.
     """
-    _check_finite(surface, name)
+    _check_faces_and_vertices(surface, name)
     used = surface.vertices[np.unique(surface.faces)]
     vertices, centre, half_extent = _centred_box(used, surface.vertices, name)
     matrix = _translate_and_divide(-centre, half_extent)
@@ -139,7 +161,7 @@ def normalise_with_matrix(
 
 
 def _translate_and_divide(shift: FloatArray, length: float) -> FloatArray:
-    """Return the matrix (4, 4) that shifts points and then divides them by a length."""
+    """Return the matrix (4, 4) of the transform ``(point + shift) / length``."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         scale = np.float64(1.0) / length
         matrix = np.diag([scale, scale, scale, 1.0])
@@ -153,10 +175,12 @@ def _compose(second: FloatArray, first: FloatArray) -> FloatArray:
 
 
 def clean(surface: Surface, merge_tolerance: float) -> Surface:
-    """Merge coincident vertices and drop faces without area and repeated faces.
+    """Merge vertices, then drop faces without area, repeated faces and unused vertices.
 
-    Vertices whose coordinates round to the same multiples of `merge_tolerance` are merged; with tolerance 0, only
-    equal vertices. Faces keep their order. Of faces with the same corners, in either orientation, the first is kept.
+    `merge_tolerance` is the step of a grid, in the unit of the surface. Vertices with the same nearest grid point
+    become the first of these vertices. Close vertices with different grid points stay apart. With step 0, only equal
+    vertices are merged. Faces keep their order. Of faces with the same corners, in either orientation, the first is
+    kept.
     """
     grid = np.rint(surface.vertices / merge_tolerance) if merge_tolerance > 0 else surface.vertices
     _, first, inverse = np.unique(grid, axis=0, return_index=True, return_inverse=True)
@@ -171,7 +195,8 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     return take_faces(merged, is_kept)
 
 
-def _check_finite(surface: Surface, name: str) -> None:
+def _check_faces_and_vertices(surface: Surface, name: str) -> None:
+    """Raise `MeshError` without faces, or if a vertex of a face is missing or not finite."""
     if not len(surface.faces):
         raise MeshError(f"{name} has no faces; a surface of triangles or polygons is needed.")
     if surface.faces.min() < 0 or surface.faces.max() >= len(surface.vertices):
@@ -191,23 +216,24 @@ def _check_finite(surface: Surface, name: str) -> None:
 def _centred_box(
     used: FloatArray, vertices: FloatArray, name: str
 ) -> tuple[FloatArray, FloatArray, float]:
-    """Return vertices in the cube from -1 to 1, the subtracted centre, and the half extent that divided them."""
+    """Return `vertices` scaled so that `used` fits the cube from -1 to 1, the old centre, and the old half extent."""
     low, high = used.min(axis=0), used.max(axis=0)
     # Halves first: the extent of a mesh near the largest float64 would overflow.
     centre, half_extent = 0.5 * low + 0.5 * high, (0.5 * high - 0.5 * low).max()
     if not half_extent > 0:
         raise MeshError(f"{name} has no area; all its vertices are at one point.")
+    # Unused vertices may be far outside, or NaN; they are dropped later.
     return np.clip((vertices - centre) / half_extent, -1.0, 1.0), centre, float(half_extent)
 
 
 def _scale_factors(vertices: FloatArray, faces: IntArray, dimensions: FloatArray) -> FloatArray:
-    """Return the factor (3,) per axis that stretches the extent to `dimensions`; 1 for an extent of zero."""
+    """Return the factors (3,) that stretch the extents to `dimensions`; 1 along a flat axis."""
     extent = np.ptp(vertices[np.unique(faces)], axis=0)
     return np.divide(dimensions, extent, out=np.ones(3), where=extent > 0)
 
 
 def _unit_size(surface: Surface, name: str) -> tuple[Surface, FloatArray]:
-    """Return a surface centred at its centroid with radius 1, and the matrix (4, 4) of this change."""
+    """Return the surface with its centroid at the origin and radius 1, and the matrix (4, 4) of this transform."""
     _check_area(surface, name)
     centre = surface.centroid
     centred = surface.vertices - centre
