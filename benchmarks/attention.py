@@ -79,4 +79,4 @@ def nearest(found: np.ndarray, sought: np.ndarray) -> np.ndarray:
 
 def attend_to(views: Views, parameters: AttentionParameters) -> list[Attention]:
     """Find the fixations of views."""
-    return attend(**views.arrays(), parameters=parameters)
+    return attend(**views.attend_arguments(), parameters=parameters)
