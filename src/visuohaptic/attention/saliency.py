@@ -80,7 +80,7 @@ def conspicuity_maps(
     Raises
     ------
     AttentionError
-        If a channel is unknown, or returns another number of planes than its entry in `CHANNELS` says.
+        If a channel is unknown, or its `planes` returns another number of planes than its `count` says.
     """
     coarsest = max(CENTRE_LEVELS) + max(SURROUND_OFFSETS)
     certainties = build_pyramid(view.certainty, coarsest)
@@ -287,10 +287,8 @@ def _sum_in_order(values: Plane) -> float:
 
 
 def _promote_iteratively(plane: Plane) -> Plane:
-    """Add the difference of two Gaussian blurs and set negative values to 0, `ITERATIONS` times.
-
-    Itti & Koch 2000. A constant fraction of the maximum is subtracted each time. The result may exceed 1.
-    """
+    """Add excitation minus inhibition and set negative values to 0, `ITERATIONS` times (Itti & Koch 2000)."""
+    # The maximum may grow above 1.
     excitation, inhibition = _gaussians(len(plane))
     support = cv2.sepFilter2D(
         np.ones_like(plane), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT
