@@ -81,4 +81,4 @@ def nearest(points: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 def attend_to(views: Views, parameters: AttentionParameters) -> list[Attention]:
     """Compute the fixations of views."""
-    return attend(**views.arrays(), parameters=parameters)
+    return attend(**views.attend_arguments(), parameters=parameters)

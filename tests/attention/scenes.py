@@ -55,4 +55,4 @@ def look(surface, cameras, attention=None, modes=None, background=0.85, **furthe
     attention = AttentionParameters() if attention is None else attention
     rendering = RenderingParameters(background=background)
     views = render_views(RayCaster(surface), cameras, rendering, modes)
-    return views, attend(**views.arrays(), parameters=attention, **further)
+    return views, attend(**views.attend_arguments(), parameters=attention, **further)

@@ -87,7 +87,7 @@ def test_nearness_to_the_middle_falls_as_a_gaussian_of_the_distance():
 
 def test_without_weights_of_terms_an_eye_changes_no_bit():
     views, (plain,) = scenes.look(scenes.sphere_with_bump([1, 1, 1]), [CAMERA])
-    given = {**views.arrays(), "eye": CAMERA.eye[None]}
+    given = {**views.attend_arguments(), "eye": CAMERA.eye[None]}
     (given,) = attend(**given, parameters=AttentionParameters())
     np.testing.assert_array_equal(plain.saliency, given.saliency)
     np.testing.assert_array_equal(plain.scanpath.points, given.scanpath.points)

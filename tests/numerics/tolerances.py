@@ -57,7 +57,7 @@ TOLERANCES = {
         5e-3,
         "of the map's maximum",
         "planes are float32 and pass some 30 filters; the operator N squares a difference and is "
-        "divided by FAINT = 0.01: 30 · 2 · u32 / 0.01 = 4e-4 a map, eight maps",
+        "divided by FAINT_PEAK = 0.01: 30 · 2 · u32 / 0.01 = 4e-4 a map, eight maps",
     ),
     "invariance/tied peaks: fixations are those of a map within its error": Tolerance(
         1e-2,

@@ -17,15 +17,15 @@ from .plain_filters import plain_filters
 from .planes import Plane
 from .pyramid import fill_background
 from .registry import CHANNELS, TERMS
-from .saliency import conspicuity_maps, on_view, saliency_map
+from .saliency import conspicuity_maps, resample_to_view, saliency_map
 from .scanpath import Scanpath, scan
 from .terms import SeenSurface, prepare_surface
 
 SMALLEST_VIEW = 16
-"""Least rows and columns of a view."""
+"""Smallest number of rows and of columns of a view."""
 
 SMALLEST_PEAK = 1e-30
-"""Least divisor of a map, so that a map of zeros stays zero."""
+"""A map is divided by its maximum, but by no less than this, so that a map of zeros stays zero."""
 
 
 @dataclass(frozen=True)
@@ -35,13 +35,14 @@ class Attention:
     Attributes
     ----------
     saliency : ndarray of shape (h, w), float32
-        The saliency map, 0 to 1; zero on the background.
+        The saliency map, scaled to a maximum of 1, and 0 on the background. All values are 0 if nothing on the object
+        is salient.
     conspicuity : dict of str to ndarray of shape (h, w), float32
-        The map of each channel that ran, at least 0, before its weight.
+        The map per channel that ran: at least 0, not multiplied by the channel's weight, and 0 on the background.
     skipped : dict of str to str
-        The reason for each channel that did not run.
+        The reason per channel that did not run.
     scanpath : Scanpath
-        The fixations.
+        The fixations, in order.
     """
 
     saliency: Plane
@@ -64,36 +65,42 @@ def attend(
 ) -> list[Attention]:
     """Compute saliency and fixations of n views; each result depends only on its own view.
 
+    Values on the background must be finite too, but change no result.
+
     Parameters
     ----------
     colour : ndarray of shape (n, h, w, 3), float32
-        Red, green and blue, at least 0, of any scale.
+        Red, green and blue, at least 0, of any scale: each view is divided by its largest value on the object.
+        `Views` of rendered objects have sRGB; linear light gives other maps.
     mask : ndarray of shape (n, h, w), bool
         True on the object.
     point, normal : ndarray of shape (n, h, w, 3), float64
-        Visible points of the surface and their unit normals.
+        Visible points of the surface, object radii, and unit normals, both in the object frame: y up, z to the front.
+        The parameters and terms assume this unit, and the terms assume this frame.
     face : ndarray of shape (n, h, w), int64
-        The face at each pixel.
+        Index of the visible face at each pixel. It is only copied into the scanpath.
     curvature : ndarray of shape (n, h, w), float32
-        Curvedness of the surface, at least 0, per unit of the points.
+        Curvedness of the surface, at least 0, 1 / object radius.
     parameters : AttentionParameters
-        The model's parameters.
+        Weights of the channels, the operator N, and the choice of fixations.
     eye : ndarray of shape (n, 3), float64, optional
-        Position of the eye in the frame of the points; terms need it.
+        Position of each view's eye, object frame, object radii. Needed if a term has a weight other than 0.
     terms : mapping of str to float, optional
-        Weights by names of `TERMS`. With a weight other than 0, the saliency map is the exponential of the
-        weighted sum of channels and terms.
+        Weight per name of `TERMS`; missing terms have weight 0. If all are 0, the saliency map is the weighted sum of
+        conspicuity maps. Otherwise it is the exponential of this sum plus the weighted sum of terms. Either map is
+        then divided by its maximum.
 
     Returns
     -------
     list of Attention
-        One result per view.
+        One result per view, in the order of the views.
 
     Raises
     ------
     AttentionError
-        If shapes differ, a view is too small, a value is not finite or is negative, a term is unknown, or a
-        term has a weight and `eye` is missing.
+        If a shape does not match `mask`, `mask` is not bool, a view has fewer than `SMALLEST_VIEW` rows or columns,
+        a value is not finite, a colour or curvature is negative, a term is unknown, or a term has a weight other
+        than 0 and `eye` is missing.
     """
     _check_views(colour, mask, point, normal, face, curvature)
     weights = _weights_of(terms or {})
@@ -106,25 +113,30 @@ def attend(
 def reasons_to_skip(
     colour: Plane, mask: NDArray[np.bool_], curvature: Plane, parameters: AttentionParameters
 ) -> dict[str, str]:
-    """Return the channels that a view does not need, with the reasons, in the order of `CHANNELS`.
+    """Return the channels that add nothing to a view's saliency map, as name: reason, in the order of `CHANNELS`.
 
-    The arrays are those of `prepare_view`. The map or the weight of such a channel is zero, so skipping the
-    channel changes no bit of the saliency map.
+    The weight of such a channel is 0, or its map is 0 everywhere, so `attend` does not compute the map. This changes
+    no bit of the saliency map. `colour` (h, w, 3), `mask` (h, w) and `curvature` (h, w) are as for `attend`, but of
+    one view.
     """
-    reasons = _uniform_channels(colour, mask, curvature)
+    reasons = _empty_channels(colour, mask, curvature)
     weights = parameters.weights.model_dump()
     reasons |= {name: "its weight is 0" for name in CHANNELS if not weights.get(name)}
     return {name: reasons[name] for name in CHANNELS if name in reasons}
 
 
 def term_planes(seen: SeenSurface, names: Iterable[str]) -> dict[str, Plane]:
-    """Compute terms by name: planes (n, n), float32, zero off the object."""
+    """Compute the planes of the terms `names` of `TERMS`, not multiplied by weights.
+
+    Each plane has the shape (MAP_SIZE, MAP_SIZE), float32, like the planes of `seen`, and is 0 off the object.
+    Raises `KeyError` if a name is no term.
+    """
     shown = seen.certainty > 0
     return {name: TERMS[name].plane(seen).astype(np.float32) * shown for name in names}
 
 
-def _uniform_channels(colour: Plane, mask: NDArray[np.bool_], curvature: Plane) -> dict[str, str]:
-    """Return the channels that see the same value everywhere on the object, with the reasons."""
+def _empty_channels(colour: Plane, mask: NDArray[np.bool_], curvature: Plane) -> dict[str, str]:
+    """Return the channels whose map is 0 everywhere, as name: reason; in a view without the object all channels."""
     if not mask.any():
         return dict.fromkeys(CHANNELS, "the view shows nothing of the object")
     inside = mask.view(np.uint8)
@@ -142,12 +154,13 @@ def _uniform_channels(colour: Plane, mask: NDArray[np.bool_], curvature: Plane) 
 
 
 def _is_uniform(plane: Plane, inside: NDArray[np.uint8]) -> bool:
+    """Return whether all pixels of a plane that are not 0 in `inside` have the same value."""
     lowest, highest, _, _ = cv2.minMaxLoc(plane, inside)
     return lowest == highest
 
 
-def _exponential(total: Plane, seen: SeenSurface, weights: Mapping[str, float]) -> Plane:
-    """Compute the exponential of channels plus terms, scaled to a maximum of 1 and extended beyond the outline."""
+def _exponential_map(total: Plane, seen: SeenSurface, weights: Mapping[str, float]) -> Plane:
+    """Compute exp(total + weighted terms), scaled to a maximum of 1; fill the background from nearby pixels."""
     terms = np.zeros_like(seen.certainty)
     for name, plane in term_planes(seen, weights).items():
         terms += np.float32(weights[name]) * plane
@@ -170,24 +183,25 @@ def _attend_view(
     curvature: Plane,
     eye: NDArray[np.float64] | None,
 ) -> Attention:
+    """Compute the result of one view; `terms` has only weights other than 0."""
     skipped = reasons_to_skip(colour, mask, curvature, parameters)
     channels = tuple(name for name in CHANNELS if name not in skipped)
     maps = conspicuity_maps(prepare_view(colour, mask, curvature), channels, parameters)
     total = saliency_map(maps, parameters)
     if terms and eye is not None:
-        total = _exponential(total, prepare_surface(mask, point, normal, eye), terms)
-    saliency = on_view(total, mask, cv2.INTER_CUBIC)
+        total = _exponential_map(total, prepare_surface(mask, point, normal, eye), terms)
+    saliency = resample_to_view(total, mask, cv2.INTER_CUBIC)
     saliency /= np.float32(max(float(saliency.max()), SMALLEST_PEAK))
     return Attention(
         saliency,
-        {name: on_view(plane, mask) for name, plane in maps.items()},
+        {name: resample_to_view(plane, mask) for name, plane in maps.items()},
         skipped,
         scan(saliency, mask, point, normal, face, parameters),
     )
 
 
 def _weights_of(terms: Mapping[str, float]) -> dict[str, float]:
-    """Return the weights that are not 0, in the order of `TERMS`."""
+    """Return the weights that are not 0, in the order of `TERMS`; raise if a term is unknown."""
     if unknown := sorted({*terms} - {*TERMS}):
         raise AttentionError(f"{unknown[0]!r} is no term; {', '.join(TERMS)} are allowed.")
     return {name: terms[name] for name in TERMS if terms.get(name)}

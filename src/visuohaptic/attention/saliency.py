@@ -1,4 +1,9 @@
-"""From channels to a saliency map: centre-surround differences, the operator N, the weighted sum."""
+"""Saliency maps of single views after Itti, Koch & Niebur 1998.
+
+Centre minus surround is computed for every feature plane and pair of pyramid levels. The operator N weakens maps with
+several similar peaks. The maps of a channel are summed, and N on the sum gives the conspicuity map of the channel. The
+saliency map is the weighted sum of conspicuity maps.
+"""
 
 from __future__ import annotations
 
@@ -22,18 +27,22 @@ from .registry import CHANNELS, channel
 MAP_SIZE = WORKING_SIZE // 2
 """Rows and columns of conspicuity and saliency maps."""
 
-# Maps are scaled to a peak of 1. A map with a lower peak than this, of the channel's full scale, is scaled by 1 / FAINT.
-FAINT = 0.01
-# Smaller differences are rounding; a step of one of 256 grey levels is forty times as large.
+# Before N a map is divided by its maximum, but by no less than this: fainter maps stay below 1. Unit: that of the
+# feature plane.
+FAINT_PEAK = 0.01
+# Subtracted from centre minus surround, because smaller differences are rounding. A step of one of 256 grey levels is
+# forty times as large. Unit: that of the feature plane.
 NOISE = np.float32(1e-4)
-# Votes of local maxima rise from 0 at the lowest maximum to 1 over the counted range. Walther & Koch's toolbox has
-# a threshold of a tenth of the range instead.
-LOWEST_MAXIMUM, COUNTED_RANGE = np.float32(0.05), 0.1
-# Least factor of N, for maps without an outstanding peak, such as a long even edge.
-REMNANT = 1e-3
-# A pixel that is lower than its highest neighbour by less than this belongs to the same peak.
-PLATEAU = 1e-3
-# Strengths of the iterative operator, and widths as fractions of the map (Itti & Koch 2000).
+# In the mean of local maxima, the weight of a maximum is 0 up to the height LOWEST_MAXIMUM and rises linearly to 1 over
+# the next VOTE_RAMP. Walther & Koch's toolbox has a threshold of a tenth of the map's range instead.
+LOWEST_MAXIMUM, VOTE_RAMP = np.float32(0.05), 0.1
+# Smallest factor that N multiplies a map by. Maps without an outstanding peak, such as a long even edge, have it.
+SMALLEST_FACTOR = 1e-3
+# A pixel counts partly as a local maximum if its highest neighbour is higher by less than this fraction of the map's
+# maximum.
+PEAK_TOLERANCE = 1e-3
+# Coefficients and standard deviations, as fractions of the map's rows, of the two Gaussians of the iterative operator.
+# The constant inhibition is a fraction of the map's maximum (Itti & Koch 2000).
 EXCITATION, EXCITATION_WIDTH = 0.5, 0.02
 INHIBITION, INHIBITION_WIDTH = 1.5, 0.25
 CONSTANT_INHIBITION = 0.02
@@ -48,29 +57,40 @@ def conspicuity_maps(
 ) -> dict[str, Plane]:
     """Compute the conspicuity maps of channels.
 
+    The centre-surround maps of a channel are each scaled to the maximum 1, passed through the operator N, and summed.
+    Maps with a maximum below `FAINT_PEAK` stay below 1. The sum is scaled to the maximum 1 and passed through N again.
+    It is then multiplied by the largest value that the first N left in any of the channel's maps.
+
     Parameters
     ----------
     view : WorkingView
-        The view.
+        The view on the working image, from `prepare_view`.
     channels : tuple of str
-        Names of channels.
+        Names of `CHANNELS`. The channels' weights are not used.
     parameters : AttentionParameters
-        The model's parameters.
+        `normalisation` is the operator N.
 
     Returns
     -------
     dict of str to ndarray of shape (MAP_SIZE, MAP_SIZE), float32
-        A map per channel, at least 0. A channel with a single peak has the maximum 1.
+        One map per channel, at least 0, on the square working image at half its resolution. With `normalisation`
+        ``local_maxima`` or ``none`` the values are at most 1. With ``local_maxima`` one clear peak has about 1, and
+        several equal peaks have much less. With ``iterative`` values may exceed 1.
+
+    Raises
+    ------
+    AttentionError
+        If a channel is unknown, or its `planes` returns another number of planes than its `count` says.
     """
     coarsest = max(CENTRE_LEVELS) + max(SURROUND_OFFSETS)
     certainties = build_pyramid(view.certainty, coarsest)
-    scales = _scales(certainties)
+    pairs = _level_pairs(certainties)
     maps = {name: np.zeros((MAP_SIZE, MAP_SIZE), np.float32) for name in channels}
     window = _window(certainties, parameters)
     totals = {name: plane[window] for name, plane in maps.items()}
     strongest = dict.fromkeys(channels, 0.0)
     for name, level, pyramid in _pyramids(view, channels, parameters):
-        total, peak = _promoted(name, pyramid, scales[level], window, parameters)
+        total, peak = _sum_promoted(name, pyramid, pairs[level], window, parameters)
         totals[name] += total
         strongest[name] = max(strongest[name], peak)
     # Itti, Koch & Niebur 1998 scale the sum of each channel to full range before the last N, which also raises
@@ -81,7 +101,11 @@ def conspicuity_maps(
 
 
 def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> Plane:
-    """Return the weighted sum of conspicuity maps (MAP_SIZE, MAP_SIZE), float32, by channel; it is not scaled."""
+    """Compute the sum of conspicuity maps, each multiplied by the weight of its channel.
+
+    `maps` is the result of `conspicuity_maps`, and the weights are `parameters.weights`. Channels without a map add
+    nothing. The sum (MAP_SIZE, MAP_SIZE), float32, is not scaled to a maximum of 1.
+    """
     weights = parameters.weights.model_dump()
     total = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)
     for name in CHANNELS:
@@ -90,8 +114,14 @@ def saliency_map(maps: Mapping[str, Plane], parameters: AttentionParameters) -> 
     return total
 
 
-def on_view(plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTER_LINEAR) -> Plane:
-    """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels (h, w) of a view, and set the background to zero."""
+def resample_to_view(
+    plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTER_LINEAR
+) -> Plane:
+    """Resample a map (MAP_SIZE, MAP_SIZE) to the pixels of a view with the mask (h, w); return (h, w), at least 0.
+
+    The square map covers the view's longer edge. In a view that is not square it is cropped, not stretched, as
+    `prepare_view` pads such views. The background is set to 0.
+    """
     rows, columns = mask.shape
     side = max(rows, columns)
     large = _rectified(cv2.resize(plane, (side, side), interpolation=interpolation))
@@ -101,7 +131,10 @@ def on_view(plane: Plane, mask: NDArray[np.bool_], interpolation: int = cv2.INTE
 
 
 def promote(plane: Plane, parameters: AttentionParameters) -> Plane:
-    """Apply the operator N to a map with values from 0 to at most 1."""
+    """Apply the operator N of `parameters.normalisation` to a map (n, n) with values from 0 to 1.
+
+    The result has the shape of the map and is at least 0. For ``none`` it is `plane` itself, not a copy.
+    """
     match parameters.normalisation:
         case "local_maxima":
             return _promote_by_local_maxima(plane)
@@ -114,7 +147,7 @@ def promote(plane: Plane, parameters: AttentionParameters) -> Plane:
 def _pyramids(
     view: WorkingView, channels: Sequence[str], parameters: AttentionParameters
 ) -> Iterator[tuple[str, int, list[Plane]]]:
-    """Yield channel, centre level, and a pyramid from that level on, for every plane of the channels."""
+    """Yield (channel, centre level, pyramid whose first level is this centre) per plane and centre level."""
     steps = max(SURROUND_OFFSETS)
     coarsest = max(CENTRE_LEVELS) + steps
     for entry in [channel(name) for name in channels]:
@@ -130,6 +163,7 @@ def _pyramids(
 
 
 def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> list[Plane]:
+    """Return the feature planes of a channel, multiplied by the certainty; raise if their number is wrong."""
     entry = CHANNELS[name]
     planes = entry.planes(view, parameters) if entry.planes else []
     if len(planes) != entry.count:
@@ -140,54 +174,55 @@ def _planes(name: str, view: WorkingView, parameters: AttentionParameters) -> li
 
 
 @dataclass(frozen=True)
-class _Scale:
-    """A pair of scales: levels from centre to surround, and factors from the certainties of both."""
+class _LevelPair:
+    """A centre level and a surround level `offset` levels coarser, with planes of the centre level's size."""
 
     offset: int
-    centre_mean: Plane
-    surround_mean: Plane
-    support: Plane
+    inverse_centre: Plane  # 1 / certainty of the centre; 0 at empty pixels
+    inverse_surround: Plane  # 1 / certainty of the surround; 0 at empty pixels
+    support: Plane  # product of both certainties
 
 
 def _window(certainties: list[Plane], parameters: AttentionParameters) -> tuple[slice, slice]:
-    """Return the rows and columns of the object in the maps, with a margin of a pixel for N."""
+    """Return the rows and columns of the maps that N needs: the object plus one pixel; for ``iterative`` all."""
     if parameters.normalisation == "iterative":
-        # Its filters spread values beyond the object, which later rounds carry back.
+        # Filters of the iterative N spread values beyond the object, and later rounds carry them back.
         return slice(None), slice(None)
     cover = sum(_at_map_size(certainties[level]) for level in CENTRE_LEVELS)
     left, top, width, height = cv2.boundingRect(np.ceil(cover).astype(np.uint8))
     return slice(max(top - 1, 0), top + height + 1), slice(max(left - 1, 0), left + width + 1)
 
 
-def _scales(certainties: list[Plane]) -> dict[int, list[_Scale]]:
-    scales: dict[int, list[_Scale]] = {}
+def _level_pairs(certainties: list[Plane]) -> dict[int, list[_LevelPair]]:
+    """Return the pairs of levels per centre level, one per `SURROUND_OFFSETS`."""
+    pairs: dict[int, list[_LevelPair]] = {}
     for level in CENTRE_LEVELS:
         centre = certainties[level]
-        scales[level] = []
+        pairs[level] = []
         for offset in SURROUND_OFFSETS:
             surround = enlarge(certainties[level + offset], len(centre))
             planes = (reciprocal(centre), reciprocal(surround), centre * surround)
-            scales[level].append(_Scale(offset, *planes))
-    return scales
+            pairs[level].append(_LevelPair(offset, *planes))
+    return pairs
 
 
-def _promoted(
+def _sum_promoted(
     name: str,
     pyramid: list[Plane],
-    scales: list[_Scale],
+    pairs: list[_LevelPair],
     window: tuple[slice, slice],
     parameters: AttentionParameters,
 ) -> tuple[Plane, float]:
-    """Return the sum of the promoted maps of a plane, and the largest value in any of these maps."""
+    """Return the sum of a plane's centre-surround maps after N, and the largest value in any of them after N."""
     # The presence of a feature stands out, its absence does not (search asymmetry, Treisman & Gormley 1988). So
     # most channels count only centres with more than their surround. Colour and intensity also count centres with
     # less, in a second map: a red spot among green spots must not compete with them for the peak.
     total = np.zeros((MAP_SIZE, MAP_SIZE), dtype=np.float32)[window]
     strongest = 0.0
-    # All scales of a level have the same centre.
-    centre = pyramid[0] * scales[0].centre_mean
-    for scale in scales:
-        difference = _difference(centre, pyramid[scale.offset], scale)[window]
+    # All pairs of a centre level have the same centre.
+    centre = pyramid[0] * pairs[0].inverse_centre
+    for pair in pairs:
+        difference = _difference(centre, pyramid[pair.offset], pair)[window]
         sides = [difference, -difference] if CHANNELS[name].two_sided else [difference]
         for side in sides:
             promoted = promote(_scaled(_rectified(side - NOISE)), parameters)
@@ -196,50 +231,54 @@ def _promoted(
     return total, strongest
 
 
-def _difference(centre: Plane, surround: Plane, scale: _Scale) -> Plane:
-    difference = enlarge(surround, len(centre)) * scale.surround_mean
+def _difference(centre: Plane, surround: Plane, pair: _LevelPair) -> Plane:
+    """Compute centre minus surround, signed, times the support, at map size; only the centre is a mean already."""
+    difference = enlarge(surround, len(centre)) * pair.inverse_surround
     np.subtract(centre, difference, out=difference)
-    difference *= scale.support
+    difference *= pair.support
     return _at_map_size(difference)
 
 
 def _at_map_size(plane: Plane) -> Plane:
+    """Halve or enlarge a square plane to (MAP_SIZE, MAP_SIZE)."""
     while len(plane) > MAP_SIZE:
         plane = reduce(plane)
     return enlarge(plane, MAP_SIZE)
 
 
 def _peak(plane: Plane) -> float:
+    """Return the maximum, at least 0."""
     return float(np.maximum.reduce(plane, axis=None, initial=0.0))
 
 
 def _rectified(plane: Plane) -> Plane:
+    """Set negative values to 0."""
     return cv2.threshold(plane, 0.0, 0.0, cv2.THRESH_TOZERO)[1]
 
 
 def _scaled(plane: Plane) -> Plane:
-    return plane * (np.float32(1.0) / max(np.float32(_peak(plane)), np.float32(FAINT)))
+    """Divide by the maximum, or by `FAINT_PEAK` if the maximum is lower."""
+    return plane * (np.float32(1.0) / max(np.float32(_peak(plane)), np.float32(FAINT_PEAK)))
 
 
 def _promote_by_local_maxima(plane: Plane) -> Plane:
-    """Multiply by the square of (maximum - mean of the other local maxima), as Itti, Koch & Niebur 1998 do."""
-    # A pixel is a maximum, and high enough, by degrees; neighbouring pixels of one peak divide its vote. Otherwise
-    # rounding would decide whether a symmetric object has one peak or two.
+    """Multiply by (maximum - mean of the other local maxima)², at least `SMALLEST_FACTOR` (Itti et al. 1998)."""
+    # Each local maximum has a vote from 0 to 1 in the mean. The vote changes continuously with the maximum's height and
+    # its rise above the neighbours, and equally high neighbours divide one vote. A threshold would let rounding decide
+    # whether a symmetric object has one peak or two.
     below = cv2.dilate(plane, _NEIGHBOURS)
     below -= plane
-    below *= np.float32(1.0 / PLATEAU)
+    below *= np.float32(1.0 / PEAK_TOLERANCE)
     topmost = _rectified(np.subtract(np.float32(1.0), below, out=below))
     crowd = cv2.boxFilter(topmost, -1, (3, 3), normalize=False, borderType=cv2.BORDER_CONSTANT)
     voters = np.flatnonzero((topmost > 0.0) & (plane > LOWEST_MAXIMUM))
     heights, tops, crowds = plane.take(voters), topmost.take(voters), crowd.take(voters)
-    level = np.minimum(
-        (heights - LOWEST_MAXIMUM) * np.float32(1.0 / COUNTED_RANGE), np.float32(1.0)
-    )
+    level = np.minimum((heights - LOWEST_MAXIMUM) * np.float32(1.0 / VOTE_RAMP), np.float32(1.0))
     votes = tops / np.maximum(crowds, np.float32(1.0)) * level
     count, total = _sum_in_order(votes), _sum_in_order(votes * heights)
     largest = _peak(plane)
     mean_of_others = max(total - largest, 0.0) / max(count - 1.0, 1.0)
-    return cv2.multiply(plane, max((largest - mean_of_others) ** 2, REMNANT))
+    return cv2.multiply(plane, max((largest - mean_of_others) ** 2, SMALLEST_FACTOR))
 
 
 def _sum_in_order(values: Plane) -> float:
@@ -248,7 +287,8 @@ def _sum_in_order(values: Plane) -> float:
 
 
 def _promote_iteratively(plane: Plane) -> Plane:
-    """Add a difference of Gaussians and rectify, `ITERATIONS` times (Itti & Koch 2000)."""
+    """Add excitation minus inhibition and set negative values to 0, `ITERATIONS` times (Itti & Koch 2000)."""
+    # The maximum may grow above 1.
     excitation, inhibition = _gaussians(len(plane))
     support = cv2.sepFilter2D(
         np.ones_like(plane), -1, inhibition, inhibition, borderType=cv2.BORDER_CONSTANT
@@ -264,6 +304,7 @@ def _promote_iteratively(plane: Plane) -> Plane:
 
 @cache
 def _gaussians(size: int) -> tuple[Plane, Plane]:
+    """Return the one-dimensional kernels, of sum 1, of excitation and inhibition for maps with `size` rows."""
     kernels = []
     for width in (EXCITATION_WIDTH, INHIBITION_WIDTH):
         deviation = width * size

@@ -78,7 +78,7 @@ class ObjectViews:
     def attended_views(self) -> list[AttendedView]:
         """Each view with the saliency map and fixations of the attention model, in the order of `cameras`."""
         key, caster, views = self.subject.key, self.subject.caster, self.rendered
-        attended = attend(**views.arrays(), parameters=self.attention)
+        attended = attend(**views.attend_arguments(), parameters=self.attention)
         return [
             AttendedView(key, number, caster, camera, views, index, attended[index])
             for index, (number, camera) in enumerate(self.cameras.items())

@@ -23,39 +23,40 @@ from visuohaptic.scene.parameters import VisualModes
 from visuohaptic.scene.records import EffectRecord
 
 SHADOW_OFFSET = 1e-4
-"""Height above the surface at which shadow rays start, object radii; float32 rays need some 1e-5."""
+"""Height above the surface at which shadow rays start, object radii; float32 rays need about 1e-5 to miss the face they start from."""
 
 # The light moves with the camera: brightness depends on the slope only, and both sides are equally bright.
 LIGHT_ELEVATION_DEGREES = 25.0
-"""Height of the light above the viewing axis. Our choice."""
+"""Angle from the viewing axis up to the light, which shines from the camera's side. Our choice."""
 
 
 @dataclass(frozen=True)
 class Views:
-    """Views of n cameras with h rows and w columns, object frame; lengths are in object radii.
+    """Views of n cameras with h rows and w columns. Vectors are in the object frame, lengths in object radii.
 
-    Background pixels are 0 if nothing else is said.
+    On the background each array is 0 unless its entry names another value.
 
     Attributes
     ----------
     colour : ndarray of shape (n, h, w, 3), float32
-        sRGB, 0 to 1; the background has a grey level.
+        sRGB, 0 to 1; the background has the grey level `RenderingParameters.background`.
     mask : ndarray of shape (n, h, w), bool
         True on the object.
     depth : ndarray of shape (n, h, w), float32
-        Distance along the viewing axis from the camera's plane; infinite on the background.
+        Distance from the camera along the viewing axis, not along the ray; infinite on the background.
     point : ndarray of shape (n, h, w, 3), float64
         The visible point of the surface.
     normal : ndarray of shape (n, h, w, 3), float64
-        The interpolated unit normal, towards the camera.
+        The interpolated unit normal, towards the camera. If it points away, the normal of the face replaces it.
     face : ndarray of shape (n, h, w), int64
-        The visible face; -1 on the background.
+        Index of the visible face; -1 on the background.
     curvature : ndarray of shape (n, h, w), float32
-        Curvedness of the surface.
+        Curvedness of the surface, 1 / object radius.
     lit : ndarray of shape (n, h, w), bool
-        False in simulated cast shadows, true elsewhere.
+        False where a simulated cast shadow falls. True elsewhere: on the background and where the surface itself
+        faces away from the light.
     effects : tuple of EffectRecord
-        Records of the visual effects, with views in place of touches.
+        One record per visual effect. The fields that count touches count views here.
     """
 
     colour: NDArray[np.float32]
@@ -71,8 +72,11 @@ class Views:
     def __len__(self) -> int:
         return len(self.mask)
 
-    def arrays(self, indices: slice = slice(None)) -> dict[str, Any]:
-        """Return the arguments of `attention.attend` for the views at `indices`, by name."""
+    def attend_arguments(self, indices: slice = slice(None)) -> dict[str, Any]:
+        """Return the six array arguments of `attention.attend`, as name: array, for the views at `indices`.
+
+        The dict lacks `parameters`, `eye` and `terms`: ``attend(**views.attend_arguments(), parameters=...)``.
+        """
         names = ("colour", "mask", "point", "normal", "face", "curvature")
         return {name: getattr(self, name)[indices] for name in names}
 
@@ -85,9 +89,9 @@ def render_views(
 ) -> Views:
     """Render a surface from several cameras; each view depends only on its own camera.
 
-    One ray goes through the centre of each pixel. A textured pixel has the mean light of the texture over the
-    pixel's area on the plane of the face (`Texture.light`). The light turns with the camera. Simulating an effect
-    that is not needed changes no bit.
+    One ray goes through the centre of each pixel. Where the face has a texture, the texture is averaged over the
+    area of the face's plane that the pixel covers (`Texture.light`). The light moves with the camera
+    (`light_direction`). Simulating an effect that is not needed changes no bit.
 
     Parameters
     ----------
@@ -96,14 +100,14 @@ def render_views(
     cameras : sequence of Camera
         The cameras.
     parameters : RenderingParameters
-        Resolution, light and background.
+        Rows and columns of a view, share of ambient light, and grey level of the background.
     modes : VisualModes, optional
-        When each visual effect is simulated.
+        The mode per visual effect. By default shadows are never cast, and other effects are simulated if needed.
 
     Returns
     -------
     Views
-        One view per camera.
+        One view per camera, in the order of the cameras, with `resolution` rows and columns.
     """
     hits = cast_pixel_rays(caster, cameras, parameters)
     return colour_views(caster, cameras, hits, parameters, modes)
@@ -111,24 +115,26 @@ def render_views(
 
 @dataclass(frozen=True)
 class PixelHits:
-    """Hits of one camera's rays on the surface; p pixels see the surface.
+    """First hits of one camera's rays on the surface, for the p pixels that show the surface.
+
+    Vectors are in the object frame, lengths in object radii.
 
     Attributes
     ----------
     pixels : ndarray of shape (p,), int64
-        The pixels, counted row by row.
+        Index of each pixel: row times `resolution` plus column.
     directions : ndarray of shape (p, 3), float64
-        Directions of the rays, as in `Camera.rays`.
+        Directions of the rays, of length 1 along the viewing axis, as in `Camera.rays`; not unit vectors.
     faces : ndarray of shape (p,), int64
-        The hit faces.
+        Index of each hit face.
     points : ndarray of shape (p, 3), float64
-        The hit points, object frame.
+        The hit points.
     weights : ndarray of shape (p, 3), float64
         Barycentric weights of the points in their faces.
     normals : ndarray of shape (p, 3), float64
-        Interpolated unit normals towards the camera.
+        Unit normals towards the camera, as in `Views`.
     curvature : ndarray of shape (p,), float64
-        Curvedness of the surface.
+        Curvedness of the surface, 1 / object radius.
     """
 
     pixels: IntArray
@@ -143,7 +149,11 @@ class PixelHits:
 def cast_pixel_rays(
     caster: RayCaster, cameras: Sequence[Camera], parameters: RenderingParameters
 ) -> Iterator[PixelHits]:
-    """Cast the rays of each camera and yield the hits, which do not depend on the visual effects."""
+    """Cast the rays of each camera and yield one `PixelHits` per camera, in the order of the cameras.
+
+    Hits do not depend on the visual effects: the same list may be passed to `colour_views` with several modes.
+    Only the resolution of `parameters` is used.
+    """
     shape = shape_of(caster.surface)
     for camera in cameras:
         pixels = camera.window(caster.surface.vertices, parameters.resolution)
@@ -167,7 +177,11 @@ def colour_views(
     parameters: RenderingParameters,
     modes: VisualModes | None = None,
 ) -> Views:
-    """Render views from hits of `cast_pixel_rays`; the other arguments are as for `render_views`."""
+    """Render views like `render_views`, but from hits that `cast_pixel_rays` computed before.
+
+    `hits` has one item per camera, in the same order, from the same surface and resolution. The result and the other
+    arguments are those of `render_views`. Raises `ValueError` if there are more or fewer hits than cameras.
+    """
     modes = modes or VisualModes()
     surface = caster.surface
     plans = plan_visual(modes, surface.stored_colours(), parameters.ambient)
@@ -188,13 +202,14 @@ def colour_views(
 
 
 def light_direction(camera: Camera) -> FloatArray:
-    """Compute the unit vector (3,), object frame, towards the infinitely distant light of a camera."""
+    """Compute the unit vector (3,), object frame, from the object towards the infinitely distant light of a camera."""
     (rise,), (level,) = sin_cos(np.radians([LIGHT_ELEVATION_DEGREES]))
     _, up, back = camera.axes
     return level * back + rise * up
 
 
 def _background(views: int, parameters: RenderingParameters) -> dict[str, NDArray[Any]]:
+    """Return the arrays of `Views`, as name: array, for views that show only background."""
     shape = (views, parameters.resolution, parameters.resolution)
     return {
         "colour": np.full((*shape, 3), parameters.background, dtype=np.float32),
@@ -217,7 +232,7 @@ def _render_hits(
     parameters: RenderingParameters,
     plans: Mapping[str, VisualPlan],
 ) -> dict[str, NDArray[Any]]:
-    """Return the values of the pixels that hit the surface, by the names of `Views`."""
+    """Compute the values of the p pixels of `hits`, as name of an array of `Views`: (p,) or (p, 3)."""
     faces, points, weights, normals = hits.faces, hits.points, hits.weights, hits.normals
     light = light_direction(camera)
     colours = face_colours.take(faces, axis=1).T
@@ -254,7 +269,7 @@ def _normals_towards(
     weights: FloatArray,
     directions: FloatArray,
 ) -> FloatArray:
-    """Compute the interpolated unit normals (n, 3), flipped towards the camera."""
+    """Compute unit normals (n, 3) towards the camera: interpolated, or of the face where those point away."""
     flat = caster.face_normal_rows.take(faces, axis=1)
     away = np.where(dot_rows(flat, directions.T) > 0.0, -1.0, 1.0)
     normals = away * shape.normals(faces, weights).T
@@ -267,7 +282,7 @@ def _normals_towards(
 def _weight_steps(
     caster: RayCaster, faces: IntArray, directions: FloatArray, sides: tuple[FloatArray, FloatArray]
 ) -> FloatArray:
-    """Compute the changes (n, 2, 2) of the second and third weight along both sides of a pixel."""
+    """Compute changes (n, 2 sides, 2 weights) of the second and third barycentric weight along a pixel's sides."""
     # Project the pixel's sides along the ray onto the plane of the face.
     normals = caster.surface.face_crosses.take(faces, axis=0)
     second, third = np.moveaxis(caster.slopes.take(faces, axis=0), 1, 0)
@@ -285,7 +300,7 @@ def _weight_steps(
 def _lit(
     caster: RayCaster, points: FloatArray, normals: FloatArray, light: FloatArray
 ) -> BoolArray:
-    """Cast shadow rays and return whether each point (n, 3) is lit; points that face away count as lit."""
+    """Return (n,), False where the surface blocks the light of a point; points that face away count as lit."""
     facing = np.flatnonzero(dot_rows(normals.T, light[:, None]) > 0.0)
     offsets = SHADOW_OFFSET * normals.T.take(facing, axis=1)
     origins = (points.T.take(facing, axis=1) + offsets).T
@@ -298,6 +313,6 @@ def _lit(
 def _shade(
     colours: FloatArray, normals: FloatArray, lit: BoolArray, light: FloatArray, ambient: float
 ) -> FloatArray:
-    """Dim sRGB colours (n, 3) by Lambert's law."""
+    """Multiply the linear light of sRGB colours (n, 3) by ambient + (1 - ambient) * Lambert's cosine where lit."""
     lambert = np.maximum(dot_rows(normals.T, light[:, None]), 0.0) * lit
     return dim_srgb(colours, ambient + (1.0 - ambient) * lambert)

@@ -39,7 +39,7 @@ def flat_view(colour, mask, curvature=None):
 def look(surface, cameras, resolution):
     """Render views of a surface, and attend to them."""
     views = render_views(RayCaster(surface), cameras, RenderingParameters(resolution=resolution))
-    return views, list(attend(**views.arrays(), parameters=AttentionParameters()))
+    return views, list(attend(**views.attend_arguments(), parameters=AttentionParameters()))
 
 
 def judge(found, mask, label, parameters):

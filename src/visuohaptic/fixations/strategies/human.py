@@ -14,7 +14,7 @@ def choose(view: AttendedView, attention: AttentionParameters, *_: object) -> Sc
     """Choose fixations with the weights of channels and terms that were fitted to people's gaze."""
     fitted = AttentionParameters.model_validate({"weights": "human_channels"}).weights
     (attended,) = attend(
-        **view.views.arrays(slice(view.index, view.index + 1)),
+        **view.views.attend_arguments(slice(view.index, view.index + 1)),
         parameters=attention.model_copy(update={"weights": fitted}),
         eye=np.array([view.camera.eye]),
         terms=read_fitted_weights()["terms"],
