@@ -44,7 +44,7 @@ def touch_all(strategies: Sequence[str]) -> dict[str, pa.Table]:
 
 def as_if_learnt(model: RecognitionModel, strategy: str) -> RecognitionModel:
     """Return a model that compares touches by a strategy with touches by its first strategy, unless it learnt both."""
-    if model.learnt(strategy) is not None:
+    if model.matching_strategy(strategy) is not None:
         return model
     return replace(
         model,

@@ -80,6 +80,6 @@ def test_a_column_of_rounding_alone_becomes_zero():
     columns = np.random.default_rng(0).normal(size=(50, 3))
     columns[:, 1] *= 1e-16  # around zero, as a normal's components on a box
     columns[:, 2] = 0.3 + 1e-16 * columns[:, 2]
-    scale = fit_standardiser(columns, "standardise", made_of=1.0).scale
+    scale = fit_standardiser(columns, "standardise", input_size=1.0).scale
     assert scale[0] == pytest.approx(1, abs=0.3)
     assert scale[1:].tolist() == [np.inf, np.inf]

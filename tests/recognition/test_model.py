@@ -267,9 +267,9 @@ def test_an_object_is_compared_by_models_that_learnt_it_by_no_strategy_with_touc
 
     both = (np.concatenate([rows, rows + 5]), np.tile(labels, 2), np.tile(owners, 2))
     final = fit_fold(*both)
-    touched = np.arange(2 * len(rows)) < len(rows)
+    same_strategy = np.arange(2 * len(rows)) < len(rows)
     folds = held_out_folds(both[1], both[2], certainty.FOLDS)
-    found = certainty.fit_certainty(fit_fold, final, *both, touched=touched)
+    found = certainty.fit_certainty(fit_fold, final, *both, same_strategy=same_strategy)
     assert learnt[1:] == [set(owners) - set(both[2][held_out]) for _, held_out in folds]
     alone = certainty.fit_certainty(fit_fold, final, rows, labels, owners)
     np.testing.assert_array_equal(found.novelty, alone.novelty)
@@ -288,10 +288,10 @@ def test_touches_by_another_strategy_get_probabilities_without_a_prediction_set(
 
 def test_draws_of_a_random_strategy_touch_as_the_strategy_does():
     model = fit(BY_CHANCE, "linear_discriminant")
-    assert model.learnt("random#2") == model.learnt("random") == "random"
-    assert model.learnt("random_anywhere") is None
+    assert model.matching_strategy("random#2") == model.matching_strategy("random") == "random"
+    assert model.matching_strategy("random_anywhere") is None
     again = features_table("random#1", objects=(8, 8), separation=3.0, seed=3)
-    assert fit(again, "naive_bayes").learnt("random") == "random#1"
+    assert fit(again, "naive_bayes").matching_strategy("random") == "random#1"
 
 
 def test_strategies_with_other_numbers_of_touches_are_not_learnt_together():

@@ -206,7 +206,7 @@ def recognise(
     classifier = recogniser.model.classifier.replace("_", " ")
     limits = (
         "an object of another class also gets one of these classes"
-        if recogniser.model.learnt(strategy) not in recogniser.model.certainties
+        if recogniser.model.matching_strategy(strategy) not in recogniser.model.certainties
         else "an object with a higher novelty score than nearly all of these is called unknown"
     )
     remark = (

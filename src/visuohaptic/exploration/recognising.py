@@ -95,7 +95,7 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
 
 def caution_about(strategy: str, recogniser: Recogniser) -> str | None:
     """Return a sentence if the model did not learn from touches by this strategy, otherwise None."""
-    if recogniser.model.learnt(strategy) is not None:
+    if recogniser.model.matching_strategy(strategy) is not None:
         return None
     touched = "at given points" if strategy == GIVEN else f"by {strategy}"
     return (

@@ -224,8 +224,8 @@ def _describe_imprint(features: FloatArray, names: Sequence[str], frame: Frame) 
 
 
 def _columns(features: FloatArray, names: Sequence[str], prefix: str) -> FloatArray:
-    places = [place for place, name in enumerate(names) if name.startswith(prefix)]
-    return features[:, :, places]
+    columns = [index for index, name in enumerate(names) if name.startswith(prefix)]
+    return features[:, :, columns]
 
 
 def _describe_sensor(features: FloatArray, names: Sequence[str]) -> FloatArray:

@@ -17,7 +17,7 @@ from visuohaptic.recognition.sequence_features import sequence_features
 ROUNDING = 1e-12
 """Relative size of rounding errors: some thousand times 2**-52, for the sums in a value."""
 
-FEATURES_MADE_OF = 1.0
+FEATURE_INPUT_SIZE = 1.0
 """Typical size of the inputs of touch features: imprints in [0, 1], unit normals, object radii."""
 
 
@@ -77,13 +77,15 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         parameters = self._parameters
         entry = MAPS[parameters.self_organising_map.output]
         generator = self.random_state or np.random.default_rng(0)
-        self.touch_scaling_ = fit_standardiser(touches, parameters.touch_scaling, FEATURES_MADE_OF)
+        self.touch_scaling_ = fit_standardiser(
+            touches, parameters.touch_scaling, FEATURE_INPUT_SIZE
+        )
         scaled = self.touch_scaling_.apply(touches)
         self.reduction_: Any = entry.fit(scaled, parameters.self_organising_map, generator)
         features = sequence_features(self.reduce(X), parameters.sequence)
         # A skewness has no unit, so that skewnesses near 0 are rounding. Deviation and rms have a unit.
-        made_of = np.tile([0.0, 0.0, 1.0], features.shape[1] // 3)
-        self.feature_scaling_ = fit_standardiser(features, parameters.sequence_scaling, made_of)
+        input_size = np.tile([0.0, 0.0, 1.0], features.shape[1] // 3)
+        self.feature_scaling_ = fit_standardiser(features, parameters.sequence_scaling, input_size)
         return self
 
     def transform(self, X: FloatArray) -> FloatArray:
@@ -108,17 +110,17 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
 
 
 def fit_standardiser(
-    rows: FloatArray, scaling: Scaling, made_of: float | FloatArray = 0.0
+    rows: FloatArray, scaling: Scaling, input_size: float | FloatArray = 0.0
 ) -> Standardiser:
     """Fit the mean and standard deviation of columns, shape (n, k); scaling ``none`` changes nothing.
 
-    A column counts as constant if its deviation is rounding noise relative to its largest value or to `made_of`, the
+    A column counts as constant if its deviation is rounding noise relative to its largest value or to `input_size`, the
     typical size of the inputs from which the column was computed.
     """
     if scaling == "none":
         return Standardiser(np.zeros(rows.shape[1]), np.ones(rows.shape[1]))
     deviation = rows.std(axis=0)
-    noise = ROUNDING * np.maximum(np.abs(rows).max(axis=0), made_of)
+    noise = ROUNDING * np.maximum(np.abs(rows).max(axis=0), input_size)
     return Standardiser(rows.mean(axis=0), np.where(deviation > noise, deviation, np.inf))
 
 

@@ -108,7 +108,7 @@ def principal_extents(points: FloatArray) -> FloatArray:
     centred = points - points.mean(axis=1, keepdims=True)
     scatter = np.einsum("sti,stj->sij", centred, centred) / points.shape[1]
     squares = np.linalg.eigvalsh(scatter)
-    # Of points in a plane the least is rounding, whose root is far larger.
+    # The smallest eigenvalue of points in a plane is rounding. Its root would look like a true extent.
     squares[squares <= ROUNDING * squares[:, -1:]] = 0.0
     return np.sqrt(squares)
 

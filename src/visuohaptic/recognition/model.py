@@ -1,4 +1,4 @@
-"""A trained recogniser, fitted on all objects of a table."""
+"""Fit a recognition model on all objects of a table, and classify an object by the model."""
 
 from __future__ import annotations
 
@@ -51,16 +51,20 @@ class ModelAnswer:
     Attributes
     ----------
     probabilities : dict of str to float
-        Class probabilities, the likeliest class first.
+        Probability of each class, the likeliest class first. In pipeline ``paper``, the share of the object's
+        sequences that were classified as the class.
     candidates : tuple of str, optional
-        The prediction set.
+        The prediction set, the likeliest class first.
     strangeness : float, optional
-        Share of the training objects with a lower novelty score, in [0, 1].
+        Share of objects with a lower novelty, among the n training objects and this object: in [0, n / (n + 1)].
     unknown : bool, optional
-        Whether the strangeness is above `coverage`, so that the object seems to be of no known class.
+        Whether the strangeness is at least `coverage`: the object seems to belong to no known class.
     coverage : float, optional
-        Stated coverage of `candidates` and `unknown`. The optional attributes are None if
-        `RecognitionModel.certainties` has no entry for the strategy of the touches.
+        Stated share of objects with their class in `candidates`, in (0, 1).
+
+    Notes
+    -----
+    The optional attributes are None if `RecognitionModel.certainties` has no entry for the strategy of the touches.
     """
 
     probabilities: dict[str, float]
@@ -81,9 +85,9 @@ class RecognitionModel:
     strategies : tuple of str
         Strategies of the training touches.
     classes, feature_names : tuple of str
-        Sorted classes, and names of the features of a touch.
+        Sorted classes; names of the k features of a touch, in the order of the model's input.
     touches : int
-        Number of touches of a sequence.
+        Number of touches per sequence.
     objects : tuple of (class, name)
         Training objects.
     parameters : RecognitionParameters
@@ -95,10 +99,10 @@ class RecognitionModel:
     waves : WaveBasis, optional
         Random waves of the descriptors; None in pipeline ``paper``.
     certainties : mapping of str to Certainty
-        Held-out training objects per strategy of `strategies`. Empty in pipeline ``paper``, and if every class has
-        only one object.
+        Scores of the held-out training objects per strategy of `strategies`. A strategy without such objects has no
+        entry. Empty in pipeline ``paper``.
     touching : str, optional
-        JSON of the parameters with which the touches were made, if known.
+        JSON of the experiment parameters that made the training touches; None if unknown, as after `fit_model`.
     """
 
     pipeline: str
@@ -116,62 +120,77 @@ class RecognitionModel:
     touching: str | None = None
 
     def recognise(self, features: pa.Table) -> dict[str, float]:
-        """Return the class probabilities of one object, the likeliest class first, from all its touches.
+        """Return the probability of each class for one object, the likeliest class first.
 
-        `features` has rows of `tables.FEATURES` of one object and strategy. A viewpoint with more touches than the
-        model's sequences counts as several sequences. Raises `RecognitionError` if the table lacks a column or has no
-        touch, or, in pipeline ``paper``, if no viewpoint has enough touches for a sequence.
+        Parameters
+        ----------
+        features : pyarrow.Table
+            Rows of `tables.FEATURES` of one object and strategy. All touches are used. A viewpoint with more than
+            `touches` touches gives several sequences; the last may overlap the sequence before. A viewpoint with fewer
+            gives a shorter sequence in pipeline ``order_free``, and is left out in pipeline ``paper``.
+
+        Returns
+        -------
+        dict of str to float
+            `ModelAnswer.probabilities`.
+
+        Raises
+        ------
+        RecognitionError
+            If the table has no touch, lacks a column, has touches of several objects or strategies, or a value that is
+            not finite. In pipeline ``paper`` also if no viewpoint has `touches` touches.
         """
         return self.answer(features).probabilities
 
     def answer(self, features: pa.Table) -> ModelAnswer:
-        """Return the answer for one object: the probabilities of `recognise`, and how sure they are.
+        """Return class probabilities and prediction set of one object, and whether the object seems unknown.
 
-        Touches by a strategy outside `strategies` get probabilities only.
+        Parameters and errors are those of `recognise`. The coverage is `parameters.order_free.coverage`. If
+        `certainties` has no entry for `matching_strategy` of the touches, the answer has only probabilities.
         """
         try:
             features = known_columns(FEATURES, features)
         except TableError as error:
             raise RecognitionError(f"The features can't be used: {error}") from error
-        logs = self._pooled(self._rows(features))
+        logs = self._pooled_logs(self._rows(features))
         order = np.argsort(-logs, kind="stable")
         probabilities = {self.classes[index]: float(np.exp(logs[index])) for index in order}
-        strategy = self.learnt(features.column("strategy")[0].as_py())
+        strategy = self.matching_strategy(features.column("strategy")[0].as_py())
         if strategy is None or strategy not in self.certainties:
             return ModelAnswer(probabilities)
-        # Training objects are described only by the first touches of each view.
+        # The scores of the training objects are from only the first touches of each view.
         first = first_touches(features, self.touches)
         rows = self.estimator[:-1].transform(self._rows(first))
         coverage = self.parameters.order_free.coverage
-        assessed = self.certainties[strategy].assess(rows, logs, coverage)
+        assessment = self.certainties[strategy].assess(rows, logs, coverage)
         return ModelAnswer(
             probabilities,
-            tuple(self.classes[index] for index in order if assessed.candidates[index]),
-            assessed.strangeness,
-            assessed.unknown,
+            tuple(self.classes[index] for index in order if assessment.candidates[index]),
+            assessment.strangeness,
+            assessment.unknown,
             coverage,
         )
 
-    def learnt(self, strategy: str) -> str | None:
-        """Return the entry of `strategies` with touches like those by `strategy`; None if there is none.
+    def matching_strategy(self, strategy: str) -> str | None:
+        """Return the first of `strategies` that is `strategy`, or another draw of it; None if there is none.
 
-        Draws of a random strategy, such as ``random`` and ``random#2``, are alike.
+        ``random``, ``random#1`` and ``random#2`` are draws of strategy ``random``.
         """
         kind, _ = draw_of(strategy)
         return next((name for name in self.strategies if draw_of(name)[0] == kind), None)
 
     def check(self) -> None:
-        """Classify a sequence of zeros, and raise `ValueError` if the parts of the model don't fit each other."""
+        """Raise `ValueError` if parts of the model don't fit each other, or can't classify a sequence of zeros."""
         zeros = np.zeros((1, self.touches, len(self.feature_names)))
-        logs = self._pooled(self._describe([zeros]))
+        logs = self._pooled_logs(self._describe([zeros]))
         if not self.strategies or not set(self.certainties) <= set(self.strategies):
             raise ValueError("the strategies and the certainties do not fit each other")
-        learnt = np.array_equal(self.estimator[-1].classes_, np.arange(len(self.classes)))
-        if not learnt or logs.shape != (len(self.classes),) or not np.isfinite(logs).all():
+        knows_classes = np.array_equal(self.estimator[-1].classes_, np.arange(len(self.classes)))
+        if not knows_classes or logs.shape != (len(self.classes),) or not np.isfinite(logs).all():
             raise ValueError(f"no probabilities of {len(self.classes)} classes")
 
-    def _pooled(self, rows: FloatArray) -> FloatArray:
-        """Compute the log probabilities of one object from the rows of all its sequences, shape (c,)."""
+    def _pooled_logs(self, rows: FloatArray) -> FloatArray:
+        """Compute the log probability of each class, (c,): mean over sequences, or share of votes in ``paper``."""
         prepared = self.estimator[:-1].transform(rows)
         if self.pipeline == "paper":
             votes = self.estimator[-1].predict(prepared)
@@ -179,15 +198,15 @@ class RecognitionModel:
             with np.errstate(divide="ignore"):
                 return np.log(shares)
         logs = log_probabilities(self.estimator[-1], prepared, len(self.classes))
-        everything = np.ones((1, len(rows)), dtype=bool)
-        return pooled_log_probabilities(logs, everything)[0]
+        all_sequences = np.ones((1, len(rows)), dtype=bool)
+        return pooled_log_probabilities(logs, all_sequences)[0]
 
     def _rows(self, features: pa.Table) -> FloatArray:
-        """Return the input of the estimator, one row per sequence of one object."""
+        """Return the input of the estimator from the touches of one object, one row per sequence."""
         if not features.num_rows:
             raise RecognitionError("There is no touch; an object is classified from one touch on.")
         groups = gather_any(spread_contact_states(features), self.feature_names, self.touches)
-        if self._needs_directions:
+        if self._needs_all_bands:
             check_directions(len(filled_bands(features)))
         if self.pipeline == "paper":  # wavelet levels need whole sequences
             groups = [group for group in groups if group.shape[1] == self.touches]
@@ -204,15 +223,15 @@ class RecognitionModel:
         return self._describe(groups)
 
     @property
-    def _needs_directions(self) -> bool:
-        """Whether a descriptor needs all directional bands of an imprint, because a roll of the sensor shifts their order."""
+    def _needs_all_bands(self) -> bool:
+        """Whether all directional bands are needed: roll-free descriptors are Fourier amplitudes over directions."""
         parameters = self.parameters
         is_rolling = self.pipeline == "order_free" and parameters.frame in ROLLING_FRAMES
         has_bands = CONTOURLET_FEATURES[0] in self.feature_names
         return is_rolling and has_bands and "contourlet" in parameters.order_free.cues
 
     def _describe(self, groups: Sequence[FloatArray]) -> FloatArray:
-        """Return one row per sequence of groups of sequences (s, t, k), each group of one length."""
+        """Return one row per sequence from groups (s, t, k) of s sequences; each group has another length t."""
         if self.waves is None:
             return np.concatenate(groups)
         described = [
@@ -234,7 +253,9 @@ def fit_model(
     Parameters
     ----------
     features : pyarrow.Table
-        Rows of `tables.FEATURES` of one strategy or several. Viewpoints with too few touches are left out.
+        Rows of `tables.FEATURES` of one strategy or several. Viewpoints with fewer than `parameters.touches` touches
+        are left out, with a warning in the log. If `parameters.touches` is None, the number is that of the longest
+        sequence of the strategy.
     pipeline : {"paper", "order_free"}
         Pipeline to fit.
     classifier : str
@@ -247,16 +268,18 @@ def fit_model(
     Raises
     ------
     RecognitionError
-        If the table has fewer than two classes, no whole sequence, a missing column, or a value that is not finite.
+        If the table has fewer than two classes, no sequence with enough touches, a missing column, a value that is not
+        finite, or strategies with different numbers of touches per sequence. Also if there is no such pipeline.
+    RegistryError
+        If there is no such classifier.
     """
     strategies = tuple(features.column("strategy").unique().to_pylist())
     rows_of = [features.filter(pc.equal(features.column("strategy"), name)) for name in strategies]
     of_strategies = [gather_pipeline(part, parameters, pipeline, seed) for part in rows_of]
     sequences = join_sequences(of_strategies)
-    touched_by = np.repeat(strategies, [len(part.features) for part in of_strategies])
+    strategy_of_row = np.repeat(strategies, [len(part.features) for part in of_strategies])
     check_two_classes(sequences)
-    chosen = _with_classifier(parameters, classifier)
-    parts = pipeline_of(pipeline, chosen, seed)
+    parts = pipeline_of(pipeline, _with_only_classifier(parameters, classifier), seed)
     rows, labels, owners = parts.rows(sequences), sequences.labels, sequences.object_index
     generator = spawn_generator(seed, "recognition", "model", pipeline)
 
@@ -277,9 +300,10 @@ def fit_model(
     with one_thread():
         estimator = fit(rows, labels, owners)
         for name in strategies if is_order_free else ():
-            touched = touched_by == name
-            found = fit_certainty(fit, estimator, rows, labels, owners, touched=touched)
-            certainties |= {} if found is None else {name: found}
+            certainty = fit_certainty(
+                fit, estimator, rows, labels, owners, same_strategy=strategy_of_row == name
+            )
+            certainties |= {} if certainty is None else {name: certainty}
     waves = draw_waves(parameters.order_free, seed) if is_order_free else None
     return RecognitionModel(
         pipeline=pipeline,
@@ -301,6 +325,9 @@ def fit_model(
     )
 
 
-def _with_classifier(parameters: RecognitionParameters, classifier: str) -> RecognitionParameters:
+def _with_only_classifier(
+    parameters: RecognitionParameters, classifier: str
+) -> RecognitionParameters:
+    """Return parameters in which `classifier` is the only classifier of both pipelines."""
     order_free = parameters.order_free.model_copy(update={"classifiers": (classifier,)})
     return parameters.model_copy(update={"order_free": order_free, "classifiers": (classifier,)})

@@ -121,8 +121,8 @@ def join_sequences(parts: Sequence[TouchSequences]) -> TouchSequences:
             "learn from all of them."
         )
     objects = tuple(sorted({owner for part in parts for owner in part.objects}))
-    places = [np.array([objects.index(owner) for owner in part.objects]) for part in parts]
-    owners = [place[part.object_index] for place, part in zip(places, parts, strict=True)]
+    joined_index = [np.array([objects.index(owner) for owner in part.objects]) for part in parts]
+    owners = [index[part.object_index] for index, part in zip(joined_index, parts, strict=True)]
     return TouchSequences(
         features=np.concatenate([part.features for part in parts]),
         feature_names=parts[0].feature_names,
@@ -278,18 +278,18 @@ def classes_of_two(features: pa.Table) -> pa.Table:
 def take_strategy(
     features: pa.Table, strategy: str, touches: int | None
 ) -> tuple[pa.Table, tuple[str, ...]]:
-    """Return the rows of a strategy after `whole_sequences` and `classes_of_two`, and the sentences of the first.
+    """Return the rows of a strategy after `whole_sequences` and `classes_of_two`, and messages on left-out sequences.
 
-    Other strategies in the table have no influence. Raises `RecognitionError` if the strategy has no touches, or no
-    viewpoint has enough.
+    The messages are those of `whole_sequences`. Other strategies in the table have no influence. Raises
+    `RecognitionError` if the strategy has no touches, or no viewpoint has enough.
     """
     strategies = sorted(pc.unique(features.column("strategy")).to_pylist())
     if strategy not in strategies:
         raise RecognitionError(
             f"The features have no touch by {strategy}; touches by {', '.join(strategies)} can be used."
         )
-    made = features.filter(pc.equal(features.column("strategy"), strategy))
-    whole, left_out = whole_sequences(made, touches)
+    by_strategy = features.filter(pc.equal(features.column("strategy"), strategy))
+    whole, left_out = whole_sequences(by_strategy, touches)
     if not whole.num_rows:
         raise RecognitionError(
             f"No viewpoint of any object has {touches} touches (recognition.touches)."
@@ -298,7 +298,7 @@ def take_strategy(
 
 
 def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:
-    """Return the rows of sequences with enough touches, and one sentence per object and strategy that lost sequences.
+    """Return the rows of sequences with enough touches, and one message per object and strategy that lost sequences.
 
     A whole sequence has `touches` touches. If `touches` is None, it has as many as the longest sequence of its strategy.
     """

@@ -1,4 +1,7 @@
-"""Split sequences into training and test sequences by splitters of scikit-learn's kind that keep objects whole."""
+"""Split sequences into training and test sequences, so that no object or no viewpoint is in both.
+
+The splitters are scikit-learn cross-validators: pass them as `cv`.
+"""
 
 from __future__ import annotations
 
@@ -23,9 +26,16 @@ RandomState = int | np.random.Generator | None
 
 @dataclass(frozen=True)
 class Split:
-    """One division of the sequences: indices of training and test sequences, ascending.
+    """Training and test sequences of one split.
 
-    `number` counts from 0 within each `repeat` of the protocol.
+    Attributes
+    ----------
+    number : int
+        Number of the split within the repeat, from 0.
+    repeat : int
+        Repeat of the protocol, from 0.
+    train, test : ndarray of shape (n_train,) and (n_test,)
+        Indices of the sequences, ascending.
     """
 
     number: int
@@ -34,11 +44,11 @@ class Split:
     test: IntArray
 
 
-class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
-    """Base of splitters that test whole groups: `y` (n,) is the class of each row, `groups` (n,) the object."""
+class _GroupSplitter(BaseCrossValidator):  # type: ignore[misc]
+    """Base of the splitters: `y` (n,) has the class of each row; rows of equal `groups` (n,) are tested together."""
 
     def get_n_splits(self, X: Any = None, y: Any = None, groups: Any = None) -> int:  # noqa: ARG002
-        """Return the number of splits for these classes and objects."""
+        """Return the number of splits. `y` and `groups`, both (n,), are required; `X` is not used."""
         return len(self._test_groups(np.asarray(y), np.asarray(groups)))
 
     def _iter_test_masks(
@@ -52,11 +62,22 @@ class _ObjectSplitter(BaseCrossValidator):  # type: ignore[misc]
 
     @abstractmethod
     def _test_groups(self, y: Any, groups: Any) -> Sequence[Sequence[Any]]:
-        """Return the tested groups of each split."""
+        """Return the test groups of each split."""
 
 
-class LeaveOneObjectPerClassOut(_ObjectSplitter):
-    """Tests one object of each class, in all combinations, or in a balanced sample of `maximum` combinations."""
+class LeaveOneObjectPerClassOut(_GroupSplitter):
+    """Test one object of each class per split.
+
+    `split` needs the class of each row as `y` and the object of each row as `groups`.
+
+    Parameters
+    ----------
+    maximum : int
+        Maximum number of splits. All combinations of one object per class are tested if these are at most `maximum`.
+        Otherwise `maximum` combinations are drawn, as by `leave_one_out_per_class`.
+    random_state : int, Generator or None
+        Draws the combinations. An int draws the same combinations at each call.
+    """
 
     def __init__(self, maximum: int = 81, random_state: RandomState = None) -> None:
         self.maximum = maximum
@@ -67,8 +88,20 @@ class LeaveOneObjectPerClassOut(_ObjectSplitter):
         return leave_one_out_per_class(_members(y, groups), self.maximum, generator)
 
 
-class GroupedFolds(_ObjectSplitter):
-    """Folds of whole objects, stratified by class; each object is tested once per round."""
+class GroupedFolds(_GroupSplitter):
+    """Test one fold of whole objects per split, stratified by class.
+
+    `split` needs the class of each row as `y` and the object of each row as `groups`.
+
+    Parameters
+    ----------
+    folds : int
+        Maximum number of folds, which are fewer if no class has so many objects.
+    rounds : int
+        How often the objects are divided into folds anew. Each object is tested once per round.
+    random_state : int, Generator or None
+        Draws the folds. An int draws the same folds at each call.
+    """
 
     def __init__(self, folds: int = 5, rounds: int = 1, random_state: RandomState = None) -> None:
         self.folds = folds
@@ -84,8 +117,17 @@ class GroupedFolds(_ObjectSplitter):
         ]
 
 
-class ViewpointFolds(_ObjectSplitter):
-    """Folds of viewpoints, which are the `groups`: every n-th viewpoint is tested together."""
+class ViewpointFolds(_GroupSplitter):
+    """Test one fold of viewpoints per split, over all objects.
+
+    `split` needs the viewpoint number of each row as `groups`. Fold i of n has the sorted viewpoints i, i + n, i + 2 n
+    and so on. `split` raises `RecognitionError` if all rows have the same viewpoint.
+
+    Parameters
+    ----------
+    folds : int
+        Maximum number of folds n, which is at most the number of viewpoints.
+    """
 
     def __init__(self, folds: int = 5) -> None:
         self.folds = folds
@@ -94,7 +136,8 @@ class ViewpointFolds(_ObjectSplitter):
         viewpoints = np.unique(groups)
         if len(viewpoints) < 2:
             raise RecognitionError(
-                "The objects have one viewpoint; protocol new_viewpoint needs at least two."
+                f"All touches are from viewpoint {viewpoints[0]}; protocol new_viewpoint needs at "
+                "least two viewpoints."
             )
         folds = min(self.folds, len(viewpoints))
         return [viewpoints[start::folds].tolist() for start in range(folds)]
@@ -102,8 +145,19 @@ class ViewpointFolds(_ObjectSplitter):
 
 def make_splitter(
     sizes: Sequence[int], parameters: ProtocolParameters, random_state: RandomState
-) -> _ObjectSplitter:
-    """Return the splitter of a protocol for classes with `sizes` objects."""
+) -> _GroupSplitter:
+    """Return the splitter of a protocol.
+
+    Parameters
+    ----------
+    sizes : sequence of int
+        Number of objects of each class. Protocol ``auto`` chooses its splitter by these.
+    parameters : ProtocolParameters
+        The protocol and its numbers of splits and folds. `fold_rounds` counts only for protocol ``auto``; protocol
+        ``grouped_folds`` has one round.
+    random_state : int, Generator or None
+        Draws the splits.
+    """
     protocol = parameters.resolve(sizes)
     if protocol == "new_viewpoint":
         return ViewpointFolds(parameters.folds)
@@ -116,10 +170,22 @@ def make_splitter(
 def draw_splits(
     sequences: TouchSequences, parameters: ProtocolParameters, seed: int
 ) -> list[Split]:
-    """Divide sequences into training and test sequences: all splits of all repeats.
+    """Return the splits of all repeats of a protocol, repeat by repeat.
 
-    Raises `RecognitionError` if there are fewer than two classes, or a class has too few objects or an object too few
-    viewpoints.
+    Parameters
+    ----------
+    sequences : TouchSequences
+        Sequences to divide.
+    parameters : ProtocolParameters
+        The protocol and its number of repeats.
+    seed : int
+        Draws the splits, anew per repeat.
+
+    Raises
+    ------
+    RecognitionError
+        If there are fewer than two classes. In protocol ``new_viewpoint`` also if all sequences have the same
+        viewpoint, in other protocols if a class has fewer than two objects.
     """
     check_two_classes(sequences)
     members = objects_of_classes(sequences)
@@ -145,6 +211,7 @@ def check_two_classes(sequences: TouchSequences) -> None:
 
 
 def _check_two_objects(sequences: TouchSequences, members: Sequence[Sequence[int]]) -> None:
+    """Raise `RecognitionError` if a class has fewer than two objects."""
     for name, objects in zip(sequences.classes, members, strict=True):
         if len(objects) < 2:
             raise RecognitionError(
@@ -154,29 +221,38 @@ def _check_two_objects(sequences: TouchSequences, members: Sequence[Sequence[int
 
 
 def objects_of_classes(sequences: TouchSequences) -> list[list[int]]:
-    """Return the indices of each class's objects, in the order of the classes."""
+    """Return one list per class of `sequences.classes`: the indices of its objects in `sequences.objects`."""
     of_class = sequences.class_of_object
     return [np.flatnonzero(of_class == index).tolist() for index in range(len(sequences.classes))]
 
 
 def _members(y: Any, groups: Any) -> list[list[Any]]:
-    """Return the groups of each class, both sorted."""
+    """Return one sorted list of groups per class, in sorted order of the classes."""
     return [np.unique(groups[y == label]).tolist() for label in np.unique(y)]
 
 
 def leave_one_out_per_class(
     members: Sequence[Sequence[int]], maximum: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Return the test objects of each split: one object of each class, in all combinations.
+    """Return the test objects of each split: one object per class.
 
-    If there are more combinations than `maximum`, distinct combinations are drawn. Each object of a class is drawn as
-    often as any other object of the class, or once more.
+    These are all combinations of one object per class, if at most `maximum`. Otherwise `maximum` distinct combinations
+    are drawn. Each object of a class is then tested in k or k + 1 splits, with the same k for the whole class.
+
+    Parameters
+    ----------
+    members : sequence of sequence of int
+        Objects of each class.
+    maximum : int
+        Maximum number of splits.
+    generator : numpy.random.Generator
+        Draws the combinations.
     """
     if math.prod(len(objects) for objects in members) <= maximum:
         return list(itertools.product(*members))
-    # The objects of a class take turns in shuffled order. If few combinations are left out, some may repeat.
-    turns = [_turns(objects, maximum, generator) for objects in members]
-    drawn = list(zip(*turns, strict=True))
+    columns = [_shuffled_rounds(objects, maximum, generator) for objects in members]
+    drawn = list(zip(*columns, strict=True))
+    # Independent columns may repeat a combination, most likely if `maximum` is nearly the number of combinations.
     if len(set(drawn)) == maximum:
         return drawn
     return _distinct_combinations(members, maximum, generator)
@@ -185,7 +261,7 @@ def leave_one_out_per_class(
 def _distinct_combinations(
     members: Sequence[Sequence[int]], count: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Draw distinct combinations of one object per class; objects of a class are drawn equally often, or once more."""
+    """Draw `count` distinct combinations of one object per class, with the objects of a class equally often (±1)."""
     # All classes advance to their next object together, until the first combination would repeat. Such a cycle has
     # the objects of a class equally often, and shares no combination with another cycle.
     sizes = [len(objects) for objects in members]
@@ -206,9 +282,19 @@ def _distinct_combinations(
 def grouped_folds(
     members: Sequence[Sequence[int]], folds: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
-    """Return folds of whole objects, stratified by class.
+    """Return the objects of each fold, ascending; the folds are stratified by class.
 
-    `members` are the objects of each class. There are at most as many folds as objects in the largest class.
+    The numbers of objects differ by at most 1 between folds, in total and per class. A class with fewer objects than
+    folds is not in every fold.
+
+    Parameters
+    ----------
+    members : sequence of sequence of int
+        Objects of each class.
+    folds : int
+        Maximum number of folds. There are at most as many as objects in the largest class.
+    generator : numpy.random.Generator
+        Draws the folds.
     """
     return _deal(members, min(folds, max(len(objects) for objects in members)), generator)
 
@@ -216,9 +302,10 @@ def grouped_folds(
 def _deal(
     members: Sequence[Sequence[int]], folds: int, generator: np.random.Generator
 ) -> list[tuple[int, ...]]:
+    """Divide the objects of each class over `folds` folds, so that the sizes of folds differ by at most one object."""
     dealt: list[list[int]] = [[] for _ in range(folds)]
     for objects in members:
-        # The largest folds come last, so that sizes differ by at most one object.
+        # The smallest folds get their objects first, so that sizes differ by at most one object.
         order = sorted(range(folds), key=lambda fold: len(dealt[fold]))
         for turn, index in enumerate(generator.permutation(len(objects))):
             dealt[order[turn % folds]].append(objects[index])
@@ -228,14 +315,23 @@ def _deal(
 def held_out_folds(
     labels: IntArray, owners: IntArray, folds: int, random_state: RandomState = 0
 ) -> list[tuple[IntArray, IntArray]]:
-    """Return (training indices, held-out indices) for folds of whole objects in which every class is trained.
+    """Return training and held-out indices per fold of whole objects; each training part has all classes.
 
-    The only object of a class trains in every fold. The list is empty if every class has one object.
+    If a class has only one object, the object is in every training part and is never held out.
 
     Parameters
     ----------
     labels, owners : ndarray of shape (n,)
         Class and object of each training sequence.
+    folds : int
+        Maximum number of folds, at least 2. There are at most as many as objects that can be held out.
+    random_state : int, Generator or None
+        Draws the folds.
+
+    Returns
+    -------
+    list of (ndarray, ndarray)
+        Indices of the training and of the held-out sequences, both ascending. Empty if every class has one object.
     """
     lonely = [label for label in np.unique(labels) if len(np.unique(owners[labels == label])) < 2]
     candidates = np.flatnonzero(~np.isin(labels, lonely))
@@ -248,7 +344,10 @@ def held_out_folds(
     return [(np.flatnonzero(~mask), np.flatnonzero(mask)) for mask in masks]
 
 
-def _turns(objects: Sequence[int], count: int, generator: np.random.Generator) -> list[int]:
+def _shuffled_rounds(
+    objects: Sequence[int], count: int, generator: np.random.Generator
+) -> list[int]:
+    """Return `count` objects: round after round of all objects, each round in random order, the last cut short."""
     rounds = math.ceil(count / len(objects))
     order = [generator.permutation(len(objects)) for _ in range(rounds)]
     return [objects[index] for index in np.concatenate(order)[:count]]

@@ -64,7 +64,9 @@ def save_model(model: RecognitionModel, path: str | Path) -> None:
             ),
             "estimator": model.estimator,
             "waves": asdict(model.waves),
-            "certainties": {name: asdict(one) for name, one in model.certainties.items()},
+            "certainties": {
+                strategy: asdict(certainty) for strategy, certainty in model.certainties.items()
+            },
         }
     )
     unsafe = {*skops.io.get_untrusted_types(data=content)} - {*TRUSTED}
@@ -139,7 +141,9 @@ def _read(path: Path) -> RecognitionModel:
         versions=description["versions"],
         estimator=estimator,
         waves=WaveBasis(**_arrays(WaveBasis, state["waves"])),
-        certainties={name: _certainty(one) for name, one in state["certainties"].items()},
+        certainties={
+            strategy: _certainty(content) for strategy, content in state["certainties"].items()
+        },
     )
 
 

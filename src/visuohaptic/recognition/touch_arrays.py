@@ -72,7 +72,7 @@ def gather_touches(
     """Gather the touches of one strategy: sequences with their poses, and `touch_arrays`' first array."""
     imprints = _imprints(touches)
     names = [*KINESTHETIC_FEATURES, "sensor_size"]
-    # pyarrow joins no tables with lists: the number of its row stands for an imprint.
+    # pyarrow can't join tables with lists, so a row number replaces each imprint.
     numbered = touches.drop_columns(["image"]).append_column(_ROW, [np.arange(len(touches))])
     whole, _ = whole_sequences(numbered, parameters.touches)
     sequences = gather_sequences(whole, [*names, _ROW], parameters.touches)
