@@ -33,7 +33,7 @@ _BY_POLICIES = "policy_fixations"
 SCHEMAS = {
     name: OF_PHASES[name] for phase in OF_OBJECT for name in phase.writes if name != _BY_POLICIES
 }
-"""The tables of an exploration; ``fixations`` also holds the places that policies chose."""
+"""The tables of an exploration; ``fixations`` also has the locations that policies chose."""
 
 _WRITTEN = (*SCHEMAS, _BY_POLICIES)
 

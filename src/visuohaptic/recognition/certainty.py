@@ -41,7 +41,7 @@ class Assessment:
     strangeness : float
         Share of the training objects with a lower novelty score, in [0, 1].
     unknown : bool
-        Whether the strangeness is above the stated coverage.
+        Whether the strangeness is at least the stated coverage.
     """
 
     candidates: BoolArray

@@ -57,7 +57,7 @@ class ModelAnswer:
     strangeness : float, optional
         Share of the training objects with a lower novelty score, in [0, 1].
     unknown : bool, optional
-        Whether the strangeness is above `coverage`, so that the object seems to be of no known class.
+        Whether the strangeness is at least `coverage`, so that the object seems to be of no known class.
     coverage : float, optional
         Stated coverage of `candidates` and `unknown`. The optional attributes are None if
         `RecognitionModel.certainties` has no entry for the strategy of the touches.
