@@ -53,8 +53,8 @@ def test_what_is_felt_at_given_points_is_what_the_eye_lets_feel_there(ball):
         ({"at": [[np.nan, 0, 0]]}, "at has NaN, infinite .* row 0"),
         ({"at": [[0, 0, 9]]}, "point 0 of at is 8 object radii off"),
         ({"at": "here"}, "at holds no numbers"),
-        ({"normals": [[0, 0, 1]]}, "normals need at"),
-        ({"at": [[0, 0, 1]], "viewpoints": 3}, "at leaves no choice of viewpoints"),
+        ({"normals": [[0, 0, 1]]}, "normals are given without at"),
+        ({"at": [[0, 0, 1]], "viewpoints": 3}, "at and viewpoints are both given"),
     ],
 )
 def test_points_that_are_none_are_one_sentence(ball, choices, sentence):

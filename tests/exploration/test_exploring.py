@@ -13,7 +13,7 @@ from phases_by_files import run_phases
 import visuohaptic as vh
 from visuohaptic.base.errors import MeshError, ParameterError, RecognitionError
 from visuohaptic.evaluation.summary import select
-from visuohaptic.exploration.recognising import check_alike
+from visuohaptic.exploration.recognising import check_compatible
 from visuohaptic.meshes.catalogue import read_catalogue
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.parameters import ExperimentParameters
@@ -83,12 +83,12 @@ def test_a_frame_that_is_not_the_models_is_refused_where_it_was_asked_for(tmp_pa
 
     sentence = r"^recognition\.frame is none, and the model was fitted for full; "
     with pytest.raises(RecognitionError, match=sentence):
-        check_alike(asked("none"), recogniser)
+        check_compatible(asked("none"), recogniser)
     with pytest.raises(RecognitionError, match="is full, and the model was fitted for none"):
-        check_alike(asked("full"), of_none)
-    check_alike(asked("none"), of_none)
+        check_compatible(asked("full"), of_none)
+    check_compatible(asked("none"), of_none)
     # A frame that nobody asked for is the model's.
-    check_alike(touched, of_none)
+    check_compatible(touched, of_none)
 
 
 def test_the_frame_that_was_asked_for_reaches_the_model(tmp_path, ring_file):
@@ -108,7 +108,7 @@ def test_a_model_that_does_not_say_how_its_touches_were_made_is_refused(tmp_path
     path = tmp_path / "recogniser.skops"
     assert vh.read_recogniser(path).parameters.viewpoints.count == 2
     save_model(replace(load_model(path), touching=None), path)
-    with pytest.raises(RecognitionError, match="does not say how the touches were made"):
+    with pytest.raises(RecognitionError, match="lacks the parameters of its training touches"):
         vh.read_recogniser(path)
 
 

@@ -112,7 +112,7 @@ def test_places_that_the_sensor_can_not_reach_are_not_recognised(recogniser):
     shut = vh.load(trimesh.util.concatenate([inner, trimesh.creation.box((1, 1, 1))]))
     corner = shut.surface.vertices.max()
     made = shut.touch(at=[[0, 0, 0.6 * corner]], parameters=recogniser.parameters)
-    with pytest.raises(RecognitionError, match="could reach none of the 1 places that it was set"):
+    with pytest.raises(RecognitionError, match="could reach none of the 1 locations"):
         made.recognise(recogniser)
     made, _ = made.touch_next([0, corner, 0])
     assert made.recognise(recogniser).touches == 2

@@ -70,7 +70,7 @@ def test_a_point_that_is_none_is_one_sentence(ball, choices, sentence):
 
 def test_touches_by_a_strategy_are_not_gone_on_from(ball):
     seen = ball.touch(viewpoints=1, strategy="random", parameters={"rendering.resolution": 64})
-    with pytest.raises(ParameterError, match="strategy random; touch_next goes on from touch"):
+    with pytest.raises(ParameterError, match="strategy random; touch_next needs touches by touch"):
         seen.touch_next([1, 0, 0])
 
 

@@ -75,6 +75,6 @@ def test_a_model_names_by_the_views_that_show_enough(pipeline, table):
 
 def test_what_no_view_shows_is_one_sentence():
     hair = vh.load(trimesh.creation.cylinder(1e-5, 2))
-    with pytest.raises(MeshError, match=r"shows no viewpoint a place .* strategy random"):
+    with pytest.raises(MeshError, match=r"No viewpoint sees a location .* strategy random"):
         hair.touch(viewpoints=2)
     assert hair.touch(viewpoints=2, strategy="random").touches.num_rows == 10

@@ -1,1 +1,1 @@
-"""One object from its mesh file to its name, without the workflow."""
+"""Load, touch and recognise objects in Python, without the workflow."""

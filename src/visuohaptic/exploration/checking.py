@@ -47,7 +47,7 @@ def point_rows(values: ArrayLike | None, name: str) -> FloatArray:
 
 
 def unit_rows(values: ArrayLike | None, name: str, count: int) -> FloatArray:
-    """Return `count` directions of length 1: (count, 3). Raise `ParameterError` as `point_rows` does, or for length 0."""
+    """Return `count` unit directions (count, 3). Raise `ParameterError` as `point_rows` does, or for length 0."""
     rows = point_rows(values, name)
     if len(rows) != count:
         raise ParameterError(f"There are {len(rows)} {name} for {count} points.")

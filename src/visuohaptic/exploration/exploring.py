@@ -1,4 +1,4 @@
-"""One object from its mesh file to its class, without the workflow and with the same results."""
+"""Load, touch and recognise objects in Python, with the same results as the workflow."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from visuohaptic.exploration.recognising import (
     Recogniser,
     caution_about,
     check_acquired,
-    check_alike,
+    check_compatible,
     read_recogniser,
 )
 from visuohaptic.exploration.showing import (
@@ -61,18 +61,19 @@ Parameters = ExperimentParameters | Mapping[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class TouchableObject:
-    """An object made ready for the eye and the hand; it is equal to itself alone.
+    """An object in the object frame, as `load` returns it. Objects are compared by identity.
 
     Attributes
     ----------
     key : str
-        `class/name`; the class is ``unknown`` where it is not given.
+        `class/name`; the class is ``unknown`` if it was not given.
     surface : Surface
-        In the object frame.
+        The mesh in the object frame: its centroid is the origin, y points up, and the farthest vertex has
+        distance 1.
     seconds : float
-        What reading and preparing it took.
+        Wall time of reading and preparing the mesh (s).
     frame : FileFrame
-        The frame of the file that it came from.
+        Transformation between the frame of the mesh file and the object frame; by default the identity.
     """
 
     key: str
@@ -96,60 +97,64 @@ class TouchableObject:
         at: ArrayLike | None = None,
         normals: ArrayLike | None = None,
     ) -> Exploration:
-        """Look at the object from all around, and set the sensor down on it.
+        """Touch the object at locations that a strategy chooses per viewpoint, or at given points.
 
         Parameters
         ----------
         viewpoints : int, optional
-            Viewpoints on each ring; without it as `parameters` say.
+            Number of viewpoints on each ring around the object; by default `viewpoints.count` of `parameters`.
+            Not allowed with `at`.
         strategy : str
-            How the probing locations are chosen: a strategy, or a policy.
+            Name of a strategy or policy of `STRATEGIES`, which chooses the probing locations. Ignored with `at`.
         parameters : ExperimentParameters or mapping, optional
-            Everything else, such as ``{"sensor.resolution": 16}``; what is left out takes
-            its default, which is that of the paper.
+            All other parameters, such as ``{"sensor.resolution": 16}``. Missing parameters take the
+            paper's values, which are the defaults.
         track : callable
-            Takes the steps of the work and gives them back one by one, as a progress
-            bar such as ``tqdm.tqdm`` does.
+            Takes the sequence of steps and yields each step, as ``tqdm.tqdm`` does for a progress bar.
+            Ignored with `at`.
         at : array_like, optional
-            Shape (n, 3), object frame: where to touch, instead of looking. The sensor is set
-            down at the surface's nearest point.
+            Shape (n, 3), object frame: points to touch. No view is rendered then. Each touch is at the nearest
+            point of the surface, which must be within 0.1 object radii.
         normals : array_like, optional
-            Shape (n, 3), object frame, of any length: which way is out at each of `at`;
-            without them as the surface has it.
+            Shape (n, 3), object frame, of any length above 0: outward directions of the sensor at the points
+            `at`. By default the outward normals of the surface.
 
         Returns
         -------
         Exploration
-            What was seen and felt; the same as the workflow finds for the same key.
+            The views, touches and features. For the same key and parameters they equal the workflow's results.
 
         Raises
         ------
         ParameterError
-            If a parameter, the strategy or a point is not allowed.
+            If a parameter, the strategy, a point or a normal is not allowed, or `normals` come without `at`.
         MeshError
-            If no viewpoint sees a place to touch, or a policy makes no touch.
+            If no location is touched: no viewpoint sees any location in reach, or a policy stops before its
+            first touch.
         """
-        chosen = self._sized(parameters)
+        chosen = self._with_real_size(parameters)
         if at is None and normals is None:
             rings = {} if viewpoints is None else {"count": viewpoints}
             probing = {"strategies": (strategy,)}
-            chosen = _changed(chosen, "touch", probing=probing, viewpoints=rings)
+            chosen = _with_values(chosen, "touch", probing=probing, viewpoints=rings)
             check_run(chosen, "touch")
             tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
             if not tables["touches"].num_rows:
                 if is_policy(strategy):
                     raise MeshError(
-                        f"policy {strategy} made no touch of {self.key}: it stopped before the first, or no "
-                        "sensor comes to its places."
+                        f"policy {strategy} made no touch of {self.key}: it stopped before the first, or the "
+                        "sensor can't reach its locations."
                     )
                 raise MeshError(
-                    f"{self.key} shows no viewpoint a place to touch: it is thinner than a pixel of the "
-                    "view, or no sensor comes there; a larger rendering.resolution or strategy random touches it."
+                    f"No viewpoint sees a location of {self.key} that the sensor can reach: the object is thinner "
+                    "than a pixel, or too narrow for the sensor. Try a larger rendering.resolution or strategy random."
                 )
         elif at is None:
-            raise ParameterError("normals need at: the points that they stand on.")
+            raise ParameterError(
+                "normals are given without at; pass the points of the normals as at."
+            )
         elif viewpoints is not None:
-            raise ParameterError("at leaves no choice of viewpoints: leave one of the two out.")
+            raise ParameterError("at and viewpoints are both given; pass only one of the two.")
         else:
             check_run(chosen, "touch")
             strategy = GIVEN
@@ -157,38 +162,39 @@ class TouchableObject:
         seconds = {"prepare": self.seconds, **seconds}
         return Exploration(self.key, self.surface, chosen, strategy, seconds, tables, self.frame)
 
-    def _sized(self, values: Parameters | None) -> ExperimentParameters:
-        """Let the scene have the object's real size, where its file's unit is known and nobody says otherwise."""
+    def _with_real_size(self, values: Parameters | None) -> ExperimentParameters:
+        """Set `scene.object_radius_m` from the file's unit if the unit is known and `values` does not set it."""
         parameters = as_parameters(values)
         scene = parameters.scene
         if self.frame.radius_m is None or "object_radius_m" in scene.model_fields_set:
             return parameters
         size = {"object_radius_m": self.frame.radius_m}
-        return _changed(parameters, "the object's size", scene=size)
+        return _with_values(parameters, "the object's size", scene=size)
 
 
 @dataclass(frozen=True, eq=False)
 class Exploration:
-    """What the eye saw of an object, and what the hand felt; it is equal to itself alone.
+    """The views, touches and features of one object. Explorations are compared by identity.
 
     Attributes
     ----------
     key : str
         `class/name` of the object.
     surface : Surface
-        The object.
+        The object's mesh in the object frame.
     parameters : ExperimentParameters
-        How it was explored.
+        Parameters of the views, touches and features.
     strategy : str
-        How the probing locations were chosen; ``given`` where the caller chose them.
+        Strategy or policy that chose the probing locations; ``given`` for points of the caller.
     seconds : mapping of str to float
-        What each phase took: prepare, look, touch, describe; and what a policy took to choose.
+        Wall time of each phase (s): ``prepare``, ``look``, ``touch`` and ``describe``. A policy's time is
+        ``choose``. Touches at given points have no ``look``.
     tables : mapping of str to pyarrow.Table
-        ``views``, ``fixations``, ``touches``, ``effects`` and ``features``, which are attributes, too, in
-        the object frame; ``frame.table(touches)`` gives one in the file's. ``visuohaptic tables`` lists
-        their columns.
+        Tables ``views``, ``fixations``, ``touches``, ``effects`` and ``features``, in the object frame and in
+        object radii. Each is also an attribute. ``frame.table(touches)`` converts a table to the frame of the
+        mesh file. The command ``visuohaptic tables`` lists the columns.
     frame : FileFrame
-        The frame of the object's file.
+        Transformation between the frame of the mesh file and the object frame; by default the identity.
     """
 
     key: str
@@ -214,132 +220,137 @@ class Exploration:
 
     @property
     def views(self) -> pa.Table:
-        """What was seen."""
+        """Views with eye position and saliency: one row per viewpoint, none for touches at given points."""
         return self.tables["views"]
 
     @property
     def fixations(self) -> pa.Table:
-        """Where to touch."""
+        """Probing locations, in order per viewpoint, with spare locations and locations out of reach; one row each."""
         return self.tables["fixations"]
 
     @property
     def touches(self) -> pa.Table:
-        """What was felt."""
+        """Touches with imprint, point, normal and sensor size, one row each."""
         return self.tables["touches"]
 
     @property
     def effects(self) -> pa.Table:
-        """Why each effect was needed."""
+        """Effects of view and touch: why each was needed or not, how often it ran, and its processor seconds."""
         return self.tables["effects"]
 
     @property
     def features(self) -> pa.Table:
-        """What describes the touches."""
+        """Features of the touches, one row per row of `touches`, in the same order."""
         return self.tables["features"]
 
     @property
     def imprints(self) -> NDArray[np.float32]:
-        """What the sensor felt, shape (n, r, r), float32, in [0, 1], in the order of `touches`.
+        """Imprints of the n touches, shape (n, r, r), float32, in the order of `touches`.
 
-        1 is contact and 0 is out of reach; r is the sensor's resolution.
+        Values are in [0, 1]: 1 is contact, 0 is out of the sensor's depth range. r is `sensor.resolution`.
         """
         return images(self.touches)
 
     @property
     def poses(self) -> FloatArray:
-        """Poses of the touches in the file's frame, shape (n, 4, 4), as `FileFrame.poses` gives them."""
+        """Poses of the n touches in the frame of the mesh file, shape (n, 4, 4), float64, from `FileFrame.poses`.
+
+        Raises `MeshError` if `frame.has_way_back` is false.
+        """
         return self.frame.poses(self.touches)
 
     def touch_next(
         self, point: ArrayLike, normal: ArrayLike | None = None
     ) -> tuple[Exploration, FeltTouch]:
-        """Touch one more point, after ``touch(at=...)``.
+        """Return a new exploration with one more touch at a given point, after ``touch(at=...)``.
 
-        The result is that of ``touch(at=...)`` with all points. A place that the sensor can't reach is
-        touched as far as the sensor comes, and is not `acquired`.
+        Touches, features and probing locations equal those of ``touch(at=...)`` with all points. If the sensor can't
+        reach the point, it is set down as near as it can, and ``felt.acquired`` is False.
 
         Parameters
         ----------
         point : array_like of shape (3,)
-            Where to touch, object frame. The sensor is set down at the surface's nearest point.
+            Point to touch, object frame. The touch is at the nearest point of the surface, which must be within
+            0.1 object radii.
         normal : array_like of shape (3,), optional
-            Which way is out, of any length; without it as the surface has it.
+            Outward direction of the sensor, object frame, of any length above 0. By default the outward normal
+            of the surface.
 
         Returns
         -------
         exploration : Exploration
-            All touches so far.
+            The earlier touches and the new touch, which is the last row.
         felt : FeltTouch
-            The imprint, the features, and whether the sensor could reach the place.
+            The new touch: its imprint, its features, and whether the sensor could reach the point.
 
         Raises
         ------
         ParameterError
-            If the touches so far were made by a strategy, or point or normal is not allowed.
+            If a strategy chose the earlier touches, or `point` or `normal` is not allowed.
 
         Examples
         --------
         >>> import visuohaptic as vh
-        >>> made = vh.example("chair").touch(at=[[0.1, -0.1, 0.4]])
-        >>> made, felt = made.touch_next([-0.2, 0.3, -0.2])
-        >>> made.touches.num_rows, felt.imprint.shape
+        >>> exploration = vh.example("chair").touch(at=[[0.1, -0.1, 0.4]])
+        >>> exploration, felt = exploration.touch_next([-0.2, 0.3, -0.2])
+        >>> exploration.touches.num_rows, felt.imprint.shape
         (2, (32, 32))
         """
         if self.strategy != GIVEN:
             raise ParameterError(
-                f"The object was touched by strategy {self.strategy}; touch_next goes on from touch(at=...)."
+                f"The object was touched by strategy {self.strategy}; touch_next needs touches by touch(at=...)."
             )
         (tables, seconds), felt = touch_next_point(
             self.key, self.surface, point, normal, self.parameters, dict(self.tables)
         )
-        added = {name: self.seconds.get(name, 0.0) + part for name, part in seconds.items()}
-        made = replace(self, tables=tables, seconds={**self.seconds, **added})
-        return made, felt
+        sums = {name: self.seconds.get(name, 0.0) + part for name, part in seconds.items()}
+        exploration = replace(self, tables=tables, seconds={**self.seconds, **sums})
+        return exploration, felt
 
     def recognise(self, model: str | Path | Recogniser | None = None) -> Recognition:
         """Classify the object from its touches, by any strategy or at given points.
 
         Parameters
         ----------
-        model : path or Recogniser
-            A fitted model, or where one lies.
+        model : path or Recogniser, optional
+            A fitted model or its ``.skops`` file; by default the file of `recognising.default_model`.
 
         Returns
         -------
         Recognition
-            The likeliest class, how likely each is, and how sure that is. For touches by a strategy that
-            the model did not learn from, a sentence (`Recognition.caution`) takes the place of prediction
-            set and strangeness.
+            The likeliest class, the class probabilities, the prediction set and the strangeness. If the model did
+            not learn from touches by this strategy, prediction set and strangeness are None, and
+            `Recognition.caution` says why.
 
         Raises
         ------
         RecognitionError
-            If there is no such model, it learnt from touches with other parameters, or the object has no
-            touch in the sensor's reach.
+            If the model is missing or learnt from touches with other parameters, the model can't use these
+            touches, or the sensor could reach none of the given points.
         """
         recogniser = model if isinstance(model, Recogniser) else read_recogniser(model)
-        check_alike(self.parameters, recogniser)
+        check_compatible(self.parameters, recogniser)
         if self.strategy == GIVEN:
             check_acquired(self.features, self.parameters)
         started = time.perf_counter()
-        found = recogniser.model.answer(self.features)
+        answer = recogniser.model.answer(self.features)
         seconds = {**self.seconds, "recognise": time.perf_counter() - started}
-        name = UNKNOWN if found.unknown else next(iter(found.probabilities))
+        name = UNKNOWN if answer.unknown else next(iter(answer.probabilities))
         return Recognition(
             name,
-            found.probabilities,
+            answer.probabilities,
             self,
             self.features.num_rows,
             seconds,
-            found.candidates,
-            found.strangeness,
-            found.unknown,
-            found.coverage,
+            answer.candidates,
+            answer.strangeness,
+            answer.unknown,
+            answer.coverage,
             caution_about(self.strategy, recogniser),
         )
 
     def picture(self) -> Image:
-        """Draw the views with the numbered touches and the sensor's squares, and the imprints.
+        """Draw all views with their numbered touches and the squares of the sensor, and all imprints.
 
         Returns
         -------
@@ -349,13 +360,16 @@ class Exploration:
         return draw_exploration(self.surface, self.parameters, self.views, self.touches)
 
     def save(self, folder: str | Path) -> list[Path]:
-        """Write every table, the picture, and the touches' poses in the frame of the object's file, as CSV.
+        """Write the tables as Parquet, the poses of the touches as CSV, and the picture as PNG.
+
+        The files are ``<table>.parquet`` per table, ``poses.csv`` in the frame of the mesh file, and ``picture.png``.
+        ``poses.csv`` is left out if `frame.has_way_back` is false.
 
         Parameters
         ----------
         folder : path
-            Where to; made where missing. The names of the files do not depend on the object,
-            and all of them appear once the last is written.
+            Folder of the files; created if missing. Files of the same names are replaced, so use one folder per
+            object. No file changes before all are written.
 
         Returns
         -------
@@ -365,48 +379,50 @@ class Exploration:
         folder = Path(folder)
         poses = ["poses.csv"] if self.frame.has_way_back else []
         names = [*(f"{name}.parquet" for name in SCHEMAS), *poses, "picture.png"]
-        there = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
-        with unfinished_folder(there) as waiting:
+        existing = next(path for path in (folder, *folder.absolute().parents) if path.is_dir())
+        with unfinished_folder(existing) as unfinished:
             for name, schema in SCHEMAS.items():
-                write_table(schema, self.tables[name], waiting / f"{name}.parquet")
+                write_table(schema, self.tables[name], unfinished / f"{name}.parquet")
             for name in poses:
-                write_poses(self.poses, waiting / name)
-            self.picture().save(waiting / "picture.png")
+                write_poses(self.poses, unfinished / name)
+            self.picture().save(unfinished / "picture.png")
             folder.mkdir(parents=True, exist_ok=True)
             for name in names:
-                (waiting / name).replace(folder / name)
+                (unfinished / name).replace(folder / name)
         return [folder / name for name in names]
 
 
 @dataclass(frozen=True, eq=False)
 class Recognition:
-    """The class that was predicted for an object; it is equal to itself alone.
+    """The class that a model predicts for an object. Recognitions are compared by identity.
 
     Attributes
     ----------
     name : str
-        The likeliest class, or ``unknown`` where the object is of no class that the model knows.
+        The likeliest class, or ``unknown`` if `unknown` is True.
     probabilities : mapping of str to float
-        Of every class that the model knows, the likeliest first.
+        Probability of every class of the model, the likeliest class first.
     exploration : Exploration
-        What the answer rests on.
+        The exploration with the touches.
     touches : int
-        Touches that the answer rests on.
+        Number of touches of `exploration`.
     seconds : mapping of str to float
-        What each phase took: prepare, look, touch, describe, recognise.
+        Wall time of each phase (s): `Exploration.seconds`, and ``recognise``.
     candidates : tuple of str or None
-        The prediction set, the likeliest first, made so that of objects of known classes the share
-        `coverage` has its class in it, which is measured and not guaranteed (docs/recognition.md). None, as
-        the three attributes that follow, where the model is not calibrated for such touches.
+        The prediction set: classes that the object may have, the likeliest first; it can be empty. Over
+        objects of known classes, the share of sets with the true class should be `coverage`, which is measured
+        and not guaranteed (docs/recognition.md). None if the model is not calibrated for the strategy of the
+        touches; then the next three attributes are None, too.
     strangeness : float or None
-        The share of known objects, this one counted among them, that are less strange than it.
+        k / (n + 1), in [0, 1): k of the n held-out training objects have a lower novelty score than this
+        object.
     unknown : bool or None
-        Whether that is more than `coverage`.
+        Whether `strangeness` is `coverage` or more, so that the object seems to be of no class of the model.
     coverage : float or None
-        The stated share.
+        Stated coverage of `candidates` and `unknown`: parameter `recognition.order_free.coverage` of the model.
     caution : str or None
-        A sentence with the strategies that the model learnt from and the strategy of these touches, where
-        the model did not learn from it.
+        A warning with the strategies of the training touches and the strategy of these touches, if the model did
+        not learn from the latter; otherwise None.
     """
 
     name: str
@@ -442,24 +458,25 @@ def load(
     file_type: str | None = None,
     unit: str | None = None,
 ) -> TouchableObject:
-    """Read an object and make it ready.
+    """Read a mesh and transform it to the object frame.
 
     Parameters
     ----------
     source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
-        A mesh file, or a packed model of the repository
-        (``meshes/paper/<class>/<name>.ply.gz``), which is turned and stretched as
-        the catalogue above it says; a mesh in memory; or two arrays, shapes (v, 3) and (f, 3).
+        A mesh file; an open file; a mesh in memory; or two arrays, shapes (v, 3) and (f, 3). A packed model of
+        the repository, ``meshes/<set>/<class>/<name>.ply.gz``, is rotated and scaled per axis as
+        ``meshes/catalogue.csv`` says.
     key : str, optional
-        `class/name`; random numbers depend on it and the seed. Without it the class is
-        ``unknown``, or the catalogue's, and the name the file's.
+        `class/name`, from which random numbers are seeded together with parameter `seed`. By default the name
+        is the file's, or ``object`` without a file. The class is ``unknown``, or for a packed model its folder.
     parameters : MeshParameters, ExperimentParameters or mapping, optional
-        Which axis points up, and tolerances: section `meshes`, or all parameters.
+        Parameters of section `meshes`, such as the axis that points up. A mapping has names of this section, or
+        sections with their parameters.
     file_type : str, optional
-        Format of an open file, such as ``obj``; without it as its name ends.
+        Format of an open file, such as ``obj``; by default the suffix of its name.
     unit : {"mm", "cm", "m", "in"}, optional
-        The source's unit of length. With it the scene's effects know the object's real size; without it
-        they take `scene.object_radius_m`.
+        Unit of length of the source, from which `touch` sets `scene.object_radius_m` unless its parameters do.
+        By default the unit is not known, and the parameter keeps its value.
 
     Returns
     -------
@@ -469,24 +486,26 @@ def load(
     Raises
     ------
     MeshError
-        If the source can't be read or has nothing to touch, the key is no `class/name`, or the unit is none.
+        If the source can't be read or has no surface, `key` is not `class/name`, or `unit` is not one of the
+        four units.
     ParameterError
         If a parameter is not allowed.
 
     Warns
     -----
     MeshWarning
-        If the source was read without a file that it refers to, or is probably not y-up; the sentences are
-        ``surface.notes``, too.
+        If a file that the source refers to is missing, or y is probably not the axis that points up. The
+        sentences are also in ``surface.notes``.
     """
     started = time.perf_counter()
     if key is not None and (key.count("/") != 1 or not all(key.split("/"))):
         raise MeshError(f"{key!r} is no key of an object; 'class/name' is allowed.")
-    found, surface, way = read_source(source, file_type, mesh_parameters(parameters))
+    default_key, surface, from_file = read_source(source, file_type, mesh_parameters(parameters))
     for note in surface.notes:
         warnings.warn(note, MeshWarning, stacklevel=2)
     seconds = time.perf_counter() - started
-    return TouchableObject(found if key is None else key, surface, seconds, FileFrame(way, unit))
+    frame = FileFrame(from_file, unit)
+    return TouchableObject(default_key if key is None else key, surface, seconds, frame)
 
 
 def touch(
@@ -496,45 +515,48 @@ def touch(
     parameters: Parameters | None = None,
     track: Callable[[Sequence[TouchableObject]], Iterable[TouchableObject]] | None = None,
 ) -> list[Exploration]:
-    """Touch several objects, one after the other.
+    """Load several objects, then touch each by `TouchableObject.touch`.
 
     Parameters
     ----------
     sources : iterable
-        Objects, or what `load` makes them from; one alone needs no list.
+        Objects, or sources as `load` takes them. A single object or source needs no list.
     viewpoints, strategy, parameters
-        As in `TouchableObject.touch`; the same for all.
+        As in `TouchableObject.touch`; the same for all objects. Section `meshes` is also used by `load`.
     track : callable, optional
-        Takes the objects and gives them back one by one; without it a progress bar.
+        Takes the sequence of objects and yields each object; by default a progress bar.
 
     Returns
     -------
     list of Exploration
-        One an object, in their order.
+        One exploration per object, in the order of `sources`.
 
     Raises
     ------
     MeshError
-        If one of them can't be read; nothing is touched then.
+        If an object can't be read, before any is touched; or if an object has no touch. The explorations of
+        earlier objects are lost then.
     ParameterError
-        If a choice is not allowed.
+        If a parameter or the strategy is not allowed.
     """
     chosen = as_parameters(parameters)
     several: Any = [sources] if is_one_source(sources) else sources
-    ready = [
-        one if isinstance(one, TouchableObject) else load(one, parameters=chosen) for one in several
+    objects = [
+        source if isinstance(source, TouchableObject) else load(source, parameters=chosen)
+        for source in several
     ]
     if track is None:
-        # A bar for work that takes long enough to wait for.
+        # Work of less than a second needs no progress bar.
         track = partial(tqdm, desc="touching", unit="object", delay=1, leave=False)
-    return [one.touch(viewpoints, strategy, chosen) for one in track(ready)]
+    return [item.touch(viewpoints, strategy, chosen) for item in track(objects)]
 
 
-def _changed(
+def _with_values(
     parameters: ExperimentParameters, source: str, **sections: dict[str, Any]
 ) -> ExperimentParameters:
-    # What the caller has left to its default stays so: nobody asked for it.
+    """Return parameters with new values in some sections. Errors name `source` as the origin of the values."""
+    # Other code asks which parameters were set, so that parameters at their defaults stay unset.
     values = parameters.model_dump(exclude_unset=True)
-    for name, choices in sections.items():
-        values[name] = {**values.get(name, {}), **choices}
+    for name, new_values in sections.items():
+        values[name] = {**values.get(name, {}), **new_values}
     return ExperimentParameters.from_mapping(values, source)

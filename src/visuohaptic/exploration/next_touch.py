@@ -1,4 +1,4 @@
-"""One more touch at a given point, and what was felt there."""
+"""Add a touch at a given point to the tables of an exploration."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.recognising import GIVEN
-from visuohaptic.exploration.touching import SCHEMAS, Explored, given_places
+from visuohaptic.exploration.touching import SCHEMAS, Explored, nearest_locations
 from visuohaptic.features.describing import describe_touches
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.fixations.policies import Felt
@@ -31,7 +31,13 @@ from visuohaptic.touches.touching import touch_part
 
 @dataclass(frozen=True, eq=False)
 class FeltTouch(Felt):
-    """What one touch felt, and its features by their columns in `tables.FEATURES`."""
+    """The result of one touch with its features; the other attributes are those of `Felt`.
+
+    Attributes
+    ----------
+    features : mapping of str to float or str
+        Features of the touch by column of `tables.FEATURES`, without the key columns.
+    """
 
     features: Mapping[str, float | str] = field(default_factory=dict)
 
@@ -44,17 +50,17 @@ def touch_next_point(
     parameters: ExperimentParameters,
     known: Tables,
 ) -> tuple[Explored, FeltTouch]:
-    """Touch an object at one more point (3,), as `Exploration.touch_next` describes it.
+    """Touch an object at one more point (3,); see `Exploration.touch_next`.
 
-    `known` are the tables of touches at given points. Returns the tables of all touches with the seconds of the last
-    one, and what was felt.
+    `known` has the tables of the earlier touches, all at given points. Returns ``((tables, seconds), felt)``: `tables`
+    has the earlier touches and the new touch, `seconds` has the wall time of the new touch only, by phase (s).
     """
     started = time.perf_counter()
     caster = _caster_of(surface)
-    normals = None if normal is None else _one_row(normal, "normal")
-    places, chosen = given_places(caster, _one_row(point, "point"), normals, parameters)
+    normals = None if normal is None else _as_row(normal, "normal")
+    locations, chosen = nearest_locations(caster, _as_row(point, "point"), normals, parameters)
     number = np.array([known["touches"].num_rows])
-    located = with_touch_numbers(location_table(key, 0, GIVEN, places), number)
+    located = with_touch_numbers(location_table(key, 0, GIVEN, locations), number)
     acquired = bool(in_reach(caster, located, chosen.sensor)[0])
     touches, records = touch_part(caster, located, chosen.sensor, chosen.scene, chosen.seed)
     touched = time.perf_counter()
@@ -62,11 +68,11 @@ def touch_next_point(
     seconds = {"touch": touched - started, "describe": time.perf_counter() - touched}
     new = {"fixations": located, "touches": touches, "features": features}
     tables = {name: join_parts(SCHEMAS[name], [known[name], part]) for name, part in new.items()}
-    log = effect_table(key, 0, chosen.scene.preset, _added(known["effects"], records))
+    log = effect_table(key, 0, chosen.scene.preset, _merged_records(known["effects"], records))
     tables |= {"views": known["views"], "effects": join_parts(SCHEMAS["effects"], [log])}
     (row,) = features.to_pylist()
     felt = FeltTouch(
-        places.points[0],
+        locations.points[0],
         matrix(touches, NORMAL_NAMES)[0],
         acquired,
         images(touches)[0],
@@ -79,25 +85,26 @@ def touch_next_point(
 
 @lru_cache(maxsize=1)
 def _caster_of(surface: Surface) -> RayCaster:
-    """Prepare a surface for rays once for all touches that follow each other."""
+    """Return the ray caster of a surface. Consecutive touches of the same surface share one caster."""
     return RayCaster(surface)
 
 
-def _one_row(values: ArrayLike, name: str) -> ArrayLike:
+def _as_row(values: ArrayLike, name: str) -> ArrayLike:
+    """Return an array (3,) as (1, 3). Raise `ParameterError` about `name` for other shapes."""
     try:
         row = np.asarray(values)
     except ValueError:
-        raise ParameterError(f"{name} holds no numbers; an array of them is needed.") from None
+        raise ParameterError(f"{name} holds no numbers; three numbers are needed.") from None
     if row.shape != (3,):
         raise ParameterError(f"{name} has the shape {row.shape}; (3,) is needed.")
     return row[None]
 
 
-def _added(log: pa.Table, records: Sequence[EffectRecord]) -> tuple[EffectRecord, ...]:
-    """Add the records of a touch to those of a log, `tables.EFFECTS`."""
-    names = [one.name for one in fields(EffectRecord)]
+def _merged_records(log: pa.Table, records: Sequence[EffectRecord]) -> tuple[EffectRecord, ...]:
+    """Add the records of a touch to those of earlier touches in `log`, rows of `tables.EFFECTS`: one per effect."""
+    names = [column.name for column in fields(EffectRecord)]
     before = {row["effect"]: row for row in log.to_pylist()}
     earlier = [
-        EffectRecord(**{name: before[one.effect][name] for name in names}) for one in records
+        EffectRecord(**{name: before[record.effect][name] for name in names}) for record in records
     ]
     return merge_records([earlier, records])

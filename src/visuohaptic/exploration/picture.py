@@ -1,4 +1,4 @@
-"""A picture of an exploration: views, touched places and imprints."""
+"""Draw an exploration: views, touched points and imprints."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def draw_exploration(
 ) -> Image.Image:
     """Draw one cell per viewpoint: the view with its touches, and the imprints beside the view.
 
-    A filled number marks a touch that the eye sees; a hollow number marks a touch behind the object. The square
+    A filled number marks a touch visible from the viewpoint; a hollow number marks a hidden touch. The square
     is the sensor. Contact is white in an imprint; the label is the sensor's edge (object radii) and the contact
     state.
     """
@@ -54,18 +54,18 @@ def draw_exploration(
 def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table) -> None:
     points = matrix(touches, POINT_NAMES)
     outlines = squares_in_view(camera, touches, VIEW_PIXELS)
-    places = project(camera, points, VIEW_PIXELS)
+    pixels = project(camera, points, VIEW_PIXELS)
     visible = is_visible(caster, camera, points)
     draw = ImageDraw.Draw(view)
     for outline in outlines[visible]:
         draw.polygon([tuple(corner) for corner in outline], outline=_SQUARE, width=2)
     # Draw the first touches last, on top: they matter most.
-    for number in reversed(range(len(places))):
-        _mark(draw, places[number], str(number + 1), bool(visible[number]))
+    for number in reversed(range(len(pixels))):
+        _mark(draw, pixels[number], str(number + 1), bool(visible[number]))
 
 
-def _mark(draw: ImageDraw.ImageDraw, place: FloatArray, text: str, seen: bool) -> None:  # noqa: FBT001
-    column, row = place
+def _mark(draw: ImageDraw.ImageDraw, pixel: FloatArray, text: str, seen: bool) -> None:  # noqa: FBT001
+    column, row = pixel
     box = (column - 9, row - 9, column + 9, row + 9)
     draw.ellipse(box, fill=_MARK if seen else None, outline=_INK, width=1)
     draw.text((column, row), text, fill=_INK, font=ImageFont.load_default(12), anchor="mm")

@@ -16,7 +16,7 @@ from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
 from visuohaptic.io.text_tables import TextTable, read_text_table
 from visuohaptic.sensor.imprints import Poses, make_poses
 
-PLACE = ("x", "y", "z")
+POSITION = ("x", "y", "z")
 QUATERNION = ("qw", "qx", "qy", "qz")
 NORMAL = ("normal_x", "normal_y", "normal_z")
 ROLL = "roll"
@@ -33,7 +33,7 @@ def write_poses(poses: FloatArray, path: str | Path) -> None:
     rows = np.concatenate([poses[:, :3, 3], turned], axis=1)
     with Path(path).open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow([*PLACE, *QUATERNION])
+        writer.writerow([*POSITION, *QUATERNION])
         writer.writerows(rows.tolist())
 
 
@@ -64,7 +64,7 @@ def read_poses(path: str | Path) -> FloatArray:
     table = _read_table(path)
     is_quaternion = set(QUATERNION) <= set(table.names)
     axes = QUATERNION if is_quaternion else NORMAL
-    places, directions = _numbers(table, PLACE), _numbers(table, axes)
+    positions, directions = _numbers(table, POSITION), _numbers(table, axes)
     lengths = lengths_of(directions)
     zero = np.flatnonzero(lengths == 0)
     if len(zero):
@@ -74,10 +74,10 @@ def read_poses(path: str | Path) -> FloatArray:
     directions /= lengths
     if not is_quaternion:
         roll = _numbers(table, (ROLL,))[:, 0] if ROLL in table.names else 0.0
-        return matrices(turned(make_poses(places, directions), roll))
-    poses = np.tile(np.eye(4), (len(places), 1, 1))
+        return matrices(turned(make_poses(positions, directions), roll))
+    poses = np.tile(np.eye(4), (len(positions), 1, 1))
     poses[:, :3, :3] = Rotation.from_quat(directions, scalar_first=True).as_matrix()
-    poses[:, :3, 3] = places
+    poses[:, :3, 3] = positions
     return poses
 
 
@@ -117,7 +117,7 @@ def _read_table(path: str | Path) -> TextTable:
         raise ParameterError(str(error)) from error
     if not table.names:
         raise ParameterError(
-            f"{table.position(0)} holds numbers; a header is needed in the first line: {', '.join(PLACE)} and "
+            f"{table.position(0)} holds numbers; a header is needed in the first line: {', '.join(POSITION)} and "
             f"{', '.join(QUATERNION)} or {', '.join(NORMAL)}."
         )
     return table
@@ -128,7 +128,7 @@ def _numbers(table: TextTable, names: Sequence[str]) -> FloatArray:
     for name in names:
         if table.names.count(name) != 1:
             raise ParameterError(
-                f"{table.source} has {table.names.count(name)} columns {name}; {', '.join(PLACE)} and "
+                f"{table.source} has {table.names.count(name)} columns {name}; {', '.join(POSITION)} and "
                 f"{', '.join(QUATERNION)} or {', '.join(NORMAL)} are needed, each once."
             )
     chosen = [table.names.index(name) for name in names]

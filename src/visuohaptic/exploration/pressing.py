@@ -1,4 +1,4 @@
-"""A tactile array at any pose on a mesh: one call, many poses, no experiment."""
+"""Press tactile arrays at given poses on a mesh, without views and without an experiment."""
 
 from __future__ import annotations
 

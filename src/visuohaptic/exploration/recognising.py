@@ -1,4 +1,4 @@
-"""An object's class from its touches: the model, the answer, and how both were made."""
+"""Recognition models with the parameters of their training touches, and checks that a model fits new touches."""
 
 from __future__ import annotations
 
@@ -16,23 +16,32 @@ if TYPE_CHECKING:
     from visuohaptic.recognition.model import RecognitionModel
 
 UNKNOWN = "unknown"
-"""The name of an object that is of no class that the model knows."""
+"""`Recognition.name` of an object that seems to be of no class of the model."""
 
 GIVEN = "given"
-"""The strategy of points that the caller chose."""
+"""Name of the strategy in tables of touches at points that the caller gave."""
 
 DEFAULT_MODEL = Path("results/models/recogniser.skops")
-"""Where the workflow leaves its recognition model."""
+"""The model file that the workflow writes, relative to the working directory."""
 
 PACKAGED_MODEL = Path(__file__).with_name("recogniser.skops")
-"""The model of a default run on the paper's twelve objects, which comes with the package."""
+"""The model file of the package, fitted by a run with default parameters on the paper's twelve objects."""
 
-_FREE = ("viewpoints.count", "attention.fixations")
+_MAY_DIFFER = ("viewpoints.count", "attention.fixations")
+"""Parameters that may differ between the touches of an object and the training touches of a model."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recogniser:
-    """A recognition model, and how the touches were made from which it learnt."""
+    """A recognition model with the parameters of its training touches. Recognisers are compared by identity.
+
+    Attributes
+    ----------
+    model : RecognitionModel
+        The fitted model.
+    parameters : ExperimentParameters
+        Parameters of the training touches. The settings of the fit are `model.parameters`.
+    """
 
     model: RecognitionModel
     parameters: ExperimentParameters
@@ -47,28 +56,27 @@ class Recogniser:
 
 
 def default_model() -> Path:
-    """Name the model of the run in this folder, or where there is none the one that comes with the package."""
+    """Return `DEFAULT_MODEL` if the file exists in the working directory, otherwise `PACKAGED_MODEL`."""
     return DEFAULT_MODEL if DEFAULT_MODEL.exists() else PACKAGED_MODEL
 
 
 def read_recogniser(path: str | Path | None = None) -> Recogniser:
-    """Read a recognition model and the parameters in it.
+    """Read a recognition model and the parameters of its training touches.
 
     Parameters
     ----------
     path : path, optional
-        The ``.skops`` file, which also holds how its touches were made; without it that of
-        `default_model`.
+        The ``.skops`` file; by default that of `default_model`.
 
     Returns
     -------
     Recogniser
-        The model and its parameters.
+        The model and the parameters of its training touches.
 
     Raises
     ------
     RecognitionError
-        If it is missing, or can't be read safely.
+        If the file is missing, is not a model that can be read safely, or lacks the parameters of the touches.
     """
     from visuohaptic.parameters import ExperimentParameters
     from visuohaptic.recognition.stored_models import load_model
@@ -80,21 +88,24 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
         )
     if not path.is_file():
         raise RecognitionError(
-            f"{path} is not there, and recognition needs it; `snakemake -j2 model_all` fits a "
+            f"{path} does not exist, and recognition needs a model; `snakemake -j2 model_all` fits a "
             f"model and writes {DEFAULT_MODEL}."
         )
     model = load_model(path)
     if model.touching is None:
         raise RecognitionError(
-            f"{path} does not say how the touches were made from which it learnt; `snakemake -j2 "
-            "model_all` fits one that does."
+            f"{path} lacks the parameters of its training touches; `snakemake -j2 model_all` fits a "
+            "model with them."
         )
-    found = ExperimentParameters.from_mapping(json.loads(model.touching), str(path))
-    return Recogniser(model, found)
+    parameters = ExperimentParameters.from_mapping(json.loads(model.touching), str(path))
+    return Recogniser(model, parameters)
 
 
 def caution_about(strategy: str, recogniser: Recogniser) -> str | None:
-    """Return a sentence if the model did not learn from touches by this strategy, otherwise None."""
+    """Return a warning if the model did not learn from touches by a strategy, otherwise None.
+
+    Draws of a random strategy, such as ``random#2``, count as the strategy.
+    """
     if recogniser.model.matching_strategy(strategy) is not None:
         return None
     touched = "at given points" if strategy == GIVEN else f"by {strategy}"
@@ -104,25 +115,29 @@ def caution_about(strategy: str, recogniser: Recogniser) -> str | None:
     )
 
 
-def check_acquired(features: pa.Table, touched: ExperimentParameters) -> None:
-    """Raise `RecognitionError` if the sensor could reach none of the places of `features`."""
+def check_acquired(features: pa.Table, parameters: ExperimentParameters) -> None:
+    """Raise `RecognitionError` if the sensor could reach no location of `features`, rows of `tables.FEATURES`.
+
+    Nothing is checked for a sensor of fixed size (`parameters.scene.effects.adaptive_size` is ``never``).
+    """
     from visuohaptic.tables.phases import OUT_OF_REACH
 
-    # A sensor of fixed size may have these contact states at places in reach.
-    if touched.scene.effects.adaptive_size == "never" or not features.num_rows:
+    # A sensor of fixed size may have the contact states of OUT_OF_REACH at locations in reach, too.
+    if parameters.scene.effects.adaptive_size == "never" or not features.num_rows:
         return
     if set(features.column("contact_state").unique().to_pylist()) <= {*OUT_OF_REACH}:
         raise RecognitionError(
-            f"The sensor could reach none of the {features.num_rows} places that it was set down on; touch "
-            "one place in reach at least."
+            f"The sensor could reach none of the {features.num_rows} locations that were touched; at least one "
+            "touch in reach is needed."
         )
 
 
-def check_alike(touched: ExperimentParameters, recogniser: Recogniser) -> None:
-    """Refuse touches that were made with other parameters than the touches that the model learnt from.
+def check_compatible(touched: ExperimentParameters, recogniser: Recogniser) -> None:
+    """Raise `RecognitionError` if a model can't classify touches with the parameters `touched`.
 
-    Raises `RecognitionError` if a parameter of touching, or a frame that `touched` sets (`recognition.frame`),
-    is not that of the model.
+    The parameters of `touching_sections` must equal those of the model's training touches. Numbers of viewpoints and
+    of touches may differ; the object's radius, too, if neither sensor has a cover. If `touched` sets
+    `recognition.frame`, it must be the frame of the model.
     """
     from visuohaptic.parameters import leaves
 
@@ -134,21 +149,23 @@ def check_alike(touched: ExperimentParameters, recogniser: Recogniser) -> None:
     )
     names = sorted(set(here) | set(there))
     covers = {touched.scene.cover, recogniser.parameters.scene.cover}
-    # A sensor without a cover measures shapes, whatever the object's real size is.
-    free = (*_FREE, "scene.object_radius_m") if covers == {"none"} else _FREE
-    unlike = [name for name in names if here.get(name) != there.get(name) and name not in free]
-    if unlike:
-        found = ", ".join(
-            f"{name} {here.get(name)} (the model's is {there.get(name)})" for name in unlike
+    # Without a cover, imprints do not depend on the object's real size.
+    may_differ = (*_MAY_DIFFER, "scene.object_radius_m") if covers == {"none"} else _MAY_DIFFER
+    different = [
+        name for name in names if here.get(name) != there.get(name) and name not in may_differ
+    ]
+    if different:
+        listed = ", ".join(
+            f"{name} {here.get(name)} (the model's is {there.get(name)})" for name in different
         )
         raise RecognitionError(
-            f"The object was touched with {found}; touch it with the model's own parameters."
+            f"The object was touched with {listed}; touch it with the parameters of the model."
         )
 
 
 def _check_frame(touched: ExperimentParameters, recogniser: Recogniser) -> None:
-    """Refuse a frame that the caller set and the model was not fitted for."""
-    # The default is nobody's request: models of all frames are asked with default parameters.
+    """Raise `RecognitionError` if the caller set a `recognition.frame` other than that of the model."""
+    # A frame at its default was not chosen by the caller, so that it fits models of all frames.
     if "frame" not in touched.recognition.model_fields_set:
         return
     here, there = touched.recognition.frame, recogniser.model.parameters.frame
@@ -160,8 +177,8 @@ def _check_frame(touched: ExperimentParameters, recogniser: Recogniser) -> None:
 
 
 def touching_sections() -> set[str]:
-    """Name the sections of the parameters in which a model's touches and an object's must be alike."""
+    """Return the sections of parameters that `check_compatible` compares: those of views, touches and features."""
     from visuohaptic.phases import OF_OBJECT
 
-    found = {name.partition(".")[0] for phase in OF_OBJECT for name in phase.sections()}
-    return found - {"seed", "probing"}
+    sections = {name.partition(".")[0] for phase in OF_OBJECT for name in phase.sections()}
+    return sections - {"seed", "probing"}

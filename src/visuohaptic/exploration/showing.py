@@ -1,4 +1,4 @@
-"""How explorations and answers show themselves in a notebook."""
+"""PNG and HTML of objects, explorations and recognitions for notebooks."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import EffectModes
 
 VIEWS_SHOWN = 4
-"""Views of an exploration that a notebook shows; `picture` has them all."""
+"""Number of views that a notebook shows of an exploration; `Exploration.picture` has all views."""
 CLASSES_PRINTED = 3
+"""Number of classes in `probability_line`."""
 
 _ROW = (
     '<tr><td style="text-align:left">{name}</td>'
@@ -27,7 +28,7 @@ _ROW = (
 
 
 def probability_line(probabilities: Mapping[str, float]) -> str:
-    """Give the likeliest classes in one line, such as ``chair 90.0 %, car 10.0 %``."""
+    """Return the first three classes in one line, such as ``chair 90.0 %, car 10.0 %``; "…" if more follow."""
     named = [f"{name} {100 * value:.1f} %" for name, value in probabilities.items()]
     shown = ", ".join(named[:CLASSES_PRINTED])
     return shown if len(named) <= CLASSES_PRINTED else f"{shown}, …"
@@ -36,7 +37,7 @@ def probability_line(probabilities: Mapping[str, float]) -> str:
 def probability_table(
     key: str, probabilities: Mapping[str, float], touches: int, caution: str | None = None
 ) -> str:
-    """Give all classes as a table in HTML, a bar each, and a caution; names are text, whatever they hold."""
+    """Return an HTML table with one bar per class, and a caution below. Names and caution are escaped."""
     rows = "".join(
         _ROW.format(name=escape(name), share=value, percent=100 * value)
         for name, value in probabilities.items()
@@ -53,7 +54,7 @@ def png_of(picture: Image.Image) -> bytes:
 
 
 def view_of(surface: Surface) -> bytes:
-    """Render an object from the first viewpoint of the defaults, as PNG."""
+    """Render a surface from the first viewpoint of the default parameters, and return the view as PNG."""
     cameras = place_cameras(ViewpointParameters())[:1]
-    seen = render_views(RayCaster(surface), cameras, RenderingParameters(), EffectModes())
-    return png_of(Image.fromarray(np.rint(255.0 * seen.colour[0]).astype(np.uint8)))
+    views = render_views(RayCaster(surface), cameras, RenderingParameters(), EffectModes())
+    return png_of(Image.fromarray(np.rint(255.0 * views.colour[0]).astype(np.uint8)))

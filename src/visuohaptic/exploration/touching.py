@@ -1,4 +1,4 @@
-"""Touches where the eye, or another strategy, chose to from viewpoints all around, or at given points."""
+"""Touch an object at locations that a strategy chooses from viewpoints around it, or at given points."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ from visuohaptic.phases import OF_OBJECT, Phase, phases_after
 from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, run_phase, touch_all_locations
 from visuohaptic.tables.schema import join_parts
 
-FARTHEST = 0.1
-"""A point may be so far off the surface, object radii; farther ones are in another frame."""
+FARTHEST_FROM_SURFACE = 0.1
+"""Largest distance of a given point from the surface (object radii): points beyond are probably in another frame."""
 
 _BY_POLICIES = "policy_fixations"
 
 SCHEMAS = {
     name: OF_PHASES[name] for phase in OF_OBJECT for name in phase.writes if name != _BY_POLICIES
 }
-"""The tables of an exploration; ``fixations`` also holds the places that policies chose."""
+"""The tables of an exploration; ``fixations`` also has the locations that policies chose."""
 
 _WRITTEN = (*SCHEMAS, _BY_POLICIES)
 
 Steps = Sequence[Callable[[], None]]
 Track = Callable[[Steps], Iterable[Callable[[], None]]]
 Explored = tuple[Tables, dict[str, float]]
-"""All tables of an exploration, the same as the workflow makes, and the seconds of each phase and of choosing."""
+"""Tables of an exploration by name, and wall time by verb of the phase and ``choose`` of policies (s)."""
 
 
 def touch_seen_points(
     key: str, surface: Surface, parameters: ExperimentParameters, track: Track
 ) -> Explored:
-    """Look at an object and touch it, as `TouchableObject.touch` describes it."""
+    """Choose probing locations by the strategy of `parameters`, and touch them; see `TouchableObject.touch`."""
     # The workflow's surfaces come from files.
     find_caster = lambda: RayCaster(as_stored(surface))  # noqa: E731
     subject = Subject(key, find_caster, range(parameters.viewpoints.total))
@@ -60,41 +60,43 @@ def touch_given_points(
     normals: ArrayLike | None,
     parameters: ExperimentParameters,
 ) -> Explored:
-    """Touch an object at given points, as `TouchableObject.touch` describes them; no view is seen.
+    """Touch an object at given points (n, 3) without rendering views; see `TouchableObject.touch`.
 
-    Raises `ParameterError` if points or normals are none, or a point is too far off the surface.
+    Raises `ParameterError` if n is 0, points or normals are not finite numbers of this shape, a normal has length 0,
+    or a point is farther from the surface than `FARTHEST_FROM_SURFACE`.
     """
     subject = Subject(key, lambda: RayCaster(surface))
-    places, parameters = given_places(subject.caster, at, normals, parameters)
-    fixations = location_table(key, 0, GIVEN, places)
+    locations, parameters = nearest_locations(subject.caster, at, normals, parameters)
+    fixations = location_table(key, 0, GIVEN, locations)
     return _explore([subject], touch_all_locations(parameters, fixations), {"fixations": fixations})
 
 
-def given_places(
+def nearest_locations(
     caster: RayCaster, at: ArrayLike, normals: ArrayLike | None, parameters: ExperimentParameters
 ) -> tuple[ProbingLocations, ExperimentParameters]:
-    """Find the places of an object nearest to given points (n, 3), and the parameters by which they are touched.
+    """Return the points of the surface nearest to given points (n, 3), and the parameters for touching them.
 
+    With `normals`, the parameters have ``sensor.normal`` set to ``given``.
     Raises `ParameterError` as `touch_given_points` does.
     """
     points = point_rows(at, "at")
     if not len(points):
         raise ParameterError("at has no points; at least one is needed.")
-    places, faces = caster.nearest(points)
-    distances = np.linalg.norm(points - places, axis=1)
-    off = np.flatnonzero(distances > FARTHEST)
+    nearest, faces = caster.nearest(points)
+    distances = np.linalg.norm(points - nearest, axis=1)
+    off = np.flatnonzero(distances > FARTHEST_FROM_SURFACE)
     if len(off):
         raise ParameterError(
             f"point {off[0]} of at is {distances[off[0]]:.2g} object radii off the surface; at most "
-            f"{FARTHEST} is allowed, in the object frame, in which `surface.vertices` are."
+            f"{FARTHEST_FROM_SURFACE} is allowed, in the object frame, in which `surface.vertices` are."
         )
     if normals is None:
-        outwards = orient_outwards(caster, places, caster.surface.face_normals[faces])
-        return ProbingLocations(places, outwards, faces), parameters
+        outwards = orient_outwards(caster, nearest, caster.surface.face_normals[faces])
+        return ProbingLocations(nearest, outwards, faces), parameters
     outwards = unit_rows(normals, "normals", len(points))
-    # The caller's normals are the sensor's own, whatever the touched face says.
+    # The sensor points along the caller's normals instead of along those of the faces.
     sensor = parameters.sensor.model_copy(update={"normal": "given"})
-    return ProbingLocations(places, outwards, faces), parameters.model_copy(
+    return ProbingLocations(nearest, outwards, faces), parameters.model_copy(
         update={"sensor": sensor}
     )
 
@@ -102,7 +104,7 @@ def given_places(
 def _explore(
     blocks: Iterable[Subject], parameters: ExperimentParameters, known: Tables, track: Track = iter
 ) -> Explored:
-    """Take blocks of viewpoints through the phases behind the tables that are known."""
+    """Run the phases after those of the tables in `known` on blocks of viewpoints."""
     parts = {name: [known.get(name, OF_PHASES[name].arrow.empty_table())] for name in _WRITTEN}
     seconds: dict[str, float] = {}
 
@@ -110,10 +112,10 @@ def _explore(
         started = time.perf_counter()
         # The last part of each table is this block's.
         last = {name: part[-1] for name, part in parts.items()}
-        found = run_phase(phase, block, last, parameters)
+        result = run_phase(phase, block, last, parameters)
         for name in phase.writes:
-            parts[name].append(getattr(found, name))
-        parts_of_phase = getattr(found, "seconds", {})
+            parts[name].append(getattr(result, name))
+        parts_of_phase = getattr(result, "seconds", {})
         whole = time.perf_counter() - started
         own = {str(phase.verb): max(whole - sum(parts_of_phase.values()), 0.0)}
         for verb, taken in {**own, **parts_of_phase}.items():

@@ -58,7 +58,7 @@ class ModelAnswer:
     strangeness : float, optional
         Share of objects with a lower novelty, among the n training objects and this object: in [0, n / (n + 1)].
     unknown : bool, optional
-        Whether the strangeness is at least `coverage`: the object seems to belong to no known class.
+        Whether the strangeness is at least `coverage`, so that the object seems to be of no known class.
     coverage : float, optional
         Stated share of objects with their class in `candidates`, in (0, 1).
 
