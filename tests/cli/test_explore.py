@@ -97,7 +97,7 @@ def test_recognise_says_by_which_strategies_the_model_learnt_if_not_by_this_one(
     assert (ended.code, ended.err) == (0, "")
     assert f"  caution: {sentence}" in ended.out
     assert "5 touches from 1 viewpoints by seek_relief" in ended.out
-    assert "an object of another class is classified as one of these all the same" in ended.out
+    assert "an object of another class also gets one of these classes" in ended.out
     values = json.loads(visuohaptic(*asked, "--strategy", "seek_relief", "--json").out)
     assert values["caution"].startswith(sentence)
     assert (values["strategy"], values["learnt_strategies"]) == ("seek_relief", ["fixation"])

@@ -36,7 +36,7 @@ class Channel:
         Whether values below their surroundings draw the eye too.
     needs : {"hues", "colours", "curvature"}, optional
         The channel is skipped in views without hues, with one colour, or with one curvature. Without a value
-        it is never skipped.
+        the channel is skipped only for weight 0, or in a view without the object.
     weight : float
         Default weight in the saliency map.
     """

@@ -37,7 +37,7 @@ features = load_dataset("FOLDER", "features", split="train").to_pandas()
 ```
 
 One row per touch in both; `class`, `object`, `viewpoint`, `strategy` and `touch` identify it. `imprint` is 1 in
-contact and 0 out of reach. Lengths are in object radii. Hold out whole objects: touches of one object are alike.
+contact and 0 beyond the depth range. Lengths are in object radii. Hold out whole objects: touches of one object are alike.
 
 ## Credits
 

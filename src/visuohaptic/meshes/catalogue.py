@@ -59,7 +59,7 @@ class Model:
 
     `member` is its file in archive `library`, with digest `sha256`; all three are empty for own models.
     `dimensions` are width, height and depth in cm (x, y and z after `rotation`); None keeps the size of the file.
-    `rotation` is the matrix, row by row, that turns the model upright.
+    `rotation` is the matrix, row by row, that turns the packed surface of the catalogue upright.
     """
 
     category: str
