@@ -42,7 +42,7 @@ MUTATIONS = (
     Mutation("distances as Embree's float32 has them", "visuohaptic.geometry.raycasting:RayCaster._cast",
              "np.divide(planes[3] - dot(planes.T, origins), along, out=distance, where=met)",
              'distance[met] = answer["t_hit"].numpy()[met]', ("random_triangles",)),
-    Mutation("no slack at vertices in the re-cast", "visuohaptic.geometry.raycasting:RayCaster._nearest_of",
+    Mutation("no slack at vertices in the re-cast", "visuohaptic.geometry.raycasting:RayCaster._first_of_candidates",
              "(sides >= -slack).all(axis=2) | (sides <= slack)", "(sides > slack).all(axis=2) | (sides < -slack)",
              ("vertices_and_edges", "leaks")),
     Mutation("half a focus of inhibition", "visuohaptic.attention.scanpath:_winners",
