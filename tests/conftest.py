@@ -12,7 +12,8 @@ settings.register_profile(
 settings.load_profile("suite")
 # Hypothesis also draws numbers and texts that it finds in the imported modules of the project. Which modules are
 # imported depends on the tests that ran before in the same process, and with pytest-xdist on the load of the
-# machine. Hypothesis has no setting for this, so no module counts as a module of the project.
+# machine. Reading the modules takes seconds on a busy machine, which count as slow drawing. Hypothesis has no
+# setting for this, so no module counts as a module of the project.
 providers.is_local_module_file = lambda _: False
 
 # A shell that starts tests in the background lets them, and all that they start, ignore Ctrl-C.

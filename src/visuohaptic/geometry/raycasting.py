@@ -2,8 +2,8 @@
 
 Embree finds the first face of a ray in float32; the distance is computed in float64 from the plane of that face. Both
 sides of a face count. On a surface of unit size, within about 1e-7 of an edge, Embree may return a wrong face, or
-different faces on different processors. It also misses faces narrower than 1e-7. Doubtful rays, within `LATERAL_ERROR` of
-an edge, are recomputed in float64, with these rules:
+different faces on different processors. It also misses faces narrower than 1e-7. Doubtful rays, within
+`LATERAL_ERROR` of an edge, are recomputed in float64, with these rules:
 
 - A ray through an edge or a vertex may hit any of the faces that meet there. Each face gives a distance: from the
   origin to its plane, along the ray. The face with the smallest distance is hit.
@@ -224,7 +224,7 @@ class RayCaster:
         )
 
     def winding_numbers(self, origins: FloatArray, directions: FloatArray) -> IntArray:
-        """Compute the winding number (n,) of each ray's origin: faces that the ray leaves through minus faces it enters.
+        """Compute the winding number (n,) of each ray's origin: faces where the ray leaves minus faces where it enters.
 
         A ray leaves through a face if its direction is on the side of the face's normal. For closed solids with
         normals outwards, the winding number is the number of solids around the origin, whatever the direction;

@@ -1,9 +1,9 @@
 """Read tables of numbers as text, as programs and spreadsheets of any locale write them.
 
 Encoding, separator and header are decided once per file, and every row must follow. The decimal sign is decided once
-for the columns that are converted together. A row of whole numbers and commas that can be read in two ways is refused, so
-that a decimal comma does not become a separator. An empty cell counts as a cell, so that no row shifts. pyarrow splits
-rows and parses numbers, but can't detect the separator and the decimal sign. `pandas.read_csv(sep=None)` and
+for the columns that are converted together. A row of whole numbers and commas that can be read in two ways is refused,
+so that a decimal comma does not become a separator. An empty cell counts as a cell, so that no row shifts. pyarrow
+splits rows and parses numbers, but can't detect the separator and the decimal sign. `pandas.read_csv(sep=None)` and
 `csv.Sniffer` guess both, and read ``0,1 0,2 0,3`` as four columns.
 """
 
@@ -76,9 +76,9 @@ class TextTable:
         """Return the columns with the indices `chosen` as finite numbers, shape (n, k), float64.
 
         The decimal sign is found in all chosen columns together, so call once for all columns of numbers. Commas are
-        decimal signs if no chosen cell has a point, and some cell is no number with thousands separators: ``0,5`` or
-        ``1,2345``, but not ``1,234``. Otherwise a comma raises `TableError`, as does a cell without a finite number.
-        The error names line and column.
+        decimal signs if no chosen cell has a point, and in some chosen cell the comma can't separate thousands:
+        ``0,5`` or ``1,2345``, but not ``1,234``. Otherwise a comma raises `TableError`, as does a cell without a finite
+        number. The error names line and column.
         """
         cells = {index: pc.replace_substring(self.columns[index], "−", "-") for index in chosen}
         has_comma = {index: pc.match_substring(column, ",") for index, column in cells.items()}
@@ -148,10 +148,10 @@ def read_text_table(
 ) -> TextTable:
     """Read a table from the bytes of a text file: one row per line, with or without a header.
 
-    A first line without any number is the header. The separator is then the first of semicolon, tab, bar, comma and
-    blank that divides the header and the row below into equally many cells, at least two. Without a header, the first
-    row decides: semicolon, tab or bar if the row has any; else blanks if they separate cells; else commas. A first line
-    ``sep=;``, which Excel writes, decides before these rules.
+    The first line that is no comment is the header if none of its cells is a number. The separator is then the first of
+    semicolon, tab, bar, comma and blank that divides the header and the row below into equally many cells, at least
+    two. Without a header, the first row decides: semicolon, tab or bar if the row has any; else blanks if they
+    separate cells; else commas. A first line ``sep=;``, which Excel writes, decides before these rules.
 
     Parameters
     ----------
@@ -168,8 +168,8 @@ def read_text_table(
         separators or decimal signs, if no other separator is there. A table of any other number of columns is read
         all the same. A first row ``1,2`` is one number, 1.2, unless 2 columns are expected.
     header_names : collection of str
-        Names in lower case. If the first line is a row of numbers, the comment right above is the header if it has all
-        these names, in any case, and as many names as the row has cells. By default no comment is a header.
+        Names in lower case. Above a first row of numbers, a comment is the header if it has all these names, in any
+        case, and as many names as the row has cells. By default no comment is a header.
 
     Returns
     -------
@@ -251,7 +251,7 @@ def _is_number(text: str) -> bool:
 
 
 def _is_header(line: str, separator: str | None) -> bool:
-    """Return whether a line is a header: no cell is a number. None as separator is the first one in the line."""
+    """Return whether a line is a header: no cell is a number; None takes the line's first separator."""
     return not any(map(_is_number, _cells(line.strip(), separator or _first_separator(line))))
 
 
@@ -269,7 +269,7 @@ def _unquoted(line: str) -> str:
 def _read_header(
     rows: list[tuple[int, str]], separator: str | None, source: str
 ) -> tuple[list[str], str]:
-    """Return the names in the first line, and the separator, which divides this line and the next alike."""
+    """Return the names in the header, and the separator; header and row below have equally many cells."""
     number, line = rows[0]
     if len(rows) == 1:
         raise TableError(f"{source} has a header in line {number} and no row of numbers below.")
