@@ -70,7 +70,7 @@ def test_a_ray_is_compared_with_the_narrow_faces_near_it_alone(monkeypatch):
     surface = wires_before_a_wall(np.random.default_rng(6))
     origins = surface.triangles[:-2].mean(axis=1) + np.array([0, 0, 2.0])
     directions = np.tile([0.0, 0, -1], (len(origins), 1))
-    compared, original = [], RayCaster._nearest_of
+    compared, original = [], RayCaster._first_of_candidates
 
     def counting(self, candidates, *rays):
         compared.append(candidates.size)
@@ -79,7 +79,7 @@ def test_a_ray_is_compared_with_the_narrow_faces_near_it_alone(monkeypatch):
     caster = RayCaster(surface)
     expected = caster.first_hits(origins, directions)
     assert (expected.face < len(surface.faces) - 2).all()
-    monkeypatch.setattr(RayCaster, "_nearest_of", counting)
+    monkeypatch.setattr(RayCaster, "_first_of_candidates", counting)
     caster.first_hits(origins, directions)
     assert sum(compared) < 0.1 * len(origins) * (len(surface.faces) - 2)
     monkeypatch.setattr(raycasting, "_MOST_PAIRS", 50)

@@ -61,7 +61,7 @@ def written(draw):
     return rows, (comment + stream.getvalue()).encode(encoding)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(written())
 def test_a_table_of_any_locale_is_read_equal_or_refused_for_its_commas(table):
     rows, data = table
@@ -73,7 +73,7 @@ def test_a_table_of_any_locale_is_read_equal_or_refused_for_its_commas(table):
     np.testing.assert_array_equal(values, rows)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.text('0123456789.,;-e \t\n#"xy|', max_size=60))
 def test_any_text_is_read_or_refused_in_a_sentence(text):
     _, sentence = read_or_refused(text.encode())

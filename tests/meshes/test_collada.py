@@ -52,7 +52,7 @@ def placed(random):
 
 
 @given(st.integers(0, 2**32), st.integers(1, 4))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_random_prisms_stand_where_their_nodes_put_them_in_their_colours(seed, count):
     random = np.random.default_rng(seed)
     geometries, nodes, effects, area, volume, corners, told = "", "", {}, 0.0, 0.0, [], []

@@ -101,7 +101,7 @@ def scenes(draw):
 @given(
     scenes(), st.sampled_from(["u1", "u2", "u4", None]), st.sampled_from([0, 4, 8]), st.booleans()
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_random_meshes_stand_where_their_nodes_put_them_in_their_colours(scene, index, gap, binary):
     random, nodes, worlds = scene
     file, area, volume, corners, told = Gltf(), 0.0, 0.0, [], []

@@ -276,7 +276,7 @@ def models(draw):
     return data, "".join(libraries), (areas, volume), np.array(points), expected
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(model=models())
 def test_random_solids_have_their_area_volume_extent_and_colours(tmp_path_factory, model):
     data, library, sizes, points, colours = model

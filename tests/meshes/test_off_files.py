@@ -121,7 +121,7 @@ def test_lines_may_break_anywhere_in_a_file_of_many_blocks(most, whole_lines):
     np.testing.assert_array_equal(wrapped.triangles[[0, -1]], points[[faces[0], faces[-1]]])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(0, 2**32 - 1), st.booleans(), st.booleans())
 def test_any_prism_with_any_colours_is_the_one_that_was_written(seed, of_vertices, of_faces):
     points, faces, area, volume = generated.random_prism(seed)

@@ -199,7 +199,7 @@ def coloured_polygons(draw):
     return points, faces, colours, area
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(coloured_polygons(), st.sampled_from(["ascii", "<", ">"]), st.booleans())
 def test_any_coloured_polygons_are_those_that_plyfile_wrote(mesh, form, of_vertices):
     points, faces, colours, area = mesh

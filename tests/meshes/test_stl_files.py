@@ -112,7 +112,7 @@ def test_what_is_cut_or_no_number_is_refused_with_the_place(data, says):
         read(data)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["stl", "stl_ascii"]))
 def test_any_mesh_is_the_one_that_trimesh_wrote(seed, kind):
     random = np.random.default_rng(seed)

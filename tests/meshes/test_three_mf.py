@@ -66,7 +66,7 @@ def archive(text, **files):
 
 
 @given(st.integers(0, 2**32), st.integers(1, 4))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_random_objects_stand_where_they_are_built_in_their_colours(seed, count):
     random = np.random.default_rng(seed)
     resources, built, area, volume, corners = "", "", 0.0, 0.0, []

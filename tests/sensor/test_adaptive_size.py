@@ -97,7 +97,7 @@ def test_the_mode_says_whether_the_square_adapts():
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(surfaces(kinds=("sheet", "boxes")), st.integers(0, 1000))
 def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, seed):
     points, normals, _ = probes_on(surface, 12, seed)

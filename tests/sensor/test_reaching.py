@@ -60,7 +60,7 @@ def test_what_stands_no_higher_than_the_tolerance_is_not_met(height, free):
     assert reach(RayCaster(joined(slab, step)), (0.0, 0.0, 0.0)) == free
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(surfaces(), scenes(), parameter_sets(), st.integers(0, 1000), st.sampled_from([0.01, 2.0]))
 def test_only_places_out_of_reach_are_blocked_or_penetrated_whatever_the_depth_range_and_batch(
     surface, scene, parameters, seed, depth

@@ -35,7 +35,7 @@ def touch_one(surface, point, normal, scene=None, **parameters):
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(surfaces(), scenes(), scenes(), parameter_sets(), st.integers(0, 1000), st.integers(1, 5))
 def test_a_touch_depends_on_its_place_and_scene_alone(surface, scene, other, parameters, seed, cut):
     caster = RayCaster(surface)

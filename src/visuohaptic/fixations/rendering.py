@@ -285,7 +285,7 @@ def _weight_steps(
     """Compute changes (n, 2 sides, 2 weights) of the second and third barycentric weight along a pixel's sides."""
     # Project the pixel's sides along the ray onto the plane of the face.
     normals = caster.surface.face_crosses.take(faces, axis=0)
-    second, third = np.moveaxis(caster.slopes.take(faces, axis=0), 1, 0)
+    second, third = np.moveaxis(caster.weight_gradients.take(faces, axis=0), 1, 0)
     towards = dot(normals, directions)
     # Avoid a division by zero for rays inside the face's plane, which hit no face.
     towards[towards == 0.0] = np.inf

@@ -1,12 +1,14 @@
 """Cast rays at a triangle surface with Embree, and compute hits in float64.
 
-Embree finds the first face of a ray in float32; the distance is computed in float64 from the plane of that face. Within
-about 1e-7 of an edge, Embree may return a wrong face, or different faces on different processors. It also misses faces
-that are narrower than that. Such doubtful rays are recomputed in float64, with these rules:
+Embree finds the first face of a ray in float32; the distance is computed in float64 from the plane of that face. Both
+sides of a face count. On a surface of unit size, within about 1e-7 of an edge, Embree may return a wrong face, or
+different faces on different processors. It also misses faces narrower than 1e-7. Doubtful rays, within
+`LATERAL_ERROR` of an edge, are recomputed in float64, with these rules:
 
-- A ray through an edge or a vertex hits the face there with the nearest plane along the ray; of equally near planes,
-  the face with the lowest index.
-- A ray through faces that lie on each other hits the nearest face; of equally near faces, the lowest index.
+- A ray through an edge or a vertex may hit any of the faces that meet there. Each face gives a distance: from the
+  origin to its plane, along the ray. The face with the smallest distance is hit.
+- A ray through faces that lie on each other hits the face with the smallest distance.
+- Of equal distances, the face with the lowest index is hit.
 - A ray in the plane of a face does not hit this face, but may hit its neighbours.
 - No ray hits a face without area.
 """
@@ -32,27 +34,30 @@ from visuohaptic.geometry.vectors import cross, dot
 MISS = -1
 
 Pairs = Iterator[tuple[IntArray, IntArray]]
-"""Blocks of pairs: indices of rays, ascending, and of faces that they may hit."""
+"""Blocks of pairs of a ray and a face that it may hit: ray indices (k,), ascending, and face indices (k,)."""
 
 Suspects = Callable[[FloatArray], BoolArray]
+"""A function that takes the distances (n,) of a first cast, and returns which rays to recompute in float64, (n,)."""
 
 # Largest error of Embree's float32 across a ray, in units of the surface: eight roundings of coordinates
-# of size 3. Within this distance of an edge, Embree may find the wrong face.
+# of size 3. Rays within this distance of an edge are doubtful.
 LATERAL_ERROR = 2e-6
-# Rays that look for candidate faces around a doubtful ray are offset by this distance.
+# A doubtful ray gets a bundle of parallel rays, which find candidate faces: itself, and eight rays up to this distance
+# from it (units of the surface).
 _BUNDLE_RADIUS = 3e-6
 _BUNDLE = np.array(
     [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
 )
 # Rounding of a triple product of float64 vectors, relative to their lengths.
 _ROUNDING = 2e-15
-# A face lower than this may lie between the rays of a bundle, and float32 may miss it.
+# A face is narrow if its height above its longest edge is below this (units of the surface). It may lie between the
+# rays of a bundle, and float32 may miss it.
 _NARROW = 2 * (LATERAL_ERROR + _BUNDLE_RADIUS)
 # Of two faces closer than this (units of the surface), float32 may find the farther face.
 _DEPTH_ERROR = 4e-6
-# A face lower than this, relative to its longest edge, is a line in float64.
-_LINE = 1e-12
-# Rays within this distance of a narrow face are compared with it.
+# A face with a smaller ratio of height to longest edge is a line in float64, and does not count as narrow.
+_LINE_RATIO = 1e-12
+# Rays within about this distance of the longest edge of a narrow face are compared with the face.
 _BOX_MARGIN = 1e-4
 # Largest number of pairs of a ray and a face that are compared at once; limits the memory.
 _MOST_PAIRS = 1 << 16
@@ -73,7 +78,8 @@ class Hits:
     Attributes
     ----------
     distance : ndarray of shape (n,), float64
-        Distance along the ray in lengths of its direction; infinite for a miss.
+        Hits are at origin + distance × direction; infinite for a miss. The unit is the length of the ray's direction.
+        A ray that starts on the surface may hit the surface there, at a distance of about 0, above or below.
     face : ndarray of shape (n,), int64
         Index of the face that was hit, or `MISS`.
     """
@@ -93,14 +99,14 @@ class RayCaster:
     Parameters
     ----------
     surface : Surface
-        The surface; near the origin and of about unit size, because faces are found in float32.
+        The surface. Its vertices should lie within about 1 of the origin, because faces are found in float32.
     package : str, optional
-        Name of a package in `scenes.SCENES`; by default the first installed package.
+        Python package that calls Embree, a key of `scenes.SCENES`; by default the first of these that is installed.
 
     Attributes
     ----------
     surface : Surface
-        The surface.
+        The surface as given.
     bounds : ndarray of shape (2, 3)
         Lower and upper corner of the bounding box.
     """
@@ -110,11 +116,14 @@ class RayCaster:
         self.bounds = np.stack([surface.vertices.min(axis=0), surface.vertices.max(axis=0)])
         self._corners = surface.triangles
         self._planes = _face_planes(surface)
-        heights = LATERAL_ERROR * np.linalg.norm(surface.face_crosses, axis=1)
+        # Height above the longest edge is twice the area divided by this edge. Both are scaled by `LATERAL_ERROR`.
+        double_areas = LATERAL_ERROR * np.linalg.norm(surface.face_crosses, axis=1)
         # Transposed for casts: NumPy gathers single numbers fastest.
         self._plane_rows = np.ascontiguousarray(self._planes.T)
         longest = self._planes[:, 4]
-        self._narrow = np.flatnonzero((heights < _NARROW * longest) & (heights > _LINE * longest))
+        self._narrow = np.flatnonzero(
+            (double_areas < _NARROW * longest) & (double_areas > _LINE_RATIO * longest)
+        )
         make_scene = SCENES[package or installed_package()]
         self._scene: Scene = make_scene(surface.vertices, surface.faces)
         if len(self._narrow):
@@ -130,18 +139,19 @@ class RayCaster:
     def first_hits(
         self, origins: FloatArray, directions: FloatArray, suspects: Suspects | None = None
     ) -> Hits:
-        """Compute the first hit of each ray, with the same bits on every x86-64 processor.
+        """Compute the first hit of each ray on either side of a face, with the same bits on every x86-64 processor.
 
         Rays that hit near an edge or vertex, or at a grazing angle, are recomputed in float64, because float32 may
-        have found the wrong face.
+        have found the wrong face. A ray that misses is only compared with narrow faces, unless `suspects` returns it.
 
         Parameters
         ----------
         origins, directions : ndarray of shape (n, 3)
-            Origin and direction of each ray.
+            Origin and direction of each ray; directions may have any length above 0.
         suspects : callable, optional
-            Takes the distances (n,) of the first cast and returns further rays to recompute, (n,), bool, such as a
-            miss between hits. The hit of a ray depends on the other rays only if `suspects` does.
+            Function of the distances (n,) of the first cast, infinite for a miss. Returns which rays are recomputed
+            too, (n,), bool; for example rays that miss while all rays around them hit. Without `suspects`, the
+            hit of a ray does not depend on the other rays.
 
         Returns
         -------
@@ -151,7 +161,7 @@ class RayCaster:
         hits, doubtful = self._cast(origins, directions)
         if suspects is not None:
             doubtful |= suspects(hits.distance)
-        narrow_rays, narrow_hits = self._nearest_pairs(
+        narrow_rays, narrow_hits = self._first_of_pairs(
             self._narrow_pairs(origins, directions), origins, directions
         )
         # A ray that surely hits a narrow face loses its doubtful hit, so that `_recompute` can't keep it.
@@ -167,14 +177,15 @@ class RayCaster:
             )
         nearer = narrow_hits.distance < hits.distance[narrow_rays]
         _put(hits, narrow_rays[nearer], _take(narrow_hits, nearer))
-        twins = self._nearest_pairs(self._twin_pairs(hits.face), origins, directions)
+        twins = self._first_of_pairs(self._twin_pairs(hits.face), origins, directions)
         _put_nearer(hits, *twins)
         return hits
 
     def weights(self, points: FloatArray, faces: IntArray) -> FloatArray:
-        """Compute the barycentric weights (n, 3) of points (n, 3) on the planes of faces (n,) with an area.
+        """Compute the barycentric weights (n, 3) of points (n, 3), each in the plane of its face, `faces` (n,).
 
-        Weights are at least 0, and their sum per point is 1.
+        A point outside its face has negative weights; these become 0, and the weights of the point are divided by
+        their sum. Each face must have an area above 0.
         """
         tables = self._weight_rows.take(faces, axis=1)
         offsets = points.T - tables[6:]
@@ -186,46 +197,55 @@ class RayCaster:
 
     @cached_property
     def _weight_rows(self) -> FloatArray:
-        """Both slopes and the first corner of each face, shape (9, f), because NumPy gathers single numbers fastest."""
-        slopes = self.slopes.reshape(-1, 6).T
-        return np.ascontiguousarray(np.concatenate([slopes, self._corners[:, 0].T]))
+        """Both `weight_gradients` (rows 0 to 5) and first corner (rows 6 to 8) of each face; this layout is fastest."""
+        gradients = self.weight_gradients.reshape(-1, 6).T
+        return np.ascontiguousarray(np.concatenate([gradients, self._corners[:, 0].T]))
 
     @cached_property
     def face_normal_rows(self) -> FloatArray:
-        """Components of the unit normal of each face on the side of its winding, shape (3, f)."""
+        """Rows x, y, z of `Surface.face_normals`, shape (3, f); zero for a face without area."""
         return np.ascontiguousarray(self.surface.face_normals.T)
 
     @cached_property
-    def slopes(self) -> FloatArray:
-        """Gradients in space of the barycentric weights of the second and third corner of each face, shape (f, 2, 3)."""
+    def weight_gradients(self) -> FloatArray:
+        """Gradients of the barycentric weights of the second and third corner of each face, shape (f, 2, 3).
+
+        The unit is one over a length. A gradient lies in the plane of its face, and is zero for a face without area.
+        """
         crosses = self.surface.face_crosses
         squares = dot(crosses, crosses)
         edges = self._corners[:, 1:] - self._corners[:, :1]
-        slopes = np.stack([cross(edges[:, 1], crosses), cross(crosses, edges[:, 0])], axis=1)
+        scaled = np.stack([cross(edges[:, 1], crosses), cross(crosses, edges[:, 0])], axis=1)
         return np.divide(
-            slopes,
+            scaled,
             squares[:, None, None],
-            out=np.zeros_like(slopes),
+            out=np.zeros_like(scaled),
             where=squares[:, None, None] > 0,
         )
 
     def winding_numbers(self, origins: FloatArray, directions: FloatArray) -> IntArray:
-        """Compute the winding number (n,) of the origin of each ray: faces that it leaves through minus faces it enters.
+        """Compute the winding number (n,) of each ray's origin: faces where the ray leaves minus faces where it enters.
 
-        For a closed surface with consistent windings, this is the number of solids around the origin; 0 is outside.
-        Faces are found in float32. A face that is hit on its edge may count twice.
+        A ray leaves through a face if its direction is on the side of the face's normal. For closed solids with
+        normals outwards, the winding number is the number of solids around the origin, whatever the direction;
+        with normals inwards, it is minus this number. Faces are found in float32. A ray through the edge between two
+        faces may count both, and the number is then wrong by 1.
         """
         rays, faces = self._scene.crossings(_as_float32(origins, directions))
         leaving = np.sign(dot(self._planes[faces], directions[rays]))
         return np.bincount(rays, leaving, minlength=len(origins)).astype(np.int64)
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
-        """Return the nearest points (n, 3) on the surface to points (n, 3), and their faces (n,), found in float32."""
+        """Return the point on the surface nearest to each point, (n, 3) to (n, 3), and the index (n,) of its face.
+
+        The face is found in float32, so that of nearly equally near faces either may be returned. The point on this
+        face is computed in float64.
+        """
         faces = self._scene.nearest_faces(points)
         return nearest_on(self._corners[faces], points), faces
 
     def _cast(self, origins: FloatArray, directions: FloatArray) -> tuple[Hits, BoolArray]:
-        """Return the hits of rays, and whether each hit is doubtful: float32 may have found the wrong face."""
+        """Return hits on the faces that float32 finds, and which hits are doubtful: their face may be wrong, (n,)."""
         faces, second, third = self._scene.first_faces(_as_float32(origins, directions))
         hit = faces != MISS
         planes = self._plane_rows.take(faces, axis=1)
@@ -239,26 +259,27 @@ class RayCaster:
         return Hits(distance, faces), doubtful
 
     def _recompute(self, origins: FloatArray, directions: FloatArray, first: Hits) -> Hits:
-        """Compute the first hit of each ray in float64, among the faces that nearby rays hit."""
+        """Compute the first hit of each ray in float64, among faces that its bundle hits and faces at their corners."""
         candidates = self._faces_around(origins, directions)
-        exact = self._nearest_of(candidates, origins, directions)
+        exact = self._first_of_candidates(candidates, origins, directions)
         at_corners = self._corner_pairs(candidates, origins, directions)
-        _put_nearer(exact, *self._nearest_pairs(at_corners, origins, directions))
-        # Faces may be smaller than the bundle. If all rays of the bundle hit, the first hit is kept.
+        _put_nearer(exact, *self._first_of_pairs(at_corners, origins, directions))
+        # A face that is smaller than the bundle may be no candidate. So the hit of the first cast is kept if no
+        # candidate is hit, although all rays of the bundle hit the surface.
         keeps_first = ~exact.hit & np.isfinite(first.distance) & (candidates != MISS).all(axis=1)
         return Hits(
             np.where(keeps_first, first.distance, exact.distance),
             np.where(keeps_first, first.face, exact.face),
         )
 
-    def _nearest_pairs(
+    def _first_of_pairs(
         self, pairs: Pairs, origins: FloatArray, directions: FloatArray
     ) -> tuple[NDArray[np.intp], Hits]:
-        """Return the rays that hit a face of their pairs, ascending, and the first hit of each."""
+        """Return the indices of rays that hit a face of their pairs, ascending, and the first hit of each."""
         no_rays = np.zeros(0, np.int64)
         hit_rays, hit_blocks = [no_rays], [Hits(np.zeros(0), no_rays)]
         for rays, faces in pairs:
-            block_hits = self._nearest_of(faces[:, None], origins[rays], directions[rays])
+            block_hits = self._first_of_candidates(faces[:, None], origins[rays], directions[rays])
             hit_rays.append(rays[block_hits.hit])
             hit_blocks.append(_take(block_hits, block_hits.hit))
         rays, hits = np.concatenate(hit_rays), _join(hit_blocks)
@@ -268,7 +289,7 @@ class RayCaster:
 
     @cached_property
     def _faces_of_vertices(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Vertex indices (f, 3) after merging equal positions, start of each vertex in a list of faces, and the list."""
+        """Vertex indices (f, 3), equal positions merged; starts (v + 1,) per vertex in a list of faces; the list."""
         _, corners = np.unique(self._corners.reshape(-1, 3), axis=0, return_inverse=True)
         corners = corners.reshape(-1)
         order = np.argsort(corners, kind="stable")
@@ -278,12 +299,13 @@ class RayCaster:
     def _corner_pairs(
         self, candidates: IntArray, origins: FloatArray, directions: FloatArray
     ) -> Pairs:
-        """Yield rays near a corner of a candidate, with all faces at this corner, because the bundle may miss some."""
+        """Yield one block of rays near a corner of their candidates (m, c), paired with all faces at this corner."""
+        # The bundle may miss some faces at a corner.
         offsets = cross(
             self._corners[candidates] - origins[:, None, None], directions[:, None, None]
         )
-        reach = (LATERAL_ERROR + _BUNDLE_RADIUS) ** 2 * dot(directions, directions)
-        near = dot(offsets, offsets) < reach[:, None, None]
+        limits = (LATERAL_ERROR + _BUNDLE_RADIUS) ** 2 * dot(directions, directions)
+        near = dot(offsets, offsets) < limits[:, None, None]
         rays, candidate, corner = np.nonzero(near & (candidates != MISS)[..., None])
         if not len(rays):
             return
@@ -295,7 +317,7 @@ class RayCaster:
 
     @cached_property
     def _twins(self) -> tuple[IntArray, IntArray]:
-        """Twins (faces that lie on each other): start of each face in a list of twins, shape (f + 1,), and the list."""
+        """Starts (f + 1,) of the faces in a list of twins, and the list; twins are faces that lie on each other."""
         pairs = overlapping_faces(self.surface, _DEPTH_ERROR)
         return np.searchsorted(pairs[:, 0], np.arange(len(self.surface.faces) + 1)), pairs[:, 1]
 
@@ -305,7 +327,7 @@ class RayCaster:
         return np.append(np.diff(self._twins[0]), 0)
 
     def _twin_pairs(self, faces: IntArray) -> Pairs:
-        """Yield blocks of rays and twins of the faces that they hit, `faces` (n,)."""
+        """Yield blocks of rays, paired with the twins of the faces (n,) that the rays hit; `MISS` has no twin."""
         starts, twins = self._twins
         if not len(twins):
             return
@@ -316,7 +338,7 @@ class RayCaster:
             yield pair_rays, twins[positions]
 
     def _narrow_pairs(self, origins: FloatArray, directions: FloatArray) -> Pairs:
-        """Yield blocks of rays and narrow faces near the rays."""
+        """Yield blocks of rays, paired with the narrow faces within about `_BOX_MARGIN` of the rays."""
         if not len(self._narrow):
             return
         rays = _as_float32(origins, directions)
@@ -329,10 +351,10 @@ class RayCaster:
             pairs = np.unique(block_rays * len(self._narrow) + box_faces // len(_BOX_FACES))
             yield block[pairs // len(self._narrow)], self._narrow[pairs % len(self._narrow)]
 
-    def _nearest_of(
+    def _first_of_candidates(
         self, candidates: IntArray, origins: FloatArray, directions: FloatArray
     ) -> Hits:
-        """Compute the first hit of each of m rays among its candidate faces (m, c), in float64."""
+        """Compute the first hit of each of m rays among its candidates, face indices or `MISS` (m, c), in float64."""
         corners = self._corners[candidates] - origins[:, None, None, :]
         # The two faces at an edge compute exactly opposite numbers, so no ray passes between them. At a vertex
         # rounding decides, so every face within the rounding error counts.
@@ -355,6 +377,7 @@ class RayCaster:
         return Hits(distance, np.where(np.isfinite(distance), face, MISS))
 
     def _faces_around(self, origins: FloatArray, directions: FloatArray) -> IntArray:
+        """Return the faces that the nine rays of each ray's bundle hit, or `MISS`, (n, 9)."""
         least = np.eye(3)[np.argmin(np.abs(directions), axis=1)]
         first = _unit(cross(directions, least))
         second = _unit(cross(directions, first))
@@ -367,6 +390,7 @@ class RayCaster:
 
 
 def _as_float32(origins: FloatArray, directions: FloatArray) -> NDArray[np.float32]:
+    """Return the rays that scenes take: origin and direction, shape (n, 6)."""
     rays = np.empty((len(origins), 6), dtype=np.float32)
     # Column by column, because inner loops of length three are slow.
     for axis in range(3):
@@ -376,9 +400,9 @@ def _as_float32(origins: FloatArray, directions: FloatArray) -> NDArray[np.float
 
 
 def _face_planes(surface: Surface) -> FloatArray:
-    """Return normal (not of unit length), offset, and width of the edge band of each face, shape (f, 5)."""
+    """Return normal n (twice the area long), n · corner, and `LATERAL_ERROR` × longest edge of each face, (f, 5)."""
     # The distance of a point from the nearest edge is at least (least barycentric weight) × (twice the area) /
-    # (longest edge). `RayCaster` compares this with `LATERAL_ERROR`, multiplied by the longest edge.
+    # (longest edge). `RayCaster` compares this distance with `LATERAL_ERROR`, both sides times the longest edge.
     corners, crosses = surface.triangles, surface.face_crosses
     edges = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)
     offsets = dot(crosses, corners[:, 0])
@@ -386,7 +410,7 @@ def _face_planes(surface: Surface) -> FloatArray:
 
 
 def _boxes_around(triangles: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return vertices and faces of a closed box around the longest edge of each narrow triangle."""
+    """Return vertices (8 k, 3) and faces (12 k, 3) of closed boxes, each around the longest edge of a triangle."""
     edges = np.roll(triangles, -1, axis=1) - triangles
     rows = np.arange(len(triangles))
     longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
@@ -408,12 +432,13 @@ def _boxes_around(triangles: FloatArray) -> tuple[FloatArray, IntArray]:
 
 
 def _put(hits: Hits, rays: NDArray[np.intp], new_hits: Hits) -> None:
+    """Replace the hits of some rays in place."""
     hits.distance[rays] = new_hits.distance
     hits.face[rays] = new_hits.face
 
 
 def _put_nearer(hits: Hits, rays: NDArray[np.intp], candidates: Hits) -> None:
-    """Replace hits by candidates that are nearer, or equally near on a face with a lower index."""
+    """Replace the hits of some rays in place by candidates that are nearer; of equal distances the lower face stays."""
     current = _take(hits, rays)
     equal = candidates.distance == current.distance
     nearer = (candidates.distance < current.distance) | (equal & (candidates.face < current.face))

@@ -1,7 +1,7 @@
 """Schemas of tables (columns with types, units and ranges), and reading and writing of tables that follow a schema.
 
-A table is one Parquet file, or a folder of Parquet files. A table is checked before it is written, and is written
-whole or not at all.
+A table is one Parquet file, or a folder of Parquet files that each hold some of its rows. A table is checked before it
+is written, and is written whole or not at all.
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import TableError
 
 MOST_VALUES = 200_000_000
-"""Largest number of values in one Parquet file, lists included; a short file may claim any number."""
+"""Largest number of values in one Parquet file, elements of lists included.
+
+The limit protects the memory: a compressed file of a few bytes may unpack to any number of values.
+"""
 
 _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 
@@ -29,8 +32,20 @@ _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
 class Column:
     """A column: its name, type, meaning, and allowed values.
 
-    `unit` is a unit or a frame of reference, empty for plain counts and names. `minimum` and `maximum` are the
-    closed range of the values, or of the elements of lists.
+    Attributes
+    ----------
+    name : str
+        Name, unique in the table.
+    dtype : pyarrow.DataType
+        Type of the values.
+    description : str
+        Meaning of the values.
+    unit : str
+        Unit or frame of reference; "1" for shares, empty for plain counts and names.
+    minimum, maximum : float, optional
+        Closed range of the values, or of the elements of lists; None for no limit.
+    nullable : bool
+        Whether values may be missing (null). NaN and infinity are never allowed.
     """
 
     name: str
@@ -44,7 +59,17 @@ class Column:
 
 @dataclass(frozen=True)
 class Schema:
-    """The name of a table, the columns that identify a row, and the other columns, in order."""
+    """The name and the columns of a table.
+
+    Attributes
+    ----------
+    name : str
+        Name of the table, for errors.
+    key_columns : tuple of Column
+        Columns that identify a row: no two rows have the same values in all of these.
+    other_columns : tuple of Column
+        Columns that follow the key columns, in order.
+    """
 
     name: str
     key_columns: tuple[Column, ...]
@@ -52,12 +77,12 @@ class Schema:
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
-        """All columns; the columns that identify a row come first."""
+        """All columns in order, key columns first."""
         return (*self.key_columns, *self.other_columns)
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """Names of the columns that identify a row."""
+        """Names of the key columns."""
         return names_of(self.key_columns)
 
     @cached_property
@@ -83,17 +108,20 @@ REAL = pa.float64()
 
 
 def share(name: str, description: str, *, nullable: bool = False) -> Column:
-    """Return a column of numbers from 0 to 1."""
+    """Return a column of float64 numbers from 0 to 1, with the unit "1"."""
     return Column(name, REAL, description, "1", 0, 1, nullable)
 
 
 def count(name: str, description: str, minimum: int = 0, *, nullable: bool = False) -> Column:
-    """Return a column of whole numbers."""
+    """Return a column of whole numbers (int32) of at least `minimum`, without a unit."""
     return Column(name, COUNT, description, "", minimum, None, nullable)
 
 
 def difference(name: str, description: str) -> tuple[Column, ...]:
-    """Return the columns of a difference of two shares and of the ends of its interval; values may be missing."""
+    """Return three columns for the difference of two shares and its interval: `name`, ``name_low`` and ``name_high``.
+
+    Values are float64 numbers from -1 to 1, and may be missing. `description` is that of the first column.
+    """
     descriptions = {
         name: description,
         f"{name}_low": "lower end of its interval",
@@ -106,14 +134,26 @@ def difference(name: str, description: str) -> tuple[Column, ...]:
 
 
 def names_of(columns: Iterable[Column]) -> tuple[str, ...]:
-    """Return the names of columns."""
+    """Return the names of columns, in order."""
     return tuple(column.name for column in columns)
 
 
 def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
-    """Return a checked table of a schema from one array per column; a single string or number is repeated.
+    """Return a checked table of a schema from its columns.
 
-    Arrays of two or more dimensions become one list per row. Raises `TableError` if the columns break the schema.
+    Parameters
+    ----------
+    schema : Schema
+        The schema.
+    columns : mapping
+        Values of every column of the schema, by name: a NumPy array, list, tuple or pyarrow.ChunkedArray of n
+        values. Any other value, such as a string or number, is repeated n times; n is 1 if all values are such.
+        A NumPy array of shape (n, ...) becomes one flat list per row.
+
+    Raises
+    ------
+    TableError
+        If a column is missing or not in the schema, lengths differ, or `check_table` fails.
     """
     expected = {column.name for column in schema.columns}
     if expected != set(columns):
@@ -136,13 +176,20 @@ def build_table(schema: Schema, columns: Mapping[str, object]) -> pa.Table:
 
 
 def build_rows(schema: Schema, rows: Sequence[Mapping[str, object]]) -> pa.Table:
-    """Return a checked table of a schema from rows that have all its columns; other names are ignored."""
+    """Return a checked table of a schema from rows (column name to value); names outside the schema are ignored.
+
+    Raises `KeyError` if a row lacks a column, and `TableError` if the values break the schema.
+    """
     names = names_of(schema.columns)
     return build_table(schema, {name: [row[name] for row in rows] for name in names})
 
 
 def check_table(schema: Schema, table: pa.Table) -> None:
-    """Raise `TableError` if columns, types, missing values, ranges or keys break the schema, or a number is not finite."""
+    """Raise `TableError` if a table breaks its schema.
+
+    Names, order, types and nullability of columns must be those of the schema. Values must be finite, in the range of
+    their column, and only missing where the column is nullable. No two rows may have the same key.
+    """
     if not table.schema.equals(schema.arrow):
         raise TableError(
             f"table {schema.name}: columns are {_signature(table.schema)}; "
@@ -159,7 +206,7 @@ def check_table(schema: Schema, table: pa.Table) -> None:
 
 
 def write_table(schema: Schema, table: pa.Table, path: str | Path) -> None:
-    """Check a table and write it as Parquet, whole or not at all; a missing folder is created.
+    """Check a table and write it as one Parquet file, whole or not at all; missing folders are created.
 
     Raises `TableError` if the table breaks its schema.
     """
@@ -169,9 +216,20 @@ def write_table(schema: Schema, table: pa.Table, path: str | Path) -> None:
 
 
 def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.Table:
-    """Read a table from one file, a folder, or several files in any order, sorted by its keys.
+    """Read and check a table, and return it sorted by its keys.
 
-    Raises `TableError` if there is no such file, or the table breaks its schema.
+    Parameters
+    ----------
+    schema : Schema
+        The schema. Each file must have the columns of the schema in its order; types are cast as in `known_columns`.
+    paths : path or sequence of paths
+        Files and folders, in any order. Of a folder, each ``*.parquet`` file is read, at any depth; files with names
+        that begin with ``.`` or ``_`` are skipped.
+
+    Raises
+    ------
+    TableError
+        If no file is found, a file is missing or can't be read, or the table breaks its schema.
     """
     files = _parquet_files([paths] if isinstance(paths, str | Path) else paths)
     if not files:
@@ -186,18 +244,20 @@ def read_table(schema: Schema, paths: str | Path | Sequence[str | Path]) -> pa.T
 def known_columns(schema: Schema, given: object) -> pa.Table:
     """Return the columns of a schema that a table has, in the schema's order and types.
 
+    Columns of the schema may be missing. Missing values, ranges and keys are not checked.
+
     Parameters
     ----------
     schema : Schema
         The schema.
     given : pyarrow.Table, data frame or mapping of arrays
         Any table that Arrow can convert. Text may have any of Arrow's text types or be categorical; numbers may
-        have any width. Columns that the schema does not name are dropped.
+        have any width, but must fit the schema's type without loss. Columns outside the schema are dropped.
 
     Raises
     ------
     TableError
-        If `given` is no table, has a column twice, or a column does not fit its type.
+        If `given` is no table, has a column of the schema twice, or a column does not fit its type.
     """
     table = _arrow_table(schema, given)
     twice = [name for name in names_of(schema.columns) if table.column_names.count(name) > 1]
@@ -212,7 +272,7 @@ def known_columns(schema: Schema, given: object) -> pa.Table:
 
 
 def take_table(schema: Schema, given: object) -> pa.Table:
-    """Return a checked table of a schema from any table that `known_columns` accepts.
+    """Return a checked table of a schema from any table that `known_columns` accepts; rows keep their order.
 
     Raises `TableError` if a column is missing, or the table breaks the schema.
     """
@@ -228,18 +288,22 @@ def take_table(schema: Schema, given: object) -> pa.Table:
 
 
 def join_parts(schema: Schema, parts: Iterable[pa.Table]) -> pa.Table:
-    """Return the rows of tables of a schema, at least one table, sorted by the keys."""
+    """Return the rows of one or more tables of a schema as one table, sorted by the keys; nothing is checked."""
     table = pa.concat_tables(parts).sort_by([(key, "ascending") for key in schema.keys])
     return table.combine_chunks()
 
 
 def matrix(table: pa.Table, names: Sequence[str]) -> np.ndarray:
-    """Return k numeric columns of n rows side by side: shape (n, k), float64."""
+    """Return k named columns of numbers as an array of shape (n, k), float64; missing values are NaN."""
     return np.column_stack([table.column(name).to_numpy().astype(np.float64) for name in names])
 
 
 def images(table: pa.Table, name: str = "image") -> np.ndarray:
-    """Return a column of m square images, lists of n² numbers, as (m, n, n) in the type of the column; n is 0 if m is 0."""
+    """Return a column of m square images as an array of shape (m, n, n), in the type of the column's elements.
+
+    Each row is a list of n² numbers, row by row. Without rows, the shape is (0, 0, 0). Raises `TableError` if the
+    lists differ in length, or their length is no square number.
+    """
     column = table.column(name).combine_chunks()
     lengths = np.unique(pc.list_value_length(column).to_numpy(zero_copy_only=False))
     if not len(lengths):
@@ -253,6 +317,7 @@ def images(table: pa.Table, name: str = "image") -> np.ndarray:
 
 
 def _arrow_table(schema: Schema, given: object) -> pa.Table:
+    """Convert a data frame or mapping to a table; raise `TableError` if Arrow can't."""
     if isinstance(given, pa.Table):
         return given
     if not isinstance(given, Mapping) and not hasattr(given, "__arrow_c_stream__"):
@@ -287,6 +352,7 @@ def _as_type(schema: Schema, column: Column, values: pa.ChunkedArray) -> pa.Chun
 
 
 def _kind(dtype: pa.DataType) -> str:
+    """Return text, number, or list of either, for types that may be cast to each other; the type's name for others."""
     if (
         pa.types.is_string(dtype)
         or pa.types.is_large_string(dtype)
@@ -305,10 +371,12 @@ def _kind(dtype: pa.DataType) -> str:
 
 
 def _one_line(error: Exception) -> str:
+    """Return the whole message of an error on one line, without its last point."""
     return " ".join(str(error).split()).rstrip(".")
 
 
 def _arrow_array(schema: Schema, column: Column, value: object, length: int) -> pa.Array:
+    """Convert the values of a column; a single value is repeated `length` times."""
     if not isinstance(value, _SEQUENCES):
         value = [value] * length
     if isinstance(value, np.ndarray) and value.ndim > 1:
@@ -349,10 +417,12 @@ def _bound(value: float | None) -> str:
 
 
 def _signature(schema: pa.Schema) -> str:
+    """Return names and types of columns, for errors."""
     return ", ".join(f"{field.name} {field.type}" for field in schema)
 
 
 def _parquet_files(paths: Sequence[str | Path]) -> list[Path]:
+    """Return the given files, and the Parquet files of the given folders, at any depth."""
     files: list[Path] = []
     for path in map(Path, paths):
         files.extend(sorted(path.rglob("[!._]*.parquet")) if path.is_dir() else [path])
@@ -360,9 +430,9 @@ def _parquet_files(paths: Sequence[str | Path]) -> list[Path]:
 
 
 def open_parquet(file: str | Path) -> pq.ParquetFile:
-    """Open a Parquet file and read only its metadata.
+    """Open a Parquet file and read only its metadata; `read` of the result reads its rows.
 
-    Raises `TableError` if the file is missing, is no Parquet, or has more than `MOST_VALUES` values.
+    Raises `TableError` if the file is missing, is no Parquet file, or has more than `MOST_VALUES` values.
     """
     try:
         opened = pq.ParquetFile(file)
@@ -383,6 +453,7 @@ def open_parquet(file: str | Path) -> pq.ParquetFile:
 
 
 def _read_part(schema: Schema, file: Path) -> pa.Table:
+    """Read one file of a table, with the types of the schema."""
     opened = open_parquet(file)
     # Columns that the table does not have must not take memory.
     if opened.schema_arrow.names != schema.arrow.names:

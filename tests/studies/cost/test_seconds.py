@@ -84,8 +84,11 @@ def test_what_settings_have_in_common_is_timed_once_and_counts_for_each(surfaces
         assert own[name] == small[name] != aside[name]
     assert all(own[name] != small[name] for name in ("touch", "describe"))
     # No setting has what another one found out about the surface.
-    assert "slopes" not in vars(prepared.caster)
-    assert ["slopes" in vars(stage.caster) for _, stage in prepared.next_stages] == [True, True]
+    assert "weight_gradients" not in vars(prepared.caster)
+    assert ["weight_gradients" in vars(stage.caster) for _, stage in prepared.next_stages] == [
+        True,
+        True,
+    ]
 
 
 @pytest.mark.slow
