@@ -84,7 +84,7 @@ class StepInputs:
     wildcards : mapping of str to str
         Values of the wildcards, for a step with one job per pipeline or condition.
     made : mapping of str to str
-        Files of recomputed features by key; empty if the step takes no ``made``.
+        Files of recomputed features by key; empty if the step gets no ``made``.
     objects : sequence of str, optional
         The objects, ``class/name``, of a study that measures a sample. The default is all objects.
     condition : mapping, optional
@@ -204,7 +204,7 @@ class Study:
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """The files that the report shows; the date of the first file is the study's date."""
+        """The files that the report shows, with wildcards in braces; the first file dates the study."""
         steps = (file for step in self.steps if step.is_shown for file in step.files)
         return (*self._figures, *steps)
 
@@ -219,6 +219,7 @@ class Study:
 
     @property
     def _figures(self) -> tuple[str, ...]:
+        """`FIGURES` with the study's name, or nothing without figures."""
         return tuple(file.format(self.name) for file in FIGURES if self.has_figures)
 
     @property
