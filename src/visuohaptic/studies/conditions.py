@@ -1,7 +1,7 @@
 """Plan a study: the features that each condition recomputes, and the blocks of conditions that jobs measure.
 
-The changed sections of a condition determine the first phase to recompute. Conditions that need the same features
-share a key, and the features are computed once per key.
+The changed parameters of a condition determine the first phase to recompute. Conditions share a key, and a file of
+recomputed features, if their parameters of these phases differ only in strategies and number of touches.
 """
 
 from __future__ import annotations
@@ -40,10 +40,14 @@ ONE_CLASSIFIER: Changes = {
 FIXATION_ONLY: Changes = {"probing.strategies": ("fixation",), **ONE_CLASSIFIER}
 """Touches by fixation and one classifier per pipeline."""
 
-MOST_BLOCKS = 8
-MOST_CONDITIONS_A_BLOCK = 25
-LEAST_TRAININGS_A_BLOCK = 12
-"""Training fewer pairs of pipeline and strategy takes less time than starting a job."""
+DESIRED_BLOCKS = 8
+"""Number of blocks of a study, unless a block would exceed `MOST_CONDITIONS_PER_BLOCK`, or have too few trainings."""
+
+MOST_CONDITIONS_PER_BLOCK = 25
+"""Limit for the default size of a block, unless `LEAST_TRAININGS_PER_BLOCK` needs more conditions."""
+
+LEAST_TRAININGS_PER_BLOCK = 12
+"""Fewer trainings take less time than starting a job. Each pipeline and strategy of a condition is one training."""
 
 _ORDER = tuple(next(iter(phase.writes)) for phase in OF_OBJECT)
 """Name of each phase: the first table that it writes."""
@@ -56,6 +60,7 @@ _FIXED = {
     "probing.random_draws": "a condition names draws, such as random#1, in probing.strategies",
     "recognition.intervals": "all conditions use the intervals of the run",
 }
+"""Sections and parameters that a condition can't change, with the reason for the error message."""
 
 _MAY_VARY = ("meshes.turns", "meshes.turn_draw")
 """Exceptions from `_FIXED`: parameters that a condition may change."""
@@ -63,14 +68,15 @@ _MAY_VARY = ("meshes.turns", "meshes.turn_draw")
 
 @dataclass(frozen=True)
 class Recomputation:
-    """Features that the run does not have.
+    """Features that the run does not have, and that all conditions with one key share.
 
     Attributes
     ----------
     phase : str
-        The first phase to recompute, named by its first table.
+        The first phase to recompute, named by its first table: ``views``, ``touches`` or ``features``.
     parameters : ExperimentParameters
-        Parameters with all strategies, and the largest number of touches, of the conditions that share the features.
+        Parameters of the first of these conditions. Their `probing.strategies` are the strategies of all these
+        conditions, and `attention.fixations` is the largest number of touches that one of the conditions needs.
     """
 
     phase: str
@@ -79,7 +85,18 @@ class Recomputation:
 
 @dataclass(frozen=True)
 class Planned:
-    """A condition, its parameters, and the key of its features; the key is None for features of the run."""
+    """A condition with its parameters and the key of its features.
+
+    Attributes
+    ----------
+    condition : Condition
+        The condition.
+    parameters : ExperimentParameters
+        The parameters of the run with the changes of the condition. `plan_study` sets `meshes.turns` and
+        `meshes.turn_draw` to the turns that the run's meshes still need, ``none`` if they are turned already.
+    key : str, optional
+        The key of the recomputed features in `Plan.recomputations`; None if the condition uses the run's features.
+    """
 
     condition: Condition
     parameters: ExperimentParameters
@@ -88,7 +105,7 @@ class Planned:
 
 @dataclass(frozen=True)
 class Plan:
-    """The conditions of a study in order, and the features to recompute by key."""
+    """The conditions of a study in the study's order, and a `Recomputation` per key."""
 
     conditions: tuple[Planned, ...]
     recomputations: Mapping[str, Recomputation]
@@ -99,8 +116,8 @@ def with_changes(
 ) -> ExperimentParameters:
     """Return the parameters with some values changed.
 
-    A new ``scene.preset`` replaces the whole scene. If `recognition.touches` exceeds the number of fixations, the
-    fixations are raised to that number.
+    A new ``scene.preset`` replaces the whole scene before the other changes. `attention.fixations` is raised to
+    `recognition.touches` if it is lower, unless `changes` has `attention.fixations`.
 
     Parameters
     ----------
@@ -109,7 +126,7 @@ def with_changes(
     changes : mapping of str to Any
         New values by dotted name.
     source : str
-        The beginning of error messages.
+        File or condition that error messages name first.
 
     Returns
     -------
@@ -140,15 +157,36 @@ def with_changes(
 def plan_study(study: Study, run: ExperimentParameters, source: str = "params.yaml") -> Plan:
     """Compute the parameters of each condition, and the features to recompute.
 
-    Conditions that need the same features get the same key. Raises `ParameterError`, which names the condition, if
-    its changes are not allowed.
+    A condition uses the run's features if all parameters of the phases before recognition are the run's. It may use
+    fewer strategies and touches than the run. A new strategy, or more touches than the run's fixations, recomputes all
+    phases from the views on. Conditions get one key if their other parameters of these phases are equal.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    run : ExperimentParameters
+        The parameters of the run.
+    source : str
+        File that error messages name first, before the name of the condition.
+
+    Returns
+    -------
+    Plan
+        All conditions, and one recomputation per key.
+
+    Raises
+    ------
+    ParameterError
+        If the changes of a condition are not allowed, or its turns differ from the run's although the run's objects
+        are turned already.
     """
-    own = _upstream(_turned_further(run, run, source))
+    own = _upstream(_with_turns_to_apply(run, run, source))
     planned: list[Planned] = []
     needs: dict[str, list[Recomputation]] = {}
     for condition in study.conditions(run):
         parameters = with_changes(run, condition.changes, f"{source}: {condition.name}")
-        parameters = _turned_further(parameters, run, f"{source}: {condition.name}")
+        parameters = _with_turns_to_apply(parameters, run, f"{source}: {condition.name}")
         upstream = _upstream(parameters)
         phase = next((name for name in _ORDER if upstream[name] != own[name]), None)
         strategies = set(parameters.probing.strategies) - set(run.probing.strategies)
@@ -166,8 +204,9 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
 def is_measured_by_run(planned: Planned, run: ExperimentParameters) -> bool:
     """Return whether the run's predictions already contain the predictions of a condition.
 
-    This holds for a condition with one vote, the run's features and settings of recognition, and only strategies,
-    pipelines and classifiers of the run.
+    True only if `votes` is 1, not None, and if features and settings of recognition are the run's. The condition's
+    `recognition.touches` must be the number `touches_of_run`, not None. Its strategies, pipelines and classifiers may
+    be a part of the run's.
     """
     if planned.key is not None or planned.condition.votes != 1:
         return False
@@ -203,14 +242,16 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
     plan : Plan
         The plan of the study.
     conditions_per_job : int, optional
-        The number of conditions per block. A block may have more, because conditions that share a training stay in
-        one block. The default is an eighth of the conditions, at most `MOST_CONDITIONS_A_BLOCK`, but enough for
-        `LEAST_TRAININGS_A_BLOCK`.
+        The number of conditions per block. A block may have more, because conditions with one `training_key` stay in
+        one block. The last block may have fewer. The default is the number of conditions divided by `DESIRED_BLOCKS`,
+        at most `MOST_CONDITIONS_PER_BLOCK`. Conditions of few trainings get larger blocks: enough for
+        `LEAST_TRAININGS_PER_BLOCK` on average.
 
     Returns
     -------
     dict of str to list of Planned
-        The blocks. Names such as ``0000-0024`` are the first and last number of a condition.
+        The blocks; empty for a plan without conditions. The conditions are sorted by `training_key`. Name
+        ``0000-0024`` is the block with indices 0 to 24 in this order, which is not the order of the plan.
     """
     least_size = conditions_per_job or _default_block_size(plan)
     blocks: list[list[Planned]] = []
@@ -226,22 +267,30 @@ def make_blocks(plan: Plan, conditions_per_job: int | None) -> dict[str, list[Pl
 
 
 def training_key(planned: Planned) -> tuple[str, str]:
-    """Return the key of the features, and the parameters. Conditions with equal results share one training."""
+    """Return the key of the features, ``""`` for the run's features, and all parameters as JSON.
+
+    Conditions with equal training keys differ only in name, votes and comparison. Their classifiers are trained once.
+    """
     return planned.key or "", planned.parameters.model_dump_json()
 
 
 def _default_block_size(plan: Plan) -> int:
+    """Return the default number of conditions per block, as `make_blocks` describes."""
     count = len(plan.conditions)
     trainings = sum(
         len(planned.parameters.recognition.pipelines) * len(planned.parameters.probing.strategies)
         for planned in plan.conditions
     )
-    least = -(-LEAST_TRAININGS_A_BLOCK * count // max(trainings, 1))
-    return max(least, min(-(-count // MOST_BLOCKS), MOST_CONDITIONS_A_BLOCK))
+    least = -(-LEAST_TRAININGS_PER_BLOCK * count // max(trainings, 1))
+    return max(least, min(-(-count // DESIRED_BLOCKS), MOST_CONDITIONS_PER_BLOCK))
 
 
 def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
-    """Describe a study and its conditions in built-in types."""
+    """Return the name, title and conditions of a study in built-in types, for `figures.study_figures`.
+
+    Each condition has ``name``, ``compared_with`` and ``recomputed``. ``compared_with`` None means the study's first
+    condition. ``recomputed`` is the first recomputed phase, or ``recognition`` if the condition uses the run's features.
+    """
     conditions = [
         {
             "name": planned.condition.name,
@@ -254,7 +303,10 @@ def describe_study(study: Study, plan: Plan) -> dict[str, Any]:
 
 
 def describe_conditions(conditions: Sequence[Planned]) -> list[dict[str, Any]]:
-    """Describe conditions for `measuring.make_study_block` in built-in types."""
+    """Return ``name``, ``changes``, ``votes`` and ``key`` per condition, for `measuring.make_study_block`.
+
+    The parameters are left out: the job computes them from the run's parameters and the changes.
+    """
     return [
         {
             "name": planned.condition.name,
@@ -267,16 +319,17 @@ def describe_conditions(conditions: Sequence[Planned]) -> list[dict[str, Any]]:
 
 
 def touches_needed(parameters: ExperimentParameters) -> int:
-    """Return the larger of the number of fixations and the number of touches that recognition uses."""
+    """Return the number of touches per sequence to compute: the fixations, or the touches to classify if more."""
     return max(parameters.attention.fixations, parameters.recognition.touches or 0)
 
 
 def touches_of_run(run: ExperimentParameters) -> int:
-    """Return the number of touches per sequence that the run classifies."""
+    """Return the number of touches per sequence that the run classifies: `recognition.touches`, or all fixations."""
     return run.recognition.touches or run.attention.fixations
 
 
 def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
+    """Set the value at a dotted name in place; raise `ParameterError` if it is unknown or can't vary."""
     for fixed, reason in _FIXED.items():
         if path not in _MAY_VARY and (path == fixed or path.startswith(f"{fixed}.")):
             raise ParameterError(f"{source}: {path} can't vary, because {reason}.")
@@ -291,10 +344,10 @@ def _set(values: dict[str, Any], path: str, new: object, source: str) -> None:
     parent[part] = new
 
 
-def _turned_further(
+def _with_turns_to_apply(
     parameters: ExperimentParameters, run: ExperimentParameters, source: str
 ) -> ExperimentParameters:
-    """Replace the turns of the objects by the turns that are applied to the run's meshes."""
+    """Set `meshes.turns` to ``none`` if the run's meshes have these turns; refuse other turns of turned meshes."""
     meshes, own = parameters.meshes, run.meshes
     if meshes.turns == "none" == own.turns:
         further = meshes.model_copy(update={"turn_draw": 0})
@@ -311,7 +364,7 @@ def _turned_further(
 
 
 def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
-    """Return the parameters of each phase, without the strategies and the number of fixations."""
+    """Return the parameter values of each phase, by the names in `_ORDER`, without strategies and fixations."""
     attention = parameters.attention.model_copy(update={"fixations": 0})
     probing = parameters.probing.model_copy(update={"strategies": ()})
     shared = parameters.model_copy(update={"attention": attention, "probing": probing})
@@ -322,7 +375,7 @@ def _upstream(parameters: ExperimentParameters) -> dict[str, Any]:
 
 
 def _merge(recomputations: Sequence[Recomputation]) -> Recomputation:
-    """Merge recomputations: the first phase, the most touches, and all strategies."""
+    """Merge the recomputations of one key: the earliest phase, the most touches, and all strategies."""
     parameters = [recomputation.parameters for recomputation in recomputations]
     first = parameters[0]
     fixations = max(map(touches_needed, parameters))

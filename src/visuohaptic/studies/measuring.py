@@ -1,4 +1,4 @@
-"""Measure conditions: read their features, train and test classifiers, and write accuracies. Used by all studies."""
+"""Measure conditions of any study: read their features, train and test classifiers, and write accuracies."""
 
 from __future__ import annotations
 
@@ -43,7 +43,17 @@ Paths = Sequence[str | Path]
 
 @dataclass(frozen=True)
 class Predictions:
-    """Predictions of all splits and classifiers for some sequences, and their processor seconds in sum."""
+    """Predictions of one pipeline.
+
+    Attributes
+    ----------
+    sequences : TouchSequences
+        All sequences, of training and test objects.
+    splits : sequence of SplitPrediction
+        One prediction per split and classifier.
+    seconds : float
+        Processor seconds for training and testing, summed over all splits and classifiers.
+    """
 
     sequences: TouchSequences
     splits: Sequence[SplitPrediction]
@@ -66,9 +76,9 @@ def make_study_block(
     study : str
         The study's name.
     conditions : sequence of mappings
-        The conditions as `conditions.describe_conditions` returns them.
+        The conditions as `conditions.describe_conditions` returns them, in the order of `conditions.make_blocks`.
     features, made, objects
-        Files of features, as for `features_by_key`.
+        Files of features, and objects to measure, as for `features_by_key`.
     output : path
         The file to write.
     run : ExperimentParameters
@@ -101,13 +111,14 @@ def features_by_key(
     made : mapping of str to path
         Files of recomputed features by key.
     objects : collection of str, optional
-        Objects, ``class/name``, to take from the run's features. The default is all objects.
+        Objects, ``class/name``, to select from the run's features; None for all. Files of recomputed
+        features are read whole.
 
     Returns
     -------
     callable
-        Takes a key. Returns a table, or an error message if the features could not be computed. Only the last table
-        is cached, because conditions with the same key are contiguous.
+        Takes a key. Returns `tables.FEATURES`, or an error message if the features could not be computed. Only the
+        last table is cached, so call the function in the order of the keys.
     """
 
     @lru_cache(maxsize=1)
@@ -123,8 +134,28 @@ def features_by_key(
 def condition_features(planned: Planned, features: pa.Table | str, strategy: str) -> pa.Table:
     """Select the rows of a condition and strategy from features that several conditions share.
 
-    Viewpoints without a whole sequence, and classes with a single object, are left out. Raises `RecognitionError` if
-    no row is left, or if `features` is an error message.
+    Drops viewpoints with fewer touches than `recognition.touches`, or than the longest sequence if that is None. Then
+    drops classes with a single object. Keeps the first `touches_needed` touches per sequence, which can be more than
+    `recognition.touches`.
+
+    Parameters
+    ----------
+    planned : Planned
+        The condition.
+    features : pyarrow.Table or str
+        `tables.FEATURES` of the condition's key, or the error message of `features_by_key`.
+    strategy : str
+        A probing strategy.
+
+    Returns
+    -------
+    pyarrow.Table
+        Rows of `tables.FEATURES`.
+
+    Raises
+    ------
+    RecognitionError
+        If the strategy has no touches, no viewpoint has enough touches, or `features` is an error message.
     """
     if isinstance(features, str):
         raise RecognitionError(features)
@@ -136,10 +167,25 @@ def condition_features(planned: Planned, features: pa.Table | str, strategy: str
 def measure_conditions(
     study: str, conditions: Sequence[Planned], features: pa.Table | str, seed: int
 ) -> Iterator[pa.Table]:
-    """Train once, and test conditions that differ only in their votes.
+    """Train each pipeline and strategy once, and compute the accuracies of conditions with equal training keys.
 
-    Yields `tables.STUDY` per pipeline, strategy and condition. A refused condition has one row per classifier with
-    the reason. `features` may be an error message instead of a table.
+    Parameters
+    ----------
+    study : str
+        The study's name.
+    conditions : sequence of Planned
+        Conditions that differ only in name and votes. Their `conditions.training_key` must be equal, because only the
+        parameters of the first condition are read.
+    features : pyarrow.Table or str
+        `tables.FEATURES` of the conditions' key, or an error message, which refuses all conditions.
+    seed : int
+        The seed of the run.
+
+    Yields
+    ------
+    pyarrow.Table
+        `tables.STUDY` for a pipeline, strategy, condition and classifier. If an error of `REFUSALS` refuses the
+        condition, one table instead has one row per classifier, with the error message.
     """
     first = conditions[0]
     recognition = first.parameters.recognition
@@ -158,7 +204,10 @@ def measure_conditions(
 def predict_condition(
     planned: Planned, features: pa.Table | str, strategy: str, pipeline: str, seed: int
 ) -> Predictions:
-    """Train and test a pipeline on every split of a condition's touches by one strategy."""
+    """Train and test the classifiers of a pipeline in every split, on a condition's touches by one strategy.
+
+    `features` is as for `condition_features`. Raises an error of `REFUSALS` if the features do not suffice.
+    """
     recognition = planned.parameters.recognition
     rows = condition_features(planned, features, strategy)
     sequences = gather_pipeline(rows, recognition, pipeline, seed)
@@ -170,11 +219,13 @@ def predict_condition(
 
 
 Key = tuple[str, str, str, str]
+"""Study, condition, pipeline and strategy."""
+
 _KEY = ("study", "condition", "pipeline", "strategy")
 
 
 def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> Iterator[pa.Table]:
-    """Yield `tables.STUDY` of each classifier: one row per object, split and repeat.
+    """Yield `tables.STUDY` of each classifier, with one row per test object, split and repeat.
 
     Parameters
     ----------
@@ -183,13 +234,16 @@ def cell_rows(key: Key, predictions: Predictions, votes: int | None = None) -> I
     predictions : Predictions
         The predictions of all splits and classifiers.
     votes : int, optional
-        The number of viewpoints that vote. Each evenly spaced choice of `votes` viewpoints is one recognition. The
-        default is that each sequence is one recognition.
+        The number of viewpoints that vote on an object. The default is no vote: the accuracy is the share of an
+        object's test sequences that is correctly classified, and column ``sequences`` is their number. With votes, the
+        accuracy is the mean of `group_credit` over all choices of `evenly_spaced_subsets`, and ``sequences`` is 1.
+        Choices without a test sequence of the object do not count.
 
     Raises
     ------
     RecognitionError
-        If the run has fewer viewpoints than `votes`.
+        If the sequences have fewer viewpoints than `votes`, or if `votes` exceeds 1 and the protocol tests objects
+        from only some of their viewpoints.
     """
     sequences = predictions.sequences
     by_classifier: dict[str, list[tuple[NDArray[Any], ...]]] = {}
@@ -240,7 +294,7 @@ def error_rows(key: Key, classifiers: Sequence[str], error: str) -> pa.Table:
 def _count_correct(
     sequences: TouchSequences, prediction: SplitPrediction
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Return the tested objects, and the number of correct sequences and of all sequences of each object."""
+    """Return the indices of the test objects, and per object the number of correct and of all test sequences."""
     test = prediction.split.test
     owners, row = np.unique(sequences.object_index[test], return_inverse=True)
     correct = prediction.predicted == sequences.labels[test]
@@ -251,7 +305,7 @@ def _count_correct(
 def _vote(
     sequences: TouchSequences, prediction: SplitPrediction, votes: int
 ) -> tuple[IntArray, FloatArray, IntArray]:
-    """Return the tested objects, each object's share of correct votes of `votes` viewpoints, and ones."""
+    """Return the indices of the test objects, and per object the mean credit of its votes and the weight 1."""
     test, viewpoints = prediction.split.test, np.unique(sequences.viewpoint)
     if votes > len(viewpoints):
         raise RecognitionError(
@@ -277,21 +331,25 @@ def _vote(
 def group_credit(
     prediction: SplitPrediction, members: BoolArray, true_class: IntArray
 ) -> FloatArray:
-    """Return the credit of m groups of n test sequences: by pooled log probabilities if given, else by majority vote.
+    """Classify m groups of test sequences, and return the credit of each group.
+
+    A prediction with log probabilities classifies a group by the largest mean log probability, without ties.
+    Otherwise the sequences of the group vote by majority.
 
     Parameters
     ----------
     prediction : SplitPrediction
         Predictions for the n test sequences of a split.
     members : ndarray of shape (m, n), bool
-        True for the test sequences of each group.
+        ``members[i, j]`` is True if test sequence j is in group i. Each group needs a sequence.
     true_class : ndarray of shape (m,), int64
         Class index of each group's object.
 
     Returns
     -------
     ndarray of shape (m,), float64
-        1 for a correct classification; 1/k if k classes, the true class included, have the most votes; else 0.
+        1 for the true class, 0 for another class. In a majority vote, 1/k if k classes, one of them the true class,
+        share the most votes.
     """
     if prediction.log_probabilities is None:
         group, sequence = np.nonzero(members)

@@ -35,6 +35,7 @@ DUMP_FOR_CONDITIONS = {"exclude": {**WITHOUT_EFFECT, "recognition": {"intervals"
 FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")
 """Files with the figures of a study's conditions; ``{}`` is the study's name."""
 
+# Patterns of the files of a study, without those of its steps; ``{}`` is the study's name.
 _OWN = (
     *FIGURES,
     *("results/study_blocks/{}/*", "results/study_features/{}/*"),
@@ -56,7 +57,7 @@ class Condition:
     compared_with : str, optional
         Name of the condition to compare with. The default is the study's first condition.
     votes : int, optional
-        The number of viewpoints that vote on an object. The default is that each sequence counts by itself.
+        The number of viewpoints that vote on an object. The default is no vote: each sequence is classified by itself.
     """
 
     name: str
@@ -74,17 +75,18 @@ class StepInputs:
     study : str
         The study's name.
     inputs : mapping of str to sequence of str
-        Files by entry of `Step.takes`.
+        Files by entry of `Step.takes`. The files of steps are together in entry ``tables``, in the order of
+        `Step.takes` and `Step.takes_where`. ``meshes`` has one file per object.
     outputs : sequence of str
-        The files to write.
+        The files to write: `Step.files` with the values of the wildcards.
     run : ExperimentParameters
         The parameters that the step needs; all other parameters have their defaults.
     wildcards : mapping of str to str
         Values of the wildcards, for a step with one job per pipeline or condition.
     made : mapping of str to str
-        Files of recomputed features by key.
+        Files of recomputed features by key; empty if the step gets no ``made``.
     objects : sequence of str, optional
-        Objects, ``class/name``, to use. The default is all objects.
+        The objects, ``class/name``, of a study that measures a sample. The default is all objects.
     condition : mapping, optional
         The condition as `conditions.describe_conditions` returns it, for a step with one job per condition.
     processes : int
@@ -109,26 +111,30 @@ class Step:
     Attributes
     ----------
     name : str
-        Name of the rule, log and record.
+        Name of the rule, log and record. Unique among the steps of all studies.
     work : str
         The function, as ``module:function``, which takes `StepInputs` and writes the outputs. Only the job imports
         the module. The module's code is part of the job's key.
     files : tuple of str
-        The files to write. With ``{condition}`` or ``{pipeline}`` in the names, the step has one job per value.
+        The files to write. With ``{condition}`` or ``{pipeline}`` in all names, the step has one job per value.
     takes : tuple of str
         Inputs: tables of the run (``meshes``, ``fixations``, ``features``, ``predictions``), ``blocks`` of the
-        conditions, ``made`` (recomputed features), and files of other steps. If a step takes ``predictions``, the
-        blocks leave out conditions that the run measured.
+        conditions, ``made`` (recomputed features), and files of steps of any study. If a step takes ``predictions``,
+        the blocks leave out conditions that `conditions.is_measured_by_run` finds in the run. If the study measures
+        only a sample of the objects, ``predictions`` is empty and the blocks are complete. A step with
+        ``{condition}`` ignores `takes`: it gets the ``features`` and ``made`` of its condition.
     takes_where : mapping of str to str
-        Files of other steps to take only if a parameter is true, by dotted name of the parameter.
+        Dotted name of a parameter to file of a step. The step takes the file only if the parameter is true.
     needs : mapping
         Arguments of `pydantic.BaseModel.model_dump` that select the parameters of the step.
     objects : str
-        The objects of the meshes and fixations: ``all``, ``study``, ``two`` or ``timed``.
+        The objects whose meshes and fixations the step takes: ``study`` (all objects that the study measures),
+        ``timed`` (at most `cost.objects` evenly spaced objects of the study) or ``two`` (at most two).
     is_block : bool
-        Whether the files contain rows of `tables.STUDY`, to be used like blocks.
+        Whether the files contain rows of `tables.STUDY`. If so, they are inputs of the figures and of steps that take
+        ``blocks``.
     is_alone : bool
-        Whether the job takes all cores, because it measures run times or starts processes.
+        Whether the job reserves all cores, because it measures run times or starts processes.
     is_shown : bool
         Whether the report shows the files.
     """
@@ -148,12 +154,12 @@ class Step:
 
     @property
     def wildcards(self) -> tuple[str, ...]:
-        """The wildcards in the names of the files; there is one job per combination of their values."""
+        """The names of the wildcards in the first file; there is one job per combination of their values."""
         return tuple(name for name in ("condition", "pipeline") if f"{{{name}}}" in self.files[0])
 
     @property
     def record(self) -> str:
-        """The file with the record of the job (see `visuohaptic_workflow.records`)."""
+        """The file with the record of the job, with wildcards in braces (see `visuohaptic_workflow.records`)."""
         each = "".join(f"/{{{name}}}" for name in self.wildcards)
         return f"results/study_records/{self.name}{each}.json"
 
@@ -164,22 +170,26 @@ class Study:
 
     Attributes
     ----------
-    name, title : str
-        Name of rules and files, and heading in the report.
+    name : str
+        Name of the study in rules and files.
+    title : str
+        Heading in the report.
     conditions : callable
         Takes the run's parameters and returns the conditions.
     steps : tuple of Step
-        Further jobs, in the order of their work.
+        Further jobs. Snakemake orders the jobs by their files; the order here is the order of `shown`.
     has_figures : bool
-        Whether `tables.STUDY_FIGURES` is written.
+        Whether the figures of the conditions, `tables.STUDY_FIGURES`, are written to `FIGURES`.
     is_sampled : bool
         Whether the study measures a sample of at most ``cost.maximum_objects`` objects.
     is_part_of_run : bool
         Whether every run contains the study.
     is_on_request : bool
-        Whether later runs keep the study's files until its target is requested.
+        Whether later runs keep the study's files, even if outdated, until the study is requested. For other studies,
+        parameter `workflow.keep_studies_current` decides.
     is_coded : bool
-        Whether the study is part of the package or a Python file. Such a study also has a rule ``<name>_all``.
+        Whether the study is part of the package or a Python file. Rule ``study_<name>`` makes any study and the
+        report; a coded study also has rule ``<name>_all``.
     """
 
     name: str
@@ -194,30 +204,34 @@ class Study:
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """The files that the report shows; the date of the first file is the study's date."""
+        """The files that the report shows, with wildcards in braces; the first file dates the study."""
         steps = (file for step in self.steps if step.is_shown for file in step.files)
         return (*self._figures, *steps)
 
     @property
     def targets(self) -> tuple[str, ...]:
-        """The files to make for the study, without blocks and files with wildcards."""
+        """The files and records of figures and steps to make for the study.
+
+        Left out: blocks of conditions, and steps with wildcards. Files of steps with `is_block` are included.
+        """
         steps = (step for step in self.steps if not step.wildcards)
         return (*self._figures, *(file for step in steps for file in (*step.files, step.record)))
 
     @property
     def _figures(self) -> tuple[str, ...]:
+        """`FIGURES` with the study's name, or nothing without figures."""
         return tuple(file.format(self.name) for file in FIGURES if self.has_figures)
 
     @property
     def patterns(self) -> tuple[str, ...]:
-        """Patterns of the files that only this study writes."""
+        """Patterns for `fnmatch` of all files that the study and its steps write; no other study writes them."""
         own = (pattern.format(self.name) for pattern in _OWN)
         steps = (name for step in self.steps for name in (*step.files, step.record))
         return tuple(re.sub(r"{\w+}", "*", pattern) for pattern in (*own, *steps))
 
     @property
     def taken(self) -> tuple[str, ...]:
-        """The inputs of all steps: tables of the run, and files of steps of all studies."""
+        """The entries of `takes` and files of `takes_where` of all steps, whether or not the parameters are true."""
         return tuple(
             name for step in self.steps for name in (*step.takes, *step.takes_where.values())
         )
@@ -231,8 +245,18 @@ class Study:
         )
 
 
-def do_step(work: str, folders: Iterable[Path], step: StepInputs) -> None:
-    """Call the function `work` of a step; `folders` are appended to `sys.path`."""
+def do_step(work: str, folders: Iterable[Path], arguments: StepInputs) -> None:
+    """Import and call a function of a step.
+
+    Parameters
+    ----------
+    work : str
+        The function, as ``module:function``.
+    folders : iterable of Path
+        Folders to append to `sys.path` before the import.
+    arguments : StepInputs
+        The only argument of the function.
+    """
     sys.path += map(str, folders)
     module, _, function = work.partition(":")
-    getattr(import_module(module), function)(step)
+    getattr(import_module(module), function)(arguments)
