@@ -156,7 +156,8 @@ def evaluate(
         Rows of `tables.FEATURES`: a run's ``results/features``, `Exploration.features` of several objects, or an
         exported data set's ``features``. With `inputs` ``touches``, rows of `tables.TOUCHES`, such as
         ``results/touches``. Columns outside the schema are ignored. Sequences with fewer than `parameters.touches`
-        touches are dropped, and classes with fewer than two objects.
+        touches are dropped; with None, sequences shorter than the longest. Then classes with fewer than two objects
+        are dropped.
     parameters : RecognitionParameters, optional
         The protocol, the sequences, their encoding, and the interval; by default ``RecognitionParameters()``. Fields
         that name pipelines and classifiers are not used.
@@ -394,7 +395,7 @@ def _difference(start: Seconds, end: Seconds) -> Seconds:
 
 
 def _take_strategy_rows(table: pa.Table, strategy: str, touches: int | None) -> pa.Table:
-    """Return the rows of a strategy that `recognition.sequences.take_strategy` takes, with list columns."""
+    """Return rows as `take_strategy`, with list columns; with `touches` None, sequences as long as the longest."""
     # pyarrow can't join tables with list columns, so choose row numbers without these columns.
     lists = [field.name for field in table.schema if pa.types.is_list(field.type)]
     numbered = table.drop_columns(lists).append_column("row", [np.arange(len(table))])
