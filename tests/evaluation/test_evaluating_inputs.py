@@ -154,6 +154,17 @@ def test_nested_estimators_without_a_seed_get_one(features):
     assert first.predictions != other.predictions
 
 
+def test_a_seed_of_the_estimator_is_replaced_but_a_nested_seed_is_kept(features):
+    first, second = (RandomForestClassifier(3, max_depth=1, random_state=seed) for seed in (1, 2))
+    replaced = [vh.evaluate(one, features, FEW).predictions for one in (first, second)]
+    assert replaced[0] == replaced[1]
+    nested = [
+        vh.evaluate(make_pipeline(FunctionTransformer(), one), features, FEW).predictions
+        for one in (first, second)
+    ]
+    assert nested[0] != nested[1]
+
+
 def test_a_number_of_splits_is_a_balanced_sample_or_the_first_folds(features):
     whole = vh.evaluate(GaussianNB(), features)
     assert whole.splits == 81

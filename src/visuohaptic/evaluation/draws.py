@@ -1,4 +1,8 @@
-"""Average accuracies and leads over several draws of the places of a random strategy."""
+"""Average accuracies and leads over several draws of a random strategy.
+
+A draw is one random choice of all locations that the strategy touches. The draws of strategy ``random`` are numbered
+from 0. Draw 0 has the strategy's name, ``random``. Further draws are named ``random#1``, ``random#2`` and so on.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +18,24 @@ from visuohaptic.base.draws import draw_of
 from visuohaptic.evaluation.by_object import average_by_object
 
 CellKey = tuple[str, str, str]
-"""Pipeline, strategy and classifier."""
+"""Pipeline, strategy and classifier of one entry of the results; the strategy has no number of a draw."""
 
 _CELL = ["pipeline", "strategy", "classifier"]
 
 
 @dataclass(frozen=True)
-class Draw:
-    """Accuracies (o,) and weights (o,) of the objects that one draw tested."""
+class ObjectAccuracies:
+    """Accuracies of the objects that one strategy tested, such as fixation or one draw of a random strategy.
+
+    Attributes
+    ----------
+    objects : tuple of (str, str)
+        Class and name of o objects. Accuracies that are compared need the same order of objects.
+    accuracy : array (o,), float64
+        For each object, the mean accuracy over the splits that tested the object.
+    weights : array (o,), float64
+        The objects' weights in `mean`. Only their ratios count.
+    """
 
     objects: tuple[tuple[str, str], ...]
     accuracy: FloatArray
@@ -29,25 +43,27 @@ class Draw:
 
     @property
     def mean(self) -> float:
-        """The mean over splits of the share of test sequences correctly classified."""
+        """The weighted mean of `accuracy`; with all tested objects, the mean over splits of each split's accuracy."""
         return float(self.weights @ self.accuracy / self.weights.sum())
 
 
 @dataclass(frozen=True)
 class FurtherDraws:
-    """The draws of one pipeline, strategy and classifier after the first, in order.
+    """The measured draws from number 1 of one pipeline, strategy and classifier, in the order of their numbers.
 
-    `notes` has one sentence per draw that failed.
+    `notes` has one sentence per draw that failed. Failed draws are not in `draws`.
     """
 
-    draws: tuple[Draw, ...] = ()
+    draws: tuple[ObjectAccuracies, ...] = ()
     notes: tuple[str, ...] = ()
 
 
 def further_draws(rows: pa.Table | None) -> dict[CellKey, FurtherDraws]:
-    """Return the further draws of each pipeline, strategy and classifier in rows of `tables.STUDY`.
+    """Compute accuracies per object and draw from rows of `tables.STUDY` of one study and condition.
 
-    Column ``strategy`` names the draw, such as ``random#2``. Without a table the result is empty.
+    The rows must not contain draw 0. Column ``strategy`` has the name of the draw, such as ``random#2``. The strategy
+    in the keys of the result has no number, such as ``random``. A draw with text in column ``error`` has a note and
+    no accuracies. Without a table or rows the result is empty.
     """
     if rows is None or not rows.num_rows:
         return {}
@@ -66,23 +82,24 @@ def further_draws(rows: pa.Table | None) -> dict[CellKey, FurtherDraws]:
             by_cell[key] = FurtherDraws(earlier.draws, (*earlier.notes, note))
             continue
         means = average_by_object(measured)
-        draw = Draw(means.objects, means.accuracy, means.weights)
+        draw = ObjectAccuracies(means.objects, means.accuracy, means.weights)
         by_cell[key] = FurtherDraws((*earlier.draws, draw), earlier.notes)
     return by_cell
 
 
-def mean_over_draws(draws: Sequence[Draw]) -> Draw:
+def mean_over_draws(draws: Sequence[ObjectAccuracies]) -> ObjectAccuracies:
     """Average each object's accuracy and weight over the draws that tested the object.
 
     Parameters
     ----------
-    draws : sequence of Draw
-        At least one draw. The result has the objects of the first draw.
+    draws : sequence of ObjectAccuracies
+        At least one draw.
 
     Returns
     -------
-    Draw
-        The mean over draws; a single draw is returned unchanged.
+    ObjectAccuracies
+        The objects of the first draw, with their means. Objects that only other draws tested are dropped. A single
+        draw is returned unchanged.
     """
     first, *others = draws
     if not others:
@@ -97,12 +114,15 @@ def mean_over_draws(draws: Sequence[Draw]) -> Draw:
         ]
         accuracy.append(np.mean([draw.accuracy[index] for draw, index in tested]))
         weights.append(np.mean([draw.weights[index] for draw, index in tested]))
-    return Draw(first.objects, np.array(accuracy), np.array(weights))
+    return ObjectAccuracies(first.objects, np.array(accuracy), np.array(weights))
 
 
 @dataclass(frozen=True)
 class LeadOverDraws:
-    """The lead of fixation over each draw of a random strategy: differences of shares, in the order of the draws."""
+    """The lead of fixation over each draw of a random strategy, in the order of the draws.
+
+    `leads` are accuracies by fixation minus accuracies by the draw, in [-1, 1]: 0.1 is a lead of 10 points.
+    """
 
     leads: tuple[float, ...]
 
@@ -122,33 +142,39 @@ class LeadOverDraws:
         return float(np.std(self.leads, ddof=1)) if self.count > 1 else 0.0
 
 
-def lead_over_draws(reference: Draw, draws: Sequence[Draw]) -> LeadOverDraws:
-    """Compute the lead of `reference` over each draw.
+def lead_over_draws(
+    reference: ObjectAccuracies, draws: Sequence[ObjectAccuracies]
+) -> LeadOverDraws:
+    """Compute the lead of `reference`, the accuracies by fixation, over each draw.
 
-    A lead is the weighted mean of the differences over the objects of both, with the weights of `reference`.
+    A lead is the weighted mean over objects of the accuracy of `reference` minus the accuracy of the draw. Only
+    objects that both tested count, with the weights of `reference`. Without a common object the lead is NaN.
     """
     return LeadOverDraws(tuple(_lead(reference, draw) for draw in draws))
 
 
-def _lead(reference: Draw, other: Draw) -> float:
+def _lead(reference: ObjectAccuracies, other: ObjectAccuracies) -> float:
+    """Compute the lead of `reference` over one draw, as `lead_over_draws`."""
     first, second = in_common(reference, other)
     return float(first.weights @ (first.accuracy - second.accuracy) / first.weights.sum())
 
 
-def in_common(first: Draw, second: Draw) -> tuple[Draw, Draw]:
-    """Return both draws with only the objects that both tested."""
+def in_common(
+    first: ObjectAccuracies, second: ObjectAccuracies
+) -> tuple[ObjectAccuracies, ObjectAccuracies]:
+    """Return both arguments with only the objects that both tested, in the same order."""
     shared = {*first.objects} & {*second.objects}
-    return _take(first, shared), _take(second, shared)
+    return _take_objects(first, shared), _take_objects(second, shared)
 
 
-def _take(draw: Draw, objects: set[tuple[str, str]]) -> Draw:
+def _take_objects(draw: ObjectAccuracies, objects: set[tuple[str, str]]) -> ObjectAccuracies:
     rows = [row for row, key in enumerate(draw.objects) if key in objects]
     kept = tuple(draw.objects[row] for row in rows)
-    return Draw(kept, draw.accuracy[rows], draw.weights[rows])
+    return ObjectAccuracies(kept, draw.accuracy[rows], draw.weights[rows])
 
 
 def plain_lead(lead: LeadOverDraws) -> Mapping[str, object]:
-    """Return the lead over draws in types that JSON has."""
+    """Return a dict with keys ``count``, ``leads`` and ``standard_deviation``, for JSON."""
     return {
         "count": lead.count,
         "leads": list(lead.leads),

@@ -1,4 +1,4 @@
-"""Evaluate any classifier with the experiment's protocol: accuracy, interval, and seconds."""
+"""Evaluate any classifier with the splits of the experiment: accuracy, its interval, and time in seconds."""
 
 from __future__ import annotations
 
@@ -53,27 +53,29 @@ class Seconds:
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """Accuracy of a classifier on test sequences. Compared by identity.
+    """Accuracy of a classifier on test sequences. Operator ``==`` is True only for the same Python object.
 
     Attributes
     ----------
     accuracy : float
-        Mean over splits of the share of test sequences that are correctly classified.
+        Mean over splits of the share of test sequences that are correctly classified, in [0, 1].
     low, high : float or None
-        Ends of the interval of `accuracy` over objects, computed as in the report. With a single object both are
-        None.
+        Ends of the interval of `accuracy` over objects, by `intervals.object_interval`. With a single object both
+        are None.
     by_object : mapping of str to float
-        Mean accuracy of each object. Keys are ``class/name``.
+        For each tested object, the mean accuracy over the splits that tested the object. Keys are ``class/name``.
     splits : int
         The number of splits into training and test objects.
     predictions : pyarrow.Table
         `tables.PREDICTIONS` with one row per test sequence and split.
     weights : mapping of str to float
-        Weight of each object in `accuracy`. Keys are ``class/name``.
+        Weight of each object: `accuracy` is the weighted mean of `by_object`. The weights sum to `splits`. Keys are
+        ``class/name``.
     fit, predict : Seconds
-        Time of all fits and of all predictions, summed over splits. The time of the scaling, map and rotation of
-        each split is included. The time of steps before the splits, such as touching, is not. Processor time does
-        not include processes that the classifier starts.
+        Time of all fits and of all predictions, summed over splits. `fit` includes the fit of the preparation
+        (scaling, self-organising map, PCA rotation) and its transform of training sequences. `predict` includes its
+        transform of test sequences. The time of steps before the splits, such as touching, is not included.
+        Processor time does not include processes that the classifier starts.
     """
 
     accuracy: float
@@ -96,20 +98,21 @@ class Evaluation:
     def compare(
         self, other: Evaluation, parameters: IntervalParameters | None = None
     ) -> PairedComparison:
-        """Compare two classifiers, paired over the objects that both tested, as in the report.
+        """Compare two classifiers by a sign-change test, paired over the objects that both tested.
 
         Parameters
         ----------
         other : Evaluation
-            The evaluation to subtract.
+            The evaluation to subtract. Its splits may differ from the splits of this evaluation.
         parameters : IntervalParameters, optional
-            Confidence and number of permutations. The default is that of the default run.
+            Confidence of the interval and largest number of sign changes; by default ``IntervalParameters()``, also
+            if the evaluation used other parameters.
 
         Returns
         -------
         PairedComparison
-            The mean of this accuracy minus the other, weighted by `self.weights`, its interval, and a two-sided
-            p value.
+            The mean over objects of this accuracy minus the other, weighted by `self.weights`, its interval, and a
+            two-sided p value, computed by `intervals.compare_paired`.
 
         Raises
         ------
@@ -139,36 +142,43 @@ def evaluate(
     inputs: Inputs = "features",
     splits: Splits = None,
 ) -> Evaluation:
-    """Train and test a classifier on each split of the experiment, as in the report.
+    """Train and test a classifier on each split; with the defaults, the splits are those of the report.
 
     Parameters
     ----------
     estimator : object or str
         An unfitted scikit-learn classifier, or the name of a registered classifier, such as
-        ``support_vector_machine``. Each split fits a copy. `y` are class indices from 0. If `fit` has a parameter
-        `groups`, it gets the object index of each training sequence, (n,). Each `random_state` that is None gets a
-        seed, in nested estimators too.
+        ``support_vector_machine``. Each split fits a copy. `y` (n,) has the class indices, from 0, of the n training
+        sequences. If `fit` has a parameter `groups`, `groups` (n,) has the object index of each training sequence.
+        Parameter `random_state` of the copy is replaced by a seed of the split, even if set. In nested estimators
+        only a `random_state` that is None is replaced.
     table : pyarrow.Table, data frame, mapping of arrays or path
         Rows of `tables.FEATURES`: a run's ``results/features``, `Exploration.features` of several objects, or an
         exported data set's ``features``. With `inputs` ``touches``, rows of `tables.TOUCHES`, such as
-        ``results/touches``. Other columns are ignored.
+        ``results/touches``. Columns outside the schema are ignored. Sequences with fewer than `parameters.touches`
+        touches are dropped; with None, sequences shorter than the longest. Then classes with fewer than two objects
+        are dropped.
     parameters : RecognitionParameters, optional
-        The protocol, the sequences, and their encoding. The default is that of the default run.
+        The protocol, the sequences, their encoding, and the interval; by default ``RecognitionParameters()``. Fields
+        that name pipelines and classifiers are not used.
     strategy : str
-        The probing strategy whose rows are evaluated.
+        The probing strategy of the evaluated rows. Rows of other strategies are ignored.
     seed : int
-        The experiment's seed, from which the splits are drawn. The default is that of the default run.
+        The experiment's seed. All random choices depend on this seed: splits, self-organising map, and seeds of the
+        classifier. The default is that of a run with default parameters.
     n_jobs : int
         The number of processes, -1 for one per processor. The result does not depend on it.
     inputs : {"features", "descriptors", "touches"}
-        The classifier's input per sequence. ``features``: the paper's 60 numbers. ``descriptors``: the numbers of
-        pipeline `order_free`, scaled and rotated. Scaling, map and rotation are fitted on training objects only.
-        ``touches``: imprints and poses, a structured array of shape (n, t) from `recognition.touch_arrays`;
-        `recognition.flatten_touches` makes it two-dimensional.
+        The classifier's input `X`, one row per sequence. ``features``: the numbers of pipeline `paper` (60 by
+        default), from a self-organising map, then scaled. ``descriptors``: the numbers of pipeline `order_free`,
+        scaled and rotated by PCA. Scaling, map and rotation are fitted on training sequences only. ``touches``:
+        imprints and poses of t touches, a structured array of shape (n, t) as from `recognition.touch_arrays`.
+        `recognition.flatten_touches` converts this array to two dimensions.
     splits : int, iterable or scikit-learn splitter, optional
-        None: all splits of the protocol. A number n: a balanced sample of n combinations of one test object per
-        class, or the first n folds. An iterable: one list of test objects, ``class/name``, per split; all other
-        objects are training objects. A splitter gets the objects as `groups`.
+        None: all splits of the protocol. A number k: if the protocol tests one object per class
+        (``leave_one_object_a_class_out``), a balanced sample of k combinations; for other protocols, the first k
+        splits. There may be fewer than k. An iterable: one list of test objects, ``class/name``, per split; all
+        other objects are training objects. A splitter gets the object indices as `groups`.
 
     Returns
     -------
@@ -178,10 +188,12 @@ def evaluate(
     Raises
     ------
     ParameterError
-        If `inputs` or `splits` is not allowed.
+        If `inputs` or `splits` is not allowed, or `parameters` has another type.
+    RegistryError
+        If no registered classifier has the name `estimator`.
     RecognitionError
-        If the table has too few sequences, the classifier can't be copied, fitted or tested, or a predicted label is
-        not in `y`.
+        If the table can't be read or has too few sequences, a split of the caller trains and tests the same object, the
+        classifier can't be copied, fitted or tested, or a predicted label is not in `y`.
 
     Examples
     --------
@@ -200,7 +212,7 @@ def evaluate(
     else:
         check_classifier(estimator)
         classifier = Classifier.of("estimator", estimator)
-    whole = _of_strategy(_as_table(table, SCHEMAS[inputs]), strategy, parameters.touches)
+    whole = _take_strategy_rows(_as_table(table, SCHEMAS[inputs]), strategy, parameters.touches)
     prepared = prepare(inputs, whole, classifier, parameters, seed)
     chosen = choose_splits(prepared.sequences, parameters.protocol, seed, splits)
     tests = _test_splits(estimator, prepared, chosen, seed, n_jobs)
@@ -223,7 +235,7 @@ def evaluate(
 
 @dataclass(frozen=True)
 class _SplitTest:
-    """Predictions of one split, and the time of its fit and predictions."""
+    """Predictions for the test sequences of one split, and the time of the fit and of the predictions."""
 
     prediction: SplitPrediction
     fit: Seconds
@@ -233,6 +245,7 @@ class _SplitTest:
 def _test_splits(
     estimator: Any, prepared: Prepared, splits: list[Split], seed: int, n_jobs: int
 ) -> list[_SplitTest]:
+    """Fit and test a copy of the classifier on each split, in `n_jobs` processes."""
     parts = Parallel(n_jobs, return_as="generator")(
         delayed(_test_split)(prepared, split, seed, _short(estimator)) for split in splits
     )
@@ -250,7 +263,7 @@ def _test_splits(
 
 @one_thread()
 def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str) -> _SplitTest:
-    """Fit and test a classifier on one split, as `recognition.experiment.predict_split` does."""
+    """Fit and test a copy of the classifier on one split; `estimator_text` names the classifier in errors."""
     pipeline, sequences = prepared.pipeline, prepared.sequences
     generator = spawn_generator(seed, "recognition", pipeline.name, split.repeat, split.number)
     labels, owners = sequences.labels[split.train], sequences.object_index[split.train]
@@ -277,13 +290,13 @@ def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str
     note = getattr(model, "note_", None)
     return _SplitTest(
         SplitPrediction(split, name, labels_of_test, None, note),
-        _between(started, fitted),
-        _between(fitted, ended),
+        _difference(started, fitted),
+        _difference(fitted, ended),
     )
 
 
 def _seeded_deeply(estimator: Any, seed: int) -> Any:
-    """Set `random_state` of an estimator, and of nested estimators without a seed."""
+    """Set `random_state` of an estimator, even if set, and of nested estimators where None; return the estimator."""
     nested = [
         name
         for name, value in estimator.get_params(deep=True).items()
@@ -295,7 +308,7 @@ def _seeded_deeply(estimator: Any, seed: int) -> Any:
 
 
 def _check_labels(predicted: Any, split: Split, classes: int, estimator_text: str) -> IntArray:
-    """Return predicted labels as integers. Raises `RecognitionError` for a wrong shape or an unknown label."""
+    """Return predicted labels as integers. Raises `RecognitionError` for a wrong shape or a label that is not in `y`."""
     labels = np.asarray(predicted)
     if labels.shape != split.test.shape:
         raise RecognitionError(
@@ -312,7 +325,10 @@ def _check_labels(predicted: Any, split: Split, classes: int, estimator_text: st
 
 
 def check_classifier(estimator: Any) -> None:
-    """Raise `RecognitionError` unless an object is a scikit-learn classifier that can be copied."""
+    """Raise `RecognitionError` unless an object is a classifier that `sklearn.base.clone` can copy.
+
+    An object without scikit-learn's tags is a classifier if it has `get_params`, `fit` and `predict`.
+    """
     if isinstance(estimator, type):
         raise RecognitionError(
             f"{estimator.__name__} is a class; an object of it is needed, such as {estimator.__name__}()."
@@ -326,7 +342,7 @@ def check_classifier(estimator: Any) -> None:
 
 
 def _why_no_classifier(estimator: Any) -> str | None:
-    """Return the reason why an object is no classifier, such as ``without fit``; None for a classifier."""
+    """Return the end of the error "It is ...", such as ``without fit``, for no classifier; None for a classifier."""
     for name in ("get_params", "fit"):
         if not hasattr(estimator, name):
             return f"without {name}"
@@ -350,6 +366,7 @@ def _check_clone(estimator: Any) -> None:
 
 
 def _describe_rows(rows: Any) -> str:
+    """Return the shape of an array, with the fields of a structured array, for errors."""
     fields = rows.dtype.names
     if not fields:
         return f"rows of shape {rows.shape}"
@@ -358,24 +375,27 @@ def _describe_rows(rows: Any) -> str:
 
 
 def _short(estimator: Any) -> str:
+    """Return the repr of an estimator in one line of at most 101 characters, for errors."""
     text = " ".join(repr(estimator).split())
     return text if len(text) <= 100 else f"{text[:100]}…"
 
 
 def _reason(error: BaseException) -> str:
+    """Return the message of an exception in one line without a full stop; the type's name if there is no message."""
     return (" ".join(str(error).split()) or type(error).__name__).rstrip(".")
 
 
 def _clock() -> Seconds:
+    """Return the current readings of both clocks; only differences of readings have a meaning."""
     return Seconds(time.process_time(), time.perf_counter())
 
 
-def _between(start: Seconds, end: Seconds) -> Seconds:
+def _difference(start: Seconds, end: Seconds) -> Seconds:
     return Seconds(end.processor - start.processor, end.wall - start.wall)
 
 
-def _of_strategy(table: pa.Table, strategy: str, touches: int | None) -> pa.Table:
-    """Take the whole sequences of one strategy and of classes with at least two objects."""
+def _take_strategy_rows(table: pa.Table, strategy: str, touches: int | None) -> pa.Table:
+    """Return rows as `take_strategy`, with list columns; with `touches` None, sequences as long as the longest."""
     # pyarrow can't join tables with list columns, so choose row numbers without these columns.
     lists = [field.name for field in table.schema if pa.types.is_list(field.type)]
     numbered = table.drop_columns(lists).append_column("row", [np.arange(len(table))])
@@ -384,6 +404,7 @@ def _of_strategy(table: pa.Table, strategy: str, touches: int | None) -> pa.Tabl
 
 
 def _as_table(table: Any, schema: Schema) -> pa.Table:
+    """Read a path, or convert a table, to the columns of a schema. Raises `RecognitionError` if this is impossible."""
     read = read_table if isinstance(table, str | Path) else take_table
     try:
         return read(schema, table)
@@ -396,6 +417,7 @@ def _as_table(table: Any, schema: Schema) -> pa.Table:
 
 
 def _is_feature_table(table: Any, read: Callable[[Schema, Any], pa.Table]) -> bool:
+    """Return whether `read(FEATURES, table)` works, so that an error can name the missing imprints."""
     try:
         read(FEATURES, table)
     except TableError:

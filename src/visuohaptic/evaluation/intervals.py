@@ -1,19 +1,24 @@
 """Intervals over objects by one rule, and paired tests over objects.
 
-Sequences of one object are not independent, so the unit is the object. Each object has one value: its accuracy
-over every split that tested it. An interval shows how far a mean may lie from the mean over all objects of the
-same kind. The trained classifiers are fixed, so the variation of training objects is not included.
+Sequences of one object are not independent, so the unit is the object. Each object has one value, such as its mean
+accuracy over the splits that tested the object. The interval is a confidence interval of the mean over all objects of
+the same kind, from the observed sample of objects. The trained classifiers are fixed, so the variation of training
+objects is not included.
 
-The rule for the low end (the high end is its mirror image): objects and an extra object get random weights. These
-are their own weights times draws of a gamma distribution. Its shape is 1 for objects (Bayesian bootstrap, D. Rubin,
-Annals of Statistics 9(1), 1981) and `EXTRA` for the extra object. The low end is the smaller of two quantiles of the
-weighted mean:
+The rule for the low end, with tail = (1 - confidence) / 2; the high end is its mirror image:
 
-- the observed objects: the extra object has the value of the worst object;
-- unobserved objects: the extra object has the lowest possible value, all others have the value of the best object.
+1. Add an extra object. Its weight is sum(w**2) / sum(w), where w are the weights of the observed objects.
+2. Multiply each weight by a random factor with a gamma distribution. The shape is 1 for observed objects (Bayesian
+   bootstrap, D. Rubin, Annals of Statistics 9(1), 1981) and `EXTRA` for the extra object.
+3. Compute quantile `tail` of the weighted mean over all objects, twice. The low end is the smaller quantile.
 
-Each weighted mean rises with each value, so no end moves up when an object gets worse. If all values are 0 or 1,
-both quantiles are quantiles of beta distributions.
+   - Variation of observed objects: the extra object has the lowest observed value.
+   - Unobserved failures: the extra object has the lowest possible value, and all other objects have the highest
+     observed value.
+
+The quantiles are computed by numerical integration, without random draws. The rule is monotone: both ends stay or
+fall if the value of an object falls. If all values are 0 or 1 and all weights are equal, the random mean has a beta
+distribution.
 """
 
 from __future__ import annotations
@@ -30,34 +35,43 @@ from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.recognition.parameters import IntervalParameters
 
 Bounds = tuple[float, float]
-"""The lowest and the highest value that an object can have."""
+"""Type of bounds: the lowest and the highest value that an object can have."""
 
 SHARE: Bounds = (0.0, 1.0)
+"""Bounds of a share, such as an accuracy."""
 DIFFERENCE: Bounds = (-1.0, 1.0)
 """Bounds of the difference of two shares."""
 CORRELATION: Bounds = (-1.0, 1.0)
+"""Bounds of a correlation coefficient."""
 UNBOUNDED: Bounds = (-math.inf, math.inf)
+"""Bounds of a measure without limits; intervals then use only the observed objects."""
 
 EXTRA = 0.75
-"""Weight of the extra object, in objects: the smallest multiple of 0.05 with a coverage of 93 % (docs/recognition.md)."""
+"""Shape of the extra object's gamma distribution, which is also its mean factor; observed objects have shape 1.
 
-# Trapezoidal rule over x with nodes at sinh x: integrands with a power-law tail are then summed as exactly as
-# integrands with a normal tail. Powers of a literal have the same bits on every processor.
+The smallest multiple of 0.05 at which intervals of confidence 95 % contain the true mean in at least 93 % of
+simulations. The simulated objects have values 0 or 1 (docs/recognition.md). The value is also in the code of
+`_probability_below_zero`.
+"""
+
+# Trapezoidal rule over x = 0, 1/16, ..., 383/16 for integrals over sinh x from 0 to infinity. The substitution makes
+# integrands with a power-law tail decay exponentially in x. Powers of a literal have the same bits on every processor.
 _STEP = 1 / 16
-_GROWTH = np.concatenate([[1.0], np.cumprod(np.full(383, 1.0644944589178593))])  # e^x
-_NODES = (_GROWTH - 1 / _GROWTH) / 2
-_WIDTHS = (_GROWTH + 1 / _GROWTH) / 2 * np.where(_GROWTH == 1, 0.5, 1.0)
-_HALVINGS = 16
-_FIRST_HALVINGS = 3
-_TURNS = 100
-_NARROW = 1e-12
+_EXPONENTIALS = np.concatenate([[1.0], np.cumprod(np.full(383, 1.0644944589178593))])  # e^x
+_NODES = (_EXPONENTIALS - 1 / _EXPONENTIALS) / 2  # sinh x
+_WIDTHS = (_EXPONENTIALS + 1 / _EXPONENTIALS) / 2 * np.where(_EXPONENTIALS == 1, 0.5, 1.0)  # cosh x
+_SADDLE_BISECTIONS = 16
+_ROOT_BISECTIONS = 3
+_MAXIMUM_ROOT_STEPS = 100
+_ROOT_TOLERANCE = 1e-12
+"""`_root` ends at this function value or at this width of the bracket."""
 _ROUNDING = 1e-9
 """How far values may lie outside their bounds, to allow for rounding."""
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A mean and its interval; ends are NaN where there are none."""
+    """A mean and the ends of its confidence interval; both ends are NaN for a single object."""
 
     mean: float
     low: float
@@ -66,9 +80,10 @@ class Interval:
 
 @dataclass(frozen=True)
 class PairedComparison:
-    """The mean difference, first minus second, between two treatments of the same objects.
+    """Result of a paired test of two treatments of the same objects.
 
-    `p_value` is two-sided. `exact` is True if the test took all sign changes, False if it took a random sample.
+    `difference` is the weighted mean of first minus second, with its interval. `p_value` is two-sided. `objects` is
+    the number of objects. `exact` is True if `p_value` comes from all sign changes, False if from a random sample.
     """
 
     difference: Interval
@@ -78,7 +93,7 @@ class PairedComparison:
 
 
 def plain_interval(interval: Interval) -> dict[str, float | None]:
-    """Return ``mean``, ``low`` and ``high`` by name, for JSON; NaN becomes None."""
+    """Return a dict with keys ``mean``, ``low`` and ``high``, for JSON; NaN becomes None."""
     return {name: None if np.isnan(value) else value for name, value in vars(interval).items()}
 
 
@@ -93,14 +108,14 @@ def object_interval(
     Parameters
     ----------
     values : array (o,)
-        One value per object, within the bounds.
+        One finite value per object, within the bounds; at least one object.
     weights : array (o,)
-        Positive weights.
+        One positive weight per object. Only the ratios of weights count.
     parameters : IntervalParameters
-        The confidence.
+        Only `confidence` is used: 0.95 is an interval from the 2.5 % to the 97.5 % quantile.
     bounds : tuple of two floats
-        The lowest and the highest possible value. With an infinite bound, the end on that side uses the
-        observed objects only.
+        The lowest and the highest possible value, for which the unobserved failures of the rule are computed. With
+        an infinite bound, the end on that side is the quantile for the observed objects.
 
     Returns
     -------
@@ -110,7 +125,7 @@ def object_interval(
     Raises
     ------
     ValueError
-        If a value lies outside the bounds.
+        If there is no object, or a value lies outside the bounds by more than 1e-9.
     """
     lowest, highest = float(values.min()), float(values.max())
     if lowest < bounds[0] - _ROUNDING or highest > bounds[1] + _ROUNDING:
@@ -129,9 +144,10 @@ def object_interval(
 def balanced_interval(
     values: FloatArray, classes: IntArray, parameters: IntervalParameters
 ) -> Interval:
-    """Compute the mean over classes of the mean over a class's objects, and its interval.
+    """Compute the mean over classes of the mean over the objects of a class, and its interval over objects.
 
-    `values` (o,) are shares in [0, 1], one per object; `classes` (o,) are the objects' classes.
+    `values` (o,) are shares in [0, 1], one per object. `classes` (o,) are class labels. The interval is that of
+    `object_interval`, with weight 1 / (objects of the class) per object.
     """
     _, class_index, counts = np.unique(classes, return_inverse=True, return_counts=True)
     return object_interval(values, 1.0 / counts[class_index], parameters)
@@ -139,14 +155,14 @@ def balanced_interval(
 
 @lru_cache(maxsize=64)
 def _unobserved_weight(weights: tuple[float, ...], tail: float) -> float:
-    """Compute the share of the total weight that the extra object exceeds with probability `tail`."""
+    """Compute quantile 1 - `tail` of the extra object's share of the total random weight."""
     return 1 - _quantile(np.ones(len(weights)), np.array(weights), 0.0, tail)
 
 
 def _low_end(
     values: FloatArray, weights: FloatArray, worst: float, unobserved: float, tail: float
 ) -> float:
-    """Compute the low end; `worst` is the lowest possible value, `unobserved` the weight of unobserved objects."""
+    """Compute the low end; `worst` is the lowest possible value, `unobserved` comes from `_unobserved_weight`."""
     lowest, highest = float(values.min()), float(values.max())
     observed = _quantile(values, weights, lowest, tail)
     if math.isinf(worst):
@@ -160,36 +176,40 @@ def _quantile(values: FloatArray, weights: FloatArray, extra: float, tail: float
     if lowest == highest:
         return lowest
     scaled = (np.append(values, extra) - lowest) / (highest - lowest)
-    # The extra object is a typical object: its weight is the mean of the objects' weights, weighted by themselves.
+    # The weight of the extra object is sum(w**2) / sum(w): objects of large weight count more in this mean.
     all_weights = np.append(weights, np.einsum("o,o", weights, weights) / np.sum(weights))
     level = _root(
-        lambda level: _share_below(all_weights * (scaled - level)) - tail, -tail, 1 - tail
+        lambda level: _probability_below_zero(all_weights * (scaled - level)) - tail,
+        -tail,
+        1 - tail,
     )
     return lowest + level * (highest - lowest)
 
 
-def _root(function: Callable[[float], float], below: float, above: float) -> float:
-    """Compute the root of a rising function on [0, 1]; `below` and `above` are its values at 0 and 1."""
+def _root(function: Callable[[float], float], value_at_low: float, value_at_high: float) -> float:
+    """Compute the root of a rising function on [0, 1] from its values at 0 (negative) and at 1 (positive)."""
     # A few bisections, then the Illinois variant of regula falsi.
     low, high, last = 0.0, 1.0, 0.0
     middle = 0.5
-    for turn in range(_TURNS):
+    for step in range(_MAXIMUM_ROOT_STEPS):
         value = function(middle)
-        if abs(value) < _NARROW or high - low < _NARROW:
+        if abs(value) < _ROOT_TOLERANCE or high - low < _ROOT_TOLERANCE:
             break
         if value < 0:
-            low, below, above = middle, value, above / 2 if last < 0 else above
+            low, value_at_low = middle, value
+            value_at_high = value_at_high / 2 if last < 0 else value_at_high
         else:
-            high, above, below = middle, value, below / 2 if last > 0 else below
+            high, value_at_high = middle, value
+            value_at_low = value_at_low / 2 if last > 0 else value_at_low
         last = value
         middle = (low + high) / 2
-        if turn >= _FIRST_HALVINGS:
-            middle = (low * above - high * below) / (above - below)
+        if step >= _ROOT_BISECTIONS:
+            middle = (low * value_at_high - high * value_at_low) / (value_at_high - value_at_low)
     return middle
 
 
-def _share_below(slopes: FloatArray) -> float:
-    """Compute the probability that the sum of slopes (o + 1,) times gamma draws is below 0."""
+def _probability_below_zero(slopes: FloatArray) -> float:
+    """Compute P(slopes @ factors < 0) for slopes (o + 1,); gamma factors have shape 1, the last has shape `EXTRA`."""
     # Inverse Laplace transform of the moment generating function along a line near its saddle point
     # (R. Lugannani and S. Rice, Advances in Applied Probability 12(2), 1980). Only sums, products, quotients and
     # roots, in a fixed order: these have the same bits on every processor.
@@ -201,7 +221,7 @@ def _share_below(slopes: FloatArray) -> float:
     across = np.multiply.outer(slopes, -saddle * _NODES)
     squares = (along * along)[:, None] + across * across
     real, imaginary = along[:, None] / squares, across / squares
-    # The extra object's factor has the power EXTRA = 3/4: the root times the root of the root.
+    # The last factor's transform has the power EXTRA = 3/4: its square root times the root of that root.
     root = _square_root(real[-1], imaginary[-1])
     real[-1], imaginary[-1] = _product(*root, *_square_root(*root))
     while len(real) > 1:
@@ -210,17 +230,17 @@ def _share_below(slopes: FloatArray) -> float:
         pairs = _product(real[first], imaginary[first], real[second], imaginary[second])
         real = np.concatenate([pairs[0], real[2 * half :]])
         imaginary = np.concatenate([pairs[1], imaginary[2 * half :]])
-    # The integrand is divided by the point on the line, in units of the saddle point.
+    # The inverse transform divides by the point on the line, saddle * (1 ± i * node).
     integrand = (real[0] - imaginary[0] * _NODES) / (1 + _NODES * _NODES)
     return math.fsum((integrand * _WIDTHS).tolist()) * _STEP / math.pi
 
 
 def _saddle(slopes: FloatArray) -> float:
-    """Compute the saddle point: the minimum over s < 0 of the moment generating function at s, divided by -s."""
+    """Compute s < 0 that minimises M(s) / -s, by bisection; M is the moment generating function of slopes @ factors."""
     low, high = 1 / float(slopes.min()), 0.0
     numerators = slopes * np.append(np.ones(len(slopes) - 1), EXTRA)
     middle = low / 2
-    for _ in range(_HALVINGS):
+    for _ in range(_SADDLE_BISECTIONS):
         if np.add.reduce(numerators / (1 - middle * slopes)) > 1 / middle:
             high = middle
         else:
@@ -232,7 +252,7 @@ def _saddle(slopes: FloatArray) -> float:
 def _product(
     real: FloatArray, imaginary: FloatArray, other_real: FloatArray, other_imaginary: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Multiply complex numbers with the same bits everywhere; NumPy's product may fuse operations."""
+    """Multiply complex numbers with the same bits on every processor; NumPy's product may fuse operations."""
     return (
         real * other_real - imaginary * other_imaginary,
         real * other_imaginary + imaginary * other_real,
@@ -256,19 +276,25 @@ def compare_paired(
     Parameters
     ----------
     first, second : array (o,)
-        Shares in [0, 1], one per object.
+        Shares in [0, 1], one per object, in the same order of objects; at least one object.
     weights : array (o,)
-        Positive weights of the objects.
+        One positive weight per object. Only the ratios of weights count.
     parameters : IntervalParameters
-        The confidence, and the number of permutations.
+        The confidence of the interval, and the largest number of sign changes.
 
     Returns
     -------
     PairedComparison
-        The mean of first minus second, its interval, and the p value. The p value is the share of sign changes with
-        a mean at least as far from 0 as the observed mean. All sign changes are taken if there are at most
-        `parameters.permutations`, else a random sample that includes the observed signs. The sample depends only on
-        the number of objects, so that a comparison has the same p value wherever it is computed.
+        The weighted mean of first minus second, its interval, and the p value. The p value is the share of sign
+        changes with an absolute weighted mean at least as large as the observed one. All 2**o sign changes are taken
+        if they are at most `parameters.permutations`. Otherwise `parameters.permutations` sign changes are drawn, and
+        the observed signs are added. The drawn sample depends only on `parameters.permutations` and the number of
+        objects, so the p value is reproducible.
+
+    Raises
+    ------
+    ValueError
+        If there is no object, or a difference lies outside [-1, 1] by more than 1e-9.
     """
     interval = object_interval(first - second, weights, parameters, DIFFERENCE)
     differences = (first - second) * weights / weights.sum()
@@ -287,7 +313,7 @@ def compare_paired(
 
 
 def holm(p_values: Sequence[float]) -> list[float]:
-    """Return p values with Holm's correction, at most 1, in the given order.
+    """Return p values with Holm's correction for the number of given p values, at most 1, in the given order.
 
     S. Holm, Scandinavian Journal of Statistics 6:65-70, 1979.
     """

@@ -15,8 +15,8 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.draws import (
     CellKey,
-    Draw,
     FurtherDraws,
+    ObjectAccuracies,
     further_draws,
     in_common,
     lead_over_draws,
@@ -77,15 +77,15 @@ class _ObjectFigures:
     vote: FloatArray
 
     @property
-    def draw(self) -> Draw:
-        """The accuracies and weights as the first draw."""
-        return Draw(self.objects, self.accuracy, self.weights)
+    def object_accuracies(self) -> ObjectAccuracies:
+        """The accuracies and weights, without classes and votes."""
+        return ObjectAccuracies(self.objects, self.accuracy, self.weights)
 
     def over(self, further: FurtherDraws | None) -> _ObjectFigures:
         """Return the figures with accuracies and weights as means over this draw and further draws."""
         if further is None:
             return self
-        mean = mean_over_draws([self.draw, *further.draws])
+        mean = mean_over_draws([self.object_accuracies, *further.draws])
         return replace(self, accuracy=mean.accuracy, weights=mean.weights)
 
 
@@ -137,7 +137,7 @@ def summarise(
         over_draws = figures[key].over(further.get(key))
         cell = _summarise_cell(key, over_draws, scores, parameters)
         if key in further:
-            cell |= _describe_draws(figures[key].draw, further[key], cell["notes"])
+            cell |= _describe_draws(figures[key].object_accuracies, further[key], cell["notes"])
         cell["sequences"] = len(_distinct(cells[key], ["class", "object", "viewpoint"]))
         results.setdefault(pipeline, {}).setdefault(strategy, {})[classifier] = cell
     return {
@@ -265,7 +265,9 @@ def _summarise_cell(
     }
 
 
-def _describe_draws(first: Draw, further: FurtherDraws, notes: list[str]) -> dict[str, Any]:
+def _describe_draws(
+    first: ObjectAccuracies, further: FurtherDraws, notes: list[str]
+) -> dict[str, Any]:
     accuracies = [draw.mean for draw in (first, *further.draws)]
     return {
         "draws": {"count": len(accuracies), "accuracies": accuracies},
@@ -284,8 +286,8 @@ def _compare_strategies(
         fixation = figures.get((pipeline, REFERENCE_STRATEGY, classifier))
         if fixation is None or strategy == REFERENCE_STRATEGY:
             continue
-        draws = [figures[key].draw, *(further[key].draws if key in further else ())]
-        reference, other = in_common(fixation.draw, mean_over_draws(draws))
+        draws = [figures[key].object_accuracies, *(further[key].draws if key in further else ())]
+        reference, other = in_common(fixation.object_accuracies, mean_over_draws(draws))
         if not other.objects:
             raise RecognitionError(
                 f"Strategies {REFERENCE_STRATEGY} and {strategy} were tested on no object in common; "
@@ -296,6 +298,6 @@ def _compare_strategies(
         )
         entry = {**asdict(comparison), "difference": plain_interval(comparison.difference)}
         if key in further:
-            entry["draws"] = plain_lead(lead_over_draws(fixation.draw, draws))
+            entry["draws"] = plain_lead(lead_over_draws(fixation.object_accuracies, draws))
         comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = entry
     return comparisons

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict
 
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.evaluation.draws import Draw, LeadOverDraws, lead_over_draws
+from visuohaptic.evaluation.draws import LeadOverDraws, ObjectAccuracies, lead_over_draws
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.wording import classifier_name, counted, percent_points, points
 
@@ -141,8 +141,10 @@ def kept_sentence(kept: KeptDraws) -> str:
 
 def _draw(
     objects: tuple[str, ...], values: tuple[float | None, ...], weights: tuple[float | None, ...]
-) -> Draw:
+) -> ObjectAccuracies:
     numbers: FloatArray = np.array([values, weights], dtype=np.float64)
     tested = np.flatnonzero(np.isfinite(numbers).all(axis=0))
     names = [objects[index].partition("/") for index in tested]
-    return Draw(tuple((category, name) for category, _, name in names), *numbers[:, tested])
+    return ObjectAccuracies(
+        tuple((category, name) for category, _, name in names), *numbers[:, tested]
+    )
