@@ -10,7 +10,7 @@ from filling import DOCS, SETS, fill_page, read_json, share, table
 
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.comparison import read_tables
+from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.questions import Answer, fixation_answer, recognition_answer
 from visuohaptic.report.sections import kept_leads
 from visuohaptic.report.turned import POSES, read_turned, turned_rows
@@ -91,7 +91,7 @@ def turned_table() -> str:
 
 def answers(metrics: dict[str, Any]) -> str:
     """Answer the two questions of the experiment from its figures and the kept variants."""
-    tables = read_tables(metrics)
+    tables = pipeline_tables(metrics)
     variants = read_variants()
     found = (
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),

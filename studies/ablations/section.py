@@ -33,7 +33,7 @@ def condition_name(name: str) -> str:
 
 def ablations_values(context: ReportContext) -> Values | None:
     """Return the figures of the study; None if the run has none."""
-    study = read_study(context.run.file_of("studies"), STUDY.name, condition_name)
+    study = read_study(context.run.extra_path("studies"), STUDY.name, condition_name)
     return {"study": study} if study else None
 
 

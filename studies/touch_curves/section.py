@@ -36,7 +36,7 @@ NEEDED = "results/touches_needed.parquet"
 def touch_curves_values(context: ReportContext) -> Values | None:
     """Return the values of the section, first of pipeline `paper`; None if the run has no figures of the study."""
     needed = context.run.existing_file(NEEDED)
-    points_of = read_figures(context.run.file_of("studies"), STUDY.name)
+    points_of = read_figures(context.run.extra_path("studies"), STUDY.name)
     if not points_of or needed is None:
         return None
     points_by_cell = by_cell(points_of)

@@ -21,7 +21,7 @@ def test_of_thousands_of_objects_some_are_named_and_the_others_counted():
     sampled = {"recognition": {"protocol": {"protocol": "leave_one_object_a_class_out"}}}
     run = SimpleNamespace(
         parameters=ExperimentParameters.from_mapping(sampled),
-        named_objects=keys,
+        all_objects=keys,
         objects=keys[1000:],
         tested_objects=keys[:1],
         set_aside=dict.fromkeys(keys[:1000], "no faces."),

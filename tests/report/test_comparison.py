@@ -1,6 +1,11 @@
 """Sentences follow the figures."""
 
-from visuohaptic.report.comparison import draws_sentence, gain_sentence, merge_notes, read_tables
+from visuohaptic.report.comparison import (
+    draws_sentence,
+    gain_sentence,
+    merge_notes,
+    pipeline_tables,
+)
 
 COUNTS = {"splits": 81, "repeats": 1, "objects": 12, "sequences": 192, "notes": []}
 TESTED = {"objects": 12, "exact": True}
@@ -34,7 +39,7 @@ SVM, BAYES = "support_vector_machine", "naive_bayes"
 
 def table(p_values):
     accuracies = {SVM: 0.93, BAYES: 0.3}, {SVM: 0.8, BAYES: 0.4}
-    return read_tables(metrics(*accuracies, dict(zip((SVM, BAYES), p_values, strict=True))))[0]
+    return pipeline_tables(metrics(*accuracies, dict(zip((SVM, BAYES), p_values, strict=True))))[0]
 
 
 def test_the_gain_is_said_with_what_is_significant():
@@ -49,19 +54,31 @@ def test_the_gain_is_said_with_what_is_significant():
 
 def test_the_spread_over_draws_is_said_where_there_are_several():
     figures = metrics({SVM: 0.9}, {SVM: 0.8}, {SVM: 0.5})
-    assert draws_sentence(read_tables(figures)[0]) == ""
+    assert draws_sentence(pipeline_tables(figures)[0]) == ""
     compared = figures["comparisons"]["paper"][SVM]["random"]
     compared["draws"] = {"count": 3, "leads": [0.1, 0.04, -0.02], "standard_deviation": 0.06}
-    sentence = draws_sentence(read_tables(figures)[0])
+    sentence = draws_sentence(pipeline_tables(figures)[0])
     assert "support vector machine by random probing are means over 3 draws" in sentence
-    assert "Over single draws fixations lead by −2.0 to +10.0 points" in sentence
+    assert (
+        "The lead of fixations over each single draw is between −2.0 and +10.0 points" in sentence
+    )
     assert sentence.endswith("(standard deviation 6.0 points).")
+
+
+def test_a_single_lead_has_no_spread_over_draws():
+    figures = metrics({SVM: 0.9}, {SVM: 0.8}, {SVM: 0.5})
+    compared = figures["comparisons"]["paper"][SVM]["random"]
+    # The workflow writes this if all further draws failed.
+    compared["draws"] = {"count": 1, "leads": [0.1], "standard_deviation": 0.0}
+    (found,) = pipeline_tables(figures)
+    assert found.headline.comparisons["random"].draws is None
+    assert draws_sentence(found) == ""
 
 
 def test_only_the_papers_pipeline_stands_beside_the_paper():
     figures = metrics({SVM: 0.9}, {SVM: 0.8}, {SVM: 0.5})
     figures["results"]["order_free"] = figures["results"]["paper"]
-    tables = read_tables(figures)
+    tables = pipeline_tables(figures)
     assert tables[0].best.key == SVM
     assert [table.name for table in tables] == ["paper", "order_free"]
     assert tables[0].rows[0].published

@@ -4,13 +4,13 @@ import pytest
 from report.pages import plain
 from report.test_comparison import BAYES, SVM, metrics
 
-from visuohaptic.report.comparison import read_tables
+from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.questions import (
     fixation_answer,
     recognition_answer,
     reproduction_answer,
-    variant_sentences,
-    variants_sentence,
+    variant_counts_sentence,
+    variant_leads_sentences,
 )
 from visuohaptic.report.variants import Lead, Spread, VariantsSummary
 
@@ -18,7 +18,7 @@ from visuohaptic.report.variants import Lead, Spread, VariantsSummary
 def run_of(fixation=0.7, random=0.6):
     """Give the tables of a run; intervals reach 5 points to either side."""
     accuracies = ({SVM: fixation, BAYES: 0.99}, {SVM: random, BAYES: 0.2})
-    return read_tables(metrics(*accuracies, {SVM: 0.1, BAYES: 0.5}))
+    return pipeline_tables(metrics(*accuracies, {SVM: 0.1, BAYES: 0.5}))
 
 
 def variants(verdict="not shown", **spread):
@@ -59,15 +59,18 @@ def test_a_lead_has_a_sign_only_where_its_interval_excludes_zero(random, finding
     assert " points (" in plain(found.number)
     assert plain(found.sentence).endswith(f"in the paper's pipeline.{excluded}")
     assert found.beside == ("Beside.",)
-    assert "(studies/variants): no, no gain in the default" in found.rule
+    assert (
+        "(studies/variants): no (the default and the most literal variant exclude a gain"
+        in found.rule
+    )
 
 
 def test_the_variants_are_counted_by_set():
-    sentence = variants_sentence(variants(objects=12, variants=9, ahead=1, behind=4))
+    sentence = variant_counts_sentence(variants(objects=12, variants=9, ahead=1, behind=4))
     assert sentence.endswith(
-        "significantly ahead of random touches on 12 objects in 1 of 9 variants, and behind in 4."
+        "significantly ahead of random touches in 1 of 9 variants on 12 objects (significantly behind in 4)."
     )
-    assert variants_sentence(variants()) == ""
+    assert variant_counts_sentence(variants()) == ""
 
 
 NEAR = ({SVM: 0.93, BAYES: 0.57}, {SVM: 0.86, BAYES: 0.57})
@@ -98,14 +101,16 @@ def test_the_third_answer_asks_whether_whole_intervals_are_near(accuracies, reac
         for cell in by_classifier.values():
             mean = cell["accuracy"]["mean"]
             cell["accuracy"] = {"mean": mean, "low": mean - reach, "high": mean + reach}
-    found = reproduction_answer(read_tables(figures)[0])
+    found = reproduction_answer(pipeline_tables(figures)[0])
     assert found.finding == finding
     within, outside = counts
     assert (
-        f"Of 4 published accuracies {outside} lie more than 5 points outside our intervals, {within} are "
-        f"reproduced within 5 points, and {4 - within - outside} are not settled."
+        f"Of 4 published accuracies: {within} reproduced within 5 points, {outside} more than 5 points outside our "
+        f"intervals, {4 - within - outside} not settled."
     ) in found.sentence
-    assert plain(found.sentence).startswith("here, 93.45 % published (support vector machine). ")
+    assert plain(found.sentence).startswith(
+        "here, 93.45 % published (support vector machine, eye fixations). "
+    )
 
 
 LEADS = [
@@ -127,17 +132,17 @@ LEADS = [
 
 
 def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
-    first, second = map(plain, variant_sentences(VariantsSummary(verdict="no", leads=LEADS)))
+    first, second = map(plain, variant_leads_sentences(VariantsSummary(verdict="no", leads=LEADS)))
     assert first.startswith(
         "The default for the paper's open steps was chosen on 130 objects, which may raise the lead there. On these "
         "objects the lead is +13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
     )
     assert first.endswith("(in this run).")
     assert "\N{MINUS SIGN}3.0 points (\N{MINUS SIGN}8.0 to +2.0) over random places" in second
-    assert variant_sentences(VariantsSummary(verdict="no", leads=LEADS[:2])) == []
-    assert variant_sentences(VariantsSummary(verdict="no")) == []
+    assert variant_leads_sentences(VariantsSummary(verdict="no", leads=LEADS[:2])) == []
+    assert variant_leads_sentences(VariantsSummary(verdict="no")) == []
 
 
 def test_nothing_is_said_of_a_comparison_that_was_not_made():
     figures = metrics({SVM: 0.7}, {SVM: 0.6}, {SVM: 0.1}) | {"comparisons": {}}
-    assert fixation_answer(read_tables(figures), variants()) is None
+    assert fixation_answer(pipeline_tables(figures), variants()) is None

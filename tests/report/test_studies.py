@@ -78,7 +78,7 @@ def test_own_studies_have_their_own_section_and_their_names_are_text(tmp_path):
     rows += [("without_edge", 0.7, "as run", -0.1)]
     for name in ("mine", "ablations", "effects"):
         write_study(tmp_path, name, rows, title=EVIL)
-    files = SimpleNamespace(studies=[REPOSITORY])
+    files = SimpleNamespace(study_folders=[REPOSITORY])
     run = SimpleNamespace(files=files, parts=lambda _: sorted(tmp_path.glob("*.parquet")))
     assert names_of_own_studies(run) == ["mine"]
     page = section_of([read_study(tmp_path, "mine")])
@@ -124,7 +124,9 @@ def test_a_study_brings_its_section_with_its_template(tmp_path, monkeypatch):
     monkeypatch.setattr("sys.path", [*sys.path])
     bring_section(tmp_path, SECTION)
     (tmp_path / "brought/templates/section.html.jinja").write_text("{{ said|titled }}")
-    run = SimpleNamespace(files=SimpleNamespace(studies=[tmp_path]), file_of=lambda _: None)
+    run = SimpleNamespace(
+        files=SimpleNamespace(study_folders=[tmp_path]), extra_path=lambda _: None
+    )
     sections = chapters_of(run)["Studies"]
     assert [(one.name, one.title) for one in sections[:1]] == [("study-brought", "Brought")]
     template = make_environment(sections).get_template(sections[0].template)

@@ -6,7 +6,7 @@ from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.headline import write_headline
 from visuohaptic.report.page import make_report
-from visuohaptic.report.run import RunFiles, find_extras
+from visuohaptic.report.run import RunFiles, extra_paths
 from visuohaptic_workflow import jobs
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.keys import key_of
@@ -32,9 +32,9 @@ with job(snakemake):
             credits=snakemake.input.credits,
             gaze=next(iter(snakemake.input.gaze), None),
             earlier_studies=find_earlier_studies(snakemake.params.studies),
-            studies=STUDY_FOLDERS,
+            study_folders=STUDY_FOLDERS,
             logs="logs",
-            extras=find_extras(folder, checks="."),
+            extras=extra_paths(folder, checkout="."),
             folder=folder,
             key=key_of(snakemake.params.key["parts"]) if snakemake.params.key else "",
         ),

@@ -46,7 +46,7 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
 def earlier_by_section(run: Run) -> dict[str, list[str]]:
     """Return the sentences about outdated studies, by the section that shows the study."""
     sentences: dict[str, list[str]] = {}
-    with_section = section_files(run.files.studies)
+    with_section = section_files(run.files.study_folders)
     for name in sorted(run.files.earlier_studies):
         default = study_anchor(name) if name in with_section else "studies"
         section = _SECTION_OF_STUDY.get(name, default)
@@ -72,7 +72,7 @@ def _objects_left_out(run: Run) -> Iterator[str]:
     for key in unusable[:_MOST_REASONS]:
         yield f"{key} was left out: {run.set_aside[key]}"
     yield from _warned(unusable[_MOST_REASONS:], "more object", "left out:")
-    untouched = sorted(set(run.named_objects) - set(run.objects) - set(run.set_aside))
+    untouched = sorted(set(run.all_objects) - set(run.objects) - set(run.set_aside))
     them = "it" if len(untouched) == 1 else "them"
     yield from _warned(untouched, "object", f"of the set left out, because no table holds {them}:")
     untested = sorted(set(run.objects) - set(run.tested_objects))

@@ -118,5 +118,5 @@ CHAPTERS = {
 
 def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
     """Return the sections of a run's page by chapter; chapter ``Studies`` begins with sections of studies."""
-    of_studies = study_sections(run.files.studies)
+    of_studies = study_sections(run.files.study_folders)
     return {**CHAPTERS, "Studies": (*of_studies, *CHAPTERS["Studies"])}

@@ -23,7 +23,9 @@ from visuohaptic.report.wording import (
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
 REFERENCE = "fixation"
+"""The strategy that all other strategies are compared with."""
 SIGNIFICANCE = 0.05
+"""A difference is significant if its p value after Holm's correction is below this level."""
 PIPELINES: Mapping[str, str] = {
     PAPER_PIPELINE: (
         "Pipeline paper follows the paper: a self-organising map turns the 22 numbers of a "
@@ -32,35 +34,37 @@ PIPELINES: Mapping[str, str] = {
     ),
     "order_free": (
         "Pipeline order_free is our own. It has no map, since five numbers keep only a part of a touch. It "
-        "describes a sequence by numbers that do not depend on the order of touches: means, spreads, "
-        "distances and angles, and an embedding of the poses. The settings of its classifiers are fixed; "
-        "they were chosen on 67 objects outside the paper's set. Several views of an object "
+        "describes a sequence by numbers that do not depend on the order of touches: statistics over touches such as "
+        "means and standard deviations, distances and angles between touches, and a kernel mean embedding of the "
+        "poses. The settings of its classifiers are fixed. "
+        "They were chosen on 67 objects outside the paper's set. Several views of an object "
         "are classified together by the mean of their log probabilities."
     ),
 }
-"""Descriptions of the pipelines."""
+"""Descriptions of the pipelines for the page, by name."""
 
 _ORDER = ("fixation", "random")
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Fixations against another strategy, over the same objects.
+    """Paired comparison of fixations with another strategy, over the objects that both strategies tested.
 
     Attributes
     ----------
     difference : Figure
-        Accuracy of fixations minus accuracy of the other strategy; over the mean of its draws, if there are several.
+        Accuracy of fixations minus accuracy of the other strategy, as a share. A random strategy with several draws of
+        its places has each object's mean accuracy over draws.
     p_value : float
-        The p value of the paired comparison.
+        The two-sided p value of the sign-change permutation test.
     adjusted_p : float
-        The p value with Holm's correction over the table's classifiers and strategies.
+        `p_value` after Holm's correction for all classifiers and strategies of the pipeline.
     objects : int
-        The number of objects.
-    signs : str
-        Which sign changes the test took: ``all`` or ``drawn at random``.
+        The number of objects that both strategies tested.
+    signs : {"all", "drawn at random"}
+        Whether the test used all sign changes of the objects' differences, or a random sample.
     draws : LeadOverDraws, optional
-        The lead over each draw of the other strategy's places; None with a single draw.
+        The lead of fixations over each draw of a random strategy; None if fewer than two draws were measured.
     """
 
     difference: Figure
@@ -73,7 +77,25 @@ class Comparison:
 
 @dataclass(frozen=True)
 class ClassifierRow:
-    """All figures of one classifier; the keys of the mappings are strategies."""
+    """All figures of one classifier, by strategy; accuracies are shares from 0 to 1.
+
+    Attributes
+    ----------
+    key, name : str
+        The classifier's key in ``reports/metrics.json``, and its name in words.
+    accuracy : mapping of str to Figure
+        Share of test sequences correctly classified, the mean over splits.
+    object_accuracy : mapping of str to Figure
+        Share of test objects correctly classified by a vote of their sequences, the mean over splits.
+    class_accuracy : mapping of str to mapping of str to Figure
+        Mean accuracy of each class's objects, by strategy and class.
+    published : mapping of str to float
+        The paper's accuracies; empty for other pipelines than the paper's, and for classifiers that the paper lacks.
+    comparisons : mapping of str to Comparison
+        Fixations against each other strategy.
+    notes : tuple of str
+        Notes from training, such as chosen settings, and draws that failed; merged over strategies by `merge_notes`.
+    """
 
     key: str
     name: str
@@ -86,7 +108,10 @@ class ClassifierRow:
 
     @property
     def published_gain(self) -> float | None:
-        """The published accuracy of fixations minus that of random probing; None if the paper has none."""
+        """Published accuracy of fixations minus published accuracy of random probing, as a share.
+
+        None without published accuracies.
+        """
         published = self.published
         return published["fixation"] - published["random"] if published else None
 
@@ -98,13 +123,15 @@ class PipelineTable:
     Attributes
     ----------
     name : str
-        The pipeline.
+        The pipeline's key, such as ``paper``.
     strategies : tuple of str
-        The strategies, fixations first.
+        The strategies: fixations, random probing, then all others, sorted.
     rows : tuple of ClassifierRow
-        The classifiers, in the order of the paper's table.
-    splits, repeats, objects, sequences : int
-        Numbers of splits and repeats, and of tested objects and sequences.
+        The classifiers in the order of the paper's table, then all others, sorted.
+    splits, repeats : int
+        The number of splits, and of repeats of the recognition with different random seeds.
+    objects, sequences : int
+        The number of distinct tested objects and sequences.
     """
 
     name: str
@@ -117,7 +144,7 @@ class PipelineTable:
 
     @property
     def leading(self) -> str:
-        """The strategy of the headline figures: fixations if the run has them."""
+        """The strategy of the headline figures: fixations, or else the first of `strategies`."""
         return self.strategies[0]
 
     @property
@@ -127,13 +154,16 @@ class PipelineTable:
 
     @property
     def headline(self) -> ClassifierRow:
-        """The pipeline's headline classifier; the best classifier if a run lacks it."""
+        """The classifier that `HEADLINE_CLASSIFIERS` names for the pipeline; `best` if the run lacks it."""
         key = HEADLINE_CLASSIFIERS.get(self.name)
         return next((row for row in self.rows if row.key == key), self.best)
 
 
-def read_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
-    """Return the result of `evaluation.summary.summarise` as one table per pipeline, the paper's pipeline first."""
+def pipeline_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
+    """Arrange metrics as one table per pipeline, the paper's pipeline first.
+
+    `metrics` is the result of `evaluation.summary.summarise`, or the content of ``reports/metrics.json``.
+    """
     names = sorted(metrics["results"], key=pipeline_order)
     compared = metrics["comparisons"]
     return [
@@ -147,7 +177,10 @@ def pipeline_order(name: str) -> tuple[bool, str]:
 
 
 def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
-    """Merge notes that differ only in their last number: ``k 5`` and ``k 15`` become ``k 5 or 15``."""
+    """Merge notes that differ only in a number at the end: ``k 5`` and ``k 15`` become ``k 5 or 15``.
+
+    The result is sorted; underscores become spaces.
+    """
     merged: dict[str, list[float]] = {}
     for note in notes:
         words, _, last = note.rpartition(" ")
@@ -164,27 +197,28 @@ def merge_notes(notes: Collection[str]) -> tuple[str, ...]:
 
 
 def draws_sentence(table: PipelineTable, strategy: str = "random") -> str:
-    """Return a sentence on the draws of random places behind the headline figures, and on their spread.
+    """Return sentences on the draws of a random strategy's places, and on the lead of fixations over each draw.
 
-    Empty with a single draw.
+    The figures are of the headline classifier. Empty if fewer than two draws were measured.
     """
     row = table.headline
     compared = row.comparisons.get(strategy)
-    if compared is None or compared.draws is None or compared.draws.count < 2:
+    if compared is None or compared.draws is None:
         return ""
     draws = compared.draws
     return (
-        f"Figures of the {row.name} by {strategy_name(strategy)} are means over {draws.count} draws of its places. "
-        f"Its votes of whole objects, and all other classifiers, use the first draw. Over single draws fixations lead by "
-        f"{points(min(draws.leads))} to {points(max(draws.leads))} points (standard deviation "
-        f"{percent_points(draws.standard_deviation)} points)."
+        f"The accuracies of the {row.name} by {strategy_name(strategy)} are means over {draws.count} draws of the "
+        f"touched places. Accuracies by vote, and all accuracies of other classifiers, are of the first draw. The lead "
+        f"of fixations over each single draw is between {points(min(draws.leads))} and {points(max(draws.leads))} "
+        f"points (standard deviation {percent_points(draws.standard_deviation)} points)."
     )
 
 
 def gain_sentence(table: PipelineTable) -> str:
-    """Return a sentence on the classifiers with which fixations are ahead of random probing.
+    """Return a sentence on the leads of fixations over random probing, for all classifiers of a pipeline.
 
-    Empty if the run lacks one of the two strategies.
+    It has the number of positive leads, the smallest and the largest lead, and the significant differences of either
+    sign. Empty if no classifier has both strategies.
     """
     compared = [
         (row.name, row.comparisons["random"]) for row in table.rows if "random" in row.comparisons
@@ -215,6 +249,7 @@ def gain_sentence(table: PipelineTable) -> str:
 def _pipeline_table(
     results: Mapping[str, Any], compared: Mapping[str, Any], name: str
 ) -> PipelineTable:
+    """Arrange `results[strategy][classifier]` and `compared[classifier][strategy]` of pipeline `name`."""
     strategies = _sorted(results, _ORDER)
     keys = _sorted({key for cells in results.values() for key in cells}, tuple(TABLE_1))
     pairs = [(key, strategy) for key in sorted(compared) for strategy in sorted(compared[key])]
@@ -243,6 +278,7 @@ def _row(
     compared: Mapping[str, Any],
     adjusted: Mapping[tuple[str, str], float],
 ) -> ClassifierRow:
+    """Return the row of classifier `key`; `adjusted` has p values by classifier and strategy."""
     cells = {strategy: by_key[key] for strategy, by_key in results.items() if key in by_key}
     accuracy, by_vote = (
         {strategy: Figure(**cell[name]) for strategy, cell in cells.items()}
@@ -265,11 +301,15 @@ def _row(
                 adjusted[key, strategy],
                 comparison["objects"],
                 "all" if comparison["exact"] else "drawn at random",
-                LeadOverDraws(tuple(comparison["draws"]["leads"]))
-                if "draws" in comparison
-                else None,
+                _lead_over_draws(comparison),
             )
             for strategy, comparison in compared.items()
         },
         notes=merge_notes({note for cell in cells.values() for note in cell["notes"]}),
     )
+
+
+def _lead_over_draws(comparison: Mapping[str, Any]) -> LeadOverDraws | None:
+    """Return the leads over two or more draws; None for a single draw, also if all further draws failed."""
+    leads = comparison.get("draws", {}).get("leads", ())
+    return LeadOverDraws(tuple(leads)) if len(leads) > 1 else None

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from visuohaptic.base.errors import ReportError
-from visuohaptic.report.comparison import read_tables
+from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.estimates import Figure as Estimate
@@ -81,7 +81,7 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
 
     `metrics` is the value of ``reports/metrics.json``, and `pipeline` one of its pipelines.
     """
-    (table,) = (table for table in read_tables(metrics) if table.name == pipeline)
+    (table,) = (table for table in pipeline_tables(metrics) if table.name == pipeline)
     here = {name: [row.accuracy.get(name) for row in table.rows] for name in table.strategies}
     published = {
         name: [Estimate(row.published[name]) if row.published else None for row in table.rows]

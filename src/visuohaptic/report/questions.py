@@ -1,4 +1,4 @@
-"""The experiment's questions, each with an estimate, its interval, and a verdict by a rule."""
+"""The experiment's questions; each answer has an estimate with its interval, and the rule of its finding."""
 
 from __future__ import annotations
 
@@ -13,31 +13,36 @@ from visuohaptic.report.turned import POSES
 from visuohaptic.report.variants import VariantsSummary, Verdict
 from visuohaptic.report.wording import (
     counted,
+    listed,
     percent,
     percent_points,
     pipeline_name,
     points,
+    strategy_name,
     titled,
 )
 
 GAIN = 0.02
-"""The smallest relevant gain, as a share."""
+"""The smallest relevant gain of accuracy, as a share."""
 MARGIN = 0.05
 """The largest difference from a published accuracy, as a share, that counts as reproduced."""
 
 MAIN_OPPONENT = "random"
+"""The strategy of the second question: random touches in reach of the sensor."""
+
 REASONS: Mapping[Verdict, str] = {
-    "yes": "ahead in the default and the most literal variant",
-    "no": "no gain in the default or the literal variant",
-    "depends": "it depends on how the paper is read",
-    "not shown": "no variant of the paper settles it",
+    "yes": "fixations lead in the default and the most literal variant, on the paper's objects and on others",
+    "no": f"the default and the most literal variant exclude a gain of {100 * GAIN:.0f} points, on the paper's objects "
+    "and on others",
+    "depends": "fixations are significantly ahead in some variants and significantly behind in others",
+    "not shown": "the variants show neither a lead nor its absence",
 }
-"""The reason for each verdict on the lead of fixation, by the rule in studies/variants/README.md."""
+"""The reason for each verdict on the lead of fixations, by the rule in studies/variants/README.md."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A question of the experiment, and the answer from its tables.
+    """A question of the experiment, and the parts of its answer in the order of the page.
 
     Attributes
     ----------
@@ -46,15 +51,15 @@ class Answer:
     finding : str
         The answer in a few words.
     number : str
-        The figure behind the finding, with its interval.
+        The figure behind the finding, with its interval; empty without a figure.
     sentence : str
-        The sentence after the number: the quantity, the objects, and differences that the interval excludes.
+        The rest of the sentence that begins with `number`, and further sentences of the same paragraph.
     link : str
         The anchor of the section that shows more.
     beside : tuple of str
-        Sentences on more objects, from kept measurements, or on assumptions behind the figure.
+        Further sentences, one paragraph each: assumptions behind the figure, and measurements on other objects.
     rule : str
-        The rule, which was written before the measurement, or the verdict by the rule.
+        Sentences on the rule that decides the finding. For the lead of fixations, the verdict of all variants follows.
     recount : str
         Lines of Python that print the number.
     """
@@ -79,23 +84,26 @@ def recognition_answer(
 ) -> Answer:
     """Return the answer to the question whether objects can be recognised by touch.
 
+    Accuracies are of each pipeline's headline classifier with the leading strategy, usually fixations.
+
     Parameters
     ----------
     tables : sequence of PipelineTable
-        The pipelines of the run.
+        The pipelines of the run, at least one. The number of the answer is the accuracy of the first pipeline.
     classes, touches : int
         The number of classes, and the number of touches per sequence.
     unseen : str
-        The name of test data that training does not contain, such as ``unseen objects``.
+        The test data in words, such as ``unseen objects``.
     turns : {"none", "vertical", "any"}
         How the run turned its objects.
     beside : sequence of str
-        Sentences on other objects.
+        Further sentences for `Answer.beside`.
 
     Returns
     -------
     Answer
-        Yes, if the interval of every pipeline lies above chance; no, if every interval lies below chance plus `GAIN`.
+        Finding ``Yes`` if the whole interval of every pipeline lies above chance, which is 1 / `classes`. ``No`` if
+        every interval ends below chance plus `GAIN`. ``Not shown`` in all other cases, also if an interval is missing.
     """
     accuracies = [table.headline.accuracy[table.leading] for table in tables]
     chance = 1 / classes
@@ -118,18 +126,30 @@ def recognition_answer(
         f"{', '.join([*others, f'guessing gives {percent(chance, 0)}'])}.",
         "comparison",
         beside=(f"Objects are {POSES[turns]}, in training and test.", *beside),
-        rule="Rule: yes if the interval of every pipeline lies above guessing; no if every interval excludes a "
-        f"gain of {points(GAIN)} points over guessing.",
+        rule="Rule: yes if the whole interval of every pipeline lies above guessing; no if every interval ends less "
+        f"than {100 * GAIN:.0f} points above guessing; not shown in all other cases.",
     )
 
 
 def fixation_answer(
     tables: Sequence[PipelineTable], variants: VariantsSummary, beside: Sequence[str] = ()
 ) -> Answer | None:
-    """Return the answer to the question whether fixations lead random touches in reach.
+    """Return the answer to the question whether fixations are more accurate than random touches in reach of the sensor.
 
-    None if no pipeline has both strategies. Only an interval that excludes 0 gives the lead a sign. `beside` are
-    sentences on other objects.
+    Parameters
+    ----------
+    tables : sequence of PipelineTable
+        The pipelines of the run. The number of the answer is the lead in the first pipeline that has both strategies.
+    variants : VariantsSummary
+        The verdict of all variants of the paper, for `Answer.rule`.
+    beside : sequence of str
+        Further sentences for `Answer.beside`.
+
+    Returns
+    -------
+    Answer or None
+        Finding ``Yes`` if the whole interval of the lead lies above 0, ``No`` if it lies below 0, else ``Not
+        settled``. None if no pipeline has both strategies.
     """
     compared = [
         (table, table.headline.comparisons[MAIN_OPPONENT])
@@ -151,12 +171,14 @@ def fixation_answer(
         f"{_over_draws(main)}.{_excluded(main.difference)}{''.join(further)}",
         "comparison",
         beside=tuple(beside),
-        rule=f"By the rule for all variants of the paper (studies/variants): {variants.verdict}, "
-        f"{REASONS[variants.verdict]}. {variants_sentence(variants)}".rstrip(),
+        rule="Rule: the lead is settled only if its interval excludes 0. "
+        f"Verdict by the rule for all variants of the paper (studies/variants): {variants.verdict} "
+        f"({REASONS[variants.verdict]}). {variant_counts_sentence(variants)}".rstrip(),
     )
 
 
 def _lead_finding(lead: Figure, objects: int) -> str:
+    """Return the finding on a lead; only an interval that excludes 0 settles its sign."""
     if lead.low is not None and lead.low > 0:
         return "Yes, on these objects"
     if lead.high is not None and lead.high < 0:
@@ -165,7 +187,7 @@ def _lead_finding(lead: Figure, objects: int) -> str:
 
 
 def _excluded(lead: Figure) -> str:
-    """Return a sentence on the leads that an interval around 0 excludes; empty for other intervals."""
+    """Return a sentence on the leads outside an interval that contains 0; empty for all other intervals."""
     if lead.low is None or lead.high is None or not lead.low <= 0 <= lead.high:
         return ""
     return (
@@ -175,7 +197,7 @@ def _excluded(lead: Figure) -> str:
 
 
 def _over_draws(compared: Comparison) -> str:
-    """Return the number of draws behind a lead and their spread in brackets; empty with a single draw."""
+    """Return, in brackets, the number of draws and the standard deviation of the lead; empty without further draws."""
     if compared.draws is None:
         return ""
     spread = percent_points(compared.draws.standard_deviation)
@@ -183,73 +205,85 @@ def _over_draws(compared: Comparison) -> str:
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:
-    """Return the answer to the question whether the published accuracies are reproduced.
+    """Return the answer to the question whether a pipeline reproduces the published accuracies.
 
-    None if no published accuracy is comparable. An accuracy is reproduced if the whole interval here lies within
-    `MARGIN` of the published value. It is not reproduced if the whole interval lies outside. Otherwise it is not
-    settled.
+    All classifiers and strategies with a published accuracy count. A published accuracy is reproduced if the whole
+    interval of the run's accuracy lies within `MARGIN` of it, and not reproduced if the whole interval lies further
+    away. All others are not settled.
+
+    Returns
+    -------
+    Answer or None
+        Finding ``Yes`` if all published accuracies are reproduced, ``No for n of m accuracies`` if n > 0 are not
+        reproduced, else ``Not settled``. None without a published accuracy.
     """
-    gaps = [
-        _gap(row.accuracy[strategy], published)
+    closeness = [
+        _closeness(row.accuracy[strategy], published)
         for row in table.rows
         for strategy, published in row.published.items()
         if strategy in row.accuracy
     ]
-    if not gaps:
+    if not closeness:
         return None
-    within, outside = gaps.count("within"), gaps.count("outside")
+    within, outside = closeness.count("within"), closeness.count("outside")
     row = table.headline
     number = against = ""
     if table.leading in row.published:
         here, published = row.accuracy[table.leading], row.published[table.leading]
         number = with_interval(here, percent)
-        against = f"here, {percent(published, 2)} published ({row.name}). "
+        against = f"here, {percent(published, 2)} published ({row.name}, {strategy_name(table.leading)}). "
     margin = f"{100 * MARGIN:.0f} points"
     finding = "Not settled"
-    if within == len(gaps):
+    if within == len(closeness):
         finding = f"Yes, within {margin}"
     elif outside:
-        finding = f"No for {outside} of {len(gaps)} accuracies"
+        finding = f"No for {outside} of {len(closeness)} accuracies"
     return Answer(
         "Is the paper reproduced?",
         finding,
         number,
-        f"{against}Of {len(gaps)} published accuracies {outside} lie more than {margin} outside our intervals, {within} "
-        f"are reproduced within {margin}, and {len(gaps) - within - outside} are not settled. Our "
-        "objects differ from the paper's objects.",
+        f"{against}Of {len(closeness)} published accuracies: {within} reproduced within {margin}, {outside} more than {margin} outside our intervals, "
+        f"{len(closeness) - within - outside} not settled. Our objects differ from the paper's objects.",
         "comparison",
-        rule=f"Rule: a published accuracy is reproduced if the whole interval here lies within {margin} of it. "
-        "A wide interval around it does not settle the question.",
+        rule=f"Rule: a published accuracy is reproduced if our whole interval lies within {margin} of it, and not "
+        f"reproduced if our whole interval is more than {margin} away. All others are not settled.",
     )
 
 
-def _gap(here: Figure, published: float) -> Literal["within", "outside", "not shown"]:
+def _closeness(here: Figure, published: float) -> Literal["within", "outside", "not settled"]:
+    """Return whether the whole interval lies within `MARGIN` of a published accuracy, or entirely outside."""
     if here.low is None or here.high is None:
-        return "not shown"
+        return "not settled"
     low, high = here.low - published, here.high - published
     if low >= -MARGIN and high <= MARGIN:
         return "within"
-    return "outside" if low > MARGIN or high < -MARGIN else "not shown"
+    return "outside" if low > MARGIN or high < -MARGIN else "not settled"
 
 
-def variants_sentence(variants: VariantsSummary) -> str:
-    """Return a sentence on the number of variants of the paper with fixation ahead, by set; empty without variants."""
+def variant_counts_sentence(variants: VariantsSummary) -> str:
+    """Return sentences with the number of variants in which fixations are significantly ahead or behind.
+
+    The numbers are per set of objects. Empty without variants.
+    """
     if not variants.spread:
         return ""
     counts = [
-        f"on {spread.objects} objects in {spread.ahead} of {spread.variants} variants, and behind in {spread.behind}"
+        f"in {spread.ahead} of {spread.variants} variants on {spread.objects} objects (significantly behind in "
+        f"{spread.behind})"
         for spread in variants.spread
     ]
     return (
         "The paper leaves steps open, so many variants of it were run. Fixations are significantly ahead of "
-        f"random touches {'; '.join(counts)}."
+        f"random touches {listed(counts)}."
     )
 
 
-def variant_sentences(variants: VariantsSummary) -> list[str]:
-    """Return sentences on the lead of fixations in the default and the most literal variant.
+def variant_leads_sentences(variants: VariantsSummary) -> list[str]:
+    """Return sentences on the lead of fixations in the default and in the most literal variant of the paper.
 
-    The leads are those on the largest measured set. Empty if one of them is missing.
+    The leads are those on the largest set of objects in `variants.leads`. The default's leads are over random places
+    in reach and in sight, the literal variant's lead is over random places in reach. The list is empty if one of these
+    three leads is missing.
     """
     objects = max((lead.objects for lead in variants.leads), default=0)
     leads = {
@@ -279,5 +313,5 @@ def variant_sentences(variants: VariantsSummary) -> list[str]:
 
 
 def has_opponent(table: PipelineTable) -> bool:
-    """Return whether the headline classifier has figures by fixation and by random touches in reach."""
+    """Return whether a pipeline's headline classifier has a comparison of fixations with `MAIN_OPPONENT`."""
     return table.leading == REFERENCE and MAIN_OPPONENT in table.headline.comparisons

@@ -14,7 +14,7 @@ from visuohaptic.base.errors import ReportError
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.meshes.catalogue import Credit, find_own_models, models_of_set, read_credits
 from visuohaptic.parameters import ExperimentParameters, read_parameters
-from visuohaptic.report.comparison import PipelineTable, read_tables
+from visuohaptic.report.comparison import PipelineTable, pipeline_tables
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.stability import StabilityFigures, stability_figures
 from visuohaptic.studies.registry import REPOSITORY
@@ -34,6 +34,7 @@ from visuohaptic.touches.choosing import touched_locations
 
 METRICS = "reports/metrics.json"
 PARAMETERS = "params.yaml"
+"""File names relative to the run's folder."""
 
 _TABLES = ("predictions", "views", "fixations", "touches", "features", "pictures")
 _EXTRAS = {
@@ -44,36 +45,38 @@ _EXTRAS = {
     "evaluation": "reports/evaluation.parquet",
     "stability": "results/stability",
 }
+"""Paths relative to the run's folder, by the names of `extra_paths`."""
 
 
 @dataclass(frozen=True)
 class RunFiles:
-    """Paths of a run's files. Optional files have a default.
+    """Paths of a run's files; the default of an optional file is "no file".
 
     Attributes
     ----------
     metrics : path
         ``reports/metrics.json``.
     predictions, views, fixations, touches, features, pictures, effects : sequence of paths
-        The parts of each table, in the schemas of `tables`.
+        The Parquet files of each table; `tables` has the schemas.
     meshes : sequence of paths
         Mesh files ``<block>/<class>/<object>.ply``.
     credits : sequence of paths
-        Files of credits; later files add to earlier files.
+        CSV files for `read_credits`. A later file replaces an object's credit from an earlier file; missing files are
+        skipped.
     logs : path, optional
         The folder of the jobs' logs.
     folder : path
         The run's folder; the page shows paths relative to this folder.
     extras : mapping of str to path
-        Files and folders of tables that not every run has, by name.
+        Files and folders that not every run has, by the names of `extra_paths`. They need not exist.
     earlier_studies : mapping of str to str
-        Studies that were measured with an earlier state, and the date of that state.
-    studies : sequence of paths
-        Folders of studies that may bring sections of their own.
+        Each study with figures from earlier tables, parameters or code, and the date of its figures, ``YYYY-MM-DD``.
+    study_folders : sequence of paths
+        Folders of study definitions. Each file ``<study>/section.py`` adds a section to the page.
     gaze : path, optional
         The table that `gaze.gaze_sentence` reads.
     key : str
-        The digest of all inputs of the page.
+        The digest of all inputs of the page, for the section on provenance; empty if unknown.
     """
 
     metrics: str | Path
@@ -90,18 +93,38 @@ class RunFiles:
     folder: str | Path = "."
     extras: Mapping[str, str | Path] = field(default_factory=dict)
     earlier_studies: Mapping[str, str] = field(default_factory=dict)
-    studies: Sequence[str | Path] = (REPOSITORY,)
+    study_folders: Sequence[str | Path] = (REPOSITORY,)
     gaze: str | Path | None = None
     key: str = ""
 
 
 @dataclass(frozen=True)
 class Run:
-    """A run's tables in memory; `named_objects` are all objects of the set, `class/name`."""
+    """A run's tables in memory.
+
+    Attributes
+    ----------
+    files : RunFiles
+        The files that the tables were read from.
+    parameters : ExperimentParameters
+        The run's parameters.
+    all_objects : tuple of str
+        All objects of the set and the user's own objects, `class/name`, also objects that no table contains.
+    metrics : mapping
+        ``comparisons``, ``method`` and ``results`` of ``reports/metrics.json``, as `evaluation.summary.summarise`
+        returns.
+    fixations : pyarrow.Table
+        Only the probing locations that were touched, one row per row of `touches` and in the same order. Column
+        ``touch`` has the number of the touch.
+    predictions, views, touches, features, pictures : pyarrow.Table
+        All rows of the files.
+    effects : pyarrow.Table
+        All rows of the files; no rows if the run has no such files.
+    """
 
     files: RunFiles
     parameters: ExperimentParameters
-    named_objects: tuple[str, ...]
+    all_objects: tuple[str, ...]
     metrics: Mapping[str, Any]
     predictions: pa.Table
     views: pa.Table
@@ -113,71 +136,77 @@ class Run:
 
     @cached_property
     def pipelines(self) -> list[PipelineTable]:
-        """The accuracies of each pipeline, the paper's pipeline first."""
-        return read_tables(self.metrics)
+        """Accuracies and comparisons of each pipeline, the paper's pipeline first."""
+        return pipeline_tables(self.metrics)
 
     @cached_property
     def objects(self) -> list[str]:
-        """Objects with views, `class/name`, sorted."""
+        """Objects that have rows in `views`, `class/name`, sorted."""
         return sorted(keys_of(self.views).unique().to_pylist())
 
     @cached_property
     def tested_objects(self) -> list[str]:
-        """Objects that recognition tested, `class/name`, sorted."""
+        """Objects that have rows in `predictions`, `class/name`, sorted."""
         return sorted(keys_of(self.predictions).unique().to_pylist())
 
     @cached_property
     def classes(self) -> list[str]:
-        """Classes that recognition distinguishes, sorted."""
+        """Classes of `tested_objects`, sorted."""
         return sorted(self.predictions.column("class").unique().to_pylist())
 
     @cached_property
     def meshes(self) -> dict[str, Path]:
-        """The mesh file of each object, `class/name`; objects without a file are left out."""
+        """Existing mesh files by object, `class/name`."""
         paths = [Path(path) for path in self.files.meshes]
         return {object_of(path): path for path in paths if path.is_file()}
 
     @cached_property
     def set_aside(self) -> dict[str, str]:
-        """The reason why an object can't be used, by object, `class/name`."""
+        """Reasons why objects were set aside, by object, `class/name`, from the headers of the mesh files."""
         reasons = {key: set_aside_reason(path) for key, path in self.meshes.items()}
         return {key: reason for key, reason in reasons.items() if reason is not None}
 
     @cached_property
     def notes(self) -> dict[str, list[str]]:
-        """Notes on the model's file, by object, `class/name`; objects without notes are left out."""
+        """Notes of the mesh conversion, by object, `class/name`, from the headers of the mesh files.
+
+        Objects without notes are left out.
+        """
         notes_by_object = {key: notes_of(path) for key, path in self.meshes.items()}
         return {key: notes for key, notes in notes_by_object.items() if notes}
 
     @cached_property
     def stability(self) -> StabilityFigures | None:
-        """The numerical checks on this run's objects; None without files of checks."""
+        """The numerical checks on this run's objects; None if the run has no table of checks."""
         parts = self.parts("stability")
         return stability_figures(read_table(STABILITY, parts)) if parts else None
 
     @cached_property
     def credits(self) -> dict[str, Credit]:
-        """The credit of each object, `class/name`; objects without a credit are left out."""
+        """Credits by object, `class/name`; objects without a credit are left out."""
         return read_credits(self.files.credits)
 
-    def file_of(self, name: str) -> Path | None:
-        """Return the file or folder of an extra table by its name; None if it does not exist."""
+    def extra_path(self, name: str) -> Path | None:
+        """Return a file or folder of `files.extras` by name; None if the name is unknown or nothing exists there."""
         path = self.files.extras.get(name)
         return None if path is None or not Path(path).exists() else Path(path)
 
     def existing_file(self, file: str) -> Path | None:
-        """Return a file by its path relative to the run's folder; None if it does not exist."""
+        """Join a file's relative path to the run's folder; return None if no such file exists."""
         path = Path(self.files.folder, file)
         return path if path.is_file() else None
 
     def parts(self, name: str) -> list[Path]:
-        """Return the existing files of a table.
+        """Return the Parquet files of a table, sorted; an empty list if there are none.
+
+        Files of the run's own tables, such as ``predictions``, are returned in the order of `files`, without a test
+        whether they exist.
 
         Parameters
         ----------
         name : str
-            A table such as ``predictions`` or ``frontier``, a study as ``studies/NAME``, or the path of a Parquet file
-            relative to the run's folder.
+            A table such as ``predictions``, a name of `files.extras` such as ``frontier``, a study as
+            ``studies/NAME``, or the path of a Parquet file relative to the run's folder.
         """
         if name.endswith(".parquet"):
             return [path] if (path := self.existing_file(name)) else []
@@ -200,12 +229,12 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
     parameters : ExperimentParameters
         The run's parameters.
     objects : sequence of str
-        All objects of the set, `class/name`.
+        `Run.all_objects`.
 
     Raises
     ------
     ReportError
-        If the file of metrics was not written by this workflow.
+        If the file of metrics can't be read, or lacks ``comparisons``, ``method`` or ``results``.
     TableError
         If a table does not fit its schema.
     """
@@ -220,7 +249,7 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
     return Run(
         files=files,
         parameters=parameters,
-        named_objects=tuple(objects),
+        all_objects=tuple(objects),
         metrics=metrics,
         predictions=read_table(PREDICTIONS, files.predictions),
         views=read_table(VIEWS, files.views),
@@ -232,31 +261,48 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
     )
 
 
-def find_extras(run: str | Path, checks: str | Path) -> dict[str, Path]:
-    """Return the paths of tables that not every run has, by name; the files need not exist.
+def extra_paths(run: str | Path, checkout: str | Path) -> dict[str, Path]:
+    """Return paths of files and folders that not every run has, by name, without a test whether they exist.
 
-    `run` is the folder of the run, `checks` the folder in which `make test-hard` ran.
+    Parameters
+    ----------
+    run : str or Path
+        The run's folder.
+    checkout : str or Path
+        The folder of the repository. Command `make test-hard` writes ``docs/figures/hard_cases.json`` there.
+
+    Returns
+    -------
+    dict of str to Path
+        By ``studies``, ``frontier``, ``drawn``, ``effect_influence``, ``evaluation``, ``stability`` and
+        ``hard_cases``.
     """
     extras = {name: Path(run, path) for name, path in _EXTRAS.items()}
-    return extras | {"hard_cases": Path(checks, "docs/figures/hard_cases.json")}
+    return extras | {"hard_cases": Path(checkout, "docs/figures/hard_cases.json")}
 
 
 def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[str, ...]]:
-    """Find the files of a run in its folder.
+    """Find the files of a finished run.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder with ``params.yaml``, ``results`` and ``reports``.
 
     Returns
     -------
     files : RunFiles
-        The run's files.
+        The run's files. `gaze`, `earlier_studies`, `study_folders` and `key` keep their defaults.
     parameters : ExperimentParameters
         The parameters in its ``params.yaml``.
     objects : tuple of str
-        All objects of the set, `class/name`.
+        `Run.all_objects`; without ``meshes/catalogue.csv`` the objects that have a mesh file.
 
     Raises
     ------
     ReportError
-        If the parameters, the metrics or a table is missing.
+        If ``params.yaml``, ``reports/metrics.json`` or one of the tables ``predictions``, ``views``, ``fixations``,
+        ``touches``, ``features`` and ``pictures`` is missing.
     """
     folder = Path(folder)
     results = folder / "results"
@@ -278,16 +324,18 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
         credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],
         logs=logs if logs.is_dir() else None,
         folder=folder,
-        extras=find_extras(folder, folder),
+        extras=extra_paths(folder, folder),
     )
     return files, parameters, _objects(folder, parameters, files)
 
 
 def _parts(folder: Path) -> list[Path]:
+    """Return the Parquet files below a folder, sorted; an empty list for a missing folder."""
     return sorted(folder.rglob("*.parquet"))
 
 
 def _objects(folder: Path, parameters: ExperimentParameters, files: RunFiles) -> tuple[str, ...]:
+    """Return the set's and the user's own objects; without a catalogue the objects that have a mesh file."""
     catalogue = folder / "meshes/catalogue.csv"
     if not catalogue.is_file():
         return tuple(object_of(path) for path in files.meshes)

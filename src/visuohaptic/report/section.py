@@ -60,12 +60,12 @@ class ReportContext:
     @cached_property
     def frontier(self) -> Values | None:
         """Cost and accuracy of the settings of this run; None where nothing was measured."""
-        return read_cost(self.run.file_of("frontier"), self.run.parameters)
+        return read_cost(self.run.extra_path("frontier"), self.run.parameters)
 
     @cached_property
     def influence(self) -> Values | None:
         """Run time of effects and their changes of images; None where nothing was measured."""
-        path = self.run.file_of("effect_influence")
+        path = self.run.extra_path("effect_influence")
         return influence_figures(path, self.run.parameters.scene.preset) if path else None
 
     @cached_property
@@ -76,7 +76,7 @@ class ReportContext:
     @cached_property
     def evaluation(self) -> Values:
         """The model's predictions for objects that it was not trained on: of this run, else the kept predictions."""
-        measured = read_evaluation(self.run.file_of("evaluation"))
+        measured = read_evaluation(self.run.extra_path("evaluation"))
         return evaluation_figures(measured, self.run.parameters.recognition.intervals)
 
     @cached_property

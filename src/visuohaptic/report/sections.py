@@ -44,8 +44,8 @@ from visuohaptic.report.questions import (
     has_opponent,
     recognition_answer,
     reproduction_answer,
-    variant_sentences,
-    variants_sentence,
+    variant_counts_sentence,
+    variant_leads_sentences,
 )
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import ReportContext, Values, files_of_rows, place_of
@@ -180,12 +180,12 @@ def kept_leads(variants: VariantsSummary, intervals: IntervalParameters) -> list
     """
     kept = read_turned()
     if not kept:
-        return variant_sentences(variants)
+        return variant_leads_sentences(variants)
     largest = max(kept, key=lambda name: len(kept[name].objects))
     drawn = [draws for name in PIPELINES if (draws := read_draws(largest, name))]
     return [
         *more_objects_sentences(kept[largest], intervals, drawn),
-        *variant_sentences(variants),
+        *variant_leads_sentences(variants),
         turned_sentence(kept[largest], intervals),
         unknown_pose_sentence(kept[largest], intervals),
     ]
@@ -276,7 +276,7 @@ def comparison_values(context: ReportContext) -> Values | None:
         gain_sentence(run.pipelines[0]),
         draws_sentence(run.pipelines[0]),
         *_kept_draws(run),
-        variants_sentence(context.variants),
+        variant_counts_sentence(context.variants),
         *(cue_sentences(context.frontier["rows"]) if context.frontier else ()),
     )
     return {
@@ -303,14 +303,14 @@ def evaluation_values(context: ReportContext) -> Values:
 
 def own_studies_values(context: ReportContext) -> Values | None:
     """Return the studies that bring no section of their own."""
-    folder = context.run.file_of("studies")
+    folder = context.run.extra_path("studies")
     studies = [read_study(folder, name) for name in names_of_own_studies(context.run)]
     return values_or_none(studies=[study for study in studies if study])
 
 
 def cost_values(context: ReportContext) -> Values | None:
     """Return the time and the accuracy of the settings of this run."""
-    if context.run.file_of("frontier") is None:
+    if context.run.extra_path("frontier") is None:
         return None
     return {"frontier": context.frontier, "objects": len(context.run.objects)}
 
@@ -332,7 +332,7 @@ def effects_values(context: ReportContext) -> Values:
 def influence_values(context: ReportContext) -> Values:
     """Return imprints of hard places, and the run time and changes of effects where they were measured."""
     run, page = context.run, context.explaining
-    accuracy = read_study(run.file_of("studies"), "effects", spaced)
+    accuracy = read_study(run.extra_path("studies"), "effects", spaced)
     locations = select(run.fixations, **page.shown_rows)
     mesh = run.meshes.get(page.key) if locations.num_rows else None
     return {
@@ -350,7 +350,7 @@ def influence_values(context: ReportContext) -> Values:
 
 def stability_values(context: ReportContext) -> Values | None:
     """Return the numerical checks on this run's objects, and the totals of the hard cases of the code."""
-    figures, totals = context.run.stability, context.run.file_of("hard_cases")
+    figures, totals = context.run.stability, context.run.extra_path("hard_cases")
     if figures is None and totals is None:
         return None
     return {

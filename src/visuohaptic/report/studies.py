@@ -111,7 +111,7 @@ def _study_table(pipeline: str, classifier: str, cells: list[Row]) -> Row:
 
 def names_of_own_studies(run: Run) -> list[str]:
     """Return the measured studies that are neither part of the package nor bring a section of their own."""
-    shown = {*PACKAGED, *section_files(run.files.studies)}
+    shown = {*PACKAGED, *section_files(run.files.study_folders)}
     return [file.stem for file in run.parts("studies") if file.stem not in shown]
 
 

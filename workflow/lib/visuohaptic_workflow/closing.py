@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
-from visuohaptic.report.comparison import PipelineTable, read_tables
+from visuohaptic.report.comparison import PipelineTable, pipeline_tables
 from visuohaptic.report.wording import percent, percent_points, points, probability, strategy_name
 from visuohaptic.stability.rows import broken_tolerances
 from visuohaptic_workflow.keys import read_record
@@ -51,7 +51,7 @@ def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT)
 
 def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
     lines = []
-    for table in read_tables(metrics):
+    for table in pipeline_tables(metrics):
         figures = (
             f"{strategy_name(strategy)} {percent(figure.mean)}{_interval(figure.low, figure.high)}"
             for strategy in table.strategies
