@@ -154,7 +154,7 @@ def plan(change):
     with made(change), names_of_snakefile(change.config) as names:
         keys = names["keys"]()
         needed = list(keys.needed_for(map(str, names["rules"].all.input)))
-        return Counter(keys.jobs[name].rule for name in needed if keys.reason(name))
+        return Counter(keys.jobs[name].rule for name in needed if keys.reason_not_current(name))
 
 
 def main():

@@ -130,7 +130,7 @@ class Keys:
     def needed_for(self, targets):
         return ["record"]
 
-    def why(self, record):
+    def reason_to_run(self, record):
         return None
 
     def is_unchanged(self, record):

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from visuohaptic_workflow.closing import put_aside
+from visuohaptic_workflow.closing import move_former_files
 from visuohaptic_workflow.code_of_jobs import Code, Runs
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.keys import Job, Keys, read_record
@@ -59,7 +59,7 @@ class Run:
 
     def reasons(self):
         keys = self.keys()
-        return [keys.reason("mesh.json"), keys.reason("touch.json")]
+        return [keys.reason_not_current("mesh.json"), keys.reason_not_current("touch.json")]
 
 
 @pytest.fixture
@@ -187,12 +187,12 @@ def test_only_what_records_name_and_no_job_of_today_makes_is_put_aside(run):
     for name, text in {**texts, "results/records/cup/gone.json": json.dumps(record)}.items():
         Path(name).parent.mkdir(parents=True, exist_ok=True)
         Path(name).write_text(text)
-    (sentence,) = put_aside(["results/now.parquet"])
+    (sentence,) = move_former_files(["results/now.parquet"])
     assert sentence.startswith("3 files of former jobs were moved to .cache/")
     left = {file.name for folder in ("results", "logs") for file in Path(folder).rglob("*.*")}
     assert left == {"mine.parquet", "now.parquet"}
     assert len(list(Path(".cache/aside").rglob("gone.*"))) == 3
-    assert not list(put_aside(["results/now.parquet"]))
+    assert not list(move_former_files(["results/now.parquet"]))
 
 
 def test_a_log_that_a_record_of_today_names_stays_where_an_earlier_record_names_it_too(run):
@@ -201,7 +201,7 @@ def test_a_log_that_a_record_of_today_names_stays_where_an_earlier_record_names_
     for name in (today, earlier, "logs/frontier.log"):
         Path(name).parent.mkdir(parents=True, exist_ok=True)
         Path(name).write_text(json.dumps(record))
-    (sentence,) = put_aside([today])
+    (sentence,) = move_former_files([today])
     assert sentence.startswith("1 files")
     assert Path("logs/frontier.log").exists()
     assert not Path(earlier).exists()
@@ -257,7 +257,7 @@ def test_what_was_read_from_a_file_is_remembered_until_the_file_changes(tmp_path
 def recompute(run):
     """Run what does not fit, in order."""
     for rule in ("mesh", "touch"):
-        if run.keys().reason(f"{rule}.json"):
+        if run.keys().reason_not_current(f"{rule}.json"):
             run.make(rule)
 
 

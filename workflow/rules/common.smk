@@ -285,7 +285,7 @@ def takes(name, script=None, own=(), **files_by_name):
 
 def inputs_by_key(record, files):
     """Return a job's inputs: with times to be ignored if the record is current, else with the reason to run the job."""
-    reason = keys().why(record)
+    reason = keys().reason_to_run(record)
     if reason is None:
         return {
             part: ancient(item) if isinstance(item, str) else [*map(ancient, item)]
@@ -296,7 +296,7 @@ def inputs_by_key(record, files):
     if is_claimed_by_another():
         return files
     marker = or_stop(mark_stale, record, reason, keys().jobs[record].tables)
-    return {**files, "why": [*marker, *sorted(keys().stale_behind(record))]}
+    return {**files, "why": [*marker, *sorted(keys().stale_upstream(record))]}
 
 
 def key_of_job(wildcards, output):
@@ -368,7 +368,7 @@ def close_run():
     if not DECIDES:
         return
     # Imports Arrow, which a run without jobs does not need.
-    from visuohaptic_workflow.closing import lines_at_end, put_aside
+    from visuohaptic_workflow.closing import lines_at_end, move_former_files
 
     end_at_once()
     key_of = {record: read_record(record).get("key") for record in keys().jobs}
@@ -377,7 +377,7 @@ def close_run():
     lines = []
     if report_is_current:
         named = {file for job in keys().jobs.values() for file in job.outputs}
-        lines += put_aside(named)
+        lines += move_former_files(named)
     if any(stale.values()):
         count = sum(key is not None for key in stale.values())
         lines.append(f"{count} records are not current: `make verify` lists them.")

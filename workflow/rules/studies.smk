@@ -76,7 +76,7 @@ rule block_of_study:
         key=key_of_job,
         conditions=lambda wildcards: describe_conditions(conditions_of(wildcards)),
         sample=lambda wildcards: sample_of(wildcards.study),
-        recomputed=keys_of,
+        recomputed=recomputed_keys,
         parameters=PARAMETERS.model_dump(**DUMP_FOR_CONDITIONS),
     message:
         "measuring conditions {wildcards.block} of study {wildcards.study}"
@@ -119,7 +119,7 @@ for study, step in STEPS:
             takes(
                 step.name,
                 "study_step.py",
-                own=own_code_of(step),
+                own=user_code_of(step),
                 **inputs_of_step(study, step),
             ),
         output:

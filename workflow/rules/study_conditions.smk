@@ -40,19 +40,19 @@ PLANS = {
 STUDIES_OF_RUN = [study for study in STUDIES.values() if study.is_part_of_run]
 # Each step with its study; the names of steps are unique.
 STEPS = [(study, step) for study in STUDIES.values() for step in study.steps]
-# The objects of sampled studies, which would take longest with thousands of objects.
+# Studies that would take very long with thousands of objects (`is_sampled`) measure only these objects.
 SAMPLE = sample_objects(OBJECTS, PARAMETERS.cost.maximum_objects)
 
 
 def takes_predictions(study):
-    """Return whether a study uses the run's predictions: only if it measures all objects and a step takes them."""
+    """Return whether a study reads the run's predictions: a step takes them, and the study measures all objects."""
     return any("predictions" in step.takes for step in study.steps) and (
         SAMPLE == OBJECTS or not study.is_sampled
     )
 
 
-def conditions_to_measure(study):
-    """Return the plan of a study without the conditions that the run measures."""
+def plan_to_measure(study):
+    """Return a study's `Plan`; if the study reads the run's predictions, without conditions that the run measures."""
     plan = PLANS[study.name]
     if not takes_predictions(study):
         return plan
@@ -66,12 +66,12 @@ def conditions_to_measure(study):
 
 BLOCKS = {
     study.name: make_blocks(
-        conditions_to_measure(study), PARAMETERS.workflow.conditions_per_job
+        plan_to_measure(study), PARAMETERS.workflow.conditions_per_job
     )
     for study in STUDIES.values()
 }
 
-# Studies whose existing files are kept even if they are not current.
+# Studies with existing files that this run must not make again, even if they are not current.
 KEPT_STUDIES = [
     study
     for study in STUDIES.values()
@@ -107,109 +107,128 @@ VALUES_OF_RULES |= {
 }
 
 
-def study_blocks(study):
-    """List the files of a study's blocks, and of its steps with `is_block`."""
-    steps = (step for step in STUDIES[study].steps if step.is_block)
+def study_blocks(study_name):
+    """List the files with the measured conditions of a study: of its blocks, and of its steps with `is_block`."""
+    steps = (step for step in STUDIES[study_name].steps if step.is_block)
     return [
-        *(f"results/study_blocks/{study}/{block}.parquet" for block in BLOCKS[study]),
+        *(
+            f"results/study_blocks/{study_name}/{block}.parquet"
+            for block in BLOCKS[study_name]
+        ),
         *(file for step in steps for file in of_pipelines(step.files)),
     ]
 
 
 def of_pipelines(patterns):
-    """Fill wildcard ``pipeline`` of file patterns with all pipelines; other files are unchanged."""
+    """List the files of patterns: with wildcard ``{pipeline}`` one per pipeline; other patterns are unchanged."""
     return expand(patterns, pipeline=PARAMETERS.recognition.pipelines)
 
 
-def objects_of(study):
-    """List the objects that a study measures."""
-    return SAMPLE if STUDIES[study].is_sampled else OBJECTS
+def objects_of(study_name):
+    """List the objects, ``class/name``, that a study measures."""
+    return SAMPLE if STUDIES[study_name].is_sampled else OBJECTS
 
 
-def sample_of(study):
-    """Return the objects of a sampled study, or None if the study measures all objects."""
-    return None if objects_of(study) == OBJECTS else objects_of(study)
+def sample_of(study_name):
+    """Return the objects that a study measures; None if it measures all objects of the run."""
+    objects = objects_of(study_name)
+    return None if objects == OBJECTS else objects
 
 
 def recomputation_of(wildcards):
-    """Return the recomputation of a job."""
+    """Return the `Recomputation` of a job with wildcards ``study`` and ``key``."""
     return PLANS[wildcards.study].recomputations[wildcards.key]
 
 
-# Tables, and the meshes, that recomputations may need.
+# Names of the inputs that a recomputation may need: tables of the run, and "meshes".
 NEEDED = dict.fromkeys(
     name for phase in OF_OBJECT for name in inputs_needed_from(next(iter(phase.writes)))
 )
 
 
-def needed_by_recomputation(table):
-    """Return an input function that lists the files of a table, or the meshes, if the job's recomputation needs them."""
+def needed_by_recomputation(name):
+    """Return an input function that lists the files of an input in `NEEDED`, if the job needs this input."""
 
     def files(wildcards):
-        if table not in inputs_needed_from(recomputation_of(wildcards).phase):
+        if name not in inputs_needed_from(recomputation_of(wildcards).phase):
             return []
         objects = objects_of(wildcards.study)
-        if table == "meshes":
+        if name == "meshes":
             return meshes_of(objects)
-        return files_of(table, objects=blocks_with(objects))
+        return files_of(name, objects=blocks_with(objects))
 
     return files
 
 
 def recomputation_parameters(wildcards):
-    """Return the parameters with which a job recomputes features."""
+    """Return the parameters of a job that recomputes features: a dict without `WITHOUT_EFFECT` and ``recognition``."""
     return recomputation_of(wildcards).parameters.model_dump(
         exclude={**WITHOUT_EFFECT, "recognition": True}
     )
 
 
-def conditions_of(wildcards, study=None):
-    """List the conditions of a job: of its block, or of its step if `study` is given."""
-    if study is None:
+def conditions_of(wildcards, study_name=None):
+    """List the conditions (`Planned`) that a job measures.
+
+    Without `study_name`, these are the conditions of wildcards ``study`` and ``block``. Jobs of a step have no wildcard
+    ``study``: with `study_name`, the list has the one condition of wildcard ``condition``.
+    """
+    if study_name is None:
         return BLOCKS[wildcards.study][wildcards.block]
     return [
         planned
-        for planned in PLANS[study].conditions
+        for planned in PLANS[study_name].conditions
         if planned.condition.name == wildcards.condition
     ]
 
 
-def keys_of(wildcards, study=None):
-    """List the keys of the recomputed features of a job's conditions."""
-    return sorted({planned.key for planned in conditions_of(wildcards, study)} - {None})
+def recomputed_keys(wildcards, study_name=None):
+    """List the keys of the recomputed features that a job reads, sorted; arguments as in `conditions_of`."""
+    return sorted(
+        {planned.key for planned in conditions_of(wildcards, study_name)} - {None}
+    )
 
 
-def features_of(study):
-    """List the files of the run's features for a study's objects."""
-    return files_of("features", objects=blocks_with(objects_of(study)))
+def run_features(study_name):
+    """List the files of the run's features that contain the objects of a study."""
+    return files_of("features", objects=blocks_with(objects_of(study_name)))
 
 
-def made_features(study, keys):
-    """List the files of recomputed features by key."""
-    return [f"results/study_features/{study}/{key}.parquet" for key in keys]
+def recomputed_features(study_name, keys):
+    """List the files of a study's recomputed features, one per key of `Plan.recomputations`."""
+    return [f"results/study_features/{study_name}/{key}.parquet" for key in keys]
 
 
-def features_for(study=None):
-    """Return input functions for the features of a job's conditions: of the run if needed, and recomputed."""
+def features_for(study_name=None):
+    """Return two input functions by name of input, for jobs that measure conditions.
 
-    def own(wildcards):
-        is_needed = None in {planned.key for planned in conditions_of(wildcards, study)}
-        return features_of(study or wildcards.study) if is_needed else []
+    ``features`` lists files of the run, if any condition of the job uses the run's features; ``made`` lists files of
+    recomputed features. `study_name` is needed only for a step with wildcard ``condition``.
+    """
+
+    def of_run(wildcards):
+        used = {planned.key for planned in conditions_of(wildcards, study_name)}
+        return run_features(study_name or wildcards.study) if None in used else []
 
     def made(wildcards):
-        return made_features(study or wildcards.study, keys_of(wildcards, study))
+        keys_used = recomputed_keys(wildcards, study_name)
+        return recomputed_features(study_name or wildcards.study, keys_used)
 
-    return {"features": own, "made": made}
+    return {"features": of_run, "made": made}
 
 
-def own_code_of(step):
-    """List the module of a step, if it is outside of the library."""
+def user_code_of(step):
+    """List the file of a step's module if the file is outside of the library; otherwise return an empty list."""
     file = Path(find_spec(step.work.partition(":")[0]).origin)
     return [] if file.is_relative_to(SOURCES[0]) else [file]
 
 
 def measured_objects(study, step):
-    """List the objects whose meshes and fixations a step takes: all, or evenly spaced objects if few suffice."""
+    """List the study's objects with meshes and fixations that a step reads.
+
+    These are all objects of the study. Only if `Step.objects` is ``two`` or ``timed``, these are at most 2 or
+    `cost.objects` evenly spaced objects.
+    """
     objects = objects_of(study.name)
     counts = {"timed": PARAMETERS.cost.objects, "two": 2}
     count = counts.get(step.objects, len(objects) or 1)
@@ -217,7 +236,7 @@ def measured_objects(study, step):
 
 
 def inputs_of_step(study, step):
-    """Return the inputs of a step: files by name, or functions of wildcards that list them."""
+    """Return the inputs of a step by name, for `takes`: lists of files, or two input functions (`features_for`)."""
     if "condition" in step.wildcards:
         return features_for(study.name)
     measured = measured_objects(study, step)
@@ -227,9 +246,9 @@ def inputs_of_step(study, step):
         "fixations": places_of(
             files_of, objects=blocks_with(measured), views=[*VIEW_BLOCKS][:1]
         ),
-        "features": features_of(study.name),
+        "features": run_features(study.name),
         "blocks": study_blocks(study.name),
-        "made": made_features(study.name, PLANS[study.name].recomputations),
+        "made": recomputed_features(study.name, PLANS[study.name].recomputations),
         "predictions": (
             files_of("predictions", "{pipeline}/{strategy}")
             if takes_predictions(study)
@@ -248,7 +267,7 @@ def inputs_of_step(study, step):
 
 
 def params_of_step(study, step):
-    """Return the params of a step's job, without its key."""
+    """Return the ``params`` of a step's rule, except ``key`` (`key_of_job`), by name for `study_step.py`."""
     params = {
         "study": study.name,
         "work": step.work,
@@ -265,14 +284,14 @@ def params_of_step(study, step):
     if "made" in step.takes:
         params["recomputed"] = list(PLANS[study.name].recomputations)
     if "condition" in step.wildcards:
-        params["recomputed"] = lambda wildcards: keys_of(wildcards, study.name)
+        params["recomputed"] = lambda wildcards: recomputed_keys(wildcards, study.name)
         params["condition"] = lambda wildcards: describe_conditions(
             conditions_of(wildcards, study.name)
         )[0]
     return params
 
 
-# Files of further studies that the report shows, by file: they exist, or this run makes them.
+# The study of each file that the report shows, except studies of the run. The file exists, or this run makes it.
 SHOWN_FILES = {
     file: study
     for study in STUDIES.values()
@@ -283,7 +302,10 @@ SHOWN_FILES = {
 
 
 def shown_studies(wildcards):
-    """Return the file of figures and the current keys of each shown study, to find studies that are not current."""
+    """Return ``figures`` (a file) and ``keys`` (by record) of each study in `SHOWN_FILES`, by name of the study.
+
+    The report compares the keys with the records, to name studies that are not current. Empty if the run has no keys.
+    """
     shown = {}
     for file, study in SHOWN_FILES.items() if IS_KEYED else ():
         figures = {"figures": study.shown[0], "keys": {}}
@@ -294,5 +316,5 @@ def shown_studies(wildcards):
 
 
 def report_of_study(wildcards):
-    """List the files of the report, which shows a study; none in a stage of DVC."""
+    """List all files of the report as inputs of the target of a study; none in a stage of DVC."""
     return [] if "DVC_STAGE" in os.environ else rules.report_all.input

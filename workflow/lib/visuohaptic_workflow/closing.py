@@ -1,4 +1,4 @@
-"""End a run: move files of former jobs aside, and describe results and rejected objects."""
+"""End a run: move files of former jobs, and list left-out objects, warnings and accuracies."""
 
 from __future__ import annotations
 
@@ -19,12 +19,18 @@ from visuohaptic_workflow.keys import read_record
 METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
 RECORDS = [Path("results", kind) for kind in ("records", "study_records", "model_records")]
-"""Folders with records of jobs: of the run, of studies, and of models."""
+"""Folders with the records of jobs: of the run, of studies, and of models."""
 ASIDE = Path(".cache/aside")
+"""The folder for files of former jobs; each move makes a subfolder with the time in its name."""
 
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
-    """Return the lines to print at the end of a run; accuracies only if the report is current."""
+    """Return the lines to print at the end of a run.
+
+    The lines name each left-out object with the reason, then warn of notes of meshes and of exceeded tolerances
+    (`stability.rows.broken_tolerances`). Only if the report is current, the lines of `describe_results` follow. Files
+    are read from folders ``results`` and ``reports`` of the working directory.
+    """
     meshes = sorted(Path("results/meshes").glob("*/*/*/*.ply"), key=object_of)
     reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
     exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
@@ -37,11 +43,22 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
 
 
 def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:
-    """Return lines with the accuracies of each pipeline's most accurate classifier, and the report's path, if they exist."""
+    """Return lines with the accuracies of each pipeline's headline classifier, and a line with the report's path.
+
+    Accuracies are in percent by strategy. For each strategy with several random draws, a line compares fixations with
+    this strategy.
+
+    Parameters
+    ----------
+    metrics : str or Path
+        Path of ``metrics.json``. A missing file adds no lines; an invalid file adds a line that says so.
+    report : str or Path
+        Path of the report. A missing file adds no line.
+    """
     lines = []
     if Path(metrics).is_file():
         try:
-            lines += _describe_figures(json.loads(Path(metrics).read_text(encoding="utf-8")))
+            lines += _describe_accuracies(json.loads(Path(metrics).read_text(encoding="utf-8")))
         except (ValueError, KeyError, TypeError):
             lines.append(f"{metrics} holds no metrics of this workflow.")
     if Path(report).is_file():
@@ -49,7 +66,8 @@ def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT)
     return lines
 
 
-def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
+def _describe_accuracies(metrics: Mapping[str, Any]) -> list[str]:
+    """Return a line per pipeline with its accuracies, followed by its lines of `_compare_with_draws`."""
     lines = []
     for table in pipeline_tables(metrics):
         figures = (
@@ -60,12 +78,12 @@ def _describe_figures(metrics: Mapping[str, Any]) -> list[str]:
         lines.append(
             f"Pipeline {table.name}, {table.headline.name}, correctly classified: {', '.join(figures)}."
         )
-        lines += _describe_draws(table)
+        lines += _compare_with_draws(table)
     return lines
 
 
-def _describe_draws(table: PipelineTable) -> Iterator[str]:
-    """Yield the lead of fixation over each strategy with several draws, and the standard deviation over draws."""
+def _compare_with_draws(table: PipelineTable) -> Iterator[str]:
+    """Yield the accuracy of fixations minus the mean over draws of each strategy with several draws, in points."""
     for strategy, compared in table.headline.comparisons.items():
         lead, draws = compared.difference, compared.draws
         if draws is None or draws.count < 2:
@@ -83,35 +101,45 @@ def _describe_draws(table: PipelineTable) -> Iterator[str]:
 
 
 def _interval(low: float | None, high: float | None) -> str:
+    """Return the ends of an interval in percent, in brackets after a blank; an empty string without ends."""
     return "" if low is None or high is None else f" ({100 * low:.1f} to {100 * high:.1f})"
 
 
-def put_aside(named: Collection[str]) -> Iterator[str]:
-    """Move files of former jobs, found by their records, to `ASIDE`, and yield a sentence if any were moved.
+def move_former_files(current_files: Collection[str]) -> list[str]:
+    """Move files of former jobs to a subfolder of `ASIDE`.
 
-    Without this, a reader of a folder would read rows of an object twice after blocks changed.
+    A record in `RECORDS` belongs to a former job if it is not in `current_files`. The record, its tables and its log
+    are moved. Files that no record names stay. After a change of the blocks of objects, files of former blocks
+    would otherwise repeat rows of the same objects, because readers read all files of a folder.
 
     Parameters
     ----------
-    named : collection of str
-        The files of current jobs, which stay.
+    current_files : collection of str
+        Paths of all outputs of the present jobs, including their records, relative to the working directory. These
+        files and the logs of their records stay.
+
+    Returns
+    -------
+    list of str
+        One sentence with the number of moved files and their folder; empty if none were moved.
     """
-    stale = []
+    former = []
     records = {str(record) for folder in RECORDS for record in folder.rglob("*.json")}
-    # A current job may share its log with a former job.
-    current = map(read_record, records.intersection(named))
-    named = {*named, *(kept["log"] for kept in current if kept)}
-    for record in sorted(records.difference(named)):
-        stale.append(record)
-        if kept := read_record(record):
-            stale += [*kept["tables"], kept["log"]]
+    # A present job may share its log with a former job.
+    present = map(read_record, records.intersection(current_files))
+    to_stay = {*current_files, *(content["log"] for content in present if content)}
+    for record in sorted(records.difference(to_stay)):
+        former.append(record)
+        if content := read_record(record):
+            former += [*content["tables"], content["log"]]
     target = ASIDE / time.strftime("%Y-%m-%d-%H%M%S")
-    moved = [file for file in dict.fromkeys(stale) if file not in named and os.path.lexists(file)]
+    moved = [
+        file for file in dict.fromkeys(former) if file not in to_stay and os.path.lexists(file)
+    ]
     for file in map(Path, moved):
         (target / file).parent.mkdir(parents=True, exist_ok=True)
         file.rename(target / file)
-        with suppress(OSError):  # ends at the first folder that is not empty
+        with suppress(OSError):  # `rmdir` fails at the first folder that is not empty
             for folder in file.parents[:-2]:
                 folder.rmdir()
-    if moved:
-        yield f"{len(moved)} files of former jobs were moved to {target}."
+    return [f"{len(moved)} files of former jobs were moved to {target}."] if moved else []

@@ -95,7 +95,7 @@ def write_lock(
         If a record is not current, an input or result changes meanwhile, or DVC fails. The lock is then unchanged.
     """
     records = keys.needed_for(targets)
-    if stale := [record for record in records if keys.why(record)]:
+    if stale := [record for record in records if keys.reason_to_run(record)]:
         raise LockError(
             f"{_UNCHANGED}: {len(stale)} results do not match the current parameters, code and meshes, "
             f"such as {stale[0]}; `make why` lists the reasons."

@@ -1,9 +1,12 @@
 """Keys of jobs: digests of everything that determines a job's files.
 
 The parts of a key are the job's code (`code_of_jobs.CODE`), versions of imported packages, parameters, the content of
-source files, and the keys of the jobs that made its other inputs. A job writes its record last: the parts of its key,
-and the digests of its tables. A record is current if its key is the current key and each table has its digest. Times of
-files do not count.
+source files (inputs that no job makes), and the keys of the jobs that make the other inputs. A job writes its record
+last. The record contains the key, its parts, the digests of the job's tables, and the path of its log.
+
+A record is current if its key equals the key that `Keys` computes now, and each table has the recorded digest;
+otherwise the record and its job are stale. Times of files have no effect. A job is upstream of each job that reads its
+outputs, directly or through other jobs.
 """
 
 from __future__ import annotations
@@ -21,14 +24,15 @@ from visuohaptic_workflow.code_of_jobs import Code, Runs
 from visuohaptic_workflow.digests import Digests, Stamp, stamp_if_there, stamps_of
 
 Parts = dict[str, Any]
+"""The parts of a key by name, as `Keys.parts` returns them."""
 
 NEW = "new"
-"""The reason to run a job without any existing file."""
+"""The reason to run a job that has neither a readable record nor any table."""
 
 
 @dataclass(frozen=True)
 class Job:
-    """A job of a rule.
+    """A job of a rule. Paths are absolute or relative to the working directory.
 
     Attributes
     ----------
@@ -37,13 +41,13 @@ class Job:
     wildcards : mapping of str to str
         Values of the rule's wildcards.
     runs : Runs
-        The code of the job.
+        The script of the job, the row of `code_of_jobs.CODE`, and modules outside of the library.
     inputs, outputs : tuple of str
-        Files.
+        Paths of the files or folders that the job reads and writes; `outputs` contains `record`.
     record : str
-        The output with the parts of the job's key and the digests of its tables.
+        Path of the job's record, which also identifies the job in `Keys`.
     find_params : callable
-        Returns the parameters in built-in types.
+        Returns the values of the parameters in the key, by name. JSON must be able to store the values.
     """
 
     rule: str
@@ -56,17 +60,20 @@ class Job:
 
     @cached_property
     def tables(self) -> list[str]:
-        """The outputs without the record."""
+        """Paths of the outputs except the record."""
         return [file for file in self.outputs if file != self.record]
 
 
 def key_of(parts: Mapping[str, Any]) -> str:
-    """Compute a key from its parts: 64 hexadecimal digits."""
+    """Compute a key, 64 hexadecimal digits, from its parts."""
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
 def read_record(path: str | Path) -> dict[str, Any]:
-    """Read a record. Returns an empty dict if the file is missing or no record."""
+    """Read a record: a dict with ``key``, ``parts``, ``tables`` (digests by path) and ``log`` (a path).
+
+    Returns an empty dict if the file is missing, unreadable, or without one of these names.
+    """
     try:
         record = json.loads(Path(path).read_text(encoding="utf-8"))
         return record if {"key", "parts", "tables", "log"} <= record.keys() else {}
@@ -75,20 +82,24 @@ def read_record(path: str | Path) -> dict[str, Any]:
 
 
 class Keys:
-    """The keys of all current jobs; each key is computed at first use and cached.
+    """The keys of all jobs of a workflow, and whether the files of the jobs are current.
+
+    Methods identify a job by the path of its record. Parts, keys, reasons and stale records are computed at first use
+    and cached, so later changes of files or parameters need a new object. Only `is_unchanged` checks files again.
 
     Parameters
     ----------
     jobs : iterable of Job
         All jobs of the current parameters and objects.
     find_code : callable
-        Returns the `Code` of `Runs`.
+        Returns the `Code` (files and versions of packages) of a job's `Runs`.
     digests : Digests
-        Digests of files.
+        Computes and caches the SHA-256 of files.
     root : Path
-        The clone. In keys, files of the clone have names relative to this folder.
+        Absolute path of the clone of this repository. Keys name files of the clone relative to this folder.
     kept : collection of str
-        Records of jobs that are not to run again. Jobs behind them use the existing files.
+        Records of jobs that must not run, even if they are stale. Jobs that read their files use the existing files
+        and the recorded key.
     """
 
     def __init__(
@@ -105,67 +116,84 @@ class Keys:
         self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
 
     def makers(self, files: Iterable[str]) -> dict[str, None]:
-        """Return the records of the jobs that make some files, each once."""
+        """Return the records of the jobs that make some files, as keys of a dict; skip files that no job makes."""
         return {self._makers[file]: None for file in files if file in self._makers}
 
     @cache  # noqa: B019 - a process has one such object, or few
     def parts(self, record: str) -> Parts:
         """Return the parts of a job's key.
 
-        ``code`` and ``sources`` are digests by file, ``packages`` versions by name, ``parameters`` values by name,
-        and ``from`` keys of the jobs behind the inputs by record.
+        ``code`` and ``sources`` are digests by file, or ``missing``. ``packages`` are versions by name. ``parameters``
+        are values by name, including the values of wildcards. ``from`` are the keys, by record, of the jobs that make
+        the inputs.
         """
         job = self.jobs[record]
         return {
-            "code": self._code_of(job.runs),
+            "code": self._code_digests(job.runs),
             "packages": self._find_code(job.runs).versions,
             "parameters": json.loads(json.dumps({**job.find_params(), **job.wildcards})),
             "sources": self._digests_of(self._sources(record)),
-            "from": {maker: self._key_taken(maker, record) for maker in self.makers(job.inputs)},
+            "from": {
+                maker: self._key_for_reader(maker, record) for maker in self.makers(job.inputs)
+            },
         }
 
     @cache  # noqa: B019
     def key(self, record: str) -> str:
-        """Return a job's key."""
+        """Return a job's key, computed now; the record may contain another key."""
         return key_of(self.parts(record))
 
-    def snapshot(self, record: str) -> Parts:
-        """Return the parts of a job's key, its files of code and sources, and their stamps, for checks in the job."""
+    def snapshot(self, record: str) -> dict[str, Any]:
+        """Return the state of a job when the run is planned, for `records.check_inputs` in the job.
+
+        ``parts`` are the parts of the key. ``files`` has the lists ``code`` and ``sources`` of paths. ``stamps`` is one
+        digest over the stamps of all these files (`digests.stamps_of`).
+        """
         code = self._code_files(self.jobs[record].runs)
         files = {"code": code, "sources": self._sources(record)}
         stamps = stamps_of([*code, *files["sources"]], self._stamp)
         return {"parts": self.parts(record), "files": files, "stamps": stamps}
 
     @cache  # noqa: B019
-    def reason(self, record: str) -> str | None:
-        """Return why a job's files are not current; None if they are."""
-        kept, tables = read_record(record), self.jobs[record].tables
-        if not kept:
+    def reason_not_current(self, record: str) -> str | None:
+        """Return why a job's files are not current; None if they are current. `kept` does not exempt the job.
+
+        Only the first difference is named, such as ``parameters: sensor.size``, ``code: <file>`` or ``table: <file>``;
+        `NEW` if the job has neither record nor table. If only the key of a job upstream differs, the result is the
+        reason of that job, or ``from: <rule>`` if that job is current but ran after this job.
+        """
+        recorded, tables = read_record(record), self.jobs[record].tables
+        if not recorded:
             return "record: none of this version" if any(map(os.path.exists, tables)) else NEW
-        if kept["key"] != self.key(record):
-            return self._difference(kept["parts"], self.parts(record))
-        edited = (file for file in tables if self._digest(file) != kept["tables"].get(file))
+        if recorded["key"] != self.key(record):
+            return self._difference(recorded["parts"], self.parts(record))
+        edited = (file for file in tables if self._digest(file) != recorded["tables"].get(file))
         return next((f"table: {file}" for file in edited), None)
 
-    def why(self, record: str) -> str | None:
-        """Return the reason to run a job; None if its files are current or kept."""
-        return None if record in self.kept else self.reason(record)
+    def reason_to_run(self, record: str) -> str | None:
+        """Return `reason_not_current`, or None if the job is in `kept`."""
+        return None if record in self.kept else self.reason_not_current(record)
 
     @cache  # noqa: B019
-    def stale_behind(self, record: str) -> set[str]:
-        """Return the records of stale jobs that only current jobs separate from a job.
+    def stale_upstream(self, record: str) -> set[str]:
+        """Return the records of stale jobs upstream of a job with at least one current job, and no stale job, between.
 
-        Snakemake runs a job after a rerun of its direct inputs, but not of stale jobs behind current jobs
-        (https://github.com/snakemake/snakemake/issues/4166). So these records must become direct inputs.
+        Snakemake reruns a job after the jobs that make its inputs, but not after a stale job upstream of a current job
+        (https://github.com/snakemake/snakemake/issues/4166). These records must therefore be inputs of the job. Stale
+        jobs that make inputs of the job itself are not returned, except those also upstream of its current jobs.
+        Jobs in `kept` count as current.
         """
-        current = [maker for maker in self._makers_of(record) if self.why(maker) is None]
+        current = [maker for maker in self._makers_of(record) if self.reason_to_run(maker) is None]
         nearest = {
-            stale for maker in current for stale in self._makers_of(maker) if self.why(stale)
+            stale
+            for maker in current
+            for stale in self._makers_of(maker)
+            if self.reason_to_run(stale)
         }
-        return nearest.union(*map(self.stale_behind, current))
+        return nearest.union(*map(self.stale_upstream, current))
 
     def needed_for(self, files: Iterable[str]) -> list[str]:
-        """Return the records of all jobs behind some files, in no particular order."""
+        """Return the records of the jobs that make some files, and of all jobs upstream; the order is arbitrary."""
         needed: dict[str, None] = {}
         waiting = list(self.makers(files))
         while waiting:
@@ -176,7 +204,7 @@ class Keys:
         return list(needed)
 
     def is_unchanged(self, record: str) -> bool:
-        """Return whether code, sources and tables of a current job still have the digests of its key and record."""
+        """Read a current job's files again; return whether code and sources match its key, and tables its record."""
         parts, tables = self.parts(record), read_record(record).get("tables", {})
         code = self._digests_of(self._find_code(self.jobs[record].runs).files)
         sources = self._digests_of(self._sources(record))
@@ -184,72 +212,81 @@ class Keys:
         return (code, sources, digests) == (parts["code"], parts["sources"], tables)
 
     def _makers_of(self, record: str) -> dict[str, None]:
+        """Return the records of the jobs that make a job's inputs."""
         return self.makers(self.jobs[record].inputs)
 
-    def _difference(self, kept: Parts, today: Parts) -> str:
+    def _difference(self, recorded: Parts, now: Parts) -> str:
+        """Return the first difference of the recorded parts from the present parts, as a reason."""
         for part, name in (
             ("parameters", "parameters"),
             ("sources", "source"),
             ("code", "code"),
             ("packages", "packages"),
         ):
-            if (path := _first_difference(kept.get(part, {}), today[part])) is not None:
+            if (path := _first_difference(recorded.get(part, {}), now[part])) is not None:
                 return f"{name}: {path}"
-        for maker, key in today["from"].items():
-            if kept.get("from", {}).get(maker) != key:
-                return self.reason(maker) or f"from: {self.jobs[maker].rule}"
+        for maker, key in now["from"].items():
+            if recorded.get("from", {}).get(maker) != key:
+                return self.reason_not_current(maker) or f"from: {self.jobs[maker].rule}"
         return "from: other files"
 
-    def _key_taken(self, maker: str, taker: str) -> str:
-        if maker in self.kept and taker not in self.kept and (kept := read_record(maker)):
-            return str(kept["key"])
+    def _key_for_reader(self, maker: str, reader: str) -> str:
+        """Return a maker's key for ``from`` of a reader: the recorded key if only the maker is in `kept`."""
+        if maker in self.kept and reader not in self.kept and (recorded := read_record(maker)):
+            return str(recorded["key"])
         return self.key(maker)
 
     @cache  # noqa: B019
-    def _code_of(self, runs: Runs) -> dict[str, str]:
+    def _code_digests(self, runs: Runs) -> dict[str, str]:
+        """Return the digests of the files of code by name in keys."""
         return dict(map(self._named_digest, self._find_code(runs).files))
 
     @cache  # noqa: B019
     def _code_files(self, runs: Runs) -> list[str]:
-        return [self._relative(file) for file in self._find_code(runs).files]
+        """Return the files of code, relative to the working directory, in the order of `_code_digests`."""
+        return [self._relative_to_cwd(file) for file in self._find_code(runs).files]
 
     @cache  # noqa: B019
-    def _relative(self, file: Path) -> str:
+    def _relative_to_cwd(self, file: Path) -> str:
         return os.path.relpath(file)
 
     @cache  # noqa: B019 - most files of code belong to several rules
     def _named_digest(self, file: str | Path) -> tuple[str, str]:
-        return self._name(file), self._digest(file)
+        """Return a file's name in keys and its digest."""
+        return self._name_in_keys(file), self._digest(file)
 
     @cache  # noqa: B019
     def _stamp(self, file: str) -> Stamp | None:
         return stamp_if_there(file)
 
     def _sources(self, record: str) -> list[str]:
+        """Return a job's inputs that no job makes."""
         return [file for file in self.jobs[record].inputs if file not in self._makers]
 
     def _digests_of(self, files: Iterable[str | Path]) -> dict[str, str]:
-        return {self._name(file): self._digest(file) for file in files}
+        """Return the digests of files by name in keys."""
+        return {self._name_in_keys(file): self._digest(file) for file in files}
 
-    def _name(self, file: str | Path) -> str:
-        """Return the path relative to the clone for files of the clone, else the given path."""
+    def _name_in_keys(self, file: str | Path) -> str:
+        """Return the path relative to `root` for a file of the clone; otherwise the given path."""
         # os.path.abspath does not follow links.
         path, root = os.path.abspath(file), f"{self._root}{os.sep}"  # noqa: PTH100
         return path.removeprefix(root) if path.startswith(root) else str(file)
 
     def _digest(self, file: str | Path) -> str:
+        """Return a file's SHA-256; ``missing`` if the file cannot be read."""
         try:
             return self._digests.of(file)
         except OSError:
             return "missing"
 
 
-def _first_difference(kept: Any, today: Any, path: str = "") -> str | None:
-    """Return the path of the first difference of two values, such as ``sensor.largest_size``; None if equal."""
-    if kept == today:
+def _first_difference(recorded: Any, now: Any, path: str = "") -> str | None:
+    """Return the dotted name of the first different value, such as ``sensor.largest_size``; None if all are equal."""
+    if recorded == now:
         return None
-    if isinstance(kept, dict) and isinstance(today, dict):
-        for name in [*today, *kept]:
-            if kept.get(name) != today.get(name):
-                return _first_difference(kept.get(name), today.get(name), f"{path}.{name}")
+    if isinstance(recorded, dict) and isinstance(now, dict):
+        for name in [*now, *recorded]:
+            if recorded.get(name) != now.get(name):
+                return _first_difference(recorded.get(name), now.get(name), f"{path}.{name}")
     return path.removeprefix(".")

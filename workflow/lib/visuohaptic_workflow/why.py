@@ -18,7 +18,7 @@ def why(keys: Keys, targets: Iterable[str]) -> Iterator[str]:
     """Yield at most a few lines: the jobs behind some files that would run, by reason."""
     by_reason: dict[str, Counter[str]] = {}
     for record in keys.needed_for(targets):
-        if reason := keys.why(record):
+        if reason := keys.reason_to_run(record):
             by_reason.setdefault(reason, Counter())[keys.jobs[record].rule] += 1
     if not by_reason:
         yield "Nothing to be done."
@@ -31,7 +31,9 @@ def why(keys: Keys, targets: Iterable[str]) -> Iterator[str]:
 
 def verify(keys: Keys) -> tuple[list[str], bool]:
     """Return lines with all records that are not current and their reasons, and whether there are none."""
-    reasons = {record: keys.reason(record) for record in keys.jobs if Path(record).exists()}
+    reasons = {
+        record: keys.reason_not_current(record) for record in keys.jobs if Path(record).exists()
+    }
     stale = [f"{record}: {reason}" for record, reason in reasons.items() if reason]
     count = f"{len(reasons)} records, {len(stale)} of them not current."
     return [*stale, count], not stale
