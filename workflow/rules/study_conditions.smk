@@ -79,7 +79,7 @@ KEPT_STUDIES = [
     and not study.is_part_of_run
     and (study.is_on_request or not PARAMETERS.workflow.keep_studies_current)
     and not is_asked_for(ARGUMENTS, study)
-    and Path(study.shown[0]).exists()
+    and Path((*study.shown, *study.targets)[0]).exists()
 ]
 
 VALUES_OF_RULES |= {
