@@ -112,6 +112,23 @@ def test_a_parameter_is_named(run):
     assert run.reasons() == [None, "parameters: sensor.size"]
 
 
+@pytest.mark.parametrize(
+    ("kept", "today", "path"),
+    [
+        ({"models": {"cup/a": None}}, {"models": {"cup/a": None, "cup/b": None}}, "models.cup/b"),
+        ({"models": {"cup/a": None, "cup/b": None}}, {"models": {"cup/a": None}}, "models.cup/b"),
+        ({"objects": ["cup/a"]}, {"objects": ["cup/a", "cup/b"]}, "objects.cup/b"),
+        ({"order": ["a", "b"]}, {"order": ["b", "a"]}, "order"),
+        ({"touches": [1, 2]}, {"touches": [1, 3]}, "touches"),
+    ],
+)
+def test_a_name_that_came_or_went_is_part_of_the_reason(run, kept, today, path):
+    run.parameters = kept
+    run.make()
+    run.parameters = today
+    assert run.reasons() == [None, f"parameters: {path}"]
+
+
 def test_code_edited_while_a_job_runs_leaves_no_record(run):
     given = run.keys().given("touch.json")
     Path("touch.py").write_text("edited")

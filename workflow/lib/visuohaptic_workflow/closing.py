@@ -5,14 +5,22 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Collection, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.report.comparison import PipelineTable, read_tables
-from visuohaptic.report.wording import percent, percent_points, points, probability, strategy_name
+from visuohaptic.report.wording import (
+    listed_in_short,
+    percent,
+    percent_points,
+    points,
+    probability,
+    strategy_name,
+)
 from visuohaptic.stability.rows import broken_tolerances
 from visuohaptic_workflow.keys import read_record
 
@@ -24,7 +32,7 @@ ASIDE = Path(".cache/aside")
 
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
-    """Give all that a run says at its end; figures only of a current report, as others are another run's."""
+    """Return what a run prints at its end. Single objects and figures are printed only if the report is current."""
     meshes = sorted(Path("results/meshes").glob("*/*/*/*.ply"), key=object_of)
     reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
     exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
@@ -32,8 +40,20 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
         *(f"{key} was left out: {reason}" for key, reason in reasons.items() if reason),
         *(f"warning: {object_of(mesh)}: {note}" for mesh in meshes for note in notes_of(mesh)),
         *(f"warning: {sentence}" for sentence in exceeded),
+        *(
+            _only_objects([key for key, reason in reasons.items() if not reason])
+            * report_is_current
+        ),
         *(describe_results() if report_is_current else []),
     ]
+
+
+def _only_objects(keys: Sequence[str]) -> list[str]:
+    """Return a sentence on the objects that no other object shares a class with; empty without such objects."""
+    classes = Counter(key.split("/")[0] for key in keys)
+    single = [key for key in keys if classes[key.split("/")[0]] == 1]
+    needed = "Touched, but not recognised, because recognition needs two objects per class:"
+    return [f"{needed} {listed_in_short(single)}."] if single else []
 
 
 def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:

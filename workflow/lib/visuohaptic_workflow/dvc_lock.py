@@ -42,6 +42,9 @@ EMPTY_WHERE_NOTHING_IS_MADE = (
 KEPT = ".keep"
 """The file that keeps an empty folder; readers of tables pass over hidden files."""
 
+OWN_MESHES = "meshes/own"
+"""The folder of meshes that users add."""
+
 _KEPT_AS_IT_WAS = "dvc.lock stays as it was"
 
 
@@ -105,26 +108,42 @@ def write_lock(
 
 
 def check_clone() -> None:
-    """Refuse an experiment of DVC in a folder of its own if the clone is shallow, with a `LockError`.
+    """Check the clone of a DVC experiment that runs in a folder of its own.
 
-    Git can't fetch the experiment's commit into a shallow clone, and DVC says nothing of that: the result is lost.
+    Raises
+    ------
+    LockError
+        The clone is shallow: Git can't fetch the experiment's commit into the clone, and DVC reports nothing. Or Git
+        does not track a mesh in `OWN_MESHES`: the experiment's folder lacks this mesh.
     """
     clone = os.environ.get("DVC_ROOT", "")
     if not clone or Path(clone) == Path.cwd():
         return
-    command = ["git", "-C", clone, "rev-parse", "--is-shallow-repository"]
-    said = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
-    if said.stdout.strip() == "true":
+    if _git(clone, "rev-parse", "--is-shallow-repository").strip() == "true":
         raise LockError(
             f"{clone} is a shallow clone, from which DVC would lose this experiment's result; "
             "run `git fetch --unshallow` there, then the experiment again."
         )
+    untracked = _git(
+        clone, "ls-files", "-z", "--others", "--exclude-standard", "--", OWN_MESHES
+    ).split("\0")
+    if untracked[0]:
+        raise LockError(
+            f"Git does not track {untracked[0]}, so a queued experiment would run without this file; "
+            f"run `git add {OWN_MESHES}`, then queue the experiment again."
+        )
 
 
-def is_tracked() -> bool:
-    """Return whether Git knows the lock, so that queued experiments start with its results."""
-    command = ["git", "ls-files", "--error-unmatch", str(LOCK)]
+def is_committed() -> bool:
+    """Return whether the lock is in the last commit, so that queued experiments start with its results."""
+    command = ["git", "cat-file", "-e", f"HEAD:./{LOCK}"]
     return subprocess.run(command, check=False, capture_output=True).returncode == 0  # noqa: S603 - our own words
+
+
+def _git(folder: str, *arguments: str) -> str:
+    """Return what Git prints in a folder; empty if Git fails."""
+    command = ["git", "-C", folder, *arguments]
+    return subprocess.run(command, check=False, capture_output=True, text=True).stdout  # noqa: S603 - our own words
 
 
 def _is_readable(lock: Path) -> bool:

@@ -220,11 +220,20 @@ class Keys:
 
 
 def _first_difference(kept: Any, today: Any, place: str = "") -> str | None:
-    """Name the first place at which two values differ, such as ``sensor.largest_size``."""
+    """Return the path of the first value that differs, such as ``sensor.largest_size``, or None if all are equal.
+
+    If both values are lists of names, or only one of two mappings has a name, the path ends with this name.
+    """
     if kept == today:
         return None
     if isinstance(kept, dict) and isinstance(today, dict):
         for name in [*today, *kept]:
-            if kept.get(name) != today.get(name):
-                return _first_difference(kept.get(name), today.get(name), f"{place}.{name}")
+            if (name in kept) != (name in today):
+                return f"{place}.{name}".removeprefix(".")
+            if kept[name] != today[name]:
+                return _first_difference(kept[name], today[name], f"{place}.{name}")
+    if isinstance(kept, list) and isinstance(today, list):
+        for name in [*today, *kept]:
+            if isinstance(name, str) and (name in kept) != (name in today):
+                return f"{place}.{name}".removeprefix(".")
     return place.removeprefix(".")

@@ -30,8 +30,13 @@ def why(keys: Keys, targets: Iterable[str]) -> Iterator[str]:
 
 
 def verify(keys: Keys) -> tuple[list[str], bool]:
-    """Name the records that are not what would be made today, and say whether there are none."""
+    """Return one line per record that does not fit, a line with their number, and whether every record fits."""
     there = {record: keys.reason(record) for record in keys.jobs if Path(record).exists()}
     wrong = [f"{record}: {reason}" for record, reason in there.items() if reason]
-    count = f"{len(there)} records, {len(wrong)} of which are not today's."
+    today = "today's parameters, code, packages and meshes"
+    count = (
+        f"{len(wrong)} of {len(there)} records do not fit {today}."
+        if wrong
+        else f"All {len(there)} records fit {today}."
+    )
     return [*wrong, count], not wrong
