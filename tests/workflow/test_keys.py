@@ -12,7 +12,7 @@ import pytest
 from visuohaptic_workflow.closing import put_aside
 from visuohaptic_workflow.code_of_jobs import Code, Runs
 from visuohaptic_workflow.digests import Digests
-from visuohaptic_workflow.keys import Job, Keys, read_record
+from visuohaptic_workflow.keys import NO_RECORD, Job, Keys, read_record
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.records import StateError, check_inputs, check_unchanged, write_record
 
@@ -99,7 +99,7 @@ def forget_times(run, draw=None):
         # What was made of a table stays: it comes out as it was.
         (lambda run: Path("mesh.ply").write_text("x"), "table: mesh.ply", None),
         (lambda run: Path("mesh.ply").unlink(), "table: mesh.ply", None),
-        (lambda run: Path("mesh.json").write_text("{}"), "record: none of this version", None),
+        (lambda run: Path("mesh.json").write_text("{}"), NO_RECORD, None),
     ],
 )
 def test_what_is_another_is_named_and_times_say_nothing(run, change, mesh, touch):

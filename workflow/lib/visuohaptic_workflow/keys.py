@@ -24,6 +24,9 @@ Parts = dict[str, Any]
 NEW = "new"
 """The reason to run a job none of whose files is there."""
 
+NO_RECORD = "record: missing or of another version"
+"""The reason to run a job that has at least one table, but no record."""
+
 
 @dataclass(frozen=True)
 class Job:
@@ -118,7 +121,7 @@ class Keys:
         """Say why a job's files are not what it would make today; None where they are."""
         kept, tables = read_record(record), self.jobs[record].tables
         if not kept:
-            return "record: none of this version" if any(map(os.path.exists, tables)) else NEW
+            return NO_RECORD if any(map(os.path.exists, tables)) else NEW
         if kept["key"] != self.key(record):
             return self._difference(kept["parts"], self.parts(record))
         edited = (file for file in tables if self._digest(file) != kept["tables"].get(file))
@@ -169,7 +172,7 @@ class Keys:
             ("packages", "packages"),
         ):
             if (place := _first_difference(kept.get(part, {}), today[part])) is not None:
-                return f"{name}: {place}"
+                return f"{name}: {place.removeprefix('parameters.')}"
         for maker, key in today["from"].items():
             if kept.get("from", {}).get(maker) != key:
                 return self.reason(maker) or f"from: {self.jobs[maker].rule}"
