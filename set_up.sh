@@ -35,7 +35,7 @@ show_progress() {
       Collecting) [ ! -t 1 ] || printf '\r\033[K  package %d: %s' $((count += 1)) "${name%%[=; ]*}" ;;
       Installing)
         [ ! -t 1 ] || printf '\r\033[K'
-        echo "  all are here; unpacking"
+        echo "  all packages are downloaded; unpacking, half a minute"
         cat >/dev/null
         ;;
     esac
@@ -70,6 +70,7 @@ case $1 in
     install requirements.lock
     ;;
   package)
+    echo "Adding visuohaptic, and loading each package once: half a minute."
     run_pip --quiet --no-build-isolation --editable ./packages/contourlets --editable .
     compile "snakemake.cli, snakemake.report, snakemake.script, snakemake.workflow, nbformat, yaml" &
     compile "cv2, jinja2, matplotlib.pyplot, pandas, pyarrow.parquet, pywt, scipy.stats, sklearn.tree, skops.io, trimesh"

@@ -29,6 +29,8 @@ FIRST, NAVIGATION = "README.md", "docs/README.md"
 FOLDERS = ("docs/", "packages/", "studies/")
 PICTURES = ("docs/*.png", "packages/*.png", "studies/*.png")
 RULE = re.compile(r"^\|(---\|)+\n", re.M)
+WORD = r"[\w./-]+"
+PATH = r"[\w/-]+\.md|[\w-]+/[\w/-]+"
 LINK = re.compile(r"(?P<start>!?\[[^\]]*\]\()(?P<target>[^)\s#:]+)(?P<anchor>#[^)\s]*)?\)")
 
 
@@ -79,9 +81,9 @@ def relink(text: str, page: str, pages: Mapping[str, str], address: str) -> str:
     return LINK.sub(replaced, text)
 
 
-def titled(text: str) -> str:
-    """Leave the text of links that show the name of a page empty, for Sphinx to show the page's title."""
-    return re.sub(r"\[[\w./-]+\](?=\(/[^)#]+\.md\))", "[]", text)
+def titled(text: str, shown: str = PATH) -> str:
+    """Empty the text of links that matches `shown`, so that Sphinx shows the title of the page or section."""
+    return re.sub(rf"\[(?:{shown})\](?=\(/[^)]+\.md(?:#[^)]+)?\))", "[]", text)
 
 
 def table_of_contents(names: Iterable[str]) -> str:
@@ -123,7 +125,8 @@ def collect(source: Path, made: Mapping[str, Mapping[str, str]], address: str) -
         listed |= set(entries)
         of_code = made.get(heading, {})
         rows = "".join(f"| {asked} | [](/{name}.md) |\n" for name, asked in of_code.items())
-        body = RULE.sub(rf"\g<0>{rows}", titled(relink(text, NAVIGATION, pages, address)), count=1)
+        linked = relink(text, NAVIGATION, pages, address)
+        body = RULE.sub(rf"\g<0>{rows}", titled(linked, WORD), count=1)
         names = [*(f"{name}.md" for name in of_code), *(pages[path] for path in entries)]
         headed.append(f"docs/{re.sub(r'[^a-z]+', '_', heading.lower())}.md")
         write(
@@ -134,7 +137,7 @@ def collect(source: Path, made: Mapping[str, Mapping[str, str]], address: str) -
     # A page that no section lists stands below the README of its folder.
     unlisted = [path for path in pages if path not in listed]
     for path, name in pages.items():
-        text = relink((ROOT / path).read_text(encoding="utf-8"), path, pages, address)
+        text = titled(relink((ROOT / path).read_text(encoding="utf-8"), path, pages, address))
         below = [pages[one] for one in unlisted if Path(one).parent == Path(path).parent]
         if path == FIRST:
             text += table_of_contents(headed)

@@ -43,6 +43,21 @@ def test_links_lead_to_pages_of_the_site_or_to_the_repository(site, link, expect
     assert site["relink"](link, "docs/sensor.md", site["site_pages"](), ADDRESS) == expected
 
 
+@pytest.mark.parametrize(
+    ("link", "expected"),
+    [
+        ("[sweeps.md](/docs/sweeps.md)", "[](/docs/sweeps.md)"),
+        ("[docs/sweeps.md](/docs/sweeps.md#limits)", "[](/docs/sweeps.md#limits)"),
+        ("[studies/turned](/studies/turned/index.md)", "[](/studies/turned/index.md)"),
+        ("[method](/docs/method.md)", "[method](/docs/method.md)"),
+        ("[a page.md](/docs/a.md)", "[a page.md](/docs/a.md)"),
+        ("[src/a.md](https://example.org/a.md)", "[src/a.md](https://example.org/a.md)"),
+    ],
+)
+def test_links_that_show_a_path_get_the_title_of_the_page_or_section(site, link, expected):
+    assert site["titled"](link) == expected
+
+
 def test_the_sections_of_the_index_list_every_page_of_docs_and_studies(site):
     text = (ROOT / "docs" / "README.md").read_text()
     listed = {

@@ -52,8 +52,8 @@ IN_ANOTHER_FORM = {
         "snakemake -n -- variants_all && snakemake -j2 -- results/variant/r017.json",
         "684 variants take minutes even here: what would run, and one of them",
     ),
-    "git add dvc.lock": (
-        "snakemake --cores 2 && git add dvc.lock",
+    "git add dvc.lock && git commit -m Results": (
+        "snakemake --cores 2 && git add dvc.lock && git commit -m Results",
         "`make` was run in the other experiment",
     ),
     "dvc exp run --queue -S recognition.touches=2,3": (
@@ -146,7 +146,7 @@ def run_as_here(folder, command):
 
 
 OF_README = texts(*block_commands(README), *line_commands(README))
-FIRST_OF_DVC = OF_README.index("git add dvc.lock")
+FIRST_OF_DVC = OF_README.index("git add dvc.lock && git commit -m Results")
 # Within the lines of the page on studies, names stand for the reader's own.
 OF_STUDIES = texts(*block_commands(STUDIES))
 OF_SHARING = texts(*block_commands(SHARING), *line_commands(SHARING))

@@ -1,5 +1,8 @@
 """Model files of every kind are read with their colours, whatever they refer to stays in their folder."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 import trimesh
@@ -51,6 +54,13 @@ def test_the_mesh_file_of_an_own_model_has_its_notes_and_a_run_says_them_at_its_
     (note,) = notes_of("results/meshes/cup/a/cup/a.ply")
     assert "'b.mtl', which is not there" in note
     assert lines_at_end(report_is_current=False) == [f"warning: cup/a: {note}"]
+    (line,) = set(lines_at_end(report_is_current=True)) - {f"warning: cup/a: {note}"}
+    assert line.startswith("Touched, but not recognised")
+    assert line.endswith(": cup/a.")
+    shutil.copytree("results/meshes/cup/a", "results/meshes/cup/b")
+    Path("results/meshes/cup/b/cup/a.ply").rename("results/meshes/cup/b/cup/b.ply")
+    lines = lines_at_end(report_is_current=True)
+    assert lines == [f"warning: cup/{name}: {note}" for name in "ab"]
 
 
 def test_vertex_colours_are_averaged_over_the_corners_and_a_file_without_is_grey(tmp_path):

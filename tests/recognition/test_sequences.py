@@ -101,7 +101,7 @@ def test_a_sequence_with_too_few_touches_is_left_out_of_its_own_strategy_only(to
     both = pa.concat_tables([whole, short.take(kept_rows)])
     kept, sentences = whole_sequences(both, touches)
     assert sentences == (
-        "class0/object0 has fewer than 5 touches by fixation from viewpoints 0, which are left out.",
+        "class0/object0 has fewer than 5 touches by fixation from viewpoint 0: left out of recognition.",
     )
     left = {"random": [0, 1, 2] * 4, "fixation": [1, *[0, 1, 2] * 3]}
     for strategy, viewpoints in left.items():

@@ -10,7 +10,7 @@ from workflow.stand_ins import digests
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic_workflow import dvc_lock
-from visuohaptic_workflow.dvc_lock import LockError, check_clone
+from visuohaptic_workflow.dvc_lock import LockError, check_clone, is_committed
 from visuohaptic_workflow.jobs import without_studies_of_clones
 
 ROOT = Path(__file__).parents[2]
@@ -192,6 +192,35 @@ def test_an_experiment_elsewhere_is_refused_in_a_shallow_clone(tmp_path, monkeyp
         check_clone()
     monkeypatch.chdir(clone)
     check_clone()
+
+
+def test_an_experiment_elsewhere_is_refused_if_git_does_not_track_an_own_mesh(
+    tmp_path, monkeypatch
+):
+    clone = tmp_path / "clone"
+    subprocess.run(["git", "init", "-q", clone], check=True)
+    mesh = clone / "meshes/own/cup/mug.obj"
+    mesh.parent.mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DVC_ROOT", str(clone))
+    check_clone()
+    mesh.touch()
+    with pytest.raises(LockError, match=r"track meshes/own/cup/mug\.obj, .* `git add meshes/own`"):
+        check_clone()
+    subprocess.run(["git", "-C", clone, "add", "meshes/own"], check=True)
+    check_clone()
+
+
+def test_a_staged_lock_is_not_committed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert not is_committed()
+    subprocess.run(["git", "init", "-q"], check=True)
+    Path("dvc.lock").touch()
+    subprocess.run(["git", "add", "dvc.lock"], check=True)
+    assert not is_committed()
+    author = ["-c", "user.name=A", "-c", "user.email=a@b.c"]
+    subprocess.run(["git", *author, "commit", "-qm", "Results"], check=True)
+    assert is_committed()
 
 
 def test_studies_of_another_clone_are_dropped_from_a_search_path_and_own_folders_stay(tmp_path):

@@ -12,7 +12,7 @@ import pytest
 from visuohaptic_workflow.closing import move_former_files
 from visuohaptic_workflow.code_of_jobs import Code, Runs
 from visuohaptic_workflow.digests import Digests
-from visuohaptic_workflow.keys import Job, Keys, read_record
+from visuohaptic_workflow.keys import NO_RECORD, Job, Keys, read_record
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.records import StateError, check_inputs, check_unchanged, write_record
 
@@ -99,7 +99,7 @@ def forget_times(run, draw=None):
         # What was made of a table stays: it comes out as it was.
         (lambda run: Path("mesh.ply").write_text("x"), "table: mesh.ply", None),
         (lambda run: Path("mesh.ply").unlink(), "table: mesh.ply", None),
-        (lambda run: Path("mesh.json").write_text("{}"), "record: none of this version", None),
+        (lambda run: Path("mesh.json").write_text("{}"), NO_RECORD, None),
     ],
 )
 def test_what_is_another_is_named_and_times_say_nothing(run, change, mesh, touch):
@@ -110,6 +110,23 @@ def test_what_is_another_is_named_and_times_say_nothing(run, change, mesh, touch
 def test_a_parameter_is_named(run):
     run.parameters = {"sensor": {"size": 0.2, "reach": 1}}
     assert run.reasons() == [None, "parameters: sensor.size"]
+
+
+@pytest.mark.parametrize(
+    ("kept", "today", "path"),
+    [
+        ({"models": {"cup/a": None}}, {"models": {"cup/a": None, "cup/b": None}}, "models.cup/b"),
+        ({"models": {"cup/a": None, "cup/b": None}}, {"models": {"cup/a": None}}, "models.cup/b"),
+        ({"objects": ["cup/a"]}, {"objects": ["cup/a", "cup/b"]}, "objects.cup/b"),
+        ({"order": ["a", "b"]}, {"order": ["b", "a"]}, "order"),
+        ({"touches": [1, 2]}, {"touches": [1, 3]}, "touches"),
+    ],
+)
+def test_a_name_that_came_or_went_is_part_of_the_reason(run, kept, today, path):
+    run.parameters = kept
+    run.make()
+    run.parameters = today
+    assert run.reasons() == [None, f"parameters: {path}"]
 
 
 def test_code_edited_while_a_job_runs_leaves_no_record(run):

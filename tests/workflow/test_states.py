@@ -5,6 +5,7 @@ What a change asks for is tested in test_plans.py; here Snakemake runs it. The s
 
 import json
 import os
+import re
 import shutil
 
 import numpy as np
@@ -32,7 +33,9 @@ def test_nothing_is_left_to_do_whatever_the_times_are_and_without_snakemakes_mem
         os.utime(file, (1e9 + number, 1e9 + number))
     assert stand_in.planned() == {}
     assert ask(stand_in, "why").stdout == "Nothing to be done.\n"
-    assert ask(stand_in, "verify").returncode == 0
+    verified = ask(stand_in, "verify")
+    assert verified.returncode == 0
+    assert re.fullmatch(r"All \d+ records fit .*\.\n", verified.stdout)
 
 
 def test_why_names_a_wrong_parameter(stand_in):

@@ -42,8 +42,8 @@ from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.dvc_lock import (
     IN_STAGE,
     check_clone,
+    is_committed,
     is_lockable,
-    is_tracked,
     lock_in_new_process,
     make_empty_outputs,
     write_lock,
@@ -405,9 +405,10 @@ def lock(stale):
     needed = {*keys().needed_for(map(str, rules.all.input))}
     if needed & stale - {*keys().kept}:
         return
+    print("DVC reads the results and writes dvc.lock.", file=sys.stderr)
     lock_in_new_process({**ENVIRONMENT, ASKED: "lock"})
-    if Path("dvc.lock").exists() and not is_tracked():
+    if Path("dvc.lock").exists() and not is_committed():
         print(
-            "`git add dvc.lock` lets queued experiments start with these results.",
+            "`git add dvc.lock && git commit -m Results` lets queued experiments start with these results.",
             file=sys.stderr,
         )

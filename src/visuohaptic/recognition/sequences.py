@@ -324,8 +324,8 @@ def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, 
     for row in short.sort_by([(name, "ascending") for name in owner]).to_pylist():
         left_out.setdefault((key_of(row), row["strategy"]), []).append(row["viewpoint"])
     return kept, tuple(
-        f"{key} has fewer than {needed[strategy]} touches by {strategy} from viewpoints "
-        f"{', '.join(map(str, viewpoints))}, which are left out."
+        f"{key} has fewer than {needed[strategy]} touches by {strategy} from viewpoint"
+        f"{'s' * (len(viewpoints) > 1)} {', '.join(map(str, viewpoints))}: left out of recognition."
         for (key, strategy), viewpoints in left_out.items()
     )
 

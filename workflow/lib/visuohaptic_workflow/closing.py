@@ -5,14 +5,22 @@ from __future__ import annotations
 import json
 import os
 import time
-from collections.abc import Collection, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.report.comparison import PipelineTable, pipeline_tables
-from visuohaptic.report.wording import percent, percent_points, points, probability, strategy_name
+from visuohaptic.report.wording import (
+    listed_in_short,
+    percent,
+    percent_points,
+    points,
+    probability,
+    strategy_name,
+)
 from visuohaptic.stability.rows import broken_tolerances
 from visuohaptic_workflow.keys import read_record
 
@@ -28,8 +36,9 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
     """Return the lines to print at the end of a run.
 
     The lines name each left-out object with the reason, then warn of notes of meshes and of exceeded tolerances
-    (`stability.rows.broken_tolerances`). Only if the report is current, the lines of `describe_results` follow. Files
-    are read from folders ``results`` and ``reports`` of the working directory.
+    (`stability.rows.broken_tolerances`). Only if the report is current, lines on objects without a second object of
+    their class and the lines of `describe_results` follow. Files are read from folders ``results`` and ``reports`` of
+    the working directory.
     """
     meshes = sorted(Path("results/meshes").glob("*/*/*/*.ply"), key=object_of)
     reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
@@ -38,8 +47,20 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
         *(f"{key} was left out: {reason}" for key, reason in reasons.items() if reason),
         *(f"warning: {object_of(mesh)}: {note}" for mesh in meshes for note in notes_of(mesh)),
         *(f"warning: {sentence}" for sentence in exceeded),
+        *(
+            _only_objects([key for key, reason in reasons.items() if not reason])
+            * report_is_current
+        ),
         *(describe_results() if report_is_current else []),
     ]
+
+
+def _only_objects(keys: Sequence[str]) -> list[str]:
+    """Return a sentence on the objects that no other object shares a class with; empty without such objects."""
+    classes = Counter(key.split("/")[0] for key in keys)
+    single = [key for key in keys if classes[key.split("/")[0]] == 1]
+    needed = "Touched, but not recognised, because recognition needs two objects per class:"
+    return [f"{needed} {listed_in_short(single)}."] if single else []
 
 
 def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:

@@ -42,6 +42,9 @@ OUTPUTS_THAT_MAY_BE_EMPTY = (
 KEPT = ".keep"
 """The file that makes an empty folder non-empty. Readers of tables ignore hidden files."""
 
+OWN_MESHES = "meshes/own"
+"""The folder of meshes that users add."""
+
 _UNCHANGED = "dvc.lock stays as it was"
 
 
@@ -117,26 +120,42 @@ def write_lock(
 
 
 def check_clone() -> None:
-    """Raise `LockError` for an experiment that DVC runs in a temporary folder of a shallow clone.
+    """Check the clone of a DVC experiment that runs in a folder of its own.
 
-    Git can't fetch the experiment's commit into a shallow clone, and DVC reports no error: the result would be lost.
+    Raises
+    ------
+    LockError
+        The clone is shallow: Git can't fetch the experiment's commit into the clone, and DVC reports no error. Or Git
+        does not track a mesh in `OWN_MESHES`: the experiment's folder lacks this mesh.
     """
     clone = os.environ.get("DVC_ROOT", "")
     if not clone or Path(clone) == Path.cwd():
         return
-    command = ["git", "-C", clone, "rev-parse", "--is-shallow-repository"]
-    answer = subprocess.run(command, check=False, capture_output=True, text=True)  # noqa: S603 - our own words
-    if answer.stdout.strip() == "true":
+    if _git(clone, "rev-parse", "--is-shallow-repository").strip() == "true":
         raise LockError(
             f"{clone} is a shallow clone, in which DVC would lose this experiment's result; "
             "run `git fetch --unshallow` there, then the experiment again."
         )
+    untracked = _git(
+        clone, "ls-files", "-z", "--others", "--exclude-standard", "--", OWN_MESHES
+    ).split("\0")
+    if untracked[0]:
+        raise LockError(
+            f"Git does not track {untracked[0]}, so a queued experiment would run without this file; "
+            f"run `git add {OWN_MESHES}`, then queue the experiment again."
+        )
 
 
-def is_tracked() -> bool:
-    """Return whether Git tracks the lock, so that queued experiments start with its results."""
-    command = ["git", "ls-files", "--error-unmatch", str(LOCK)]
+def is_committed() -> bool:
+    """Return whether the lock is in the last commit, so that queued experiments start with its results."""
+    command = ["git", "cat-file", "-e", f"HEAD:./{LOCK}"]
     return subprocess.run(command, check=False, capture_output=True).returncode == 0  # noqa: S603 - our own words
+
+
+def _git(folder: str, *arguments: str) -> str:
+    """Return what Git prints in a folder; empty if Git fails."""
+    command = ["git", "-C", folder, *arguments]
+    return subprocess.run(command, check=False, capture_output=True, text=True).stdout  # noqa: S603 - our own words
 
 
 def _is_readable(lock: Path) -> bool:

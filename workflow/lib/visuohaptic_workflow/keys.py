@@ -29,6 +29,9 @@ Parts = dict[str, Any]
 NEW = "new"
 """The reason to run a job that has neither a readable record nor any table."""
 
+NO_RECORD = "record: missing or of another version"
+"""The reason to run a job that has at least one table, but no record."""
+
 
 @dataclass(frozen=True)
 class Job:
@@ -164,7 +167,7 @@ class Keys:
         """
         recorded, tables = read_record(record), self.jobs[record].tables
         if not recorded:
-            return "record: none of this version" if any(map(os.path.exists, tables)) else NEW
+            return NO_RECORD if any(map(os.path.exists, tables)) else NEW
         if recorded["key"] != self.key(record):
             return self._difference(recorded["parts"], self.parts(record))
         edited = (file for file in tables if self._digest(file) != recorded["tables"].get(file))
@@ -224,7 +227,7 @@ class Keys:
             ("packages", "packages"),
         ):
             if (path := _first_difference(recorded.get(part, {}), now[part])) is not None:
-                return f"{name}: {path}"
+                return f"{name}: {path.removeprefix('parameters.')}"
         for maker, key in now["from"].items():
             if recorded.get("from", {}).get(maker) != key:
                 return self.reason_not_current(maker) or f"from: {self.jobs[maker].rule}"
@@ -282,11 +285,20 @@ class Keys:
 
 
 def _first_difference(recorded: Any, now: Any, path: str = "") -> str | None:
-    """Return the dotted name of the first different value, such as ``sensor.largest_size``; None if all are equal."""
+    """Return the dotted name of the first different value, such as ``sensor.largest_size``; None if all are equal.
+
+    If both values are lists of names, or only one of two mappings has a name, the result ends with this name.
+    """
     if recorded == now:
         return None
     if isinstance(recorded, dict) and isinstance(now, dict):
         for name in [*now, *recorded]:
-            if recorded.get(name) != now.get(name):
-                return _first_difference(recorded.get(name), now.get(name), f"{path}.{name}")
+            if (name in recorded) != (name in now):
+                return f"{path}.{name}".removeprefix(".")
+            if recorded[name] != now[name]:
+                return _first_difference(recorded[name], now[name], f"{path}.{name}")
+    if isinstance(recorded, list) and isinstance(now, list):
+        for name in [*now, *recorded]:
+            if isinstance(name, str) and (name in recorded) != (name in now):
+                return f"{path}.{name}".removeprefix(".")
     return path.removeprefix(".")

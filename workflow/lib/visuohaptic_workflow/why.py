@@ -30,10 +30,15 @@ def why(keys: Keys, targets: Iterable[str]) -> Iterator[str]:
 
 
 def verify(keys: Keys) -> tuple[list[str], bool]:
-    """Return lines with all records that are not current and their reasons, and whether there are none."""
+    """Return one line per record that is not current, a line with their number, and whether all are current."""
     reasons = {
         record: keys.reason_not_current(record) for record in keys.jobs if Path(record).exists()
     }
     stale = [f"{record}: {reason}" for record, reason in reasons.items() if reason]
-    count = f"{len(reasons)} records, {len(stale)} of them not current."
+    today = "today's parameters, code, packages and meshes"
+    count = (
+        f"{len(stale)} of {len(reasons)} records do not fit {today}."
+        if stale
+        else f"All {len(reasons)} records fit {today}."
+    )
     return [*stale, count], not stale
