@@ -285,10 +285,7 @@ class Keys:
 
 
 def _first_difference(recorded: Any, now: Any, path: str = "") -> str | None:
-    """Return the dotted name of the first different value, such as ``sensor.largest_size``; None if all are equal.
-
-    If both values are lists of names, or only one of two mappings has a name, the result ends with this name.
-    """
+    """Return the dotted name of the first different value or list entry, such as ``sensor.largest_size``, or None."""
     if recorded == now:
         return None
     if isinstance(recorded, dict) and isinstance(now, dict):
