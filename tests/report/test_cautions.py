@@ -6,6 +6,7 @@ import pyarrow as pa
 
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.cautions import (
+    _equal_surfaces,
     _notes_on_files,
     _objects_left_out,
     _short_sequences,
@@ -42,6 +43,22 @@ def test_notes_on_files_are_said_once_per_object_and_beyond_some_counted():
     assert said[:2] == ["cup/00: a.mtl is missing.", "cup/00: z is up."]
     assert len(said) == 40
     assert others == "2 more objects with notes on the model's file: cup/20 and cup/21."
+
+
+def test_objects_with_the_same_surface_are_named_and_others_of_the_same_size_are_not(tmp_path):
+    meshes = {}
+    for key, content in {
+        "cup/mug": "abc",
+        "jar/pot": "abc",
+        "cup/jug": "abd",
+        "cup/tea": "a",
+    }.items():
+        meshes[key] = tmp_path / key.replace("/", "_")
+        meshes[key].write_text(content)
+    (sentence,) = _equal_surfaces(SimpleNamespace(meshes=meshes))
+    assert sentence.startswith(
+        "cup/mug and jar/pot have the same surface, so accuracies are too high:"
+    )
 
 
 def test_a_classifier_without_figures_is_named():

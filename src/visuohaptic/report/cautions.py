@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from hashlib import file_digest
+from pathlib import Path
 
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
@@ -33,6 +35,7 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
     return [
         *_objects_left_out(run),
         *_notes_on_files(run),
+        *_equal_surfaces(run),
         *_poor_views(run),
         *_short_sequences(run),
         *_unfitted_classifiers(run),
@@ -96,6 +99,28 @@ def _notes_on_files(run: Run) -> Iterator[str]:
     for key in noted[:_MOST_REASONS]:
         yield from (f"{key}: {note}" for note in run.notes[key])
     yield from _warned(noted[_MOST_REASONS:], "more object", "with notes on the model's file:")
+
+
+def _equal_surfaces(run: Run) -> Iterator[str]:
+    """Yield a sentence per group of objects with equal prepared meshes: training and test may share a surface."""
+    by_size: dict[int, list[str]] = {}
+    for key, path in run.meshes.items():
+        by_size.setdefault(path.stat().st_size, []).append(key)
+    for keys in by_size.values():
+        by_content: dict[bytes, list[str]] = {}
+        for key in keys if len(keys) > 1 else ():
+            by_content.setdefault(_digest(run.meshes[key]), []).append(key)
+        for equal in by_content.values():
+            if len(equal) > 1:
+                yield (
+                    f"{listed(sorted(equal))} have the same surface, so accuracies are too high: an object can be "
+                    "tested by a classifier that was trained on its own surface."
+                )
+
+
+def _digest(path: Path) -> bytes:
+    with path.open("rb") as stream:
+        return file_digest(stream, "sha256").digest()
 
 
 def _views(run: Run) -> dict[tuple[str, int], int]:
