@@ -74,7 +74,10 @@ print(before.attention.weights.model_dump().get("redness"), saliency_map({{}}, b
         (lambda: vh.Channel("Red", "", print), "'Red' can't name a channel"),
         (lambda: vh.Channel("colour", "", print), "'colour' can't name a channel"),
         (lambda: vh.Effect("mine", 1, 1, {}, before="rust"), "'rust' is no tactile effect"),
-        (lambda: vh.Effect("mine", 1, 1, {}, settings={"noise": ()}), "mine adds noise, which the scene already has"),
+        (
+            lambda: vh.Effect("mine", 1, 1, {}, settings={"noise": ()}),
+            "mine adds noise, which the scene already has",
+        ),
         (lambda: vh.Effect("colour", 1, 1, {}), "colour adds colour, which the scene already has"),
     ],
 )
