@@ -5,7 +5,8 @@
     python tests/golden/golden_tables.py compare NEW OLD    # two runs, by their folders
 
 Of every table, rows are sorted by their keys and each column has a digest, so a comparison names the
-columns that differ. Seconds, and what follows from them, differ from run to run and are left out.
+columns that differ. Seconds, and what follows from them, differ from run to run and are left out. Column
+`probability` of the predictions depends on the processor in its last digits (docs/stability.md).
 """
 
 from __future__ import annotations
