@@ -62,8 +62,9 @@ def digest_run(folder: Path) -> Digests:
 
 
 def _figures(path: Path) -> bytes:
-    """Read a file of figures without the parameters that it names, which may be others for the same figures."""
+    """Read a file of figures without its parameters and its words on the method: the same figures may have others."""
     held = json.loads(path.read_bytes())
+    held.pop("method", None)
     if held.pop("parameters", None) is None:
         return path.read_bytes()
     return (json.dumps(held, indent=2, sort_keys=True) + "\n").encode()
