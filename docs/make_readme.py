@@ -131,7 +131,7 @@ def speed_table(results: dict[str, Any]) -> str:
 
 
 def printed_lines(metrics: Path) -> str:
-    """Give the figures of `reports/metrics.json` as `make` prints them at its end, a Markdown block."""
+    """Return the figures of `reports/metrics.json` as `make` prints them at its end, a Markdown block."""
     lines = [*describe_results(metrics, "none"), f"The report is at {REPORT}."]
     return "\n".join(["```text", *lines, "```"])
 
