@@ -1,8 +1,8 @@
-"""Measure seconds and memory of the workflow for 12 to 568 objects, or given numbers of objects.
+"""Measure processor seconds and memory of the workflow for 12 to 568 objects, or given numbers of objects.
 
 `python -m benchmarks.many_objects FOLDER [COUNT …]` makes random deformations of the paper's twelve objects, and
-measures a whole run, a run without work, and the report. Figures are written to FOLDER/measured.json. The objects stay
-in FOLDER, for `snakemake -s Snakefile -d FOLDER/COUNT`.
+measures a whole run by phase, and a run without work. Figures are written to FOLDER/measured.json. The objects stay in
+FOLDER, for `snakemake -s Snakefile -d FOLDER/COUNT`.
 """
 
 from __future__ import annotations
@@ -27,6 +27,9 @@ BLOCKS = {12: 4, 24: 6, 48: 12, 142: 24}
 """Objects per job by number of objects; 50 for other numbers."""
 LARGEST_BEND = 0.15
 SECONDS_BETWEEN_SAMPLES = 1.0
+JOBS = "measured_jobs.jsonl"
+"""File of a run's folder with one line per job, as `measured_jobs/sitecustomize.py` writes it."""
+
 Steps = dict[str, dict[str, float]]
 
 
@@ -64,7 +67,7 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
     with (folder / "snakemake.out").open("ab") as out:
         process = subprocess.Popen(
             [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "-d", str(folder), *options],
-            env=_environment(),
+            env=_environment(folder / JOBS),
             stdout=out, stderr=out,
         )  # fmt: skip
         most = [0.0]
@@ -86,11 +89,12 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
     }
 
 
-def _environment() -> dict[str, str]:
-    """Return an environment with bytecode, as users have, and with this clone's modules."""
+def _environment(jobs: Path) -> dict[str, str]:
+    """Return an environment with bytecode, as users have, and with this clone's modules; jobs append a line to `jobs`."""
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    folders = ("src", "packages/contourlets/src", "workflow/lib")
-    return {**kept, "PYTHONPATH": os.pathsep.join(str(ROOT / folder) for folder in folders)}
+    folders = ("src", "packages/contourlets/src", "workflow/lib", "benchmarks/measured_jobs")
+    paths = os.pathsep.join(str(ROOT / folder) for folder in folders)
+    return {**kept, "PYTHONPATH": paths, "MEASURED_JOBS": str(jobs.resolve())}
 
 
 def _watch_memory(process: int, most: list[float], ended: threading.Event) -> None:
@@ -122,7 +126,7 @@ def prepare(folder: Path, count: int, viewpoints: int) -> Path:
 
 
 def run_all(folder: Path, count: int, cores: int) -> Steps:
-    """Measure a whole run, a second run without work, and the report.
+    """Measure a whole run, the phases of this run, and a second run without work.
 
     Raises `SystemExit` if the folder has results.
     """
@@ -132,29 +136,22 @@ def run_all(folder: Path, count: int, cores: int) -> Steps:
         )
     blocks = {"objects_per_job": BLOCKS.get(count, 50)}
     options = ["--cores", str(cores), "--config", f"workflow={json.dumps(blocks)}"]
-    steps = {
-        "whole run": measure(folder, *options),
-        "nothing to do": measure(folder, *options),
-        "report": measure(folder, *options, "--forcerun", "report", "--", "reports/report.html"),
-    }
-    steps["whole run"] |= of_phases(folder)
-    steps["report"]["file_mb"] = round((folder / "reports/report.html").stat().st_size / 1e6, 1)
+    whole = measure(folder, *options)
+    phases = of_phases(folder / JOBS)
     tables = [file.stat().st_size for file in (folder / "results").rglob("*") if file.is_file()]
-    steps["whole run"]["results_mb"] = round(sum(tables) / 1e6)
-    return steps
+    whole["results_mb"] = round(sum(tables) / 1e6)
+    return {"whole run": whole, "nothing to do": measure(folder, *options), **phases}
 
 
-def of_phases(folder: Path) -> dict[str, float]:
-    """Sum the seconds of each phase's jobs from their logs, with imports."""
-    from visuohaptic.io.job_logs import read_seconds
-
-    seconds_of: dict[str, float] = {}
-    for log in (folder / "logs").rglob("*.log"):
-        if seconds := read_seconds(log):
-            name = f"{log.relative_to(folder / 'logs').with_suffix('').parts[0]}_s"
-            total = seconds_of.get(name, 0.0) + seconds.imports + seconds.work
-            seconds_of[name] = round(total, 1)
-    return seconds_of
+def of_phases(jobs: Path) -> Steps:
+    """Return ``processor_s``, summed over the jobs of a phase, and ``memory_mb`` of the largest job, by phase."""
+    phases: Steps = {}
+    for line in jobs.read_text(encoding="utf-8").splitlines():
+        job = json.loads(line)
+        phase = phases.setdefault(job["phase"], {"processor_s": 0.0, "memory_mb": 0})
+        phase["processor_s"] = round(phase["processor_s"] + job["processor_s"], 1)
+        phase["memory_mb"] = max(phase["memory_mb"], round(job["memory_mb"]))
+    return phases
 
 
 def main() -> None:
