@@ -1,7 +1,7 @@
 """Compare rules for intervals over objects: `python -m benchmarks.intervals [OBJECTS] [TRIALS]`.
 
 Prints the smallest coverage of each rule over simulated sets of objects, and mean widths in points. The results are in
-docs/recognition.md.
+docs/intervals.md.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """How models hold for touches by strategies that they did not learn from: `python -m benchmarks.other_strategies`.
 
 Each of the paper's twelve objects is classified by models of the other eleven. Certainty of touches by other strategies
-is computed as if the model had learnt from them, which `RecognitionModel.answer` refuses. Docs: docs/recognition.md.
+is computed as if the model had learnt from them, which `RecognitionModel.answer` refuses. Docs: docs/certainty.md.
 """
 
 from __future__ import annotations

@@ -252,11 +252,11 @@ def test_leads_that_the_claims_repeat_have_the_intervals_of_their_tables():
         assert " ".join(repeated) in row
 
 
-def test_the_page_of_recognition_shows_the_kept_answers_for_odd_objects():
+def test_the_page_of_certainty_shows_the_kept_answers_for_odd_objects():
     measured = read_evaluation(None)
     rows = summarise_evaluation(measured.table, IntervalParameters())
     assert len(rows) == 6
-    text = (ROOT / "docs" / "recognition.md").read_text()
+    text = (ROOT / "docs" / "certainty.md").read_text()
     for row in rows:
         shares = [
             "{:.1f} % ({:.1f}–{:.1f})".format(*(100 * value for value in row[name]))

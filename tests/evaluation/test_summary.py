@@ -154,7 +154,7 @@ def counted(strategy):
 
 
 def drawn_interval(values, weights, worst, best, draws=400_000):
-    """Draw the rule of docs/recognition.md, in points of this test alone."""
+    """Draw the rule of docs/intervals.md, in points of this test alone."""
     generator = np.random.default_rng(1)
     own = weights * generator.standard_gamma(1, (draws, len(values)))
     extra = (weights**2).sum() / weights.sum() * generator.standard_gamma(0.75, draws)

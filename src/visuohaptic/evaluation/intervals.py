@@ -50,7 +50,7 @@ EXTRA = 0.75
 """Shape of the extra object's gamma distribution, which is also its mean factor; observed objects have shape 1.
 
 The smallest multiple of 0.05 at which intervals of confidence 95 % contain the true mean in at least 93 % of
-simulations. The simulated objects have values 0 or 1 (docs/recognition.md). The value is also in the code of
+simulations. The simulated objects have values 0 or 1 (docs/intervals.md). The value is also in the code of
 `_probability_below_zero`.
 """
 

@@ -411,7 +411,7 @@ class Recognition:
     candidates : tuple of str or None
         The prediction set: classes that the object may have, the likeliest first; it can be empty. Over
         objects of known classes, the share of sets with the true class should be `coverage`, which is measured
-        and not guaranteed (docs/recognition.md). None if the model is not calibrated for the strategy of the
+        and not guaranteed (docs/certainty.md). None if the model is not calibrated for the strategy of the
         touches; then the next three attributes are None, too.
     strangeness : float or None
         k / (n + 1), in [0, 1): k of the n held-out training objects have a lower novelty score than this
