@@ -1,9 +1,10 @@
 """Choose the default variant of the package by two rules, on objects outside the paper's set.
 
-docs/notebook/2026-11-variants.md has the rules in full. They were written down before they were applied, and are applied
-once; `chosen.json` keeps the result. The first rule chooses among the variants of part ``recognition``. The second rule
-chooses among the options of each choice of touches; these are varied one at a time (parts ``further`` and ``single``).
-The rules never use the difference between strategies.
+docs/notebook/2026-11-variants.md has the rules in full. They were written down before they were applied. The default is
+the result of the first time, `chosen.json`; `chosen_again.json` is the result on tables that were measured again later.
+The first rule chooses among the variants of part ``recognition``. The second rule chooses among the options of each
+choice of touches; these are varied one at a time (parts ``further`` and ``single``). The rules never use the difference
+between strategies.
 
 `python -m variants.choosing chosen.json results/study_blocks/variants/*.parquet` applies the first rule. It also applies
 the second rule if the blocks hold its variants. The shares of acquired touches are then read from

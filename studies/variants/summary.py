@@ -37,13 +37,14 @@ def make_variants(step: StepInputs) -> None:
 
 def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> VariantsSummary:
     """Return the summary of the variants on the paper's set, `measured`, and on objects outside of it."""
-    tables = {"paper": measured.rows, **({"outside": outside.rows} if outside else {})}
+    sets = (measured, *([outside] if outside else []))
+    tables = dict(zip(("paper", "outside"), (one.rows for one in sets), strict=False))
     figures = variants_figures(measured, outside, (BEST_OF_PAPER,))
     shown = [block for block in (figures, figures and figures["outside"]) if block]
     return VariantsSummary(
         verdict=verdict(lead_evidence(tables, BEST_OF_PAPER)),
         spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
-        leads=tuple(lead for rows in tables.values() for lead in _main_leads(rows)),
+        leads=tuple(lead for one in sets for lead in _main_leads(one)),
         sentences=tuple(sentence for block in shown for sentence in block["sentences"]),
         literal=_literal(measured.rows),
         source=measured.source,
@@ -60,9 +61,9 @@ def _spread(rows: Sequence[Row]) -> list[Spread]:
     return [Spread(objects=objects, **dict(zip(names, counts, strict=True)))]
 
 
-def _main_leads(rows: Sequence[Row]) -> list[Lead]:
+def _main_leads(measured: MeasuredVariants) -> list[Lead]:
     """Return the leads of the default and of the most literal variant."""
-    objects = max((row["objects"] or 0 for row in rows), default=0)
+    objects = max((row["objects"] or 0 for row in measured.rows), default=0)
     return [
         Lead(
             objects=objects,
@@ -71,9 +72,10 @@ def _main_leads(rows: Sequence[Row]) -> list[Lead]:
             difference=evidence.difference,
             low=evidence.low,
             high=evidence.high,
+            date=measured.source.date if measured.source else None,
         )
         for opponent in get_args(Lead.model_fields["opponent"].annotation)
-        for evidence in lead_evidence({"": rows}, BEST_OF_PAPER, opponent)
+        for evidence in lead_evidence({"": measured.rows}, BEST_OF_PAPER, opponent)
         if evidence.variant != "other"
     ]
 

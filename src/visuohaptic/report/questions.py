@@ -286,10 +286,10 @@ def variant_leads_sentences(variants: VariantsSummary) -> list[str]:
     three leads is missing.
     """
     objects = max((lead.objects for lead in variants.leads), default=0)
+    of_objects = [lead for lead in variants.leads if lead.objects == objects]
     leads = {
         (lead.variant, lead.opponent): Figure(lead.difference, lead.low, lead.high)
-        for lead in variants.leads
-        if lead.objects == objects
+        for lead in of_objects
     }
     reach, visible, literal = (
         leads.get(key)
@@ -297,7 +297,8 @@ def variant_leads_sentences(variants: VariantsSummary) -> list[str]:
     )
     if reach is None or visible is None or literal is None:
         return []
-    when = f"measured on {variants.source.date}" if variants.source else "in this run"
+    date = of_objects[0].date
+    when = f"measured on {date}" if date else "in this run"
     return [
         (
             f"The default for the paper's open steps was chosen on {objects} objects, which may raise the lead there. "

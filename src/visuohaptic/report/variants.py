@@ -38,7 +38,7 @@ class Lead(BaseModel):
     """The lead of fixations over random touches in one variant, as a share, with its interval over objects.
 
     `opponent` is ``reachable`` for random touches anywhere in reach, and ``visible`` for random touches on the side
-    that the eye sees.
+    that the eye sees. `date` is the day of kept figures, such as 2026-11-27; None for figures of this run.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -49,6 +49,7 @@ class Lead(BaseModel):
     difference: float
     low: float
     high: float
+    date: str | None = None
 
 
 class VariantsSummary(BaseModel):

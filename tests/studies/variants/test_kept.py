@@ -13,7 +13,7 @@ from report.pages import read_page
 from variants.choices import BEST_OF_PAPER
 from variants.choosing import FORMER_DEFAULT
 from variants.design import all_variants, is_default
-from variants.kept import OUTSIDE, PAPER_SET, kept_variants
+from variants.kept import OUTSIDE, PAPER_SET, MeasuredVariants, kept_variants
 from variants.page import COMMAND, render_variants_page, variants_figures
 from variants.summary import summarise
 from variants.tables import VARIANTS
@@ -23,7 +23,10 @@ from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.tables.schema import build_rows, write_table
 
 ROOT = Path(__file__).parents[3]
-CHOSEN = json.loads(files("variants").joinpath("chosen.json").read_text())
+CHOSEN, CHOSEN_AGAIN = (
+    json.loads(files("variants").joinpath(f"{name}.json").read_text())
+    for name in ("chosen", "chosen_again")
+)
 ROWS = kept_variants(PAPER_SET).rows
 ASKED = [row for row in ROWS if row["error"] is None and row["part"] != "protocol"]
 
@@ -42,6 +45,12 @@ def test_what_the_report_says_follows_from_the_kept_tables():
     found = summarise(kept_variants(PAPER_SET), kept_variants(OUTSIDE))
     assert found.model_dump(mode="json") == kept
     assert {*found.literal["fixation"]} == {*found.literal["random"]} == {*TABLE_1}
+
+
+def test_leads_have_the_date_of_their_own_table():
+    outside = kept_variants(OUTSIDE)
+    found = summarise(MeasuredVariants(ROWS), outside)
+    assert {lead.objects: lead.date for lead in found.leads} == {12: None, 130: outside.source.date}
 
 
 def test_choices_that_add_up_explain_all_of_the_spread_by_themselves():
@@ -78,13 +87,27 @@ def test_the_package_has_the_default_that_the_rules_chose():
     assert changed == CHOSEN["chosen"]["changed"]
 
 
+def test_the_rules_applied_again_differ_from_the_default_in_the_channels_only():
+    assert CHOSEN_AGAIN["chosen"]["changed"] == CHOSEN["chosen"]["changed"]
+    first, again = (
+        {row["choice"]: row["chosen"] for row in chosen["options"]}
+        for chosen in (CHOSEN, CHOSEN_AGAIN)
+    )
+    differing = {name: (first[name], again[name]) for name in first if first[name] != again[name]}
+    assert differing == {"channels": ("five_named", "eight_equal")}
+
+
 @pytest.mark.parametrize("name", ["chosen", "best", "former"])
 def test_the_kept_variants_give_the_scores_that_the_rule_saw(name):
-    own = [row for row in kept_variants(OUTSIDE).rows if row["variant"] == CHOSEN[name]["variant"]]
+    own = [
+        row
+        for row in kept_variants(OUTSIDE).rows
+        if row["variant"] == CHOSEN_AGAIN[name]["variant"]
+    ]
     random = [row["random"] for row in own if row["random_probing"] != "anywhere"]
     fixation = [row["fixation"] for row in own if row["random_probing"] == "reachable"]
     assert (len(fixation), len(random)) == (5, 15)
-    assert np.mean(fixation + random) == pytest.approx(CHOSEN[name]["score"], abs=1e-3)
+    assert np.mean(fixation + random) == pytest.approx(CHOSEN_AGAIN[name]["score"], abs=1e-3)
 
 
 def test_the_kept_variants_have_a_page_that_stands_alone_and_says_where_they_come_from():
