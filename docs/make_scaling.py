@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import chain
 
 from filling import DOCS, fill_page, read_json, table
@@ -38,33 +38,46 @@ Steps = Mapping[str, Mapping[str, float]]
 Rows = Mapping[str, Mapping[int, float]]
 
 
-def seconds_of(counts: Mapping[int, Steps]) -> Rows:
-    """Return processor seconds by phase and number of objects, with the whole run first."""
-    jobs = {
+def of_scripts(
+    counts: Mapping[int, Steps], quantity: str, combine: Callable[[Iterable[float]], float]
+) -> Rows:
+    """Return one quantity by row of `SCRIPTS` and number of objects, combined over the scripts of a row."""
+    return {
         row: {
-            count: sum(steps[script]["processor_s"] for script in scripts if script in steps)
+            count: combine(steps[script][quantity] for script in scripts if script in steps)
             for count, steps in counts.items()
         }
         for row, scripts in SCRIPTS.items()
     }
-    whole = {count: steps[WHOLE]["processor_s"] for count, steps in counts.items()}
-    snakemake = {count: whole[count] - sum(row[count] for row in jobs.values()) for count in whole}
-    nothing = {count: steps["nothing to do"]["processor_s"] for count, steps in counts.items()}
-    return {WHOLE: whole, **jobs, "Snakemake itself": snakemake, "nothing to do": nothing}
+
+
+def of_step(counts: Mapping[int, Steps], step: str, quantity: str) -> Mapping[int, float]:
+    """Return one quantity of a step by number of objects."""
+    return {count: steps[step][quantity] for count, steps in counts.items()}
+
+
+def seconds_of(counts: Mapping[int, Steps]) -> Rows:
+    """Return processor seconds by phase and number of objects, with the whole run first and wall-clock seconds last."""
+    jobs, whole = of_scripts(counts, "processor_s", sum), of_step(counts, WHOLE, "processor_s")
+    return {
+        WHOLE: whole,
+        **jobs,
+        "Snakemake itself": {
+            count: seconds - sum(row[count] for row in jobs.values())
+            for count, seconds in whole.items()
+        },
+        "nothing to do": of_step(counts, "nothing to do", "processor_s"),
+        f"{WHOLE}, wall clock": of_step(counts, WHOLE, "seconds"),
+    }
 
 
 def memory_of(counts: Mapping[int, Steps]) -> Rows:
     """Return the peak memory (MB) of the largest job by phase and number of objects, with the whole run first."""
-    jobs = {
-        row: {
-            count: max(steps[script]["memory_mb"] for script in scripts if script in steps)
-            for count, steps in counts.items()
-        }
-        for row, scripts in SCRIPTS.items()
+    return {
+        f"{WHOLE}, all processes": of_step(counts, WHOLE, "memory_mb"),
+        **of_scripts(counts, "memory_mb", max),
+        "files of results": of_step(counts, WHOLE, "results_mb"),
     }
-    whole = {count: steps[WHOLE]["memory_mb"] for count, steps in counts.items()}
-    files = {count: steps[WHOLE]["results_mb"] for count, steps in counts.items()}
-    return {f"{WHOLE}, all processes": whole, **jobs, "files of results": files}
 
 
 def exponent(values: Mapping[int, float]) -> float:
@@ -116,10 +129,23 @@ def draw(panels: Mapping[str, Rows]) -> Figure:
     return figure
 
 
+def read_rows() -> tuple[Rows, Rows]:
+    """Return the kept `seconds_of` and `memory_of`."""
+    counts = {int(count): steps for count, steps in read_json(MEASURED)["counts"].items()}
+    return seconds_of(counts), memory_of(counts)
+
+
+def blocks() -> dict[str, str]:
+    """Return the tables of the page by name of the block."""
+    seconds, memory = read_rows()
+    return {"seconds": growth(seconds, "s"), "memory": growth(memory, "MB")}
+
+
 if __name__ == "__main__":
-    measured = read_json(MEASURED)["counts"]
-    counts = {int(count): steps for count, steps in measured.items()}
-    seconds, memory = seconds_of(counts), memory_of(counts)
-    fill_page(PAGE, {"seconds": growth(seconds, "s"), "memory": growth(memory, "MB")})
-    panels = {"Processor seconds": seconds, "Peak memory of the largest job, MB": memory}
+    seconds, memory = read_rows()
+    fill_page(PAGE, blocks())
+    panels = {
+        "Processor seconds, and wall clock of the whole run": seconds,
+        "Peak memory of the largest job, MB": memory,
+    }
     draw(panels).savefig(PICTURE, dpi=100)

@@ -1,6 +1,8 @@
 """Benchmarks run, on the smallest amounts; what they measure is for a quiet machine."""
 
 import importlib
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -46,6 +48,24 @@ def test_objects_are_classified_by_models_of_the_others_as_if_their_strategy_was
     # A set is stated for these touches, too: without one it would hold no class, and nothing were unknown.
     assert held > 0
     assert elsewhere[2] > 0 or elsewhere[3] > unknown
+
+
+def test_jobs_of_a_measured_run_write_their_processor_seconds_and_memory(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT))
+    module = importlib.import_module("benchmarks.many_objects")
+    scripts, jobs = tmp_path / ".snakemake/scripts", tmp_path / module.JOBS
+    scripts.mkdir(parents=True)
+    work = "held = bytearray(50_000_000)\nfor _ in range(200_000): sum(range(10))\n"
+    for name in ("scripts/tmp1a.touches.py", "scripts/tmp2b.touches.py", "other.py"):
+        script = tmp_path / ".snakemake" / name
+        script.write_text(work, encoding="utf-8")
+        environment = module._environment(jobs)
+        subprocess.run([sys.executable, script], env=environment, check=True)
+    assert len(jobs.read_text(encoding="utf-8").splitlines()) == 2
+    found = module.of_phases(jobs)
+    assert set(found) == {"touches"}
+    assert found["touches"]["processor_s"] > 0
+    assert 50 < found["touches"]["memory_mb"] < 150
 
 
 @pytest.mark.long

@@ -37,14 +37,14 @@ def make_variants(step: StepInputs) -> None:
 
 def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> VariantsSummary:
     """Return the summary of the variants on the paper's set, `measured`, and on objects outside of it."""
-    sets = (measured, *([outside] if outside else []))
-    tables = dict(zip(("paper", "outside"), (one.rows for one in sets), strict=False))
+    sets = {"paper": measured, **({"outside": outside} if outside else {})}
+    tables = {name: of_set.rows for name, of_set in sets.items()}
     figures = variants_figures(measured, outside, (BEST_OF_PAPER,))
     shown = [block for block in (figures, figures and figures["outside"]) if block]
     return VariantsSummary(
         verdict=verdict(lead_evidence(tables, BEST_OF_PAPER)),
         spread=tuple(spread for rows in tables.values() for spread in _spread(rows)),
-        leads=tuple(lead for one in sets for lead in _main_leads(one)),
+        leads=tuple(lead for of_set in sets.values() for lead in _main_leads(of_set)),
         sentences=tuple(sentence for block in shown for sentence in block["sentences"]),
         literal=_literal(measured.rows),
         source=measured.source,

@@ -266,6 +266,14 @@ def test_the_page_of_certainty_shows_the_kept_answers_for_odd_objects():
         assert f"| {row['strategy']} | {row['views']} | {' | '.join(shares)} |" in text
 
 
+def test_the_page_of_scaling_shows_the_kept_seconds_and_memory(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    made = runpy.run_path(str(ROOT / "docs" / "make_scaling.py"))
+    text = (ROOT / "docs" / "scaling.md").read_text(encoding="utf-8")
+    for name, table in made["blocks"]().items():
+        assert f"<!-- {name} -->\n{table}\n<!-- /{name} -->" in text
+
+
 def test_the_page_of_architecture_names_every_folder_of_the_library():
     text = (ROOT / "docs" / "architecture.md").read_text()
     folders = {file.parent.name for file in (ROOT / "src" / "visuohaptic").glob("*/__init__.py")}

@@ -138,9 +138,10 @@ def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
         "objects the lead is +13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
     )
     assert first.endswith("(in this run).")
-    kept = [lead.model_copy(update={"date": f"{lead.objects}"}) for lead in LEADS]
+    dates = {12: "2026-11-23", 130: "2026-11-27"}
+    kept = [lead.model_copy(update={"date": dates[lead.objects]}) for lead in LEADS]
     dated = variant_leads_sentences(VariantsSummary(verdict="no", leads=kept))[0]
-    assert plain(dated).endswith("(measured on 130).")
+    assert plain(dated).endswith("(measured on 2026-11-27).")
     assert "\N{MINUS SIGN}3.0 points (\N{MINUS SIGN}8.0 to +2.0) over random places" in second
     assert variant_leads_sentences(VariantsSummary(verdict="no", leads=LEADS[:2])) == []
     assert variant_leads_sentences(VariantsSummary(verdict="no")) == []
