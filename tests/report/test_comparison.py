@@ -44,7 +44,10 @@ def table(p_values):
 
 def test_the_gain_is_said_with_what_is_significant():
     sentence = gain_sentence(table((0.001, 0.6)))
-    assert "Fixations are ahead of random probing with 1 of 2 classifiers" in sentence
+    assert (
+        "Fixations are ahead of random probing with 1 of 2 classifiers and behind with 1"
+        in sentence
+    )
     assert "significant for support vector machine (+13.0)" in sentence
     unsettled = gain_sentence(table((0.03, 0.6)))
     assert (

@@ -39,5 +39,6 @@ def test_where_nothing_was_measured_the_kept_evaluation_is_shown(tmp_path):
         if (row["strategy"], row["views"]) == ("fixation", 16)
     )
     said = plain(odd_sentence(evaluation_figures(kept, IntervalParameters())))
-    assert f"classifies {100 * row['accuracy'].mean:.0f} % correctly from 16 views" in said
-    assert said.endswith(f"contain the true class of {100 * row['coverage'].mean:.0f} %.")
+    assert f"classifies {100 * row['accuracy'].mean:.0f} % of 22 untypical objects" in said
+    assert "correctly from 16 views" in said
+    assert said.endswith(f"the sets contain the class of {100 * row['coverage'].mean:.0f} %.")

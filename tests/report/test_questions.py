@@ -48,7 +48,7 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding
         (
             0.68,
             "Not settled by 12 objects",
-            " Leads above 7.0 points and lags beyond 3.0 are excluded.",
+            " The interval excludes leads above 7.0 points and lags beyond 3.0.",
         ),
         (0.8, "No, on these objects random touches lead", ""),
     ],
@@ -105,8 +105,8 @@ def test_the_third_answer_asks_whether_whole_intervals_are_near(accuracies, reac
     assert found.finding == finding
     within, outside = counts
     assert (
-        f"Of 4 published accuracies: {within} reproduced within 5 points, {outside} more than 5 points outside our "
-        f"intervals, {4 - within - outside} not settled."
+        f"Of 4 published accuracies {within} are reproduced, {outside} are not (our whole interval is more than 5 "
+        f"points away), and {4 - within - outside} are not settled."
     ) in found.sentence
     assert plain(found.sentence).startswith(
         "here, 93.45 % published (support vector machine, eye fixations). "
@@ -134,8 +134,8 @@ LEADS = [
 def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
     first, second = map(plain, variant_leads_sentences(VariantsSummary(verdict="no", leads=LEADS)))
     assert first.startswith(
-        "The default for the paper's open steps was chosen on 130 objects, which may raise the lead there. On these "
-        "objects the lead is +13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
+        "The paper leaves steps open. Our default for these steps was chosen on 130 objects, which may raise the lead "
+        "there. On the 130 objects the lead is +13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
     )
     assert first.endswith("(in this run).")
     dates = {12: "2026-11-23", 130: "2026-11-27"}

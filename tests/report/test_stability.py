@@ -90,7 +90,7 @@ def test_objects_share_a_requirement_and_the_one_that_exceeds_it_is_named(tmp_pa
 def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to_its_tolerance():
     figures = stability_figures(result_table([GRAZING, EXACT], KEY))
     assert stability_answer(figures) == (
-        "1,240 cases that are hard for arithmetic, such as flat or tiny shapes: every error is within its tolerance."
+        "In 1,240 cases that are hard for arithmetic, such as flat or tiny shapes, no error exceeds its tolerance."
     )
     said = plain(describe_checks(figures.checks))
     assert "1,240 hard cases of 2 kinds were tried" in said

@@ -241,7 +241,7 @@ def gain_sentence(table: PipelineTable) -> str:
     )
     return (
         f"Fixations are ahead of random probing with {sum(gain > 0 for gain in gains)} of "
-        f"{counted(len(gains), 'classifier')} (leads from {points(min(gains))} to {points(max(gains))} "
+        f"{counted(len(gains), 'classifier')} and behind with {sum(gain < 0 for gain in gains)} (leads from {points(min(gains))} to {points(max(gains))} "
         f"points), {verdict}."
     )
 

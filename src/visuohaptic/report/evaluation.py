@@ -47,10 +47,10 @@ def odd_sentence(figures: Row) -> str:
         key=lambda row: int(row["views"]),
     )
     return (
-        f"Measured on {source.date}: of {figures['objects']} untypical objects of the same classes (set odd) pipeline "
-        f"order_free classifies {percent(row['accuracy'].mean, 0)} correctly from {counted(row['views'], 'view')}. Its "
-        f"prediction sets are made to contain the true class of {percent(row['stated'], 0)} of objects, and contain the "
-        f"true class of {percent(row['coverage'].mean, 0)}."
+        f"Pipeline order_free classifies {percent(row['accuracy'].mean, 0)} of {figures['objects']} untypical objects of "
+        f"the same classes correctly from {counted(row['views'], 'view')} (measured on {source.date}). Its prediction "
+        f"sets should contain the true class of {percent(row['stated'], 0)} of objects. Of these objects the sets "
+        f"contain the class of {percent(row['coverage'].mean, 0)}."
     )
 
 

@@ -191,8 +191,8 @@ def _excluded(lead: Figure) -> str:
     if lead.low is None or lead.high is None or not lead.low <= 0 <= lead.high:
         return ""
     return (
-        f" Leads above {points(lead.high).lstrip('+')} points and lags beyond "
-        f"{points(-lead.low).lstrip('+')} are excluded."
+        f" The interval excludes leads above {points(lead.high).lstrip('+')} points and lags beyond "
+        f"{points(-lead.low).lstrip('+')}."
     )
 
 
@@ -242,8 +242,9 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         "Is the paper reproduced?",
         finding,
         number,
-        f"{against}Of {len(closeness)} published accuracies: {within} reproduced within {margin}, {outside} more than {margin} outside our intervals, "
-        f"{len(closeness) - within - outside} not settled. Our objects differ from the paper's objects.",
+        f"{against}Of {len(closeness)} published accuracies {within} are reproduced, {outside} are not (our whole interval "
+        f"is more than {margin} away), and {len(closeness) - within - outside} are not settled. Our objects differ from "
+        "the paper's objects.",
         "comparison",
         rule=f"Rule: a published accuracy is reproduced if our whole interval lies within {margin} of it, and not "
         f"reproduced if our whole interval is more than {margin} away. All others are not settled.",
@@ -301,13 +302,13 @@ def variant_leads_sentences(variants: VariantsSummary) -> list[str]:
     when = f"measured on {date}" if date else "in this run"
     return [
         (
-            f"The default for the paper's open steps was chosen on {objects} objects, which may raise the lead there. "
-            f"On these objects the lead is {with_interval(reach, points, ' points')} over random places in reach, and "
+            f"The paper leaves steps open. Our default for these steps was chosen on {objects} objects, which may raise "
+            f"the lead there. On the {objects} objects the lead is {with_interval(reach, points, ' points')} over random places in reach, and "
             f"{with_interval(visible, points, ' points')} over random places in sight, on the side that the eye sees "
             f"({when})."
         ),
         (
-            f"In the most literal variant of the paper the lead on these objects is "
+            f"In the most literal variant of the paper the lead on the {objects} objects is "
             f"{with_interval(literal, points, ' points')} over random places in reach."
         ),
     ]

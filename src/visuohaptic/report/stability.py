@@ -113,7 +113,7 @@ def stability_answer(figures: StabilityFigures) -> str:
     if figures.broken:
         return describe_checks(figures.checks)
     cases = counted(sum(check.cases for check in figures.checks), "case")
-    return f"{cases} that are hard for arithmetic, such as flat or tiny shapes: every error is within its tolerance."
+    return f"In {cases} that are hard for arithmetic, such as flat or tiny shapes, no error exceeds its tolerance."
 
 
 def read_hard_cases(path: Path) -> HardCases:
