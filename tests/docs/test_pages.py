@@ -240,18 +240,6 @@ def test_the_readme_shows_the_kept_accuracies_of_turned_objects(run_script):
         assert f"| {mean} % ({low} % to {high} %) |" in page
 
 
-def test_leads_that_the_claims_repeat_have_the_intervals_of_their_tables():
-    text = (ROOT / "docs" / "claims.md").read_text().replace("+0.0", "0.0")
-    first = next(line for line in text.splitlines() if line.startswith("| Fixations guide touch"))
-    default = re.search(r"default: (\S+) points (\(.*?\))", first)
-    ours = re.search(r"in reach is (\S+) (\(.*?\)) on 12 objects and (\S+) (\(.*?\)) on 142", first)
-    rows = [line for line in text.splitlines() if line.startswith("| random, in reach |")]
-    assert len(rows) == 2
-    assert " ".join(default.groups()) in rows[0]
-    for row, repeated in zip(rows, (ours.groups()[:2], ours.groups()[2:]), strict=True):
-        assert " ".join(repeated) in row
-
-
 def test_the_page_of_certainty_shows_the_kept_answers_for_odd_objects():
     measured = read_evaluation(None)
     rows = summarise_evaluation(measured.table, IntervalParameters())
