@@ -14,6 +14,9 @@ YAML = "title: T\nconditions: {a: {}}"
 IMPORT = "from visuohaptic.studies.study import Step, Study\n"
 PYTHON = IMPORT + 'STUDY = Study("NAME", "Mine")'
 LOST_STEP = IMPORT + 'STUDY = Study("lost", "T", steps=(Step("s", "gone:make", ("s.json",)),))'
+ODD_STEP = LOST_STEP.replace("lost", "odd").replace(
+    '"gone:make", ("s.json",)', '"json:dumps", ("s.json",), objects="tree"'
+)
 
 
 def write(folder, name, text=YAML):
@@ -73,6 +76,7 @@ def test_a_files_name_must_be_plain_and_free(tmp_path, name):
         ("empty", "", "empty.py has no STUDY of name 'empty'"),
         ("other", PYTHON, "other.py has no STUDY of name 'other'"),
         ("lost", LOST_STEP, "lost.py: step s: 'gone:make' is not importable"),
+        ("odd", ODD_STEP, "step s: objects is 'tree'; one of study, timed, two is needed."),
         ("statistics", PYTHON, "'statistics' is the name of another module"),
     ],
 )

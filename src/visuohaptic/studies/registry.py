@@ -16,7 +16,7 @@ from visuohaptic.studies.cost.settings import FRONTIER
 from visuohaptic.studies.draws import RANDOM_DRAWS
 from visuohaptic.studies.effects.accuracy import EFFECTS_STUDY, INFLUENCE
 from visuohaptic.studies.own import read_study
-from visuohaptic.studies.study import Study
+from visuohaptic.studies.study import OBJECTS_OF_STEP, Study
 
 STUDIES = (
     FRONTIER,
@@ -74,8 +74,8 @@ def find_studies(run: ExperimentParameters, folders: Iterable[str | Path]) -> di
 def load_study(path: Path, name: str) -> Study:
     """Import a Python file and return its study. The file runs with all rights of the user.
 
-    The file's folder is appended to `sys.path`. Raises `ParameterError` if the file can't be imported, or defines no
-    study of its name.
+    The file's folder is appended to `sys.path`. Raises `ParameterError` if the file can't be imported, defines no
+    study of its name, or has a step with an unknown function or unknown `objects`.
     """
     study = getattr(import_file(path, name), "STUDY", None)
     if not isinstance(study, Study) or study.name != name:
@@ -86,6 +86,11 @@ def load_study(path: Path, name: str) -> Study:
         if not _has_module(step.work):
             raise ParameterError(
                 f"{path}: step {step.name}: {step.work!r} is not importable; module:function is needed."
+            )
+        if step.objects not in OBJECTS_OF_STEP:
+            raise ParameterError(
+                f"{path}: step {step.name}: objects is {step.objects!r}; one of {', '.join(OBJECTS_OF_STEP)} "
+                "is needed."
             )
     return study
 

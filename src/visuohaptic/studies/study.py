@@ -104,6 +104,10 @@ class StepInputs:
     processes: int = 1
 
 
+OBJECTS_OF_STEP = ("study", "timed", "two")
+"""Values of `Step.objects`."""
+
+
 @dataclass(frozen=True)
 class Step:
     """A job of a study in addition to the blocks of conditions.
