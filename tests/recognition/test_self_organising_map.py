@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from minisom import MiniSom
 
+from visuohaptic.recognition import self_organising_map
 from visuohaptic.recognition.self_organising_map import (
     ORDERING_EPOCHS,
     RADII,
     _principal_weights,
     fit_batch_map,
+    fit_map,
     fit_online_map,
     lattice,
     line,
@@ -77,3 +79,38 @@ TWO_PLACES = np.repeat([[0.0, 0.0], [1.0, 1.0]], 5, axis=0)
 )
 def test_units_without_touches_are_finite(data, radii):
     assert np.isfinite(fit_batch_map(data, line(5), radii).weights).all()
+
+
+def test_a_batch_map_is_fitted_once_per_content_layout_and_lattice(monkeypatch):
+    monkeypatch.setattr(self_organising_map, "_remembered", {})
+    data = touches()
+    changed = data.copy()
+    changed[-1, -1] += 1e-9
+    other_rows = [data.reshape(60, 44), np.asfortranarray(data), changed]
+    fitted = fit_map(data, line(5), "batch", None)
+    np.testing.assert_array_equal(fitted.weights, fit_batch_map(data, line(5)).weights)
+    assert fit_map(data.copy(), line(5), "batch", None) is fitted
+    for rows in other_rows:
+        found = fit_map(rows, line(5), "batch", None)
+        np.testing.assert_array_equal(found.weights, fit_batch_map(rows, line(5)).weights)
+    for positions in (line(4), lattice(5, 1)):
+        found = fit_map(data, positions, "batch", None)
+        np.testing.assert_array_equal(found.positions, positions)
+    assert len(self_organising_map._remembered) == 6
+
+
+def test_of_too_many_remembered_maps_the_earliest_is_forgotten(monkeypatch):
+    monkeypatch.setattr(self_organising_map, "_remembered", {})
+    monkeypatch.setattr(self_organising_map, "MOST_REMEMBERED", 2)
+    first, second, third = (touches(seed=seed) for seed in range(3))
+    maps = [fit_map(rows, line(5), "batch", None) for rows in (first, second, third)]
+    assert fit_map(second, line(5), "batch", None) is maps[1]
+    assert fit_map(third, line(5), "batch", None) is maps[2]
+    assert fit_map(first, line(5), "batch", None) is not maps[0]
+    assert len(self_organising_map._remembered) == 2
+
+
+def test_an_online_map_is_fitted_each_time():
+    data = touches()
+    maps = [fit_map(data, line(5), "online", np.random.default_rng(seed)) for seed in range(2)]
+    assert (maps[0].weights != maps[1].weights).any()

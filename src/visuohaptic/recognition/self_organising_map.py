@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from hashlib import blake2b
 
 import numpy as np
 
@@ -30,6 +31,9 @@ ONLINE_EPOCHS = 10
 LEARNING_RATE = 0.5
 """Learning rate at the start (online), MiniSom's default."""
 
+MOST_REMEMBERED = 4000
+"""Most batch maps that a process keeps: five strategies in 81 splits, for several conditions of a study."""
+
 
 @dataclass(frozen=True)
 class SelfOrganisingMap:
@@ -48,13 +52,27 @@ class SelfOrganisingMap:
         return _nearest(touches, self.weights)
 
 
+_remembered: dict[tuple[object, ...], SelfOrganisingMap] = {}
+"""Batch maps of this process by their rows and positions, the earliest first."""
+
+
 def fit_map(
     rows: FloatArray, positions: FloatArray, training: str, generator: np.random.Generator
 ) -> SelfOrganisingMap:
-    """Fit a map on rows (n, k) by ``batch`` or ``online`` training; `positions` (u, a) are the units on the lattice."""
-    if training == "batch":
-        return fit_batch_map(rows, positions)
-    return fit_online_map(rows, positions, generator)
+    """Fit a map on rows (n, k) by ``batch`` or ``online`` training; `positions` (u, a) are the units on the lattice.
+
+    Batch maps are remembered, because conditions of a study often differ only in steps behind the map.
+    """
+    if training == "online":
+        return fit_online_map(rows, positions, generator)
+    # Sums depend on the order of the numbers in memory, so that the strides belong to the key.
+    content = blake2b(rows.tobytes(), digest_size=16).digest()
+    key = (content, rows.shape, rows.strides, positions.shape, positions.tobytes())
+    if key not in _remembered:
+        if len(_remembered) == MOST_REMEMBERED:
+            del _remembered[next(iter(_remembered))]
+        _remembered[key] = fit_batch_map(rows, positions)
+    return _remembered[key]
 
 
 def fit_batch_map(
