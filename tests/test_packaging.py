@@ -22,7 +22,7 @@ TO_RUN = [
 ]
 TO_DEVELOP = [
     *TO_RUN,
-    *(wanted for name in ("s3", "dev") for wanted in EXTRAS[name]),
+    *(wanted for name in ("s3", "gymnasium", "dev") for wanted in EXTRAS[name]),
 ]
 OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.

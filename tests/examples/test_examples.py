@@ -28,7 +28,7 @@ PRINTED = {
     "zero_offset": r"0\.1 0\.6 1\.0 1\.0 by zero_offset",
 }
 
-NEEDS = {"gymnasium_environment": "gymnasium", "torch_classifier": "torch"}
+NEEDS = {"torch_classifier": "torch"}
 """Packages that no extra of the developers brings, by example."""
 PLUG_INS = {name: path for name, path in EXAMPLES.items() if TESTS.get(name)}
 

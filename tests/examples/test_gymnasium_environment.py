@@ -6,8 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-gymnasium = pytest.importorskip("gymnasium", reason="gymnasium is not installed")
-
 EXAMPLE = Path(__file__).parents[2] / "examples" / "gymnasium_environment.py"
 
 
