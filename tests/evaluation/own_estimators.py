@@ -1,6 +1,6 @@
 """Estimators of one's own, in a module that other processes can import.
 
-Each of the last five breaks one rule of scikit-learn's estimators.
+Each but the first breaks one rule of scikit-learn's estimators.
 """
 
 from typing import ClassVar
@@ -63,3 +63,24 @@ class Locked(Keeping):
 
     def __reduce__(self):
         raise TypeError("a handle of this process")
+
+
+class Ragged(Keeping):
+    """Predicts lists of several lengths instead of labels."""
+
+    def predict(self, X):
+        return [[0] * (1 + row % 2) for row in range(len(X))]
+
+
+class Unprintable(Keeping):
+    """Has no text."""
+
+    def __repr__(self):
+        raise RuntimeError("no text")
+
+
+class Untagged(Keeping):
+    """Fails when it is asked what kind of estimator it is."""
+
+    def __sklearn_tags__(self):
+        raise RuntimeError("no tags")

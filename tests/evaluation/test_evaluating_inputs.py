@@ -1,8 +1,19 @@
 """A classifier of one's own gets features, descriptors, or imprints and poses, on splits of one's own too."""
 
 import numpy as np
+import pandas as pd
 import pytest
-from evaluation.own_estimators import Changing, Keeping, Locked, Naming, Scoring, Sized
+from evaluation.own_estimators import (
+    Changing,
+    Keeping,
+    Locked,
+    Naming,
+    Ragged,
+    Scoring,
+    Sized,
+    Unprintable,
+    Untagged,
+)
 from recognition.synthetic import features_table
 from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 from sklearn.ensemble import RandomForestClassifier
@@ -197,6 +208,13 @@ def test_own_splits_are_objects_or_a_splitter(features):
             ParameterError,
             "Split 0 tests class0/none, which has no whole sequence",
         ),
+        (
+            [(np.arange(8), np.arange(8, 12))],
+            ParameterError,
+            "Split 0 has a test object of type ndarray; .* not index arrays",
+        ),
+        ([[["class0/object0"]]], ParameterError, "Split 0 has a test object of type list; names"),
+        ([[{}]], ParameterError, "Split 0 has a test object of type dict; names"),
         ([[]], RecognitionError, "Split 0 has no test object"),
         (
             [["class0/object0", "class0/object1", "class0/object2"]],
@@ -214,6 +232,106 @@ def test_own_splits_are_objects_or_a_splitter(features):
 def test_splits_that_are_none_or_leak_are_refused(features, splits, error, sentence):
     with pytest.raises(error, match=sentence):
         vh.evaluate(GaussianNB(), features, splits=splits)
+
+
+class OneSplit:
+    """Splitter of one split: training and test objects, as `chosen` computes them from the object indices."""
+
+    def __init__(self, chosen):
+        self.chosen = chosen
+
+    def get_n_splits(self):
+        return 1
+
+    def split(self, _rows, _labels, groups):
+        yield self.chosen(groups)
+
+
+def halves(groups):
+    return np.flatnonzero(groups % 3), np.flatnonzero(groups % 3 == 0)
+
+
+@pytest.mark.parametrize(
+    "chosen",
+    [
+        lambda groups: (groups % 3 != 0, groups % 3 == 0),
+        lambda groups: [list(part[::-1]) for part in halves(groups)],
+    ],
+)
+def test_indices_of_a_splitter_may_be_masks_or_lists_in_any_order(features, chosen):
+    expected = vh.evaluate(GaussianNB(), features, splits=OneSplit(halves))
+    found = vh.evaluate(GaussianNB(), features, splits=OneSplit(chosen))
+    assert found.predictions == expected.predictions
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        (lambda train, test: (train, test + 1000), "test index 1000"),
+        (lambda train, test: (train, test - 48), "test index -48"),
+        (lambda train, test: (train, [*test, test[1]]), "test index 1 more than once"),
+        (lambda train, test: ([*train, train[0]], test), "training index 4 more than once"),
+        (lambda train, test: (train + 0.0, test), "training indices of type float64"),
+        (lambda train, test: (train, test > 0), "test indices of type bool"),
+        (lambda train, test: (train, test[None]), r"test indices of type int64, shape \(1, 16\)"),
+    ],
+)
+def test_indices_of_a_splitter_that_are_no_sequences_are_refused(features, change, found):
+    splitter = OneSplit(lambda groups: change(*halves(groups)))
+    with pytest.raises(RecognitionError, match=f"Split 0 has {found}.*; .* 0 to 47, each once"):
+        vh.evaluate(GaussianNB(), features, splits=splitter)
+
+
+@pytest.mark.parametrize(
+    ("chosen", "reason"),
+    [
+        (lambda _: "ab" + 1, "concatenate"),
+        (lambda _: None, "unpack"),
+        (lambda groups: (*halves(groups), 1), "unpack"),
+        (lambda _: ([[0], [1, 2]], [3]), "inhomogeneous"),
+    ],
+)
+def test_a_splitter_that_fails_is_refused_with_the_reason(features, chosen, reason):
+    with pytest.raises(RecognitionError, match=f"can't divide the objects: .*{reason}"):
+        vh.evaluate(GaussianNB(), features, splits=OneSplit(chosen))
+
+
+def test_a_splitter_without_training_sequences_is_refused(features):
+    splitter = OneSplit(lambda groups: ([], halves(groups)[1]))
+    with pytest.raises(RecognitionError, match="class0, which has no training object"):
+        vh.evaluate(GaussianNB(), features, splits=splitter)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ({"n_jobs": 0}, "n_jobs is 0; a whole number other than 0 is needed"),
+        ({"n_jobs": "two"}, "n_jobs is 'two'; a whole"),
+        ({"n_jobs": 1.5}, "n_jobs is 1.5; a whole"),
+        ({"n_jobs": None}, "n_jobs is None; a whole"),
+        ({"seed": -1}, "seed is -1; a whole number of at least 0 is needed"),
+        ({"seed": "a"}, "seed is 'a'; a whole"),
+        ({"seed": 1.5}, "seed is 1.5; a whole"),
+        ({"seed": None}, "seed is None; a whole"),
+        ({"inputs": ["touches"]}, "inputs is of type list; features, descriptors, touches"),
+        ({"inputs": np.array(["touches", "x"])}, "inputs is of type ndarray; features"),
+    ],
+)
+def test_arguments_of_another_kind_are_refused_in_a_sentence(features, arguments, sentence):
+    with pytest.raises(ParameterError, match=sentence):
+        vh.evaluate(GaussianNB(), features, FEW, **arguments)
+
+
+def test_whole_numbers_of_numpy_are_whole_numbers(features):
+    expected = vh.evaluate(GaussianNB(), features, FEW, seed=3, n_jobs=1)
+    found = vh.evaluate(GaussianNB(), features, FEW, seed=np.int64(3), n_jobs=np.int64(1))
+    assert found.predictions == expected.predictions
+
+
+def test_an_estimator_without_a_text_is_named_by_its_type(features):
+    assert vh.evaluate(Unprintable(), features, FEW).accuracy == 0.25
+    with pytest.raises(RecognitionError, match=r"^An object of type Unprintable predicted"):
+        vh.evaluate(Unprintable(7), features, FEW)
 
 
 def test_seconds_of_fitting_and_predicting_are_counted_and_said(features):
@@ -251,6 +369,9 @@ def test_two_evaluations_compare_in_pairs_over_objects(features):
         (Keeping(7), 5, "predicted the label 7; only labels of y, which are 0 to 3, are allowed"),
         (Keeping(0.5), 5, "predicted the label 0.5; only"),
         (Naming(), 5, "predicted the label class0; only"),
+        (Ragged(), 5, r"Ragged\(\) predicted labels that can't be read: .* one label of y"),
+        (Keeping(pd.NA), 5, r"Keeping\(label=<NA>\) predicted labels that can't be read: .*NA"),
+        (Untagged(), 5, r"Untagged\(\) gives no scikit-learn tags: no tags; a scikit-learn"),
         (Scoring(), 5, r"predicted an array of shape \(16, 4\) for 16 sequences"),
         (LinearDiscriminantAnalysis(), 5, r"can't be fitted or tested on a structured array"),
     ],

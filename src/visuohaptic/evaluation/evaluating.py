@@ -21,8 +21,9 @@ from visuohaptic.base.errors import ParameterError, RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.inputs import SCHEMAS, Inputs, Prepared, check_inputs, prepare
 from visuohaptic.evaluation.intervals import PairedComparison, compare_paired
-from visuohaptic.evaluation.own_splits import Splits, choose_splits
+from visuohaptic.evaluation.own_splits import Splits, choose_splits, is_whole
 from visuohaptic.evaluation.summary import summarise
+from visuohaptic.evaluation.wording import reason_of, short
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
 from visuohaptic.recognition.experiment import (
     SplitPrediction,
@@ -178,7 +179,8 @@ def evaluate(
         None: all splits of the protocol. A number k: if the protocol tests one object per class
         (``leave_one_object_a_class_out``), a balanced sample of k combinations; for other protocols, the first k
         splits. There may be fewer than k. An iterable: one list of test objects, ``class/name``, per split; all
-        other objects are training objects. A splitter gets the object indices as `groups`.
+        other objects are training objects. A splitter gets the object indices as `groups`, and gives indices or
+        masks of sequences.
 
     Returns
     -------
@@ -188,12 +190,12 @@ def evaluate(
     Raises
     ------
     ParameterError
-        If `inputs` or `splits` is not allowed, or `parameters` has another type.
+        If `seed`, `n_jobs`, `inputs` or `splits` is not allowed, or `parameters` has another type.
     RegistryError
         If no registered classifier has the name `estimator`.
     RecognitionError
-        If the table can't be read or has too few sequences, a split of the caller trains and tests the same object, the
-        classifier can't be copied, fitted or tested, or a predicted label is not in `y`.
+        If the table can't be read or has too few sequences, a splitter fails, a split of the caller trains and tests
+        the same object, the classifier can't be copied, fitted or tested, or a predicted label is not in `y`.
 
     Examples
     --------
@@ -206,6 +208,10 @@ def evaluate(
         raise ParameterError(
             f"parameters is of type {type(parameters).__name__}; RecognitionParameters is needed."
         )
+    if not is_whole(seed) or seed < 0:
+        raise ParameterError(f"seed is {seed!r}; a whole number of at least 0 is needed.")
+    if not is_whole(n_jobs) or n_jobs == 0:
+        raise ParameterError(f"n_jobs is {n_jobs!r}; a whole number other than 0 is needed.")
     inputs = check_inputs(inputs)
     if isinstance(estimator, str):
         classifier = CLASSIFIERS[estimator]
@@ -247,7 +253,7 @@ def _test_splits(
 ) -> list[_SplitTest]:
     """Fit and test a copy of the classifier on each split, in `n_jobs` processes."""
     parts = Parallel(n_jobs, return_as="generator")(
-        delayed(_test_split)(prepared, split, seed, _short(estimator)) for split in splits
+        delayed(_test_split)(prepared, split, seed, short(estimator)) for split in splits
     )
     progress = tqdm(parts, "evaluating", len(splits), leave=False, disable=None, unit="split")
     try:
@@ -257,7 +263,7 @@ def _test_splits(
     # An estimator that can't be pickled may raise any exception.
     except Exception as error:
         raise RecognitionError(
-            f"{_short(estimator)} can't be shared between processes: {_reason(error)}; set n_jobs to 1."
+            f"{short(estimator)} can't be shared between processes: {reason_of(error)}; set n_jobs to 1."
         ) from error
 
 
@@ -283,7 +289,7 @@ def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str
     # An estimator may raise any exception.
     except Exception as error:
         raise RecognitionError(
-            f"{estimator_text} can't be fitted or tested on {_describe_rows(train)}: {_reason(error)}."
+            f"{estimator_text} can't be fitted or tested on {_describe_rows(train)}: {reason_of(error)}."
         ) from error
     ended = _clock()
     labels_of_test = _check_labels(predicted, split, len(sequences.classes), estimator_text)
@@ -309,13 +315,19 @@ def _seeded_deeply(estimator: Any, seed: int) -> Any:
 
 def _check_labels(predicted: Any, split: Split, classes: int, estimator_text: str) -> IntArray:
     """Return predicted labels as integers. Raises `RecognitionError` for a wrong shape or a label that is not in `y`."""
-    labels = np.asarray(predicted)
+    try:
+        labels = np.asarray(predicted)
+        allowed = np.isin(labels, np.arange(classes))
+    except Exception as error:
+        raise RecognitionError(
+            f"{estimator_text} predicted labels that can't be read: {reason_of(error)}; one label of y per sequence is "
+            "needed."
+        ) from error
     if labels.shape != split.test.shape:
         raise RecognitionError(
             f"{estimator_text} predicted an array of shape {labels.shape} for {len(split.test)} sequences; one label "
             f"per sequence, shape ({len(split.test)},), is needed."
         )
-    allowed = np.isin(labels, np.arange(classes))
     if not allowed.all():
         raise RecognitionError(
             f"{estimator_text} predicted the label {labels[~allowed][0]!s:.40}; only labels of y, which are 0 to "
@@ -336,7 +348,7 @@ def check_classifier(estimator: Any) -> None:
     problem = _why_no_classifier(estimator)
     if problem is not None:
         raise RecognitionError(
-            f"{_short(estimator)} is {problem}; a scikit-learn classifier is needed."
+            f"{short(estimator)} is {problem}; a scikit-learn classifier is needed."
         )
     _check_clone(estimator)
 
@@ -348,7 +360,12 @@ def _why_no_classifier(estimator: Any) -> str | None:
             return f"without {name}"
     if not hasattr(estimator, "__sklearn_tags__"):
         return None if hasattr(estimator, "predict") else "without predict"
-    kind = get_tags(estimator).estimator_type
+    try:
+        kind = get_tags(estimator).estimator_type
+    except Exception as error:
+        raise RecognitionError(
+            f"{short(estimator)} gives no scikit-learn tags: {reason_of(error)}; a scikit-learn classifier is needed."
+        ) from error
     if kind == "classifier":
         return None
     return f"of estimator type {kind}"
@@ -360,7 +377,7 @@ def _check_clone(estimator: Any) -> None:
         clone(estimator)
     except Exception as error:
         raise RecognitionError(
-            f"{_short(estimator)} can't be copied by sklearn.base.clone: {_reason(error)}; its constructor has to "
+            f"{short(estimator)} can't be copied by sklearn.base.clone: {reason_of(error)}; its constructor has to "
             "store each argument, unchanged, under the argument's name."
         ) from error
 
@@ -372,17 +389,6 @@ def _describe_rows(rows: Any) -> str:
         return f"rows of shape {rows.shape}"
     named = (f"{name} {rows[name].shape}" for name in fields)
     return f"a structured array of shape {rows.shape} with the fields {', '.join(named)}"
-
-
-def _short(estimator: Any) -> str:
-    """Return the repr of an estimator in one line of at most 101 characters, for errors."""
-    text = " ".join(repr(estimator).split())
-    return text if len(text) <= 100 else f"{text[:100]}…"
-
-
-def _reason(error: BaseException) -> str:
-    """Return the message of an exception in one line without a full stop; the type's name if there is no message."""
-    return (" ".join(str(error).split()) or type(error).__name__).rstrip(".")
 
 
 def _clock() -> Seconds:

@@ -67,10 +67,12 @@ class TouchPipeline:
 
 def check_inputs(inputs: str) -> Inputs:
     """Check the name of an input. Raises `ParameterError` if the name is unknown."""
+    is_text = isinstance(inputs, str)
     for name in get_args(Inputs):
-        if inputs == name:
+        if is_text and inputs == name:
             return name
-    raise ParameterError(f"inputs is {inputs!r}; {', '.join(get_args(Inputs))} are allowed.")
+    found = repr(inputs) if is_text else f"of type {type(inputs).__name__}"
+    raise ParameterError(f"inputs is {found}; {', '.join(get_args(Inputs))} are allowed.")
 
 
 def prepare(

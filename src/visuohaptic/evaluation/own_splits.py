@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
+from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import BoolArray, IntArray
 from visuohaptic.base.errors import ParameterError, RecognitionError
+from visuohaptic.evaluation.wording import reason_of, short
 from visuohaptic.recognition.parameters import ProtocolParameters
 from visuohaptic.recognition.sequences import TouchSequences
 from visuohaptic.recognition.splits import (
@@ -37,7 +39,7 @@ def choose_splits(
     splits : int, iterable or scikit-learn splitter, optional
         None: all splits of the protocol. A number n: a balanced sample of n combinations of one test object per
         class, or the first n folds. An iterable: one list of test objects, ``class/name``, per split; all other
-        objects are training objects. A splitter gets the objects as `groups`.
+        objects are training objects. A splitter gets the objects as `groups`, and gives indices or masks of sequences.
 
     Returns
     -------
@@ -49,12 +51,12 @@ def choose_splits(
     ParameterError
         If `splits` has another type, is empty, or contains an object that was not touched.
     RecognitionError
-        If a split has no test object, trains and tests the same object, or tests a class that has no
-        training object.
+        If a splitter fails or gives something else than indices or masks of sequences, or if a split has no test
+        object, trains and tests the same object, or tests a class that has no training object.
     """
     if splits is None:
         return draw_splits(sequences, protocol, seed)
-    if isinstance(splits, int | np.integer) and not isinstance(splits, bool):
+    if is_whole(splits):
         return _first_splits(sequences, protocol, seed, int(splits))
     check_two_classes(sequences)
     pairs: Iterable[tuple[IntArray, IntArray]]
@@ -75,6 +77,11 @@ def choose_splits(
     return chosen
 
 
+def is_whole(value: Any) -> TypeGuard[int]:
+    """Return whether a value is a whole number, of Python or NumPy. True and False are none."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
 def _first_splits(
     sequences: TouchSequences, protocol: ProtocolParameters, seed: int, count: int
 ) -> list[Split]:
@@ -88,12 +95,39 @@ def _first_splits(
     return draw_splits(sequences, protocol, seed)[:count]
 
 
-def _by_splitter(sequences: TouchSequences, splitter: Any) -> list[tuple[IntArray, IntArray]]:
+def _by_splitter(sequences: TouchSequences, splitter: Any) -> Iterator[tuple[IntArray, IntArray]]:
+    count = len(sequences.labels)
     try:
-        return list(splitter.split(sequences.features, sequences.labels, sequences.object_index))
-    except ValueError as error:
-        reason = " ".join(str(error).split()).rstrip(".")
-        raise RecognitionError(f"{splitter} can't divide the objects: {reason}.") from error
+        parts = splitter.split(sequences.features, sequences.labels, sequences.object_index)
+        pairs = [(np.asarray(train), np.asarray(test)) for train, test in parts]
+    # A splitter may raise any exception.
+    except Exception as error:
+        raise RecognitionError(
+            f"{short(splitter)} can't divide the objects: {reason_of(error)}."
+        ) from error
+    for number, (train, test) in enumerate(pairs):
+        yield (
+            _indices(train, count, f"Split {number} has training"),
+            _indices(test, count, f"Split {number} has test"),
+        )
+
+
+def _indices(given: NDArray[Any], count: int, start: str) -> IntArray:
+    """Return the indices that a splitter gave, as such or as a mask of `count` sequences; `start` begins errors."""
+    if given.dtype == bool and given.shape == (count,):
+        return np.flatnonzero(given)
+    end = f"; whole numbers from 0 to {count - 1}, each once, are needed."
+    # NumPy takes an empty list as floats.
+    if given.ndim != 1 or (given.size and given.dtype.kind not in "iu"):
+        raise RecognitionError(f"{start} indices of type {given.dtype}, shape {given.shape}{end}")
+    indices = given.astype(np.int64)
+    outside = (indices < 0) | (indices >= count)
+    if outside.any():
+        raise RecognitionError(f"{start} index {indices[outside][0]}{end}")
+    times = np.bincount(indices, minlength=count)
+    if times.max() > 1:
+        raise RecognitionError(f"{start} index {times.argmax()} more than once{end}")
+    return indices
 
 
 def _by_objects(
@@ -106,6 +140,12 @@ def _by_objects(
                 f"Split {number} is {tested!r}; a list of its test objects, class/name, is needed."
             )
         names = list(tested)
+        for name in names:
+            if not isinstance(name, str):
+                raise ParameterError(
+                    f"Split {number} has a test object of type {type(name).__name__}; names, class/name, are needed, "
+                    "not index arrays."
+                )
         unknown = [name for name in names if name not in index_of]
         if unknown:
             raise ParameterError(
