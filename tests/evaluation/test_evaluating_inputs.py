@@ -1,5 +1,9 @@
 """A classifier of one's own gets features, descriptors, or imprints and poses, on splits of one's own too."""
 
+import io
+import sys
+from functools import partial
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -22,6 +26,7 @@ from sklearn.naive_bayes import GaussianNB
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import FunctionTransformer
 from sklearn.svm import SVC
+from tqdm import tqdm
 
 import visuohaptic as vh
 from visuohaptic.base.errors import ParameterError, RecognitionError
@@ -332,6 +337,22 @@ def test_an_estimator_without_a_text_is_named_by_its_type(features):
     assert vh.evaluate(Unprintable(), features, FEW).accuracy == 0.25
     with pytest.raises(RecognitionError, match=r"^An object of type Unprintable predicted"):
         vh.evaluate(Unprintable(7), features, FEW)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize(("stream", "is_shown"), [(Terminal, True), (io.StringIO, False)])
+def test_a_terminal_shows_how_many_splits_are_done(features, monkeypatch, stream, is_shown):
+    monkeypatch.setattr(sys, "stderr", stream())
+    # By default tqdm writes at most ten times a second.
+    monkeypatch.setattr("visuohaptic.evaluation.evaluating.tqdm", partial(tqdm, mininterval=0))
+    vh.evaluate(GaussianNB(), features, FEW)
+    written = sys.stderr.getvalue()
+    assert [f"| {done}/9 [" in written for done in (0, 1, 9)] == [is_shown] * 3
+    assert bool(written) == is_shown
 
 
 def test_seconds_of_fitting_and_predicting_are_counted_and_said(features):
