@@ -147,6 +147,43 @@ def test_a_policy_is_given_what_was_felt(caster, with_policy):
     np.testing.assert_array_equal(last.normal, [row[f"normal_{axis}"] for axis in "xyz"])
 
 
+@pytest.mark.parametrize(
+    ("part", "acquired"),
+    [("point", True), ("normal", True), ("imprint", True), ("point", False), ("normal", False)],
+)
+def test_what_was_felt_can_not_be_written_to(caster, with_policy, monkeypatch, part, acquired):
+    monkeypatch.setattr(driving, "reachable", lambda _, points, *__: np.full(len(points), acquired))
+    walked = acquire(caster, with_policy("walk", walk))
+    refused = []
+
+    def forge(view, touches):
+        for felt in touches[-1:]:
+            array = getattr(felt, part)
+            with pytest.raises(ValueError, match="read-only"):
+                array *= 0
+            refused.append(part)
+            array.flags.writeable = True
+            array *= 0
+        return walk(view, touches)
+
+    found = acquire(caster, with_policy("forge", forge, chance="walk"))
+    assert refused
+    for name in ("touches", "policy_fixations"):
+        expected = getattr(walked, name)
+        changed = getattr(found, name).drop_columns("strategy")
+        assert changed.equals(expected.drop_columns("strategy")), name
+
+
+def test_writing_to_an_imprint_is_the_policys_own_error(caster, with_policy):
+    def forge(view, touches):
+        for felt in touches:
+            felt.imprint[:] = 1
+        return walk(view, touches)
+
+    with pytest.raises(PolicyError, match=r"try 1: it raised ValueError: .* read-only\.$"):
+        acquire(caster, with_policy("forge", forge))
+
+
 def test_touches_by_a_policy_are_those_at_its_places(caster, with_policy):
     """Column for column, with the sensor's noise, as if the places had been chosen before."""
     found = acquire(caster, with_policy("walk", walk))

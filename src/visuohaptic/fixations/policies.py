@@ -27,7 +27,7 @@ class Felt:
     Attributes
     ----------
     point, normal : ndarray of shape (3,)
-        The location and the outward unit normal of the sensor, object frame.
+        The location and the outward unit normal of the sensor, object frame. A policy's arrays are read-only.
     acquired : bool
         Whether the sensor could reach the location. Without reach there is an imprint only if parameter
         ``unreachable`` is ``keep``.

@@ -13,10 +13,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import PolicyError
@@ -302,7 +303,7 @@ def touch_by_policies(
         points = {session: point for session, point in choices.items() if point is not None}
         if points:
             _try_locations(caster, points, sensor, scene, seed, wanted, tries)
-    _log_stopped_and_slow(sessions, wanted.touches)
+    _log_ended_and_slow(sessions, wanted.touches)
     fixations, part = tries.tables()
     is_short = any(0 < session.touches < wanted.touches for session in sessions)
     if is_short and wanted.when_exhausted == "begin_again":
@@ -351,7 +352,7 @@ def _try_locations(
     tries.numbers += [sessions[row].touches for row in rows]
     for session, location, normal, face in zip(sessions, locations, normals, faces, strict=True):
         tries.rows.append(session.fixation_row(location, normal, face))
-        session.felt.append(Felt(location, normal, acquired=False))
+        session.felt.append(Felt(_read_only(location), _read_only(normal), acquired=False))
     if not len(rows):
         return
     fields = RandomFields(seed, [sessions[row].random_key for row in rows])
@@ -359,18 +360,25 @@ def _try_locations(
     tries.batches.append(touches)
     for index, row in enumerate(rows):
         sessions[row].felt[-1] = Felt(
-            locations[row],
-            touches.normals[index],
+            _read_only(locations[row]),
+            _read_only(touches.normals[index]),
             bool(reached[row]),
-            touches.images[index],
+            _read_only(touches.images[index]),
             float(touches.size[index]),
             str(touches.contact_state[index]),
         )
         sessions[row].touches += 1
 
 
-def _log_stopped_and_slow(sessions: Sequence[PolicySession], wanted: int) -> None:
-    """Log policies that stopped before `wanted` touches, and policies slower than `SLOW_SECONDS` per choice."""
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """Return a read-only copy, by which a policy can't change the recorded array."""
+    copy = array.copy()
+    copy.flags.writeable = False
+    return copy
+
+
+def _log_ended_and_slow(sessions: Sequence[PolicySession], wanted: int) -> None:
+    """Log sequences that ended before `wanted` touches, and policies slower than `SLOW_SECONDS` per choice."""
     for name, group in groupby(sessions, key=lambda session: session.policy.name):
         of_policy = list(group)
         stopped = ", ".join(str(session.viewpoint) for session in of_policy if session.stopped)
