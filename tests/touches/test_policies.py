@@ -296,14 +296,37 @@ def test_a_policy_may_stop_and_that_is_logged(caster, with_policy, caplog):
     assert acquire(caster, lazy, when_exhausted="begin_again").touches.num_rows == 0
 
 
-def test_a_slow_policy_is_logged_and_its_time_is_no_time_of_touching(
-    caster, with_policy, caplog, monkeypatch
-):
-    monkeypatch.setattr(driving, "SLOW_SECONDS", 0.0)
+def test_a_policy_that_finds_no_place_in_reach_is_logged(caster, with_policy, caplog, monkeypatch):
+    unreachable_first(monkeypatch, SPARE + 1)
     with caplog.at_level(logging.WARNING):
-        found = acquire(caster, with_policy("walk", walk))
-    assert "policy walk took" in caplog.text
-    assert found.seconds["choose"] > 0
+        acquire(caster, with_policy("walk", walk), viewpoints=(2,))
+    sentence = (
+        "policy walk ended before touch 4 of ring/torus, viewpoints 2: 17 places were out of reach."
+    )
+    assert [record.getMessage() for record in caplog.records] == [sentence]
+
+
+@pytest.mark.parametrize(("seconds", "is_slow"), [(2.0, True), (0.5, False)])
+def test_a_policy_slower_than_a_second_per_choice_is_logged(
+    caster, with_policy, caplog, monkeypatch, seconds, is_slow
+):
+    now = [0.0]
+
+    def ponder(view, touches):
+        now[0] += seconds
+        return walk(view, touches)
+
+    start = driving.start_sessions
+    monkeypatch.setattr(
+        driving,
+        "start_sessions",
+        lambda *given: [replace(session, clock=lambda: now[0]) for session in start(*given)],
+    )
+    with caplog.at_level(logging.WARNING):
+        found = acquire(caster, with_policy("ponder", ponder))
+    sentence = "policy ponder took 24.0 s for 12 choices on ring/torus."
+    assert [record.getMessage() for record in caplog.records] == [sentence] * is_slow
+    assert found.seconds["choose"] == 12 * seconds
 
 
 @pytest.mark.parametrize("stops", [False, True])

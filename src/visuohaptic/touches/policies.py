@@ -98,11 +98,15 @@ class PolicySession:
     def needs_try(self, wanted: int) -> bool:
         """Return whether the sequence makes another try.
 
-        A sequence ends with `wanted` touches, if its policy has stopped, or if more than `SPARE` tries are passed over,
-        as in `choosing.choose_locations`.
+        A sequence ends with `wanted` touches, if its policy has stopped, or if it is exhausted, as in
+        `choosing.choose_locations`.
         """
-        passed_over = len(self.felt) - self.touches
-        return not self.stopped and self.touches < wanted and passed_over <= SPARE
+        return not self.stopped and not self.exhausted and self.touches < wanted
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether more than `SPARE` tries were passed over."""
+        return len(self.felt) - self.touches > SPARE
 
     def choose(self) -> FloatArray | None:
         """Ask the policy for its next point (3,), object frame, or None if the policy stops.
@@ -386,6 +390,12 @@ def _log_ended_and_slow(sessions: Sequence[PolicySession], wanted: int) -> None:
             logger.warning(
                 "policy %s stopped before touch %d of %s, viewpoints %s.",
                 name, wanted, of_policy[0].key, stopped,
+            )  # fmt: skip
+        exhausted = ", ".join(str(session.viewpoint) for session in of_policy if session.exhausted)
+        if exhausted:
+            logger.warning(
+                "policy %s ended before touch %d of %s, viewpoints %s: %d places were out of reach.",
+                name, wanted, of_policy[0].key, exhausted, SPARE + 1,
             )  # fmt: skip
         seconds = sum(session.seconds for session in of_policy)
         choices = sum(len(session.felt) + session.stopped for session in of_policy)
