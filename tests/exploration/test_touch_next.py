@@ -1,12 +1,18 @@
 """One more touch gives what it felt, and the tables of all touches."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import trimesh
 
 import visuohaptic as vh
 from visuohaptic.base.errors import ParameterError
+from visuohaptic.exploration import touching
 from visuohaptic.exploration.touching import SCHEMAS
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.touches import policies as driving
 
 PLACES = np.array([[1.0, 0, 0], [0, 1.0, 0], [0, 0, -1.0]])
 NOISY = {"scene.preset": "worn_fsr"}
@@ -72,6 +78,27 @@ def test_touches_by_a_strategy_are_not_gone_on_from(ball):
     seen = ball.touch(viewpoints=1, strategy="random", parameters={"rendering.resolution": 64})
     with pytest.raises(ParameterError, match="strategy random; touch_next needs touches by touch"):
         seen.touch_next([1, 0, 0])
+
+
+def test_the_time_of_choosing_is_no_time_of_touching(ball, monkeypatch):
+    now = [0.0]
+
+    def ponder(view, touches):
+        now[0] += 3.0
+        return view.places.points[len(touches)]
+
+    start = driving.start_sessions
+    monkeypatch.setattr(
+        driving,
+        "start_sessions",
+        lambda *given: [replace(session, clock=lambda: now[0]) for session in start(*given)],
+    )
+    monkeypatch.setattr(touching, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    entries = {"ponder": vh.Policy("ponder", "ponder", ponder)}
+    monkeypatch.setattr(STRATEGIES, "_entries", entries)
+    made = ball.touch(viewpoints=2, strategy="ponder")
+    assert made.touches.num_rows == 10
+    assert (made.seconds["touch"], made.seconds["choose"]) == (0.0, 30.0)
 
 
 def test_a_policy_is_named_as_any_strategy_and_its_choosing_is_timed_apart(ball):
