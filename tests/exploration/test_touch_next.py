@@ -58,6 +58,13 @@ def test_a_place_that_the_sensor_can_not_reach_is_not_acquired():
     assert made.touches.num_rows == 3
 
 
+class Broken:
+    """An array-like whose conversion fails."""
+
+    def __array__(self, *_, **__):
+        raise RuntimeError("detach it")
+
+
 @pytest.mark.parametrize(
     ("choices", "sentence"),
     [
@@ -65,6 +72,10 @@ def test_a_place_that_the_sensor_can_not_reach_is_not_acquired():
         ({"point": 3}, r"point has the shape \(\)"),
         ({"point": [[1], [2, 3]]}, "point holds no numbers"),
         ({"point": [np.nan, 0, 0]}, "at has NaN"),
+        ({"point": [9.9e5, 0, 0]}, r"9\.9e\+05 object radii off the surface"),
+        ({"point": [1e6, 0, 0]}, r"at has NaN, .* numbers beyond 1e\+06"),
+        ({"point": [1e20, 0, 0]}, r"numbers beyond 1e\+06"),
+        ({"point": Broken()}, "point holds no numbers"),
         ({"point": [0, 0, 9]}, "8 object radii off the surface"),
         ({"point": [1, 0, 0], "normal": [1, 0]}, r"normal has the shape \(2,\)"),
     ],

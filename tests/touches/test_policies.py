@@ -15,7 +15,13 @@ from visuohaptic.fixations import probing
 from visuohaptic.fixations.object_views import ObjectViews
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.policies import Policy
-from visuohaptic.fixations.probing import STRATEGIES, is_policy, policy_of, strategy_of
+from visuohaptic.fixations.probing import (
+    STRATEGIES,
+    Strategy,
+    is_policy,
+    policy_of,
+    strategy_of,
+)
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.parameters import Scene, VisualModes
@@ -386,8 +392,28 @@ def test_a_bound_that_is_no_positive_number_is_one_sentence(bound):
         Policy("walk", "walk", walk, longest_seconds=bound)
 
 
+@pytest.mark.parametrize("entry", [Policy, Strategy])
+def test_a_treatment_of_places_out_of_reach_that_is_unknown_is_one_sentence(entry):
+    with pytest.raises(
+        RegistryError,
+        match=r"y walk: unreachable is 'banana'; 'replace', 'keep' or None is allowed\.$",
+    ):
+        entry("walk", "walk", walk, unreachable="banana")
+
+
+class Broken:
+    """An array-like whose conversion fails, as that of a tensor with gradients does."""
+
+    def __array__(self, *_, **__):
+        raise RuntimeError("detach it")
+
+
 def fail(*_):
     raise ValueError("no\nplace left.")
+
+
+def fail_silently(*_):
+    raise ValueError
 
 
 @pytest.mark.parametrize(
@@ -401,18 +427,38 @@ def fail(*_):
             lambda view, _: view.places.points[0],
             r"try 1: it chose .*, the location of try 0; a new location, or None to stop, is needed\.$",
         ),
-        (lambda *_: [np.nan, 0, 0], r"it chose \(nan, 0, 0\); finite numbers are needed\.$"),
-        (lambda *_: [np.inf, 0, 0], "finite numbers are needed"),
+        (
+            lambda *_: [np.nan, 0, 0],
+            r"it chose \(nan, 0, 0\); finite numbers below 1e\+06 object radii are needed\.$",
+        ),
+        (lambda *_: [np.inf, 0, 0], "finite numbers below 1e"),
+        (
+            lambda *_: [0, -9.9e5, 0],
+            r"it chose \(0, -9\.9e\+05, 0\), 9\.9e\+05 object radii off the",
+        ),
+        (lambda *_: [0, -1e6, 0], r"it chose \(0, -1e\+06, 0\); finite numbers below"),
+        (lambda *_: [1e20, 0, 0], r"it chose \(1e\+20, 0, 0\); finite numbers below"),
+        (lambda *_: [10**400, 0, 0], "it chose an object of type list; three numbers that float64"),
+        (lambda *_: np.array([1j, 0, 0]), "it chose an object of type ndarray; three numbers"),
+        (lambda *_: ["1", "0", "0"], "it chose an object of type list; three numbers"),
+        (lambda *_: Broken(), "it chose an object of type Broken; three numbers"),
         (
             lambda view, _: view.places.points,
             r"it chose an array of shape \(\d+, 3\); \(3,\) is needed",
         ),
         (lambda *_: 4, r"it chose an array of shape \(\); \(3,\) is needed"),
-        (lambda *_: "there", "it chose an object of type str; three numbers, or None to stop, are"),
+        (
+            lambda *_: "there",
+            "it chose an object of type str; three numbers that float64 holds, or None to stop, are",
+        ),
         (lambda *_: [[0], [1, 2]], "it chose an object of type list; three numbers"),
         (fail, r"it raised ValueError: no place left\.$"),
+        (fail_silently, r"it raised ValueError\.$"),
     ],
-    ids=["off", "same", "nan", "infinite", "many", "number", "text", "ragged", "raises"],
+    ids=[
+        *("off", "same", "nan", "infinite", "far", "farther", "beyond_float32", "beyond_float64"),
+        *("complex", "digits", "broken", "many", "number", "text", "ragged", "raises", "silent"),
+    ],
 )
 def test_a_policy_that_misbehaves_is_one_sentence(caster, with_policy, next_location, sentence):
     with pytest.raises(PolicyError, match=sentence) as caught:

@@ -23,7 +23,7 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import PolicyError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.parameters import ViewpointParameters
-from visuohaptic.fixations.policies import PLACES, Felt, Policy, PolicyView
+from visuohaptic.fixations.policies import FARTHEST_POINT, PLACES, Felt, Policy, PolicyView
 from visuohaptic.fixations.probing import policy_of
 from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
@@ -116,15 +116,16 @@ class PolicySession:
         Raises
         ------
         PolicyError
-            If the policy raises an error, takes longer than its bound, or returns anything but three finite
-            numbers or None.
+            If the policy raises an error, takes longer than its bound, or returns anything but None or three finite
+            numbers below `FARTHEST_POINT`.
         """
         started = self.clock()
         try:
             chosen = self.policy.next_location(self.view, tuple(self.felt))
         except Exception as error:
             message = " ".join(str(error).split()).rstrip(".")
-            raise self._error(f"raised {type(error).__name__}: {message}") from error
+            named = ": ".join(filter(None, (type(error).__name__, message)))
+            raise self._error(f"raised {named}") from error
         finally:
             taken = self.clock() - started
             self.seconds += taken
@@ -186,15 +187,19 @@ class PolicySession:
 
     def _as_point(self, chosen: object) -> FloatArray:
         try:
-            point = np.asarray(chosen, dtype=np.float64)
-        except (TypeError, ValueError):
+            point = np.asarray(chosen).astype(np.float64, casting="same_kind")
+        # The `__array__` of an object may raise anything.
+        except Exception as error:
             raise self._error(
-                f"chose an object of type {type(chosen).__name__}; three numbers, or None to stop, are needed"
-            ) from None
+                f"chose an object of type {type(chosen).__name__}; three numbers that float64 holds, or None to stop, "
+                "are needed"
+            ) from error
         if point.shape != (3,):
             raise self._error(f"chose an array of shape {point.shape}; (3,) is needed")
-        if not np.isfinite(point).all():
-            raise self._error(f"chose {_format_point(point)}; finite numbers are needed")
+        if not (np.abs(point) < FARTHEST_POINT).all():
+            raise self._error(
+                f"chose {_format_point(point)}; finite numbers below {FARTHEST_POINT:g} object radii are needed"
+            )
         return point
 
     def _error(self, fault: str) -> PolicyError:
