@@ -10,6 +10,7 @@ from cli import processes
 from cli.models import SMALL, fit_on_nonsense
 
 from visuohaptic.cli.main import run
+from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 from visuohaptic.tables.schema import read_table
 from visuohaptic.tables.schemas import SCHEMAS
 
@@ -107,6 +108,17 @@ def test_recognise_says_by_which_strategies_the_model_learnt_if_not_by_this_one(
     ended = visuohaptic(*asked, "--strategy", "nowhere")
     assert ended.code == 2
     assert "'nowhere' is no strategy of touch" in ended.err
+
+
+@pytest.mark.parametrize("command", ["touch", "recognise"])
+def test_a_learning_policy_of_ones_own_is_told_where_it_is_used(
+    visuohaptic, tmp_path, monkeypatch, command
+):
+    monkeypatch.setattr(LEARNING_POLICIES, "_entries", {"in_order": None})
+    ended = visuohaptic(command, ring(tmp_path / "ring.obj"), "--strategy", "in_order")
+    assert ended.code == 2
+    said = " ".join(ended.err.split())
+    assert "'in_order' is no strategy of touch; only study touch_curves can use it (`touch" in said
 
 
 def test_without_a_model_of_a_run_the_packages_is_taken(visuohaptic, tmp_path):

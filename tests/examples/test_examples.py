@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from source_folders import PYTHONPATH
 
+from visuohaptic.fixations.probing import STRATEGIES
+
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "extending.md").read_text()
 EXAMPLES = {path.stem: path for path in sorted((ROOT / "examples").glob("*.py"))}
@@ -21,7 +23,9 @@ PRINTED = {
     "extra_trees": "cup lamp",
     "grid_means": r"16( 0\.\d+){5}",
     "gymnasium_environment": r"4 touches, mean loss \d\.\d+",
-    "nearest_edge": r"(\w+( \d+\.\d){5}\n)+nearest_edge( \d+\.\d){5}",
+    "nearest_edge": "\n".join(
+        rf"{name}( \d+\.\d){{5}}" for name in (*STRATEGIES.names, "nearest_edge")
+    ),
     "principal": r"\(20, 5, 3\) 2\d\.\d 2\d\.\d 2\d\.\d",
     "redness": r"red 1\.0 blue 0\.0",
     "torch_classifier": r"1\.0",

@@ -51,6 +51,7 @@ def test_what_is_felt_at_given_points_is_what_the_eye_lets_feel_there(ball):
     [
         ({"at": np.zeros((0, 3))}, "at has no points"),
         ({"at": [[np.nan, 0, 0]]}, "at has NaN, infinite .* row 0"),
+        ({"at": [[0, 0, 0], [1e20, 0, 0]]}, r"numbers beyond 1e\+06, the first in row 1"),
         ({"at": [[0, 0, 9]]}, "point 0 of at is 8 object radii off"),
         ({"at": "here"}, "at holds no numbers"),
         ({"normals": [[0, 0, 1]]}, "normals are given without at"),

@@ -1,12 +1,18 @@
 """One more touch gives what it felt, and the tables of all touches."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import trimesh
 
 import visuohaptic as vh
 from visuohaptic.base.errors import ParameterError
+from visuohaptic.exploration import touching
 from visuohaptic.exploration.touching import SCHEMAS
+from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.touches import policies as driving
 
 PLACES = np.array([[1.0, 0, 0], [0, 1.0, 0], [0, 0, -1.0]])
 NOISY = {"scene.preset": "worn_fsr"}
@@ -52,6 +58,13 @@ def test_a_place_that_the_sensor_can_not_reach_is_not_acquired():
     assert made.touches.num_rows == 3
 
 
+class Broken:
+    """An array-like whose conversion fails."""
+
+    def __array__(self, *_, **__):
+        raise RuntimeError("detach it")
+
+
 @pytest.mark.parametrize(
     ("choices", "sentence"),
     [
@@ -59,6 +72,10 @@ def test_a_place_that_the_sensor_can_not_reach_is_not_acquired():
         ({"point": 3}, r"point has the shape \(\)"),
         ({"point": [[1], [2, 3]]}, "point holds no numbers"),
         ({"point": [np.nan, 0, 0]}, "at has NaN"),
+        ({"point": [9.9e5, 0, 0]}, r"9\.9e\+05 object radii off the surface"),
+        ({"point": [1e6, 0, 0]}, r"at has NaN, .* numbers beyond 1e\+06"),
+        ({"point": [1e20, 0, 0]}, r"numbers beyond 1e\+06"),
+        ({"point": Broken()}, "point holds no numbers"),
         ({"point": [0, 0, 9]}, "8 object radii off the surface"),
         ({"point": [1, 0, 0], "normal": [1, 0]}, r"normal has the shape \(2,\)"),
     ],
@@ -72,6 +89,27 @@ def test_touches_by_a_strategy_are_not_gone_on_from(ball):
     seen = ball.touch(viewpoints=1, strategy="random", parameters={"rendering.resolution": 64})
     with pytest.raises(ParameterError, match="strategy random; touch_next needs touches by touch"):
         seen.touch_next([1, 0, 0])
+
+
+def test_the_time_of_choosing_is_no_time_of_touching(ball, monkeypatch):
+    now = [0.0]
+
+    def ponder(view, touches):
+        now[0] += 3.0
+        return view.places.points[len(touches)]
+
+    start = driving.start_sessions
+    monkeypatch.setattr(
+        driving,
+        "start_sessions",
+        lambda *given: [replace(session, clock=lambda: now[0]) for session in start(*given)],
+    )
+    monkeypatch.setattr(touching, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    entries = {"ponder": vh.Policy("ponder", "ponder", ponder)}
+    monkeypatch.setattr(STRATEGIES, "_entries", entries)
+    made = ball.touch(viewpoints=2, strategy="ponder")
+    assert made.touches.num_rows == 10
+    assert (made.seconds["touch"], made.seconds["choose"]) == (0.0, 30.0)
 
 
 def test_a_policy_is_named_as_any_strategy_and_its_choosing_is_timed_apart(ball):

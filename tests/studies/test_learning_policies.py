@@ -120,10 +120,15 @@ def fail(*_):
     raise KeyError("imprint")
 
 
+def fail_silently(*_):
+    raise KeyError
+
+
 @pytest.mark.parametrize(
     ("fit", "sentence"),
     [
         (fail, "learning policy plain, fit: it raised KeyError: 'imprint'."),
+        (fail_silently, "learning policy plain, fit: it raised KeyError[.]$"),
         (lambda *_: fail, "learning policy plain, begin: it raised KeyError"),
         (lambda *_: lambda _: fail, "learning policy plain, choose: it raised KeyError"),
         (lambda *_: lambda _: lambda *_: None, r"chose an array of shape \(\) and type object; \(2,\)"),

@@ -15,7 +15,13 @@ from visuohaptic.fixations import probing
 from visuohaptic.fixations.object_views import ObjectViews
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.policies import Policy
-from visuohaptic.fixations.probing import STRATEGIES, is_policy, policy_of, strategy_of
+from visuohaptic.fixations.probing import (
+    STRATEGIES,
+    Strategy,
+    is_policy,
+    policy_of,
+    strategy_of,
+)
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.parameters import Scene, VisualModes
@@ -147,6 +153,43 @@ def test_a_policy_is_given_what_was_felt(caster, with_policy):
     np.testing.assert_array_equal(last.normal, [row[f"normal_{axis}"] for axis in "xyz"])
 
 
+@pytest.mark.parametrize(
+    ("part", "acquired"),
+    [("point", True), ("normal", True), ("imprint", True), ("point", False), ("normal", False)],
+)
+def test_what_was_felt_can_not_be_written_to(caster, with_policy, monkeypatch, part, acquired):
+    monkeypatch.setattr(driving, "reachable", lambda _, points, *__: np.full(len(points), acquired))
+    walked = acquire(caster, with_policy("walk", walk))
+    refused = []
+
+    def forge(view, touches):
+        for felt in touches[-1:]:
+            array = getattr(felt, part)
+            with pytest.raises(ValueError, match="read-only"):
+                array *= 0
+            refused.append(part)
+            array.flags.writeable = True
+            array *= 0
+        return walk(view, touches)
+
+    found = acquire(caster, with_policy("forge", forge, chance="walk"))
+    assert refused
+    for name in ("touches", "policy_fixations"):
+        expected = getattr(walked, name)
+        changed = getattr(found, name).drop_columns("strategy")
+        assert changed.equals(expected.drop_columns("strategy")), name
+
+
+def test_writing_to_an_imprint_is_the_policys_own_error(caster, with_policy):
+    def forge(view, touches):
+        for felt in touches:
+            felt.imprint[:] = 1
+        return walk(view, touches)
+
+    with pytest.raises(PolicyError, match=r"try 1: it raised ValueError: .* read-only\.$"):
+        acquire(caster, with_policy("forge", forge))
+
+
 def test_touches_by_a_policy_are_those_at_its_places(caster, with_policy):
     """Column for column, with the sensor's noise, as if the places had been chosen before."""
     found = acquire(caster, with_policy("walk", walk))
@@ -259,14 +302,37 @@ def test_a_policy_may_stop_and_that_is_logged(caster, with_policy, caplog):
     assert acquire(caster, lazy, when_exhausted="begin_again").touches.num_rows == 0
 
 
-def test_a_slow_policy_is_logged_and_its_time_is_no_time_of_touching(
-    caster, with_policy, caplog, monkeypatch
-):
-    monkeypatch.setattr(driving, "SLOW_SECONDS", 0.0)
+def test_a_policy_that_finds_no_place_in_reach_is_logged(caster, with_policy, caplog, monkeypatch):
+    unreachable_first(monkeypatch, SPARE + 1)
     with caplog.at_level(logging.WARNING):
-        found = acquire(caster, with_policy("walk", walk))
-    assert "policy walk took" in caplog.text
-    assert found.seconds["choose"] > 0
+        acquire(caster, with_policy("walk", walk), viewpoints=(2,))
+    sentence = (
+        "policy walk ended before touch 4 of ring/torus, viewpoints 2: 17 places were out of reach."
+    )
+    assert [record.getMessage() for record in caplog.records] == [sentence]
+
+
+@pytest.mark.parametrize(("seconds", "is_slow"), [(2.0, True), (0.5, False)])
+def test_a_policy_slower_than_a_second_per_choice_is_logged(
+    caster, with_policy, caplog, monkeypatch, seconds, is_slow
+):
+    now = [0.0]
+
+    def ponder(view, touches):
+        now[0] += seconds
+        return walk(view, touches)
+
+    start = driving.start_sessions
+    monkeypatch.setattr(
+        driving,
+        "start_sessions",
+        lambda *given: [replace(session, clock=lambda: now[0]) for session in start(*given)],
+    )
+    with caplog.at_level(logging.WARNING):
+        found = acquire(caster, with_policy("ponder", ponder))
+    sentence = "policy ponder took 24.0 s for 12 choices on ring/torus."
+    assert [record.getMessage() for record in caplog.records] == [sentence] * is_slow
+    assert found.seconds["choose"] == 12 * seconds
 
 
 @pytest.mark.parametrize("stops", [False, True])
@@ -326,8 +392,28 @@ def test_a_bound_that_is_no_positive_number_is_one_sentence(bound):
         Policy("walk", "walk", walk, longest_seconds=bound)
 
 
+@pytest.mark.parametrize("entry", [Policy, Strategy])
+def test_a_treatment_of_places_out_of_reach_that_is_unknown_is_one_sentence(entry):
+    with pytest.raises(
+        RegistryError,
+        match=r"y walk: unreachable is 'banana'; 'replace', 'keep' or None is allowed\.$",
+    ):
+        entry("walk", "walk", walk, unreachable="banana")
+
+
+class Broken:
+    """An array-like whose conversion fails, as that of a tensor with gradients does."""
+
+    def __array__(self, *_, **__):
+        raise RuntimeError("detach it")
+
+
 def fail(*_):
     raise ValueError("no\nplace left.")
+
+
+def fail_silently(*_):
+    raise ValueError
 
 
 @pytest.mark.parametrize(
@@ -341,18 +427,38 @@ def fail(*_):
             lambda view, _: view.places.points[0],
             r"try 1: it chose .*, the location of try 0; a new location, or None to stop, is needed\.$",
         ),
-        (lambda *_: [np.nan, 0, 0], r"it chose \(nan, 0, 0\); finite numbers are needed\.$"),
-        (lambda *_: [np.inf, 0, 0], "finite numbers are needed"),
+        (
+            lambda *_: [np.nan, 0, 0],
+            r"it chose \(nan, 0, 0\); finite numbers below 1e\+06 object radii are needed\.$",
+        ),
+        (lambda *_: [np.inf, 0, 0], "finite numbers below 1e"),
+        (
+            lambda *_: [0, -9.9e5, 0],
+            r"it chose \(0, -9\.9e\+05, 0\), 9\.9e\+05 object radii off the",
+        ),
+        (lambda *_: [0, -1e6, 0], r"it chose \(0, -1e\+06, 0\); finite numbers below"),
+        (lambda *_: [1e20, 0, 0], r"it chose \(1e\+20, 0, 0\); finite numbers below"),
+        (lambda *_: [10**400, 0, 0], "it chose an object of type list; three numbers that float64"),
+        (lambda *_: np.array([1j, 0, 0]), "it chose an object of type ndarray; three numbers"),
+        (lambda *_: ["1", "0", "0"], "it chose an object of type list; three numbers"),
+        (lambda *_: Broken(), "it chose an object of type Broken; three numbers"),
         (
             lambda view, _: view.places.points,
             r"it chose an array of shape \(\d+, 3\); \(3,\) is needed",
         ),
         (lambda *_: 4, r"it chose an array of shape \(\); \(3,\) is needed"),
-        (lambda *_: "there", "it chose an object of type str; three numbers, or None to stop, are"),
+        (
+            lambda *_: "there",
+            "it chose an object of type str; three numbers that float64 holds, or None to stop, are",
+        ),
         (lambda *_: [[0], [1, 2]], "it chose an object of type list; three numbers"),
         (fail, r"it raised ValueError: no place left\.$"),
+        (fail_silently, r"it raised ValueError\.$"),
     ],
-    ids=["off", "same", "nan", "infinite", "many", "number", "text", "ragged", "raises"],
+    ids=[
+        *("off", "same", "nan", "infinite", "far", "farther", "beyond_float32", "beyond_float64"),
+        *("complex", "digits", "broken", "many", "number", "text", "ragged", "raises", "silent"),
+    ],
 )
 def test_a_policy_that_misbehaves_is_one_sentence(caster, with_policy, next_location, sentence):
     with pytest.raises(PolicyError, match=sentence) as caught:

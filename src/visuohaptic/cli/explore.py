@@ -289,16 +289,17 @@ def _folders(meshes: list[Path], out: Path) -> dict[Path, Path]:
 
 
 def _check_strategy(name: str) -> None:
-    if name not in STRATEGIES.names:
-        reason = (
-            "; only study touch_curves can use it (`touch_curves_all`)"
-            if name == "adaptive"
-            else ""
-        )
-        raise typer.BadParameter(
-            f"{name!r} is no strategy of touch{reason}; {', '.join(STRATEGIES.names)} are allowed.",
-            param_hint="--strategy",
-        )
+    if name in STRATEGIES.names:
+        return
+    from visuohaptic.studies.learning_policies import LEARNING_POLICIES
+
+    # The study registers `adaptive`, and is not loaded here.
+    learns = name in ("adaptive", *LEARNING_POLICIES.names)
+    reason = "; only study touch_curves can use it (`touch_curves_all`)" if learns else ""
+    raise typer.BadParameter(
+        f"{name!r} is no strategy of touch{reason}; {', '.join(STRATEGIES.names)} are allowed.",
+        param_hint="--strategy",
+    )
 
 
 def _explore(

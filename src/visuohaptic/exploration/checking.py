@@ -17,8 +17,9 @@ def numbers(values: ArrayLike | None, name: str) -> FloatArray:
     try:
         given = np.asarray(values)
         converted = given.astype(np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise ParameterError(f"{name} holds no numbers; an array of them is needed.") from None
+    # The `__array__` of an object may raise anything.
+    except Exception as error:
+        raise ParameterError(f"{name} holds no numbers; an array of them is needed.") from error
     if given.dtype.kind not in "iuf":
         raise ParameterError(f"{name} is of type {given.dtype}; numbers are needed.")
     return converted
@@ -33,15 +34,18 @@ def lengths_of(directions: FloatArray) -> FloatArray:
     return lengths
 
 
-def point_rows(values: ArrayLike | None, name: str) -> FloatArray:
-    """Return `values` as an array (n, 3). Raise `ParameterError`, with `name`, for other shapes and numbers."""
+def point_rows(values: ArrayLike | None, name: str, farthest: float = FARTHEST) -> FloatArray:
+    """Return `values` as an array (n, 3). Raise `ParameterError`, with `name`, for other shapes and numbers.
+
+    Numbers must be below `farthest`.
+    """
     rows = numbers(values, name)
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise ParameterError(f"{name} has the shape {rows.shape}; (n, 3) is needed.")
-    broken = np.flatnonzero(~(np.abs(rows) < FARTHEST).all(axis=1))
+    broken = np.flatnonzero(~(np.abs(rows) < farthest).all(axis=1))
     if len(broken):
         raise ParameterError(
-            f"{name} has NaN, infinite numbers or numbers beyond {FARTHEST:g}, the first in row {broken[0]}."
+            f"{name} has NaN, infinite numbers or numbers beyond {farthest:g}, the first in row {broken[0]}."
         )
     return rows
 

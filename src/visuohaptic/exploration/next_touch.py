@@ -11,7 +11,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike
 
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
+from visuohaptic.exploration.checking import numbers
 from visuohaptic.exploration.recognising import GIVEN
 from visuohaptic.exploration.touching import SCHEMAS, Explored, nearest_locations
 from visuohaptic.features.describing import describe_touches
@@ -89,12 +91,9 @@ def _caster_of(surface: Surface) -> RayCaster:
     return RayCaster(surface)
 
 
-def _as_row(values: ArrayLike, name: str) -> ArrayLike:
-    """Return an array (3,) as (1, 3). Raise `ParameterError` about `name` for other shapes."""
-    try:
-        row = np.asarray(values)
-    except ValueError:
-        raise ParameterError(f"{name} holds no numbers; three numbers are needed.") from None
+def _as_row(values: ArrayLike, name: str) -> FloatArray:
+    """Return an array (3,) as (1, 3). Raise `ParameterError` about `name` for other shapes, and for no numbers."""
+    row = numbers(values, name)
     if row.shape != (3,):
         raise ParameterError(f"{name} has the shape {row.shape}; (3,) is needed.")
     return row[None]

@@ -14,6 +14,7 @@ from visuohaptic.exploration.checking import point_rows, unit_rows
 from visuohaptic.exploration.recognising import GIVEN
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.fixations.places import ProbingLocations
+from visuohaptic.fixations.policies import FARTHEST_POINT
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
@@ -79,7 +80,7 @@ def nearest_locations(
     With `normals`, the parameters have ``sensor.normal`` set to ``given``.
     Raises `ParameterError` as `touch_given_points` does.
     """
-    points = point_rows(at, "at")
+    points = point_rows(at, "at", FARTHEST_POINT)
     if not len(points):
         raise ParameterError("at has no points; at least one is needed.")
     nearest, faces = caster.nearest(points)

@@ -19,6 +19,9 @@ from visuohaptic.geometry.raycasting import RayCaster
 PLACES = 256
 """Locations that are spread over an object; a viewpoint offers the locations that it sees."""
 
+FARTHEST_POINT = 1e6
+"""Limit of the coordinates of a point, object radii: the nearest face is found in float32, which overflows at 1e19."""
+
 
 @dataclass(frozen=True, eq=False)
 class Felt:
@@ -27,7 +30,7 @@ class Felt:
     Attributes
     ----------
     point, normal : ndarray of shape (3,)
-        The location and the outward unit normal of the sensor, object frame.
+        The location and the outward unit normal of the sensor, object frame. A policy's arrays are read-only.
     acquired : bool
         Whether the sensor could reach the location. Without reach there is an imprint only if parameter
         ``unreachable`` is ``keep``.
@@ -76,6 +79,14 @@ class PolicyView:
         return turn_towards(spread.take(visible), self.camera)
 
 
+def check_unreachable(owner: str, value: object) -> None:
+    """Raise `RegistryError` about `owner` if the treatment of locations out of reach is unknown."""
+    if value not in ("replace", "keep", None):
+        raise RegistryError(
+            f"{owner}: unreachable is {value!r}; 'replace', 'keep' or None is allowed."
+        )
+
+
 @dataclass(frozen=True)
 class Policy:
     """A way to choose the next location by the touches so far.
@@ -100,7 +111,7 @@ class Policy:
     Raises
     ------
     RegistryError
-        If `longest_seconds` is no positive number.
+        If `longest_seconds` is no positive number, or `unreachable` is unknown.
     """
 
     name: str
@@ -112,7 +123,8 @@ class Policy:
     longest_seconds: float = 60.0
 
     def __post_init__(self) -> None:
-        """Check the bound."""
+        """Check the treatment of places out of reach, and the bound."""
+        check_unreachable(f"policy {self.name}", self.unreachable)
         bound = self.longest_seconds
         # bool is a subclass of int.
         if not isinstance(bound, int | float) or isinstance(bound, bool) or not bound > 0:

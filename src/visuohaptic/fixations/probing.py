@@ -15,7 +15,7 @@ from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 from visuohaptic.base.draws import DRAW_MARK
 from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.registry import Registry
-from visuohaptic.fixations.policies import Policy
+from visuohaptic.fixations.policies import Policy, check_unreachable
 from visuohaptic.fixations.strategies import (
     anywhere,
     contour,
@@ -58,6 +58,11 @@ class Strategy:
     chance : str, optional
         Name from which the random numbers of `choose` and of the sensor noise are seeded, by default `name`.
         Strategies with the same `chance` get the same random numbers.
+
+    Raises
+    ------
+    RegistryError
+        If `unreachable` is unknown.
     """
 
     name: str
@@ -67,6 +72,10 @@ class Strategy:
     looks: bool = True
     unreachable: Unreachable | None = None
     chance: str | None = None
+
+    def __post_init__(self) -> None:
+        """Check the treatment of places out of reach."""
+        check_unreachable(f"strategy {self.name}", self.unreachable)
 
 
 STRATEGIES: Registry[Strategy | Policy] = Registry(

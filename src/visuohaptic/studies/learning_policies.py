@@ -306,9 +306,8 @@ def _call_policy(
         raise
     except Exception as error:
         reason = " ".join(str(error).split()).rstrip(".")
-        raise PolicyError(
-            f"learning policy {policy.name}, {step}: it raised {type(error).__name__}: {reason}."
-        ) from error
+        named = ": ".join(filter(None, (type(error).__name__, reason)))
+        raise PolicyError(f"learning policy {policy.name}, {step}: it raised {named}.") from error
 
 
 def _check_choice(policy: LearningPolicy, choice: object, view: IntArray, views: int) -> IntArray:

@@ -13,16 +13,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import PolicyError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.parameters import ViewpointParameters
-from visuohaptic.fixations.policies import PLACES, Felt, Policy, PolicyView
+from visuohaptic.fixations.policies import FARTHEST_POINT, PLACES, Felt, Policy, PolicyView
 from visuohaptic.fixations.probing import policy_of
 from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
@@ -97,11 +98,15 @@ class PolicySession:
     def needs_try(self, wanted: int) -> bool:
         """Return whether the sequence makes another try.
 
-        A sequence ends with `wanted` touches, if its policy has stopped, or if more than `SPARE` tries are passed over,
-        as in `choosing.choose_locations`.
+        A sequence ends with `wanted` touches, if its policy has stopped, or if it is exhausted, as in
+        `choosing.choose_locations`.
         """
-        passed_over = len(self.felt) - self.touches
-        return not self.stopped and self.touches < wanted and passed_over <= SPARE
+        return not self.stopped and not self.exhausted and self.touches < wanted
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether more than `SPARE` tries were passed over."""
+        return len(self.felt) - self.touches > SPARE
 
     def choose(self) -> FloatArray | None:
         """Ask the policy for its next point (3,), object frame, or None if the policy stops.
@@ -111,15 +116,16 @@ class PolicySession:
         Raises
         ------
         PolicyError
-            If the policy raises an error, takes longer than its bound, or returns anything but three finite
-            numbers or None.
+            If the policy raises an error, takes longer than its bound, or returns anything but None or three finite
+            numbers below `FARTHEST_POINT`.
         """
         started = self.clock()
         try:
             chosen = self.policy.next_location(self.view, tuple(self.felt))
         except Exception as error:
             message = " ".join(str(error).split()).rstrip(".")
-            raise self._error(f"raised {type(error).__name__}: {message}") from error
+            named = ": ".join(filter(None, (type(error).__name__, message)))
+            raise self._error(f"raised {named}") from error
         finally:
             taken = self.clock() - started
             self.seconds += taken
@@ -181,15 +187,19 @@ class PolicySession:
 
     def _as_point(self, chosen: object) -> FloatArray:
         try:
-            point = np.asarray(chosen, dtype=np.float64)
-        except (TypeError, ValueError):
+            point = np.asarray(chosen).astype(np.float64, casting="same_kind")
+        # The `__array__` of an object may raise anything.
+        except Exception as error:
             raise self._error(
-                f"chose an object of type {type(chosen).__name__}; three numbers, or None to stop, are needed"
-            ) from None
+                f"chose an object of type {type(chosen).__name__}; three numbers that float64 holds, or None to stop, "
+                "are needed"
+            ) from error
         if point.shape != (3,):
             raise self._error(f"chose an array of shape {point.shape}; (3,) is needed")
-        if not np.isfinite(point).all():
-            raise self._error(f"chose {_format_point(point)}; finite numbers are needed")
+        if not (np.abs(point) < FARTHEST_POINT).all():
+            raise self._error(
+                f"chose {_format_point(point)}; finite numbers below {FARTHEST_POINT:g} object radii are needed"
+            )
         return point
 
     def _error(self, fault: str) -> PolicyError:
@@ -302,7 +312,7 @@ def touch_by_policies(
         points = {session: point for session, point in choices.items() if point is not None}
         if points:
             _try_locations(caster, points, sensor, scene, seed, wanted, tries)
-    _log_stopped_and_slow(sessions, wanted.touches)
+    _log_ended_and_slow(sessions, wanted.touches)
     fixations, part = tries.tables()
     is_short = any(0 < session.touches < wanted.touches for session in sessions)
     if is_short and wanted.when_exhausted == "begin_again":
@@ -351,7 +361,7 @@ def _try_locations(
     tries.numbers += [sessions[row].touches for row in rows]
     for session, location, normal, face in zip(sessions, locations, normals, faces, strict=True):
         tries.rows.append(session.fixation_row(location, normal, face))
-        session.felt.append(Felt(location, normal, acquired=False))
+        session.felt.append(Felt(_read_only(location), _read_only(normal), acquired=False))
     if not len(rows):
         return
     fields = RandomFields(seed, [sessions[row].random_key for row in rows])
@@ -359,18 +369,25 @@ def _try_locations(
     tries.batches.append(touches)
     for index, row in enumerate(rows):
         sessions[row].felt[-1] = Felt(
-            locations[row],
-            touches.normals[index],
+            _read_only(locations[row]),
+            _read_only(touches.normals[index]),
             bool(reached[row]),
-            touches.images[index],
+            _read_only(touches.images[index]),
             float(touches.size[index]),
             str(touches.contact_state[index]),
         )
         sessions[row].touches += 1
 
 
-def _log_stopped_and_slow(sessions: Sequence[PolicySession], wanted: int) -> None:
-    """Log policies that stopped before `wanted` touches, and policies slower than `SLOW_SECONDS` per choice."""
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """Return a read-only copy, by which a policy can't change the recorded array."""
+    copy = array.copy()
+    copy.flags.writeable = False
+    return copy
+
+
+def _log_ended_and_slow(sessions: Sequence[PolicySession], wanted: int) -> None:
+    """Log sequences that ended before `wanted` touches, and policies slower than `SLOW_SECONDS` per choice."""
     for name, group in groupby(sessions, key=lambda session: session.policy.name):
         of_policy = list(group)
         stopped = ", ".join(str(session.viewpoint) for session in of_policy if session.stopped)
@@ -378,6 +395,12 @@ def _log_stopped_and_slow(sessions: Sequence[PolicySession], wanted: int) -> Non
             logger.warning(
                 "policy %s stopped before touch %d of %s, viewpoints %s.",
                 name, wanted, of_policy[0].key, stopped,
+            )  # fmt: skip
+        exhausted = ", ".join(str(session.viewpoint) for session in of_policy if session.exhausted)
+        if exhausted:
+            logger.warning(
+                "policy %s ended before touch %d of %s, viewpoints %s: %d places were out of reach.",
+                name, wanted, of_policy[0].key, exhausted, SPARE + 1,
             )  # fmt: skip
         seconds = sum(session.seconds for session in of_policy)
         choices = sum(len(session.felt) + session.stopped for session in of_policy)
