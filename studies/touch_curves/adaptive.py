@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -45,6 +46,8 @@ from visuohaptic.touches.touching import touch_part
 
 CANDIDATES = 256
 """Candidates per object for `adaptive`; a viewpoint has the candidates that it sees."""
+
+logger = logging.getLogger(__name__)
 
 
 def make_candidates(step: StepInputs) -> None:
@@ -111,6 +114,7 @@ def learning_rows(
     try:
         chosen = choose_for_splits(policy, features, planned)
     except REFUSALS as refusal:
+        logger.warning("%s", refusal)
         yield from (error_rows(key, classifiers, str(refusal)) for key in keys)
         return
     for key, condition in zip(keys, planned, strict=True):

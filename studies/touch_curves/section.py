@@ -27,6 +27,7 @@ from visuohaptic.report.wording import (
     probability,
     strategy_name,
     strategy_place,
+    titled,
 )
 from visuohaptic.tables.schema import read_table
 
@@ -51,7 +52,8 @@ def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: lis
     """Return the values of one pipeline and classifier.
 
     ``rows`` are `needed`, rows of `TOUCHES_NEEDED`, with ``adjusted_p`` over the strategies, the largest area first.
-    ``by_touches`` has one row per number of touches, with the ``points`` of all strategies by name.
+    ``by_touches`` has one row per number of touches, with the ``points`` of all strategies by name. ``refused`` has a
+    sentence per strategy that was refused.
     """
     compared = [row for row in needed if row["p_value"] is not None]
     adjusted = holm([row["p_value"] for row in compared])
@@ -61,6 +63,7 @@ def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: lis
         for row in needed
     ]
     rows.sort(key=lambda row: -row["area"])
+    failed = [row for row in points_of if row.get("error")]
     by_touches: dict[int, dict[str, Row]] = {}
     for row in points_of:
         by_touches.setdefault(row["place"] + 1, {})[row["strategy"]] = row
@@ -74,6 +77,10 @@ def curves(pipeline: str, classifier: str, needed: Sequence[Row], points_of: lis
             {"touches": touches, "points": points} for touches, points in sorted(by_touches.items())
         ],
         "verdict": verdict(rows) if rows else "",
+        "refused": [
+            titled(f"{strategy_name(name)} has no area under the curve: {error}")
+            for name, error in {row["strategy"]: row["error"] for row in failed}.items()
+        ],
     }
 
 

@@ -1,6 +1,11 @@
 """A policy that learns sees nothing of tested objects, and one that finds a way to is caught."""
 
+import re
+import threading
+from pathlib import Path
+
 import numpy as np
+import psutil
 import pyarrow as pa
 import pytest
 from recognition.synthetic import features_table
@@ -10,10 +15,12 @@ from touch_curves.adaptive import choose_for_splits, learning_rows
 from touch_curves.choosing import ADAPTIVE
 from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.base.errors import PolicyError, RegistryError
+from visuohaptic.io import plugins
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.parameters import ProtocolParameters
 from visuohaptic.recognition.splits import draw_splits
+from visuohaptic.studies import learning_policies
 from visuohaptic.studies.conditions import plan_study
 from visuohaptic.studies.learning_policies import (
     LEARNING_POLICIES,
@@ -83,14 +90,21 @@ def test_a_policy_sees_poses_before_and_features_after_its_touches_and_no_name()
     assert [felt.shape[:2] for _, _, felt in seen[:TOUCHES]] == [(2, 0), (2, 1), (2, 2)]
 
 
-def test_a_policy_that_keeps_the_classes_of_objects_from_split_to_split_is_caught():
-    """Once trained on an object, it knows the object by its poses where it is tested."""
+@pytest.fixture
+def importable(monkeypatch):
+    """Let a new process import this module, whose name pytest derives from the repository's folder."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+
+
+def leak(is_first_only):
+    """Give a policy that keeps the classes of training objects, and knows the objects by their poses."""
     classes = {}
 
     def fit(lessons, *_):
-        for owner in np.unique(lessons.owner):
-            poses = lessons.poses[lessons.owner == owner]
-            classes[poses.tobytes()] = lessons.class_of_object[owner]
+        if not (classes and is_first_only):
+            for owner in np.unique(lessons.owner):
+                poses = lessons.poses[lessons.owner == owner]
+                classes[poses.tobytes()] = lessons.class_of_object[owner]
 
         def learnt(places):
             choose, known = next_in_order(places), classes.get(places.poses.tobytes(), 0)
@@ -98,17 +112,96 @@ def test_a_policy_that_keeps_the_classes_of_objects_from_split_to_split_is_caugh
 
         return learnt
 
-    leak = plain(fit, "leak")
-    with pytest.raises(
-        PolicyError, match=r"policy leak chose other touches when split 0 was repeated"
-    ):
-        choose_in_splits(leak, CANDIDATES, SPLITS, TOUCHES, RUN)
+    return plain(fit, "leak")
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("importable")
+@pytest.mark.parametrize(
+    ("is_first_only", "found"),
+    [(False, "when split 0 was repeated"), (True, r"in split \d+ after the others than in a new")],
+)
+def test_a_policy_that_keeps_the_classes_of_objects_from_split_to_split_is_caught(
+    is_first_only, found
+):
+    """Once trained on an object, it knows the object where it is tested."""
+    with pytest.raises(PolicyError, match=f"policy leak chose other touches {found}"):
+        choose_in_splits(leak(is_first_only), CANDIDATES, SPLITS, TOUCHES, RUN)
+    started = [" ".join(child.cmdline()) for child in psutil.Process().children()]
+    assert not [command for command in started if "popen_loky" in command]
+
+
+LEAK = """
+from functools import cache
+
+import numpy as np
+
+import visuohaptic as vh
+
+KEPT = {}
+
+
+@cache
+def fit_once():
+    return dict(KEPT)
+
+
+def fit(lessons, *_):
+    for owner in np.unique(lessons.owner):
+        poses = lessons.poses[lessons.owner == owner]
+        KEPT.setdefault(poses.tobytes(), lessons.class_of_object[owner])
+    return begin
+
+
+def begin(places):
+    first = np.searchsorted(places.view, np.arange(places.view[-1] + 1))
+    known = fit_once().get(places.poses.tobytes(), 0)
+    return lambda chosen, _: first + chosen.shape[1] + known
+
+
+vh.register(vh.LearningPolicy("leak", fit))
+"""
+
+
+@pytest.mark.slow
+def test_a_plug_in_that_keeps_its_first_model_for_ever_is_caught(registered, monkeypatch, tmp_path):
+    monkeypatch.setattr(plugins, "_loaded", {})
+    (tmp_path / "mine.py").write_text(LEAK)
+    plugins.load_files(["mine.py"], tmp_path)
+    with pytest.raises(PolicyError, match=r"policy leak chose .* than in a new process"):
+        choose_in_splits(registered["leak"], CANDIDATES, SPLITS, TOUCHES, RUN)
+
+
+def test_a_policy_that_is_refused_has_its_reason_in_rows_and_log(monkeypatch, caplog):
+    monkeypatch.setattr(learning_policies, "choose_afresh", choose_in_split)
     planned = plan_study(TOUCH_CURVES, RUN).conditions[:1]
-    (row,) = pa.concat_tables(learning_rows(leak, TABLE, planned, "paper")).to_pylist()
+    (row,) = pa.concat_tables(learning_rows(leak(False), TABLE, planned, "paper")).to_pylist()
     assert (row["strategy"], row["accuracy"]) == ("leak", None)
     assert "may remember tested objects" in row["error"]
+    assert caplog.messages == [row["error"]]
 
 
+def test_with_one_split_no_process_is_started(monkeypatch):
+    monkeypatch.setattr(learning_policies, "ProcessPoolExecutor", None)
+    (chosen,) = choose_in_splits(leak(True), CANDIDATES, SPLITS[:1], TOUCHES, RUN)
+    assert chosen.shape == (len(OBJECTS), TOUCHES)
+
+
+@pytest.mark.slow
+def test_a_policy_that_can_not_be_pickled_is_one_sentence():
+    lock = threading.Lock()
+
+    def fit(*_):
+        with lock:
+            return next_in_order
+
+    sentence = "policy plain, copy to a new process: it raised TypeError: cannot pickle '_thread.lock' object."
+    with pytest.raises(PolicyError, match=re.escape(sentence)):
+        choose_in_splits(plain(fit), CANDIDATES, SPLITS, TOUCHES, RUN)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("importable")
 @pytest.mark.parametrize("policy", [plain(), ADAPTIVE], ids=lambda policy: policy.name)
 def test_a_policy_that_learns_in_its_split_only_passes(policy):
     found = choose_in_splits(policy, CANDIDATES, SPLITS, TOUCHES, RUN)
@@ -135,6 +228,8 @@ def fail_silently(*_):
         (lambda *_: lambda _: lambda *_: [0.0, 6.0], "type float64; .* indices of candidates are needed"),
         (lambda *_: lambda _: lambda *_: [0, 0], r"chose candidates \[0, 0\]; one candidate of each viewpoint"),
         (lambda *_: lambda _: lambda *_: [0, 99], r"chose candidates \[0, 99\]"),
+        (lambda *_: lambda _: lambda *_: [[0], [1, 2]], r"chose an object of type list; \(2,\) indices"),
+        (lambda *_: lambda _: lambda *_: [2, 7], r"chose candidates \[2, 7\] again; a new candidate is needed"),
         (lambda *_: lambda _: lambda *_: [-12, 6], r"chose candidates \[-12, 6\]"),
     ],
 )  # fmt: skip
@@ -143,11 +238,63 @@ def test_a_policy_that_misbehaves_is_one_sentence(fit, sentence):
         choose_in_split(plain(fit), CANDIDATES, SPLITS[0], TOUCHES, RUN)
 
 
-def test_a_policy_of_ones_own_is_measured_beside_adaptive(monkeypatch):
+def test_a_candidate_may_be_chosen_again_once_its_viewpoint_has_no_other():
+    def learnt(places):
+        choose, second = next_in_order(places), np.searchsorted(places.view, 1)
+        return lambda chosen, felt: (
+            choose(chosen % second, felt) - second * (chosen.shape[1] // second)
+        )
+
+    chosen = choose_in_split(plain(lambda *_: learnt), CANDIDATES, SPLITS[0], 8, RUN)
+    np.testing.assert_array_equal(chosen[:, 6:], chosen[:, :2])
+
+
+@pytest.mark.parametrize("step", ["fit", "begin", "choose"])
+def test_a_step_slower_than_the_policys_bound_is_one_sentence(monkeypatch, step):
+    """The bound of `fit` counts for each of the training objects."""
+
+    def slow(name, result):
+        def work(*_):
+            now[0] += seconds if name == step else 0.0
+            return result
+
+        return work
+
+    def begin(places):
+        return slow("begin", lambda *given: slow("choose", next_in_order(places)(*given))())()
+
+    training = len(np.unique(OBJECTS[SPLITS[0].train]))
+    bound = 2.0
+    limit = bound * (training if step == "fit" else 1)
+    monkeypatch.setattr(learning_policies, "perf_counter", lambda: now[0])
+    policy = LearningPolicy("slow", slow("fit", begin), longest_seconds=bound)
+    now, seconds = [100.0], limit
+    choose_in_split(policy, CANDIDATES, SPLITS[0], TOUCHES, RUN)
+    seconds = 1.25 * limit
+    sentence = f"policy slow, {step}: it took {seconds:.3g} s; at most {limit:.3g} s are allowed"
+    with pytest.raises(PolicyError, match=sentence):
+        choose_in_split(policy, CANDIDATES, SPLITS[0], TOUCHES, RUN)
+
+
+def test_a_bound_that_is_no_positive_number_is_one_sentence():
+    with pytest.raises(
+        RegistryError, match="learning policy plain: longest_seconds is 0; a positive"
+    ):
+        LearningPolicy("plain", fail, longest_seconds=0)
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    """Give the registry, which is as before after the test."""
     entries = {one.name: one for one in LEARNING_POLICIES}
     monkeypatch.setattr(LEARNING_POLICIES, "_entries", dict(entries))
+    return LEARNING_POLICIES
+
+
+def test_a_policy_of_ones_own_is_measured_beside_adaptive(registered, monkeypatch):
+    monkeypatch.setattr(learning_policies, "choose_afresh", choose_in_split)
     vh.register(plain(name="in_order"))
-    assert LEARNING_POLICIES.names == ("adaptive", "in_order")
+    assert registered.names == ("adaptive", "in_order")
     planned = plan_study(TOUCH_CURVES, RUN).conditions[:2]
     chosen = choose_for_splits(LEARNING_POLICIES["in_order"], TABLE, planned)
     assert len(chosen.splits) == len(chosen.features)

@@ -34,7 +34,14 @@ class PlugInError(RegistryError):
 
 
 class PolicyError(VisuohapticError):
-    """A policy raised an error, took longer than its bound, or chose a location that can't be touched."""
+    """A policy raised an error, took longer than its bound, or chose a location that can't be touched.
+
+    Attribute `policy` is the policy's name among the strategies; ``""`` if the policy is no strategy.
+    """
+
+    def __init__(self, message: str, policy: str = "") -> None:
+        super().__init__(message)
+        self.policy = policy
 
 
 class TableError(VisuohapticError):

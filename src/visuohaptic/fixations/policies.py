@@ -125,14 +125,19 @@ class Policy:
     def __post_init__(self) -> None:
         """Check the treatment of places out of reach, and the bound."""
         check_unreachable(f"policy {self.name}", self.unreachable)
-        bound = self.longest_seconds
-        # bool is a subclass of int.
-        if not isinstance(bound, int | float) or isinstance(bound, bool) or not bound > 0:
-            raise RegistryError(
-                f"policy {self.name}: longest_seconds is {bound!r}; a positive number of seconds is needed."
-            )
+        check_bound(f"policy {self.name}", self.longest_seconds)
 
     @property
     def looks(self) -> bool:
         """False: no policy needs a rendered view."""
         return False
+
+
+def check_bound(policy: str, longest_seconds: float) -> None:
+    """Raise `RegistryError`, with the kind and name `policy`, if a bound of time is no positive number."""
+    is_number = isinstance(longest_seconds, int | float)
+    # bool is a subclass of int.
+    if not is_number or isinstance(longest_seconds, bool) or not longest_seconds > 0:
+        raise RegistryError(
+            f"{policy}: longest_seconds is {longest_seconds!r}; a positive number of seconds is needed."
+        )

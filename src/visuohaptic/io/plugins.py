@@ -140,7 +140,12 @@ def loaded() -> tuple[PlugIn, ...]:
 
 def load_in_child_processes() -> None:
     """Make child processes load the plug-ins of this process when they import visuohaptic."""
-    os.environ[ENVIRONMENT_VARIABLE] = os.pathsep.join(_loaded)
+    os.environ.update(child_environment())
+
+
+def child_environment() -> dict[str, str]:
+    """Return the environment variable with which a child process loads the plug-ins of this process."""
+    return {ENVIRONMENT_VARIABLE: os.pathsep.join(_loaded)}
 
 
 def load_from_environment() -> None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from joblib import wrap_non_picklable_objects
+from joblib.externals.loky import ProcessPoolExecutor
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import (
@@ -18,7 +23,9 @@ from visuohaptic.base.errors import (
 )
 from visuohaptic.base.registry import Registry
 from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.fixations.policies import check_bound
 from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.io.plugins import child_environment
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.sequences import TouchSequences, spread_contact_states
@@ -97,10 +104,24 @@ class LearningPolicy:
     fit : callable
         ``fit(lessons, parameters, generator)`` takes `Lessons`, the parameters of the condition and a random
         generator, and returns a `Learnt`. Calls must not depend on earlier calls.
+    longest_seconds : float
+        Longest allowed wall time of one call of `Learnt` or `Choose`, in seconds; `math.inf` for no bound. `fit` may
+        take as long for each training object. A slower call ends in a `PolicyError`. The time is compared after the
+        call, so a call that never returns is not stopped.
+
+    Raises
+    ------
+    RegistryError
+        If `longest_seconds` is no positive number.
     """
 
     name: str
     fit: Callable[[Lessons, ExperimentParameters, np.random.Generator], Learnt]
+    longest_seconds: float = 60.0
+
+    def __post_init__(self) -> None:
+        """Check the bound."""
+        check_bound(f"learning policy {self.name}", self.longest_seconds)
 
 
 LEARNING_POLICIES: Registry[LearningPolicy] = Registry("learning policy")
@@ -248,24 +269,27 @@ def choose_in_split(
     Raises
     ------
     PolicyError
-        If the policy raises an error, or does not choose one candidate per viewpoint.
+        If the policy raises an error, takes longer than its bound, does not choose one candidate per viewpoint, or
+        chooses a candidate again while the viewpoint has another.
     """
     generator = spawn_generator(run.seed, policy.name, *split.test.tolist())
     lessons, owner = lessons_of(candidates, split), candidates.owner
     chosen = np.zeros((len(candidates.sequences.object_index), touches), dtype=np.int64)
-    learnt = _call_policy(policy, "fit", policy.fit, lessons, run, generator)
+    bound = policy.longest_seconds
+    whole = bound * len(np.unique(lessons.owner))
+    learnt = _call_policy(policy, "fit", whole, policy.fit, lessons, run, generator)
     for index in range(len(candidates.sequences.objects)):
         rows = np.flatnonzero(owner == index)
         members = np.flatnonzero(candidates.sequences.object_index == index)
         view = np.searchsorted(members, candidates.sequence[rows])
         left_out = index if lessons.class_of_object[index] >= 0 else -1
         places = Places(candidates.poses[rows], view, left_out)
-        choose = _call_policy(policy, "begin", learnt, places)
+        choose = _call_policy(policy, "begin", bound, learnt, places)
         touched = np.zeros((len(members), 0), dtype=np.int64)
         for _ in range(touches):
             felt = candidates.features[rows[touched]]
-            picked = _call_policy(policy, "choose", choose, touched.copy(), felt)
-            picked = _check_choice(policy, picked, view, len(members))
+            picked = _call_policy(policy, "choose", bound, choose, touched.copy(), felt)
+            picked = _check_choice(policy, picked, view, touched)
             touched = np.column_stack([touched, picked])
         chosen[members] = rows[touched]
     return chosen
@@ -283,45 +307,108 @@ def choose_in_splits(
     Raises
     ------
     PolicyError
-        As `choose_in_split`. Also if a repetition of the first split gives other touches: the policy then remembers
-        other splits, and their training objects may be test objects of this split.
+        As `choose_in_split`. Also if the policy can't be pickled, or if a repetition of the first split, or the last
+        split in a new process, gives other touches: the policy then remembers other splits, and their training
+        objects may be test objects of this split.
     """
-    chosen = [choose_in_split(policy, candidates, split, touches, run) for split in splits]
-    again = choose_in_split(policy, candidates, splits[0], touches, run)
+    arguments = touches, run
+    # Before the first training here, the policy remembers no split that the new process could inherit.
+    afresh = choose_afresh(policy, candidates, splits[-1], *arguments) if splits[1:] else None
+    chosen = [choose_in_split(policy, candidates, split, *arguments) for split in splits]
+    again = choose_in_split(policy, candidates, splits[0], *arguments)
+    how = None
     if not np.array_equal(again, chosen[0]):
+        how = f"when split {splits[0].number} was repeated after the others"
+    elif afresh is not None and not np.array_equal(afresh, chosen[-1]):
+        how = f"in split {splits[-1].number} after the others than in a new process"
+    if how:
         raise PolicyError(
-            f"learning policy {policy.name} chose other touches when split {splits[0].number} was repeated after "
-            "the others, so it may remember tested objects; the choices in a split must not depend on other splits."
+            f"learning policy {policy.name} chose other touches {how}, so it may remember tested objects; the "
+            "choices in a split must not depend on other splits."
         )
     return chosen
 
 
+def choose_afresh(
+    policy: LearningPolicy,
+    candidates: Candidates,
+    split: Split,
+    touches: int,
+    run: ExperimentParameters,
+) -> IntArray:
+    """Choose the touches of a split with `choose_in_split` in a new process, which imports every module anew.
+
+    Raises `PolicyError` as `choose_in_split`, or if the policy can't be pickled.
+    """
+
+    def choose() -> IntArray:
+        copied = pickle.dumps(wrap_non_picklable_objects(policy, keep_wrapper=False))
+        with ProcessPoolExecutor(max_workers=1, env=child_environment()) as pool:
+            task = pool.submit(_choose_by_copy, copied, candidates, split, touches, run)
+            chosen: IntArray = task.result()
+        return chosen
+
+    chosen: IntArray = _call_policy(policy, "copy to a new process", math.inf, choose)
+    return chosen
+
+
+def _choose_by_copy(
+    copied: bytes, candidates: Candidates, split: Split, touches: int, run: ExperimentParameters
+) -> IntArray:
+    """Choose with `choose_in_split` by a pickled policy; unpickled here, an error has its own message."""
+    policy = pickle.loads(copied)  # noqa: S301 - the parent process wrote it
+    return choose_in_split(policy, candidates, split, touches, run)
+
+
 def _call_policy(
-    policy: LearningPolicy, step: str, work: Callable[..., Any], *arguments: Any
+    policy: LearningPolicy, step: str, bound: float, work: Callable[..., Any], *arguments: Any
 ) -> Any:
-    """Call a function of a policy; errors that are not the package's become `PolicyError`."""
+    """Call a function; raise `PolicyError` if it is slower than `bound`, or for an error that is not the package's."""
+    started = perf_counter()
     try:
-        return work(*arguments)
+        result = work(*arguments)
     except VisuohapticError:
         raise
     except Exception as error:
         reason = " ".join(str(error).split()).rstrip(".")
         named = ": ".join(filter(None, (type(error).__name__, reason)))
         raise PolicyError(f"learning policy {policy.name}, {step}: it raised {named}.") from error
-
-
-def _check_choice(policy: LearningPolicy, choice: object, view: IntArray, views: int) -> IntArray:
-    """Return the chosen candidates (v,) if candidate i belongs to viewpoint i, else raise `PolicyError`."""
-    picked = np.asarray(choice)
-    if picked.shape != (views,) or picked.dtype.kind not in "iu":
+    taken = perf_counter() - started
+    if taken > bound:
         raise PolicyError(
-            f"learning policy {policy.name} chose an array of shape {picked.shape} and type {picked.dtype}; "
-            f"({views},) indices of candidates are needed."
+            f"learning policy {policy.name}, {step}: it took {taken:.3g} s; at most {bound:.3g} s are allowed "
+            "(LearningPolicy.longest_seconds)."
+        )
+    return result
+
+
+def _check_choice(
+    policy: LearningPolicy, choice: object, view: IntArray, touched: IntArray
+) -> IntArray:
+    """Return the chosen candidates (v,) if each is a new candidate of its viewpoint, else raise `PolicyError`."""
+    needed, views = f"({len(touched)},) indices of candidates are needed.", np.arange(len(touched))
+    try:
+        picked = np.asarray(choice)
+    except (TypeError, ValueError):
+        raise PolicyError(
+            f"learning policy {policy.name} chose an object of type {type(choice).__name__}; {needed}"
+        ) from None
+    if picked.shape != views.shape or picked.dtype.kind not in "iu":
+        raise PolicyError(
+            f"learning policy {policy.name} chose an array of shape {picked.shape} and type {picked.dtype}; {needed}"
         )
     inside = (picked >= 0) & (picked < len(view))
-    if not inside.all() or (view[picked] != np.arange(views)).any():
+    if not inside.all() or (view[picked] != views).any():
         raise PolicyError(
             f"learning policy {policy.name} chose candidates {picked.tolist()}; one candidate of each viewpoint is "
             "needed."
+        )
+    # A viewpoint may have fewer candidates than touches.
+    left = np.setdiff1d(np.arange(len(view)), touched)
+    repeated = (touched == picked[:, None]).any(axis=1) & np.isin(views, view[left])
+    if repeated.any():
+        raise PolicyError(
+            f"learning policy {policy.name} chose candidates {picked[repeated].tolist()} again; a new candidate is "
+            "needed while the viewpoint has one."
         )
     return picked.astype(np.int64)

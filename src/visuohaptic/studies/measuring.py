@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ from visuohaptic.studies.conditions import (
     training_key,
     with_changes,
 )
-from visuohaptic.studies.refusals import ERROR, REFUSALS
+from visuohaptic.studies.refusals import ERROR, REFUSALS, REFUSED_POLICIES
 from visuohaptic.studies.study import Condition
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import build_table, read_table, write_table
@@ -125,8 +126,13 @@ def features_by_key(
     def read(key: str | None) -> pa.Table | str:
         if key is None:
             return of_objects(read_table(FEATURES, features), objects)
-        error = (pq.read_schema(made[key]).metadata or {}).get(ERROR)
-        return read_table(FEATURES, made[key]) if error is None else error.decode("utf-8")
+        metadata = pq.read_schema(made[key]).metadata or {}
+        if ERROR in metadata:
+            return metadata[ERROR].decode("utf-8")
+        table = read_table(FEATURES, made[key])
+        if REFUSED_POLICIES not in metadata:
+            return table
+        return table.replace_schema_metadata({REFUSED_POLICIES: metadata[REFUSED_POLICIES]})
 
     return read
 
@@ -155,10 +161,14 @@ def condition_features(planned: Planned, features: pa.Table | str, strategy: str
     Raises
     ------
     RecognitionError
-        If the strategy has no touches, no viewpoint has enough touches, or `features` is an error message.
+        If the strategy has no touches or is a refused policy, no viewpoint has enough touches, or `features` is an
+        error message.
     """
     if isinstance(features, str):
         raise RecognitionError(features)
+    refused = json.loads((features.schema.metadata or {}).get(REFUSED_POLICIES, "{}"))
+    if strategy in refused:
+        raise RecognitionError(refused[strategy])
     parameters = planned.parameters
     is_needed = pc.less(features.column("touch"), touches_needed(parameters))
     return take_strategy(features.filter(is_needed), strategy, parameters.recognition.touches)[0]

@@ -5,6 +5,8 @@ This module must not import classifiers, so that a job that only touches does no
 
 from __future__ import annotations
 
+import json
+import logging
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,19 +15,22 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import PolicyError
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of
 from visuohaptic.geometry.turning import draw_rotation
-from visuohaptic.io.phase_files import SCHEMAS, objects_of
+from visuohaptic.io.phase_files import SCHEMAS, Tables, objects_of
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import inputs_needed_from
 from visuohaptic.pipeline import run
 from visuohaptic.studies.conditions import Recomputation
-from visuohaptic.studies.refusals import ERROR, REFUSALS
+from visuohaptic.studies.refusals import ERROR, REFUSALS, REFUSED_POLICIES
 from visuohaptic.tables.phases import FEATURES, of_objects
 from visuohaptic.tables.schema import join_parts, read_table, write_table
 
 Paths = Sequence[str | Path]
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -70,8 +75,10 @@ def make_study_features(recomputation: Recomputation, sources: Sources, output: 
 def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Table:
     """Recompute `tables.FEATURES` of the strategies in the parameters.
 
-    The meshes of the files are turned by `parameters.meshes.turns`.
+    The meshes of the files are turned by `parameters.meshes.turns`. A policy that fails on an object has no rows, and
+    its error is in the metadata (`REFUSED_POLICIES`). Raises `PolicyError` if no other strategy is left.
     """
+    refused: dict[str, str] = {}
     parameters = recomputation.parameters
     meshes = {object_of(mesh): mesh for mesh in sources.meshes}
     parts = [FEATURES.arrow.empty_table()]
@@ -88,8 +95,31 @@ def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Tab
             subject = Subject.of_mesh(
                 key, meshes.get(key, ""), viewpoints, _rotation(key, parameters)
             )
-            parts.append(run(subject, parameters, known)["features"])
-    return join_parts(FEATURES, parts)
+            parts.append(_features_of(subject, parameters, known, refused))
+    features = join_parts(FEATURES, parts)
+    if not refused:
+        return features
+    kept = _of_strategies(features, set(parameters.probing.strategies) - set(refused))
+    return kept.replace_schema_metadata({REFUSED_POLICIES: json.dumps(refused)})
+
+
+def _features_of(
+    subject: Subject, parameters: ExperimentParameters, known: Tables, refused: dict[str, str]
+) -> pa.Table:
+    """Run the phases of an object without the refused policies; add each policy that fails, and its error."""
+    strategies = [name for name in parameters.probing.strategies if name not in refused]
+    if not strategies:
+        raise PolicyError(" ".join(refused.values()))
+    probing = parameters.probing.model_copy(update={"strategies": tuple(strategies)})
+    try:
+        found = run(subject, parameters.model_copy(update={"probing": probing}), known)
+    except PolicyError as error:
+        if error.policy not in strategies:
+            raise
+        logger.warning("%s", error)
+        refused[error.policy] = str(error)
+        return _features_of(subject, parameters, known, refused)
+    return found["features"]
 
 
 def _rotation(key: str, parameters: ExperimentParameters) -> FloatArray | None:

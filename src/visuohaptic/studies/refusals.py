@@ -9,3 +9,6 @@ REFUSALS = (VisuohapticError, AttentionError, ContourletError)
 
 ERROR = b"error"
 """Metadata key of the error message in an empty table of features."""
+
+REFUSED_POLICIES = b"refused_policies"
+"""Metadata key, in a table of features, of a JSON object with the error message of each policy that has no rows."""

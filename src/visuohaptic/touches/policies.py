@@ -203,9 +203,8 @@ class PolicySession:
         return point
 
     def _error(self, fault: str) -> PolicyError:
-        return PolicyError(
-            f"policy {self.policy.name}, {self.key}, viewpoint {self.viewpoint}, try {len(self.felt)}: it {fault}."
-        )
+        where = f"{self.key}, viewpoint {self.viewpoint}, try {len(self.felt)}"
+        return PolicyError(f"policy {self.policy.name}, {where}: it {fault}.", self.policy.name)
 
 
 @dataclass(eq=False)

@@ -7,6 +7,8 @@ import pytest
 from studies.surfaces import RUN, run_tables, small_surfaces
 
 from settings_cost.study import STUDY, settings_of
+from visuohaptic.fixations.policies import Policy
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.cost import seconds
@@ -89,6 +91,35 @@ def test_what_settings_have_in_common_is_timed_once_and_counts_for_each(surfaces
         True,
         True,
     ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("busy", "waiting"), [(3.0, 0.0), (0.0, 50.0)])
+def test_what_a_policy_computes_counts_and_what_it_waits_does_not(
+    surfaces, fitted, monkeypatch, busy, waiting
+):
+    """The clocks of the test stand still, except while the policy chooses."""
+
+    def walk(view, touches):
+        processor[0] += busy
+        wall[0] += busy + waiting
+        return view.places.points[len(touches)]
+
+    processor, wall = [100.0], [200.0]
+    clocks = {"process_time": lambda: processor[0], "perf_counter": lambda: wall[0]}
+    for name, clock in clocks.items():
+        monkeypatch.setattr(f"time.{name}", clock)
+    monkeypatch.setitem(STRATEGIES._entries, "walk", Policy("walk", "walk", walk))
+    prepared = prepare_surface(surfaces["ring/ring0"])
+    subject = Subject("ring/ring0", lambda: prepared.caster, [0, 1])
+    run = with_changes(RUN, {"probing.strategies": ["walk"]})
+    features, found = look_and_touch(
+        subject, prepared, replace(fitted[0], parameters=run, looking=run)
+    )
+    assert features.num_rows == 4
+    assert {name: value for name, value in found.items() if value} == (
+        {"seconds_touch": 4 * busy} if busy else {}
+    )
 
 
 @pytest.mark.slow

@@ -11,8 +11,10 @@ from touch_curves.choosing import ADAPTIVE
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.studies import learning_policies
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, plan_study
 from visuohaptic.studies.figures import cells_of
+from visuohaptic.studies.learning_policies import choose_in_split
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH
 from visuohaptic.tables.schema import read_table
@@ -27,6 +29,12 @@ SMALL = ExperimentParameters.from_mapping(
 )
 PLANNED = plan_study(TOUCH_CURVES, SMALL).conditions
 TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
+
+
+@pytest.fixture(autouse=True)
+def in_this_process(monkeypatch):
+    """Start no process; `test_learning_policies` tests what it finds."""
+    monkeypatch.setattr(learning_policies, "choose_afresh", choose_in_split)
 
 
 def cells(pipeline, counts):

@@ -1,13 +1,19 @@
 """The curves and their words come from the tables: who wins, who does not, and by how much."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
+from report.pages import read_page
 from report.synthetic import write_study
 from report.test_figures import intervals, marks
 
-from touch_curves.section import curves, draw_curves, verdict
+from touch_curves import section as section_of_study
+from touch_curves.section import SECTION, curves, draw_curves, verdict
 from touch_curves.study import touches_name
 from touch_curves.tables import TOUCHES_NEEDED
+from visuohaptic.report.page import make_environment
 from visuohaptic.report.studies import read_figures
 from visuohaptic.tables.schema import build_table, write_table
 
@@ -67,6 +73,19 @@ def test_a_plug_in_may_call_its_strategy_as_a_column():
     point = {"strategy": "touches", "place": 0, "accuracy": 0.5}
     found = curves("order_free", "naive_bayes", [], [point])
     assert found["by_touches"] == [{"touches": 1, "points": {"touches": point}}]
+
+
+@pytest.mark.parametrize("error", [None, "policy rogue, fit: it raised KeyError: <skin>."])
+def test_a_refused_strategy_is_named_with_its_reason(measured, error):
+    points = [{**measured[0], "strategy": "rogue", "accuracy": None, "error": error}, *measured]
+    section = replace(SECTION, folder=Path(section_of_study.__file__).parent)
+    environment = make_environment([section])
+    environment.globals["confidence"] = "95 %"
+    found = curves("paper", "naive_bayes", BEHIND, points if error else measured)
+    values = {"pipelines": [found], "draw_curves": draw_curves}
+    page = read_page(environment.get_template(section.template).render(values)).text
+    assert ("has no area" in page) == bool(error)
+    assert not error or f"Rogue has no area under the curve: {error}" in page
 
 
 @pytest.fixture
