@@ -50,7 +50,10 @@ def recomputed(monkeypatch, tmp_path):
 @pytest.mark.slow
 def test_a_policy_that_fails_on_some_object_is_refused_and_no_other_strategy(recomputed, caplog):
     found, errors = recomputed("random", "rogue", "walk")
-    sentence = "policy rogue, ring/ring0, viewpoint 0, try 1: it chose (nan, 0, 0); finite numbers are needed."
+    sentence = (
+        "policy rogue, ring/ring0, viewpoint 0, try 1: it chose (nan, 0, 0); finite numbers below 1e+06 object radii "
+        "are needed."
+    )
     assert errors == {"random": None, "rogue": sentence, "walk": None}
     assert caplog.messages == [sentence]
     alone, _ = recomputed("random", "walk")
