@@ -9,6 +9,7 @@ import pytest
 import trimesh
 from small_experiment import SMALL_OBJECTS
 
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.surface import object_of
 from visuohaptic.recognition.stored_models import load_model
 from visuohaptic.report.run import find_run
@@ -98,3 +99,22 @@ def test_an_own_object_is_named_by_models_that_came_before_and_what_is_wrong_is_
     assert set(rows["object"]) == {"stool"}
     assert set(rows["strategy"]) == {"fixation", "random"}
     assert set(rows["learnt"]) == {4}
+
+
+@pytest.mark.long
+def test_touches_by_a_policy_are_recognised_checked_timed_and_reported(experiment):
+    experiment.set(probing={"strategies": ["fixation", "seek_relief"]})
+    experiment.snakemake()
+    assert experiment.planned() == {}
+    results = experiment.folder / "results"
+    tries = pd.read_parquet(results / "policy_fixations")
+    assert set(tries["strategy"]) == {"seek_relief"}
+    assert len(tries) >= TOUCHES // 2
+    for table in ("touches", "features", "scores"):
+        assert set(pd.read_parquet(results / table)["strategy"]) == {"fixation", "seek_relief"}
+    checked = read_table(STABILITY, results / "stability")
+    assert pc.all(pc.less_equal(checked["worst_error"], checked["tolerance"])).as_py()
+    timed = pd.read_parquet(results / "frontier.parquet")
+    assert set(timed["strategy"]) == {"fixation", "seek_relief"}
+    page = (experiment.folder / "reports/report.html").read_text()
+    assert STRATEGIES["seek_relief"].label in page
