@@ -1,10 +1,12 @@
 import numpy as np
 import pytest
+import trimesh
 from numerics.surfaces import random_vectors
 from sensor.shapes import box, joined, sheet, surface_of
 
 from visuohaptic.geometry import raycasting
 from visuohaptic.geometry.curvature import unit_vectors
+from visuohaptic.geometry.nearest import nearest_on
 from visuohaptic.geometry.raycasting import MISS, RayCaster
 
 UP, DOWN = np.array([[0, 1.0, 0], [0, -1, 0]])
@@ -110,3 +112,36 @@ def test_rays_through_many_narrow_faces_are_compared_with_some_of_these_at_a_tim
     parts = [len(rays) for rays, _ in caster._narrow_pairs(origins, directions)]
     assert sum(parts) == 500 * 40
     assert max(parts) <= 1000 + 40
+
+
+def fan_of_slivers(count=400, width=0.0018, length=1.7):
+    """Return a plane fan of faces that are a thousand times as long as they are wide."""
+    across = (np.arange(count + 1) - count / 2) * width
+    ends = np.column_stack([np.full(count + 1, length), across, np.zeros(count + 1)])
+    vertices = np.concatenate([np.zeros((1, 3)), ends]) - [length / 2, 0, 0]
+    turn = trimesh.transformations.rotation_matrix(0.7, [0.3, 1.0, 0.2])[:3, :3]
+    return surface_of(vertices @ turn.T, [[0, face, face + 1] for face in range(1, count + 1)])
+
+
+def test_points_on_slivers_are_their_own_nearest_points():
+    surface, generator = fan_of_slivers(), np.random.default_rng(5)
+    corners = surface.vertices[surface.faces]
+    faces = generator.integers(len(corners), size=300)
+    points = np.einsum("nk,nkd->nd", generator.dirichlet(np.ones(3), size=300), corners[faces])
+    caster = RayCaster(surface)
+    in_float32 = nearest_on(corners[caster._scene.nearest_faces(points)], points)
+    assert np.linalg.norm(in_float32 - points, axis=1).max() > 1e-4
+    locations, found = caster.nearest(points)
+    assert np.linalg.norm(locations - points, axis=1).max() < 1e-9
+    np.testing.assert_array_equal(nearest_on(corners[found], points), locations)
+
+
+def test_the_face_found_first_stays_where_a_neighbour_is_as_near():
+    surface = surface_of(
+        np.array([[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1.0]]), [[0, 2, 1], [0, 3, 2]]
+    )
+    caster = RayCaster(surface)
+    points = np.column_stack([np.linspace(0.1, 0.9, 9), np.full(9, 0.2), np.linspace(0.1, 0.9, 9)])
+    locations, faces = caster.nearest(points)
+    np.testing.assert_array_equal(faces, caster._scene.nearest_faces(points))
+    np.testing.assert_allclose(locations, points * [1, 0, 1], atol=1e-15)

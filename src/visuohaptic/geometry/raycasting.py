@@ -48,6 +48,8 @@ _BUNDLE_RADIUS = 3e-6
 _BUNDLE = np.array(
     [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
 )
+# The face that float32 finds stays the nearest face of a point unless another is nearer by more (units of the surface).
+_NEARER = 1e-9
 # Rounding of a triple product of float64 vectors, relative to their lengths.
 _ROUNDING = 2e-15
 # A face is narrow if its height above its longest edge is below this (units of the surface). It may lie between the
@@ -238,11 +240,24 @@ class RayCaster:
     def nearest(self, points: FloatArray) -> tuple[FloatArray, IntArray]:
         """Return the point on the surface nearest to each point, (n, 3) to (n, 3), and the index (n,) of its face.
 
-        The face is found in float32, so that of nearly equally near faces either may be returned. The point on this
-        face is computed in float64.
+        Open3D finds a face in float32. Beside long thin faces this may be a neighbour of the nearest face, so that all
+        faces at the corners of the face are compared in float64. Of equally near faces any may be returned.
         """
-        faces = self._scene.nearest_faces(points)
-        return nearest_on(self._corners[faces], points), faces
+        found = self._scene.nearest_faces(points)
+        corners, starts, faces_of_corners = self._faces_of_vertices
+        corner = corners[found].reshape(-1)
+        rows, positions = repeat_with_ranges(
+            np.repeat(np.arange(len(points)), 3),
+            starts[corner],
+            starts[corner + 1] - starts[corner],
+        )
+        faces = faces_of_corners[positions]
+        locations = nearest_on(self._corners[faces], points[rows])
+        distances = np.linalg.norm(locations - points[rows], axis=1)
+        distances[faces != found[rows]] += _NEARER
+        order = np.lexsort((faces, distances, rows))
+        chosen = order[np.unique(rows[order], return_index=True)[1]]
+        return locations[chosen], faces[chosen]
 
     def _cast(self, origins: FloatArray, directions: FloatArray) -> tuple[Hits, BoolArray]:
         """Return hits on the faces that float32 finds, and which hits are doubtful: their face may be wrong, (n,)."""
