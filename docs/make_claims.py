@@ -1,8 +1,7 @@
 """Fill the tables of the paper's claims, and draw the lead of fixation, from kept figures of study `claims`: `make readme`.
 
 docs/figures/claims_paper.json and claims_benchmark.json are reports/studies/claims.json of the paper's
-twelve objects and of the catalogue's 142: by pipeline, strategy, classifier and condition. Figures of before our own
-pipeline became `order_free` are those of pipeline `best`, and keep this name.
+twelve objects and of the catalogue's 142: by pipeline, strategy, classifier and condition.
 """
 
 from __future__ import annotations
