@@ -2,8 +2,7 @@
 
 kept_paper.json and kept_benchmark.json contain figures of reports/studies/touch_curves.json and reports/touch_curves.json
 of the paper's twelve objects and of the 142 objects of the catalogue, with command and date.
-`python -m touch_curves.make_page paper COMMAND` keeps the figures of the run in this folder. Older figures name pipeline
-`order_free` by its former name `best`.
+`python -m touch_curves.make_page paper COMMAND` keeps the figures of the run in this folder.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ SHOWN = (1, 2, 3, 5, 8, 16)
 OF_A_POINT = ("accuracy", "low", "high")
 COLOURS = (
     *("#0b57a4", "#a34a00", "#5c2a86", "#3d5c1e", "#b0182b"),
-    *("#00737a", "#8a6d00", "#555555", "#c2185b"),
+    *("#00737a", "#8a6d00", "#555555", "#c2185b", "#7cb342"),
 )
 
 
@@ -94,7 +93,7 @@ def draw(sets: Mapping[str, Figures]) -> Figure:
         for panel, pipeline in zip(axes[:, column], pipelines_of(figures["curves"]), strict=True):
             panel.set_title(f"{SETS[name]}, {title(pipeline)}")
             panel.grid(alpha=0.3)
-            for strategy, colour in zip(strategies, COLOURS, strict=False):
+            for strategy, colour in zip(strategies, COLOURS, strict=True):
                 points = figures["curves"][pipeline][strategy]
                 line, low, high = (
                     [100 * value for value in values] for values in zip(*points, strict=True)
