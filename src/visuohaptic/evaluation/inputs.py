@@ -71,8 +71,8 @@ def check_inputs(inputs: str) -> Inputs:
     for name in get_args(Inputs):
         if is_text and inputs == name:
             return name
-    found = repr(inputs) if is_text else f"of type {type(inputs).__name__}"
-    raise ParameterError(f"inputs is {found}; {', '.join(get_args(Inputs))} are allowed.")
+    given = repr(inputs) if is_text else f"of type {type(inputs).__name__}"
+    raise ParameterError(f"inputs is {given}; {', '.join(get_args(Inputs))} are allowed.")
 
 
 def prepare(

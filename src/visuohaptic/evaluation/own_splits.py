@@ -78,7 +78,7 @@ def choose_splits(
 
 
 def is_whole(value: Any) -> TypeGuard[int]:
-    """Return whether a value is a whole number, of Python or NumPy. True and False are none."""
+    """Return whether a value is a whole number, of Python or NumPy. True and False do not count."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool)
 
 

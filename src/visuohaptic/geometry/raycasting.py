@@ -48,7 +48,7 @@ _BUNDLE_RADIUS = 3e-6
 _BUNDLE = np.array(
     [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]]
 )
-# The face that float32 finds stays the nearest face of a point unless another is nearer by more (units of the surface).
+# Another face than the face of float32 is the nearest only if nearer by more than this (units of the surface).
 _NEARER = 1e-9
 # Rounding of a triple product of float64 vectors, relative to their lengths.
 _ROUNDING = 2e-15

@@ -312,7 +312,7 @@ def choose_in_splits(
         objects may be test objects of this split.
     """
     arguments = touches, run
-    # Before the first training here, the policy remembers no split that the new process could inherit.
+    # First, because the new process inherits what the policy remembers in this process.
     afresh = choose_afresh(policy, candidates, splits[-1], *arguments) if splits[1:] else None
     chosen = [choose_in_split(policy, candidates, split, *arguments) for split in splits]
     again = choose_in_split(policy, candidates, splits[0], *arguments)
@@ -355,7 +355,7 @@ def choose_afresh(
 def _choose_by_copy(
     copied: bytes, candidates: Candidates, split: Split, touches: int, run: ExperimentParameters
 ) -> IntArray:
-    """Choose with `choose_in_split` by a pickled policy; unpickled here, an error has its own message."""
+    """Unpickle a policy and choose with `choose_in_split`; an error of unpickling then has its own message."""
     policy = pickle.loads(copied)  # noqa: S301 - the parent process wrote it
     return choose_in_split(policy, candidates, split, touches, run)
 

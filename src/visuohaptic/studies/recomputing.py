@@ -106,20 +106,20 @@ def recompute_features(recomputation: Recomputation, sources: Sources) -> pa.Tab
 def _features_of(
     subject: Subject, parameters: ExperimentParameters, known: Tables, refused: dict[str, str]
 ) -> pa.Table:
-    """Run the phases of an object without the refused policies; add each policy that fails, and its error."""
+    """Run the phases of an object without the refused policies; write the error of each policy that fails to `refused`."""
     strategies = [name for name in parameters.probing.strategies if name not in refused]
     if not strategies:
         raise PolicyError(" ".join(refused.values()))
     probing = parameters.probing.model_copy(update={"strategies": tuple(strategies)})
     try:
-        found = run(subject, parameters.model_copy(update={"probing": probing}), known)
+        tables = run(subject, parameters.model_copy(update={"probing": probing}), known)
     except PolicyError as error:
         if error.policy not in strategies:
             raise
         logger.warning("%s", error)
         refused[error.policy] = str(error)
         return _features_of(subject, parameters, known, refused)
-    return found["features"]
+    return tables["features"]
 
 
 def _rotation(key: str, parameters: ExperimentParameters) -> FloatArray | None:
