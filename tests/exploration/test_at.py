@@ -56,6 +56,7 @@ def test_what_is_felt_at_given_points_is_what_the_eye_lets_feel_there(ball):
         ({"at": "here"}, "at holds no numbers"),
         ({"normals": [[0, 0, 1]]}, "normals are given without at"),
         ({"at": [[0, 0, 1]], "viewpoints": 3}, "at and viewpoints are both given"),
+        ({"at": [[0, 0, 1]], "strategy": "random"}, "at and strategy are both given"),
     ],
 )
 def test_points_that_are_none_are_one_sentence(ball, choices, sentence):

@@ -90,7 +90,7 @@ class TouchableObject:
     def touch(
         self,
         viewpoints: int | None = None,
-        strategy: str = "fixation",
+        strategy: str | None = None,
         parameters: Parameters | None = None,
         track: Track = iter,
         *,
@@ -104,8 +104,9 @@ class TouchableObject:
         viewpoints : int, optional
             Number of viewpoints on each ring around the object; by default `viewpoints.count` of `parameters`.
             Not allowed with `at`.
-        strategy : str
-            Name of a strategy or policy of `STRATEGIES`, which chooses the probing locations. Ignored with `at`.
+        strategy : str, optional
+            Name of a strategy or policy of `STRATEGIES`, which chooses the probing locations; by default
+            ``fixation``. Not allowed with `at`.
         parameters : ExperimentParameters or mapping, optional
             All other parameters, such as ``{"sensor.resolution": 16}``. Missing parameters take the
             paper's values, which are the defaults.
@@ -134,33 +135,51 @@ class TouchableObject:
         """
         chosen = self._with_real_size(parameters)
         if at is None and normals is None:
-            rings = {} if viewpoints is None else {"count": viewpoints}
-            probing = {"strategies": (strategy,)}
-            chosen = _with_values(chosen, "touch", probing=probing, viewpoints=rings)
-            check_run(chosen, "touch")
-            tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
-            if not tables["touches"].num_rows:
-                if is_policy(strategy):
-                    raise MeshError(
-                        f"policy {strategy} made no touch of {self.key}: it stopped before the first, or the "
-                        "sensor can't reach its locations."
-                    )
-                raise MeshError(
-                    f"No viewpoint sees a location of {self.key} that the sensor can reach: the object is thinner "
-                    "than a pixel, or too narrow for the sensor. Try a larger rendering.resolution or strategy random."
-                )
-        elif at is None:
+            by = "fixation" if strategy is None else strategy
+            return self._touch_seen_points(viewpoints, by, chosen, track)
+        if at is None:
             raise ParameterError(
                 "normals are given without at; pass the points of the normals as at."
             )
-        elif viewpoints is not None:
-            raise ParameterError("at and viewpoints are both given; pass only one of the two.")
-        else:
-            check_run(chosen, "touch")
-            strategy = GIVEN
-            tables, seconds = touch_given_points(self.key, self.surface, at, normals, chosen)
+        for name, value in (("viewpoints", viewpoints), ("strategy", strategy)):
+            if value is not None:
+                raise ParameterError(f"at and {name} are both given; pass only one of the two.")
+        check_run(chosen, "touch")
+        tables, seconds = touch_given_points(self.key, self.surface, at, normals, chosen)
+        return self._exploration(GIVEN, chosen, tables, seconds)
+
+    def _touch_seen_points(
+        self, viewpoints: int | None, strategy: str, parameters: ExperimentParameters, track: Track
+    ) -> Exploration:
+        """Touch locations that `strategy` chooses per viewpoint. Raises `MeshError` if no location is touched."""
+        rings = {} if viewpoints is None else {"count": viewpoints}
+        probing = {"strategies": (strategy,)}
+        chosen = _with_values(parameters, "touch", probing=probing, viewpoints=rings)
+        check_run(chosen, "touch")
+        tables, seconds = touch_seen_points(self.key, self.surface, chosen, track)
+        if tables["touches"].num_rows:
+            return self._exploration(strategy, chosen, tables, seconds)
+        if is_policy(strategy):
+            raise MeshError(
+                f"policy {strategy} made no touch of {self.key}: it stopped before the first, or the "
+                "sensor can't reach its locations."
+            )
+        raise MeshError(
+            f"No viewpoint sees a location of {self.key} that the sensor can reach: the object is thinner "
+            "than a pixel, or too narrow for the sensor. Try a larger rendering.resolution or strategy random."
+        )
+
+    def _exploration(
+        self,
+        strategy: str,
+        parameters: ExperimentParameters,
+        tables: Mapping[str, pa.Table],
+        seconds: Mapping[str, float],
+    ) -> Exploration:
         seconds = {"prepare": self.seconds, **seconds}
-        return Exploration(self.key, self.surface, chosen, strategy, seconds, tables, self.frame)
+        return Exploration(
+            self.key, self.surface, parameters, strategy, seconds, tables, self.frame
+        )
 
     def _with_real_size(self, values: Parameters | None) -> ExperimentParameters:
         """Set `scene.object_radius_m` from the file's unit if the unit is known and `values` does not set it."""
