@@ -76,7 +76,8 @@ _LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
 
 def look(index: int) -> tuple[str, str]:
     """Return colour and mark of the series with an index; series differ in both, for readers who see no colour."""
-    return COLOURS[_SERIES[index % len(_SERIES)]], _MARKS[index % len(_MARKS)]
+    turn, place = divmod(index, len(_SERIES))
+    return COLOURS[_SERIES[place]], _MARKS[(place + turn) % len(_MARKS)]
 
 
 class Chart(Figure):

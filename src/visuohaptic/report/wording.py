@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.classifiers import CLASSIFIERS
+from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 
 ADAPTIVE = "adaptive touching"
 CONTACT_STATES = {
@@ -42,7 +43,7 @@ def pipeline_name(key: str) -> str:
 
 def strategy_place(key: str) -> int:
     """Return a strategy's index among all strategies; it fixes the strategy's colour and mark in every chart."""
-    names = (*STRATEGIES.names, "adaptive")
+    names = list(dict.fromkeys((*STRATEGIES.names, "adaptive", *LEARNING_POLICIES.names)))
     return names.index(key) if key in names else len(names)
 
 
