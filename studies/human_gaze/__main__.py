@@ -114,7 +114,7 @@ def measure(
             say(f"{rows[0].objects} objects {HELD[part]}: CC, AUC of the top fifth, CC less {base}")
         for row in rows:
             cc, auc = (_words(row.measures[name]) for name in ("correlation", "auc_top"))
-            say(f"  {row.predictor.label:36} {cc:>24} {auc:>24}  {_words(row.gain)}")
+            say(f"  {row.predictor.label:38} {cc:>24} {auc:>24}  {_words(row.gain)}")
 
 
 def _words(value: Interval) -> str:

@@ -59,21 +59,21 @@ def _turned(features: tuple[str, ...]) -> tuple[str, ...]:
 
 
 PREDICTORS = (
-    Predictor("uniform", "the same all over", (), "floor"),
+    Predictor("uniform", "constant", (), "floor"),
     Predictor("centre", "nearness to the middle of the view", ("centre",), "floor"),
     Predictor("facing", "facing the eye", ("facing",), "floor"),
-    Predictor("curvature", "channel curvature alone", ("curvature",), "sum"),
-    Predictor("equal", "our saliency, eight equal weights", tuple(CHANNELS), "sum"),
-    Predictor("channels", "channels, fitted", tuple(CHANNELS), "fitted"),
-    Predictor("view", "channels, centre and facing", (*CHANNELS, *_of_kind("view")), "fitted"),
-    Predictor("place", "place on the object alone", _of_kind("place"), "fitted"),
-    Predictor("shape", "all but place", (*CHANNELS, *_of_kind("view", "shape")), "fitted"),
+    Predictor("curvature", "channel curvature", ("curvature",), "sum"),
+    Predictor("equal", "eight channels, equal weights", tuple(CHANNELS), "sum"),
+    Predictor("channels", "eight channels, fitted", tuple(CHANNELS), "fitted"),
+    Predictor("view", "eight channels, nearness and facing", (*CHANNELS, *_of_kind("view")), "fitted"),
+    Predictor("place", "position terms", _of_kind("place"), "fitted"),
+    Predictor("shape", "all except position terms", (*CHANNELS, *_of_kind("view", "shape")), "fitted"),
     Predictor(
-        "place_turned", "place, front turned at random", _turned(_of_kind("place")), "fitted"
+        "place_turned", "position terms, front turned at random", _turned(_of_kind("place")), "fitted"
     ),
     Predictor("human_turned", "all, front turned at random", _turned(FEATURES), "fitted"),
     Predictor("human", "all channels and terms", FEATURES, "fitted"),
-    Predictor("chosen", "those chosen within the folds", FEATURES, "chosen"),
+    Predictor("chosen", "channels and terms selected per fold", FEATURES, "chosen"),
     Predictor("peer", "the peer's prediction", (), "peer"),
 )
 """All predictors, floors first."""
