@@ -32,7 +32,7 @@ Cells = Mapping[tuple[str, str, int], KeptCell]
 def blocks() -> dict[str, str]:
     """Return the generated parts of the page by name of the block."""
     kept = {name: read_kept(name) for name in SETS}
-    strategies = [strategy_name(name) for name in STRATEGIES]
+    strategies = [f"{strategy_name(name)} (`{name}`)" for name in STRATEGIES]
     heads = ["objects", "classifier", *strategies]
     accuracies = {
         length: table(
@@ -50,10 +50,12 @@ def blocks() -> dict[str, str]:
         "headline": headline(kept),
         **{f"touches_{length}": text for length, text in accuracies.items()},
         "differences": table(
-            ["objects that report", "less ours", "touches", *strategies], differences
+            ["held-out objects", "baseline minus ours", "touches", *strategies], differences
         ),
         "seconds": table(seconds, [row for of_set in kept.values() for row in _seconds(of_set)]),
-        "chosen": table(["classifier", "settings", "choosing half"], list(_chosen())),
+        "chosen": table(
+            ["classifier", "settings", "accuracy on the tuning objects"], list(_chosen())
+        ),
         "sources": _wrapped(f"Measured once and kept; {sources}."),
     }
 
@@ -71,11 +73,11 @@ def headline(kept: Mapping[str, KeptBaselines]) -> str:
     ]
     ahead = [lead for leads in leads_of_sets for lead in leads if lead[0].low > 0]
     if ahead:
-        first = "**A baseline is ahead of our pipeline at five touches**, with a paired interval above 0:"
+        first = "**A baseline is significantly better than our pipeline at five touches**, with a paired interval above 0:"
     else:
         first = (
-            "**No baseline is ahead of our pipeline at five touches** on the objects that report: no paired "
-            "interval lies above 0. The closest, in points less ours:"
+            "**No baseline is significantly better than our pipeline at five touches** on the held-out objects: "
+            "no paired interval lies above 0. The largest mean differences, baseline minus ours in percentage points:"
         )
     closest = [max(leads, key=lambda lead: lead[0].mean) for leads in leads_of_sets]
     lines = [_wrapped(f"- {_lead(*lead)}.", "  ") for lead in ahead or closest]
@@ -94,7 +96,7 @@ def _level(kept: KeptBaselines, names: Sequence[str]) -> str:
         return ""
     count = len(kept.objects) - len(kept.choosing)
     return _wrapped(
-        f"By every strategy {count} objects do not tell ours from: {', '.join(labels)}."
+        f"On {count} objects the intervals of all three strategies include 0: {', '.join(labels)}."
     )
 
 

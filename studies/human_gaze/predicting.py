@@ -65,11 +65,18 @@ PREDICTORS = (
     Predictor("curvature", "channel curvature", ("curvature",), "sum"),
     Predictor("equal", "eight channels, equal weights", tuple(CHANNELS), "sum"),
     Predictor("channels", "eight channels, fitted", tuple(CHANNELS), "fitted"),
-    Predictor("view", "eight channels, nearness and facing", (*CHANNELS, *_of_kind("view")), "fitted"),
-    Predictor("place", "position terms", _of_kind("place"), "fitted"),
-    Predictor("shape", "all except position terms", (*CHANNELS, *_of_kind("view", "shape")), "fitted"),
     Predictor(
-        "place_turned", "position terms, front turned at random", _turned(_of_kind("place")), "fitted"
+        "view", "eight channels, nearness and facing", (*CHANNELS, *_of_kind("view")), "fitted"
+    ),
+    Predictor("place", "position terms", _of_kind("place"), "fitted"),
+    Predictor(
+        "shape", "all except position terms", (*CHANNELS, *_of_kind("view", "shape")), "fitted"
+    ),
+    Predictor(
+        "place_turned",
+        "position terms, front turned at random",
+        _turned(_of_kind("place")),
+        "fitted",
     ),
     Predictor("human_turned", "all, front turned at random", _turned(FEATURES), "fitted"),
     Predictor("human", "all channels and terms", FEATURES, "fitted"),

@@ -16,11 +16,11 @@ HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
 KEPT = HERE / "kept"
 MEASURED = Path("reports/known_objects.json")
-SETS = {"ycb": "YCB", "paper": "the paper's"}
+SETS = {"ycb": "YCB", "paper": "the paper set's"}
 SHOWN = (1, 2, 5, 10, 20)
 """Numbers of touches of the table."""
 
-NAMES = {"fixation": "eye fixations", "random": "random places"}
+NAMES = {"fixation": "eye fixations", "random": "random places, in reach"}
 
 
 def blocks() -> dict[str, str]:

@@ -37,7 +37,7 @@ ORDER_FREE_SETTINGS = ClassifierParameters(
     linear_shrinkage=0.1,
     logistic_penalty=0.03,
 )
-"""Settings of pipeline `order_free`, chosen on 67 objects that report nothing (studies/classifier_settings)."""
+"""Settings of pipeline `order_free`, chosen on 67 objects outside the paper's set (studies/classifier_settings)."""
 
 CALIBRATION_FOLDS = 2
 """Folds of training objects that fit the temperature: in the paper's set two objects of a class train."""
