@@ -48,7 +48,7 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding
         (
             0.68,
             "Not settled by 12 objects",
-            " The interval excludes leads above 7.0 points and lags beyond 3.0.",
+            " The interval excludes a lead above 7.0 points and a lead below −3.0 points.",
         ),
         (0.8, "No, on these objects random touches lead", ""),
     ],
@@ -134,8 +134,8 @@ LEADS = [
 def test_both_readings_on_most_objects_are_said_beside_the_second_answer():
     first, second = map(plain, variant_leads_sentences(VariantsSummary(verdict="no", leads=LEADS)))
     assert first.startswith(
-        "The paper leaves steps open. Our default for these steps was chosen on 130 objects, which may raise the lead "
-        "there. On the 130 objects the lead is +13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
+        "The paper leaves steps open. We chose the default for these steps on 130 objects, and this choice may raise the "
+        "lead on these objects. On the 130 objects the lead of the default is +13.0 points (+8.0 to +18.0) over random places in reach, and \N{MINUS SIGN}2.0 points"
     )
     assert first.endswith("(in this run).")
     dates = {12: "2026-11-23", 130: "2026-11-27"}

@@ -116,10 +116,11 @@ def test_what_an_unknown_pose_changes_is_said_for_both_kinds_of_random_places():
     kept = TurnedSet.model_validate(KEPT["paper"])
     said = plain(unknown_pose_sentence(kept, IntervalParameters()))
     assert said.startswith(
-        "If the pose is unknown instead of known, the lead in pipeline order_free changes by +8.3 points ("
+        "If objects are turned in any way and their pose is unknown, instead of upright with a known pose, the lead in "
+        "pipeline order_free changes by +8.3 points ("
     )
     assert ") over random places in reach and by −8.3 points (" in said
-    assert said.endswith(") over random places in sight (2 objects).")
+    assert said.endswith(") over random places in sight (2 held-out objects).")
 
 
 def test_the_leads_of_turned_objects_are_said_pose_by_pose():

@@ -201,7 +201,7 @@ def pooled_log_probabilities(logs: FloatArray, members: Any) -> FloatArray:
     Returns
     -------
     ndarray of shape (m, c)
-        Normalised. A group is no surer than its surest sequence, because views of one object err alike.
+        Normalised means. The mean replaces the sum because views of one object make similar errors.
     """
     means = members.astype(np.float64) @ logs / members.sum(axis=1, keepdims=True)
     normalised: FloatArray = means - np.logaddexp.reduce(means, axis=1, keepdims=True)

@@ -160,14 +160,16 @@ def fixation_answer(
         return None
     (first, main), *others = compared
     further = [
-        f" {titled(pipeline_name(table.name))}: {with_interval(comparison.difference, points, ' points')}."
+        f" {titled(pipeline_name(table.name))}: {with_interval(comparison.difference, points, ' points')}"
+        f"{'' if comparison.draws else ', one draw of the places'}."
         for table, comparison in others
     ]
     return Answer(
         "Does it help to touch where the eye would fixate?",
         _lead_finding(main.difference, main.objects),
         with_interval(main.difference, points, " points"),
-        f"is the lead of fixation over random places in reach of the sensor, in {pipeline_name(first.name)}"
+        "is the lead of fixation (accuracy by fixation minus accuracy by random places in reach of the sensor) in "
+        f"{pipeline_name(first.name)}"
         f"{_over_draws(main)}.{_excluded(main.difference)}{''.join(further)}",
         "comparison",
         beside=tuple(beside),
@@ -191,8 +193,8 @@ def _excluded(lead: Figure) -> str:
     if lead.low is None or lead.high is None or not lead.low <= 0 <= lead.high:
         return ""
     return (
-        f" The interval excludes leads above {points(lead.high).lstrip('+')} points and lags beyond "
-        f"{points(-lead.low).lstrip('+')}."
+        f" The interval excludes a lead above {points(lead.high).lstrip('+')} points and a lead below "
+        f"{points(lead.low)} points."
     )
 
 
@@ -302,9 +304,10 @@ def variant_leads_sentences(variants: VariantsSummary) -> list[str]:
     when = f"measured on {date}" if date else "in this run"
     return [
         (
-            f"The paper leaves steps open. Our default for these steps was chosen on {objects} objects, which may raise "
-            f"the lead there. On the {objects} objects the lead is {with_interval(reach, points, ' points')} over random places in reach, and "
-            f"{with_interval(visible, points, ' points')} over random places in sight, on the side that the eye sees "
+            f"The paper leaves steps open. We chose the default for these steps on {objects} objects, and this choice may "
+            f"raise the lead on these objects. On the {objects} objects the lead of the default is "
+            f"{with_interval(reach, points, ' points')} over random places in reach, and "
+            f"{with_interval(visible, points, ' points')} over random places on the side that the eye sees (in sight) "
             f"({when})."
         ),
         (

@@ -341,8 +341,8 @@ def unknown_pose_sentence(kept: TurnedSet, intervals: IntervalParameters) -> str
         change = contrast(kept, plus, minus, intervals)
         changes.append(f"by {with_interval(change, points, ' points')} over random places {region}")
     return (
-        f"If the pose is unknown instead of known, the lead in pipeline order_free changes {listed(changes)} "
-        f"({counted(int(kept.reports.sum()), 'object')})."
+        "If objects are turned in any way and their pose is unknown, instead of upright with a known pose, the lead in "
+        f"pipeline order_free changes {listed(changes)} ({counted(int(kept.reports.sum()), 'held-out object')})."
     )
 
 

@@ -150,7 +150,7 @@ TOUCHES = Schema(
             "image",
             pa.list_(pa.float32()),
             "tactile imprint, row by row",
-            "1 contact, 0 beyond the depth range",
+            "1 nearest point, 0 farthest; absolute scale: 1 contact, 0 out of the depth range",
             0,
             1,
         ),

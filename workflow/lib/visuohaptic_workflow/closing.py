@@ -116,8 +116,8 @@ def _compare_with_draws(table: PipelineTable) -> Iterator[str]:
         )
         yield (
             f"Fixation minus {strategy_name(strategy)}, mean of {draws.count} draws: {points(lead.mean)} points "
-            f"({ends}p {probability(compared.p_value)}); one draw moves it by "
-            f"±{percent_points(draws.standard_deviation)}."
+            f"({ends}p {probability(compared.p_value)}); standard deviation over draws "
+            f"{percent_points(draws.standard_deviation)} points."
         )
 
 
