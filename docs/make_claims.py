@@ -60,8 +60,9 @@ def strategy_table(figures: Figures) -> str:
     rows = []
     for strategy, words in STRATEGIES.items():
         cells = [of_classifier(figures[name][strategy])["as run"] for name in pipelines_of(figures)]
-        rows.append([words, *(text for cell in cells for text in (accuracy(cell), lead(cell)))])
-    return table(["places of touch", "paper's pipeline", ahead, "ours", ahead], rows)
+        texts = (text for cell in cells for text in (accuracy(cell), lead(cell)))
+        rows.append([words, f"`{strategy}`", *texts])
+    return table(["places of touch", "strategy", "paper's pipeline", ahead, "ours", ahead], rows)
 
 
 def cue_table(sets: Mapping[str, Figures]) -> str:

@@ -21,10 +21,10 @@ from visuohaptic.studies.figures import Row
 PAGE = Path(__file__).parent / "README.md"
 NOTEBOOK = DOCS / "notebook" / "2026-11-variants.md"
 OPPONENT_WORDS = {
-    "reachable": "in reach",
-    "anywhere": "anywhere",
-    "visible": "among what the eye sees",
-    "walk": "a walk",
+    "reachable": "in reach, `random`",
+    "anywhere": "anywhere, `random_anywhere`",
+    "visible": "among what the eye sees, `random_visible`",
+    "walk": "a walk, `random_walk`",
 }
 
 
@@ -100,7 +100,7 @@ def pair_table(tables: dict[str, list[Row]]) -> str:
             words = (option.replace("_", " ") for option in options)
             lines.append([*words, points(lead.middle), f"{lead.ahead} of {lead.cases}"])
         paragraphs += [
-            f"Set {name}: the two choices explain {share(pair.share, 0)} of how leads differ.",
+            f"Set {name}: the two choices explain {share(pair.share, 0)} of the variance of the leads.",
             table([*labels, "median lead", "fixation ahead"], lines),
         ]
     return "\n\n".join(paragraphs)
@@ -124,8 +124,8 @@ def draws_sentence() -> str:
     text = (
         f"Each variant has one draw of its random places. In {kept.lead.count} draws of the default on the paper's "
         f"set (commit {kept.commit[:12]}) the lead lies between {points(min(kept.lead.leads))} and "
-        f"{points(max(kept.lead.leads))} points, standard deviation {spread}: about so far another draw moves the "
-        "lead of one variant."
+        f"{points(max(kept.lead.leads))} points, standard deviation {spread}: the typical change of a lead from one "
+        "draw to another."
     )
     return textwrap.fill(text, 100, break_on_hyphens=False)
 

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.classifiers import CLASSIFIERS
-from visuohaptic.studies.learning_policies import LEARNING_POLICIES
 
 ADAPTIVE = "adaptive touching"
 CONTACT_STATES = {
@@ -42,9 +41,14 @@ def pipeline_name(key: str) -> str:
 
 
 def strategy_place(key: str) -> int:
-    """Return a strategy's index among all strategies; it fixes the strategy's colour and mark in every chart."""
-    names = list(dict.fromkeys((*STRATEGIES.names, "adaptive", *LEARNING_POLICIES.names)))
-    return names.index(key) if key in names else len(names)
+    """Return a number that fixes a strategy's colour and mark in every chart.
+
+    The number is the index among all strategies. Learning policies of plug-ins follow, by a digest of their names.
+    """
+    names = (*STRATEGIES.names, "adaptive")
+    if key in names:
+        return names.index(key)
+    return len(names) + int(hashlib.sha256(key.encode()).hexdigest(), 16) % 97
 
 
 def titled(name: str) -> str:
