@@ -36,8 +36,9 @@ touches = load_dataset("FOLDER", "touches", split="train").with_format("numpy")
 features = load_dataset("FOLDER", "features", split="train").to_pandas()
 ```
 
-One row per touch in both; `class`, `object`, `viewpoint`, `strategy` and `touch` identify it. `imprint` is 1
-at its nearest point and 0 at its farthest; with `sensor.normalisation: absolute` 1 is contact and 0 is out of the depth range. Lengths are in object radii. Hold out whole objects: touches of one object are alike.
+One row per touch in both; `class`, `object`, `viewpoint`, `strategy` and `touch` identify the row. `imprint` is 1
+at the nearest point of the imprint and 0 at the farthest. With `sensor.normalisation: absolute`, 1 is contact and 0 is
+out of the depth range. Lengths are in object radii. Hold out whole objects: touches of one object are alike.
 
 ## Credits
 

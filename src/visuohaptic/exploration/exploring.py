@@ -135,8 +135,8 @@ class TouchableObject:
         """
         chosen = self._with_real_size(parameters)
         if at is None and normals is None:
-            by = "fixation" if strategy is None else strategy
-            return self._touch_seen_points(viewpoints, by, chosen, track)
+            chooser = "fixation" if strategy is None else strategy
+            return self._touch_seen_points(viewpoints, chooser, chosen, track)
         if at is None:
             raise ParameterError(
                 "normals are given without at; pass the points of the normals as at."
@@ -176,6 +176,7 @@ class TouchableObject:
         tables: Mapping[str, pa.Table],
         seconds: Mapping[str, float],
     ) -> Exploration:
+        """Return the exploration of this object, with the time of its preparation."""
         seconds = {"prepare": self.seconds, **seconds}
         return Exploration(
             self.key, self.surface, parameters, strategy, seconds, tables, self.frame
