@@ -103,3 +103,14 @@ def test_an_unfinished_run_is_refused_in_one_sentence(visuohaptic, run, tmp_path
     ended = visuohaptic("export", "out", folder=run)
     assert "165 touches and 160 rows of features; run `snakemake -j2`" in ended.err
     assert list((run / "out").iterdir()) == []
+
+
+def test_touches_and_features_of_other_touches_are_refused(visuohaptic, run):
+    touches = read_table(TOUCHES, run / "results/touches")
+    viewpoint = touches["viewpoint"].to_numpy() + 7
+    other = with_column(touches, "viewpoint", pa.array(viewpoint, touches["viewpoint"].type))
+    (run / "results/touches/all.parquet").unlink()
+    write_table(TOUCHES, other, run / "results/touches/other.parquet")
+    ended = visuohaptic("export", "out", folder=run)
+    assert "results/touches and results/features hold other touches" in ended.err
+    assert list((run / "out").iterdir()) == []

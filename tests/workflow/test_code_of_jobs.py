@@ -9,15 +9,18 @@ from pathlib import Path
 import grimp
 import pytest
 
+from visuohaptic.base.errors import PlugInError
 from visuohaptic.io.plugins import PlugIn
 from visuohaptic.phases import PHASES
 from visuohaptic.studies.registry import STUDIES
 from visuohaptic_workflow.code_of_jobs import (
     ALWAYS,
     CODE,
+    MOST_BESIDE,
     STEP,
     Runs,
     code_of,
+    files_beside,
     imports_of,
     module_of,
     version_of,
@@ -221,14 +224,47 @@ def names_of_library(code):
 
 @pytest.mark.parametrize(("rule", "homes"), [("recognition", 2), ("fixations", 1), ("meshes", 0)])
 def test_a_plug_in_is_code_of_the_jobs_that_run_what_it_registered_with(toy, rule, homes):
-    Path("mine.py").write_text("import tqdm\nimport other\n")
+    for name, text in {
+        "mine.py": "import tqdm\nimport other\nimport helper\n",
+        "helper.py": "import psutil\n",
+        "data/numbers.json": "[]",
+        "of_another.py": "",
+        ".hidden": "",
+        "__pycache__/helper.pyc": "",
+    }.items():
+        path = Path("plug_ins", name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
     strategies, maps = "visuohaptic.fixations.probing", "visuohaptic.recognition.maps"
-    mine = PlugIn(str(Path("mine.py").absolute()), frozenset({strategies, maps}))
+    mine = PlugIn(str(Path("plug_ins/mine.py").absolute()), frozenset({strategies, maps}))
+    other = PlugIn(
+        str(Path("plug_ins/of_another.py").absolute()), frozenset({"visuohaptic.report"})
+    )
     installed = PlugIn("mine.installed", frozenset({maps}), "pytest")
     plain = code_of(Runs(SCRIPT, CODE[rule]), SOURCES)
-    found = code_of(Runs(SCRIPT, CODE[rule]), SOURCES, [toy], [mine, installed])
+    found = code_of(Runs(SCRIPT, CODE[rule]), SOURCES, [toy], [mine, other, installed])
     added = {str(file) for file in set(found.files) - set(plain.files)}
-    assert added == ({"mine.py", "studies/other.py"} if homes else set())
+    beside = {f"plug_ins/{name}" for name in ("mine.py", "helper.py", "data/numbers.json")}
+    assert added == ({*beside, "studies/other.py"} if homes else set())
     if homes:
+        assert found.versions["psutil"] == version("psutil")
         assert found.versions["tqdm"] == version("tqdm")
     assert found.versions.get("pytest") == (version("pytest") if homes == 2 else None)
+
+
+def test_a_plug_in_without_a_folder_of_its_own_is_refused(tmp_path, monkeypatch):
+    folder = tmp_path / "work"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    for plug_in in (folder / "mine.py", tmp_path / "mine.py"):
+        with pytest.raises(
+            PlugInError,
+            match=f"mine.py needs a folder of its own, .* {plug_in.parent} contains the results",
+        ):
+            files_beside(plug_in)
+    many = tmp_path / "many"
+    many.mkdir()
+    for number in range(MOST_BESIDE + 1):
+        (many / f"{number}.txt").touch()
+    with pytest.raises(PlugInError, match=r"many has more than 1000 files"):
+        files_beside(many / "mine.py")

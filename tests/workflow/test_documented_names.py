@@ -14,6 +14,9 @@ NOT_DOCUMENTED = {
     "main_snakefile",  # whether another workflow uses this one as a module
     "configfiles",  # so that a name given twice in one is refused
     "storage_settings",  # whether records can be read at the start
+    "is_main_process",  # whether this process plans the run, or is a job's on another machine
+    "executor_plugin",  # whether this is a run or a question, such as --summary
+    "dryrun",  # whether files of former jobs stay
 }
 LIBRARY = list(ROOT.glob("workflow/lib/visuohaptic_workflow/*.py"))
 SCRIPTS = list(ROOT.glob("workflow/scripts/*.py"))

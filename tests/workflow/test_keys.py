@@ -1,6 +1,5 @@
 """A record fits where code, packages, parameters, sources and tables are what they were, whatever any time says."""
 
-import json
 import os
 import time
 from pathlib import Path
@@ -9,10 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from visuohaptic_workflow.closing import move_former_files
 from visuohaptic_workflow.code_of_jobs import Code, Runs
 from visuohaptic_workflow.digests import Digests
-from visuohaptic_workflow.keys import NO_RECORD, Job, Keys, read_record
+from visuohaptic_workflow.keys import NEW, NO_RECORD, Job, Keys, read_record
 from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.records import StateError, check_inputs, check_unchanged, write_record
 
@@ -107,6 +105,19 @@ def test_what_is_another_is_named_and_times_say_nothing(run, change, mesh, touch
     assert run.reasons() == [mesh, touch]
 
 
+def test_a_reader_of_a_lost_table_is_stale_and_gets_a_marker(run):
+    run.parameters = {"sensor": {"size": 0.2, "reach": 1}}
+    Path("look.py").write_text("edited")
+    for name in ("mesh.ply", "mesh.json"):
+        Path(name).unlink()
+    keys = run.keys()
+    assert keys.reason_to_run("mesh.json") == NEW
+    assert keys.reason_to_run("touch.json") == "parameters: sensor.size"
+    run.parameters = {"sensor": {"size": 0.3, "reach": 1}}
+    assert run.keys().reason_to_run("touch.json") == "from: mesh"
+    assert mark_stale("touch.json", "from: mesh")
+
+
 def test_a_parameter_is_named(run):
     run.parameters = {"sensor": {"size": 0.2, "reach": 1}}
     assert run.reasons() == [None, "parameters: sensor.size"]
@@ -195,33 +206,6 @@ def test_a_table_that_is_a_write_protected_link_to_a_cache_can_be_made_again_and
     assert table.read_bytes() == cached.read_bytes() == before
     assert not cached.stat().st_mode & 0o200
     assert cached.stat().st_nlink == 1
-
-
-def test_only_what_records_name_and_no_job_of_today_makes_is_put_aside(run):
-    tables = {f"results/{name}.parquet": "" for name in ("gone", "now")}
-    record = {"key": "", "parts": {}, "tables": tables, "log": "logs/gone.log"}
-    texts = dict.fromkeys([*tables, "logs/gone.log", "results/mine.parquet"], "a")
-    for name, text in {**texts, "results/records/cup/gone.json": json.dumps(record)}.items():
-        Path(name).parent.mkdir(parents=True, exist_ok=True)
-        Path(name).write_text(text)
-    (sentence,) = move_former_files(["results/now.parquet"])
-    assert sentence.startswith("3 files of former jobs were moved to .cache/")
-    left = {file.name for folder in ("results", "logs") for file in Path(folder).rglob("*.*")}
-    assert left == {"mine.parquet", "now.parquet"}
-    assert len(list(Path(".cache/aside").rglob("gone.*"))) == 3
-    assert not list(move_former_files(["results/now.parquet"]))
-
-
-def test_a_log_that_a_record_of_today_names_stays_where_an_earlier_record_names_it_too(run):
-    record = {"key": "", "parts": {}, "tables": {}, "log": "logs/frontier.log"}
-    today, earlier = "results/study_records/frontier.json", "results/records/frontier.json"
-    for name in (today, earlier, "logs/frontier.log"):
-        Path(name).parent.mkdir(parents=True, exist_ok=True)
-        Path(name).write_text(json.dumps(record))
-    (sentence,) = move_former_files([today])
-    assert sentence.startswith("1 files")
-    assert Path("logs/frontier.log").exists()
-    assert not Path(earlier).exists()
 
 
 @pytest.mark.parametrize("is_known", [True, False])

@@ -131,3 +131,18 @@ def test_code_edited_while_a_job_runs_certifies_nothing(stand_in):
     assert not list((stand_in.folder / "results/features").rglob("*.parquet"))
     script.write_text(whole)
     assert stand_in.planned("features_all")["features"] == 2
+
+
+def test_an_edit_of_equal_size_within_a_second_is_what_the_next_job_runs(stand_in, tmp_path):
+    module = stand_in.folder / MODULE
+    text = module.read_text()
+    made = []
+    for value in (1, 2):
+        module.write_text(f"{text}\nVALUE = {value}\n")
+        os.utime(module, LONG_AGO)
+        # Bytecode of the first edit has the same size and time as the second edit.
+        code = "import visuohaptic.features.imprint_shape"
+        stand_in.run("python", "-c", code, PYTHONPATH=str(stand_in.folder / "src"))
+        stand_in.snakemake("features_all")
+        made.append((stand_in.folder / TABLE).read_text())
+    assert made[0] != made[1]

@@ -3,10 +3,18 @@
 import atexit
 import json
 import os
-import platform
 import sys
 from functools import cache, partial
 from pathlib import Path
+
+# Whether this process plans the run. Jobs on other machines parse this file too, but use the plan of the run.
+IS_PLANNER = workflow.is_main_process
+ASKED = "VISUOHAPTIC_ASKED"
+if IS_PLANNER:
+    # Set by another run, if this shell or notebook was started by one of its jobs.
+    for inherited in [name for name in os.environ if name.startswith("VISUOHAPTIC_")]:
+        if inherited != ASKED:
+            del os.environ[inherited]
 
 # By the path of this file, because the main Snakefile may be another workflow's.
 ROOT = Path(os.path.abspath(sys._getframe().f_code.co_filename)).parents[2]
@@ -37,7 +45,15 @@ from visuohaptic.io.plugins import (
 from visuohaptic.io.yaml_files import check_config, check_spelling
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic_workflow.blocks import divide
-from visuohaptic_workflow.code_of_jobs import CODE, STEP, Runs, code_of, imports_of
+from visuohaptic_workflow.clocks import date_at_present
+from visuohaptic_workflow.code_of_jobs import (
+    CODE,
+    STEP,
+    Runs,
+    code_of,
+    files_beside,
+    imports_of,
+)
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.dvc_lock import (
     IN_STAGE,
@@ -48,6 +64,7 @@ from visuohaptic_workflow.dvc_lock import (
     make_empty_outputs,
     write_lock,
 )
+from visuohaptic_workflow.former_files import find_former_files, move_aside
 from visuohaptic_workflow.jobs import (
     set_job_environment,
     without_studies_of_clones,
@@ -73,7 +90,7 @@ from visuohaptic_workflow.termination import (
     is_termination_received,
     pass_termination_on,
 )
-from visuohaptic_workflow.why import ASKED, verify, why
+from visuohaptic_workflow.why import verify, why
 
 # The environment of the caller, for the process that writes DVC's lock.
 ENVIRONMENT = {
@@ -85,9 +102,6 @@ set_job_environment(*SOURCES)
 sys.path[:] = [*without_studies_of_clones(sys.path), *map(str, STUDY_FOLDERS)]
 # Whether this is the main workflow. If it is a module, the main workflow decides which jobs run.
 IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
-# Whether this process plans the run. Jobs on other machines parse this file too, but use the plan of the run.
-HERE = f"{platform.node()}:{os.getpid()}"
-IS_PLANNER = os.environ.setdefault("VISUOHAPTIC_RUN", HERE) == HERE
 # Whether keys decide which jobs run. Otherwise Snakemake's own metadata decide: in a storage, where records can't be
 # read at the start, and in another workflow.
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None
@@ -97,10 +111,17 @@ DIGESTS = Digests(".cache/digests.json")
 READ_IMPORTS = partial(DIGESTS.read_cached, imports_of)
 
 
+def move_former_files_if_nothing_ran():
+    """Move files of former jobs aside at the end of a run in which all files were current; hooks are not called then."""
+    if is_run() and COVERED and not is_claimed_by_another():
+        move_former_files()
+
+
 def stop(sentence):
     """Print an error and exit; as a module of another workflow, raise `WorkflowError`."""
     if not IS_MAIN:
         raise WorkflowError(sentence)
+    atexit.unregister(move_former_files_if_nothing_ran)
     print(f"error: {sentence}", file=sys.stderr)
     sys.exit(1)
 
@@ -148,6 +169,9 @@ if IS_MAIN and IS_PLANNER:
 # Load plug-ins before parameters are checked against registered names. Jobs load them when they import the package.
 or_stop(load_installed)
 or_stop(load_files, config.get("plugins", []))
+for plug_in in loaded():
+    if plug_in.file:
+        or_stop(files_beside, plug_in.file)
 load_in_child_processes()
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
@@ -185,11 +209,20 @@ VALUES = {
 VALUES_OF_RULES = {}
 
 
+# Regular expressions of wildcards.
+CONSTRAINTS = {
+    "objects": "[^/]+/[^/]+",
+    "views": r"\d+-\d+",
+    "pipeline": "[a-z_]+",
+    "strategy": "[a-z_]+",
+    "strategies": "[a-z_+]+",
+}
+# Patterns of files of former jobs that fit no output of a rule of today, by rule.
+FORMER_PATTERNS = {}
+
+
 wildcard_constraints:
-    objects="[^/]+/[^/]+",
-    views=r"\d+-\d+",
-    pipeline="[a-z_]+",
-    strategy="[a-z_]+",
+    **CONSTRAINTS,
 
 
 def in_clone(files):
@@ -258,6 +291,10 @@ DECLARED = {}
 # Snapshots of the jobs of this run (`Keys.snapshot`), by record. Jobs on other machines read them from the file.
 SNAPSHOTS_FILE = Path("logs/snapshots.json")
 SNAPSHOTS = {}
+# Inputs of jobs of this run that were modified in the future, and now have the present time.
+DATED = []
+# Records of the jobs that the targets of this run cover, whether they run or not.
+COVERED = set()
 
 
 def takes(name, script=None, own=(), **files_by_name):
@@ -278,6 +315,7 @@ def takes(name, script=None, own=(), **files_by_name):
         if not IS_PLANNER:
             return files
         record = fill(str(getattr(rules, name).output.record), wildcards)
+        COVERED.add(record)
         return inputs_by_key(record, files)
 
     return unpack(inputs)
@@ -291,12 +329,20 @@ def inputs_by_key(record, files):
             part: ancient(item) if isinstance(item, str) else [*map(ancient, item)]
             for part, item in files.items()
         }
-    SNAPSHOTS[record] = keys().snapshot(record)
     # Another run makes the files, or this run will wait for it.
     if is_claimed_by_another():
+        SNAPSHOTS[record] = keys().snapshot(record)
         return files
+    if is_run():
+        DATED.extend(or_stop(date_at_present, keys().jobs[record].inputs))
+    SNAPSHOTS[record] = keys().snapshot(record)
     marker = or_stop(mark_stale, record, reason, keys().jobs[record].tables)
     return {**files, "why": [*marker, *sorted(keys().stale_upstream(record))]}
+
+
+def is_run():
+    """Return whether this process runs jobs or finds that none has to run, unlike a dry run or a question."""
+    return workflow.executor_plugin is not None and not workflow.dryrun
 
 
 def key_of_job(wildcards, output):
@@ -339,28 +385,58 @@ def all_cores(wildcards):
     return workflow.cores or 1
 
 
+def former_files(covered):
+    """List files of former jobs in the folders of the tables of some jobs, by their records."""
+    makers = {keys().jobs[record].rule for record in covered}
+    patterns = [str(file) for name in makers for file in getattr(rules, name).output]
+    patterns += [file for name in makers for file in FORMER_PATTERNS.get(name, ())]
+    return find_former_files(keys().jobs, covered, patterns, CONSTRAINTS)
+
+
+def move_former_files():
+    """Move files of former jobs aside, so that the tables that this run covers hold only rows of this run."""
+    if former := former_files(COVERED):
+        target = or_stop(move_aside, former)
+        print(
+            f"{len(former)} files of former jobs were moved to {target}.",
+            file=sys.stderr,
+        )
+
+
+if DECIDES and ASKED not in os.environ:
+    atexit.register(move_former_files_if_nothing_ran)
+
+
 def answer_make():
     """Answer `make why` or `make verify`, or write DVC's lock, and exit, if environment variable ASKED is set."""
     if not DECIDES or ASKED not in os.environ:
         return
     targets, is_fine = [*map(str, rules.all.input)], True
+    former = former_files(keys().jobs)
     if os.environ[ASKED] == "lock":
         or_stop(claim_results)
-        or_stop(write_lock, keys(), targets, are_parameters_current)
+        or_stop(write_lock, keys(), targets, are_parameters_current, former)
         sys.exit()
-    lines = why(keys(), targets)
+    lines = why(keys(), targets, former)
     if os.environ[ASKED] == "verify":
-        lines, is_fine = verify(keys())
+        lines, is_fine = verify(keys(), former)
     print(*lines, sep="\n")
     sys.exit(not is_fine)
 
 
 def start_run():
     """Lock this folder for the run, and write the snapshots of its jobs."""
-    if DECIDES:
-        or_stop(claim_folder)
-        pass_termination_on()
-        atomic_write_text(SNAPSHOTS_FILE, json.dumps(SNAPSHOTS))
+    if not DECIDES:
+        return
+    atexit.unregister(move_former_files_if_nothing_ran)
+    or_stop(claim_folder)
+    pass_termination_on()
+    atomic_write_text(SNAPSHOTS_FILE, json.dumps(SNAPSHOTS))
+    if DATED:
+        print(
+            f"{len(DATED)} files were modified in the future, such as {DATED[0]}; they now have the present time.",
+            file=sys.stderr,
+        )
 
 
 def close_run():
@@ -368,16 +444,14 @@ def close_run():
     if not DECIDES:
         return
     # Imports Arrow, which a run without jobs does not need.
-    from visuohaptic_workflow.closing import lines_at_end, move_former_files
+    from visuohaptic_workflow.closing import lines_at_end
 
     end_at_once()
+    move_former_files()
     key_of = {record: read_record(record).get("key") for record in keys().jobs}
     stale = {record: key for record, key in key_of.items() if key != keys().key(record)}
     report_is_current = "results/records/report.json" not in stale
     lines = []
-    if report_is_current:
-        named = {file for job in keys().jobs.values() for file in job.outputs}
-        lines += move_former_files(named)
     if any(stale.values()):
         count = sum(key is not None for key in stale.values())
         lines.append(f"{count} records are not current: `make verify` lists them.")

@@ -6,6 +6,11 @@ Reads results/features/. Writes the tables results/scores/ and results/predictio
 # Part of the record's name: with other strategies the job has another record, and files of former strategies are moved
 # aside.
 STRATEGIES_ASKED = "+".join(PARAMETERS.probing.strategies)
+FORMER_PATTERNS["recognition"] = [
+    "results/scores/{pipeline}/{strategy}.parquet",
+    "results/predictions/{pipeline}/{strategy}.parquet",
+    "results/records/recognition/{pipeline}/{strategies}.json",
+]
 
 
 rule recognition_all:

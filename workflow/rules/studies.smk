@@ -10,11 +10,15 @@ report; for studies in Python, so does `<study>_all`. Later runs update the stud
 (`workflow.keep_studies_current`). Studies have rules only if they are requested, have files, or are part of the run.
 """
 
+CONSTRAINTS |= {
+    "study": "|".join(sorted(STUDIES)),
+    "key": "[0-9a-f]+",
+    "block": r"\d+-\d+",
+}
+
 
 wildcard_constraints:
-    study="|".join(sorted(STUDIES)),
-    key="[0-9a-f]+",
-    block=r"\d+-\d+",
+    **CONSTRAINTS,
 
 
 # Target study_<study> for each study, with the report. Also <study>_all for each study of the package or in Python, with

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 import yaml
@@ -14,6 +14,9 @@ from visuohaptic.base.atomic_files import atomic_file, atomic_write_text
 from visuohaptic.base.errors import ExportError
 from visuohaptic.cli.printing import JsonOption, folder_to_write, say, say_json
 from visuohaptic.meshes.catalogue import Credit, read_credits
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 ROWS = 1024
 """Touches in memory at a time and per row group: 4 MB for imprints of 32 × 32."""
@@ -77,6 +80,10 @@ def export(
         if touches != features.num_rows:
             rows = f"{touches} touches and {features.num_rows} rows of features"
             raise ExportError(f"The run has {rows}; run `snakemake -j2` first.")
+        if _read_keys(files).columns != features.select(list(FEATURES.keys)).columns:
+            raise ExportError(
+                "results/touches and results/features hold other touches; run `snakemake -j2` first."
+            )
     write_table(FEATURES, features, folder / "features.parquet")
     atomic_write_text(folder / "README.md", _card(objects, read_credits(CREDITS), touches))
     size = sum(file.stat().st_size for file in folder.iterdir())
@@ -84,6 +91,19 @@ def export(
         say_json({"folder": folder, "touches": touches, "objects": len(objects), "bytes": size})
     else:
         say(f"{folder}: {touches} touches of {len(objects)} objects, {size / 1e6:.1f} MB")
+
+
+def _read_keys(files: Sequence[Path]) -> pa.Table:
+    """Read the keys of touches, sorted as `read_table` sorts them."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    from visuohaptic.tables.phases import TOUCHES
+
+    names = list(TOUCHES.keys)
+    parts = [pq.ParquetFile(file).read(columns=names) for file in files]
+    rows = pa.concat_tables(parts).replace_schema_metadata()
+    return rows.select(names).sort_by([(name, "ascending") for name in names])
 
 
 def _write_touches(files: Sequence[Path], path: Path) -> int:

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
-import time
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +19,9 @@ from visuohaptic.report.wording import (
     strategy_name,
 )
 from visuohaptic.stability.rows import broken_tolerances
-from visuohaptic_workflow.keys import read_record
 
 METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
-RECORDS = [Path("results", kind) for kind in ("records", "study_records", "model_records")]
-"""Folders with the records of jobs: of the run, of studies, and of models."""
-ASIDE = Path(".cache/aside")
-"""The folder for files of former jobs; each move makes a subfolder with the time in its name."""
 
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
@@ -124,43 +116,3 @@ def _compare_with_draws(table: PipelineTable) -> Iterator[str]:
 def _interval(low: float | None, high: float | None) -> str:
     """Return the ends of an interval in percent, in brackets after a blank; an empty string without ends."""
     return "" if low is None or high is None else f" ({100 * low:.1f} to {100 * high:.1f})"
-
-
-def move_former_files(current_files: Collection[str]) -> list[str]:
-    """Move files of former jobs to a subfolder of `ASIDE`.
-
-    A record in `RECORDS` belongs to a former job if it is not in `current_files`. The record, its tables and its log
-    are moved. Files that no record names stay. After a change of the blocks of objects, files of former blocks
-    would otherwise repeat rows of the same objects, because readers read all files of a folder.
-
-    Parameters
-    ----------
-    current_files : collection of str
-        Paths of all outputs of the present jobs, including their records, relative to the working directory. These
-        files and the logs of their records stay.
-
-    Returns
-    -------
-    list of str
-        One sentence with the number of moved files and their folder; empty if none were moved.
-    """
-    former = []
-    records = {str(record) for folder in RECORDS for record in folder.rglob("*.json")}
-    # A present job may share its log with a former job.
-    present = map(read_record, records.intersection(current_files))
-    to_stay = {*current_files, *(content["log"] for content in present if content)}
-    for record in sorted(records.difference(to_stay)):
-        former.append(record)
-        if content := read_record(record):
-            former += [*content["tables"], content["log"]]
-    target = ASIDE / time.strftime("%Y-%m-%d-%H%M%S")
-    moved = [
-        file for file in dict.fromkeys(former) if file not in to_stay and os.path.lexists(file)
-    ]
-    for file in map(Path, moved):
-        (target / file).parent.mkdir(parents=True, exist_ok=True)
-        file.rename(target / file)
-        with suppress(OSError):  # `rmdir` fails at the first folder that is not empty
-            for folder in file.parents[:-2]:
-                folder.rmdir()
-    return [f"{len(moved)} files of former jobs were moved to {target}."] if moved else []

@@ -13,10 +13,14 @@ from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from visuohaptic.base.errors import PlugInError
+
 if TYPE_CHECKING:
     from visuohaptic.io.plugins import PlugIn
 
 LIBRARY = "visuohaptic"
+MOST_BESIDE = 1000
+"""The largest number of files in the folder of a plug-in."""
 ALWAYS = ("base",)
 """Folders that belong to every row of `CODE`."""
 
@@ -146,8 +150,8 @@ def code_of(
     studies : sequence of Path
         Further folders with modules that `runs.own` and plug-ins may import.
     plug_ins : iterable of PlugIn
-        Loaded plug-ins. Plug-ins that registered with a module of the job count: files with their imports, installed
-        packages with their version.
+        Loaded plug-ins. Plug-ins that registered with a module of the job count: files with their imports and the files
+        beside them (`files_beside`), installed packages with their version.
     read : Read
         Reads the imports of a file.
 
@@ -157,14 +161,20 @@ def code_of(
         The files and versions.
     """
     names = {*ALWAYS, *runs.places}
+    plug_ins = [*plug_ins]
+    in_use = {plug_in.file for plug_in in plug_ins if plug_in.file is not None}
     plug_ins = [
         plug_in
         for plug_in in plug_ins
         if any(_is_within(registry, names) for registry in plug_in.registries)
     ]
-    own = [*runs.own, *(plug_in.file for plug_in in plug_ins if plug_in.file is not None)]
-    files, imported = _files_outside(own, studies, read)
-    own_modules = {file.stem for file in files}
+    of_job = [plug_in.file for plug_in in plug_ins if plug_in.file is not None]
+    folders = [*studies, *dict.fromkeys(file.parent for file in of_job)]
+    files, imported = _files_outside([*runs.own, *of_job], folders, read)
+    # Another plug-in in use counts where it is registered, or if it is imported.
+    beside = {file for plug_in in of_job for file in files_beside(plug_in)}
+    files |= {*map(_relative_to_cwd, beside - in_use)}
+    own_modules = {file.stem for file in files if file.suffix == ".py"}
     # Imports from the library beyond the job's row: add the row of the imported folder, or else the whole library.
     for module in imported:
         if module.startswith(f"{LIBRARY}.") and not _is_within(module, names):
@@ -181,6 +191,33 @@ def code_of(
     packages |= {str(plug_in.package) for plug_in in plug_ins if plug_in.package}
     versions = {package: version_of(package) for package in sorted(packages)}
     return Code(tuple(sorted(files)), versions)
+
+
+@cache
+def files_beside(plug_in: Path) -> tuple[Path, ...]:
+    """List all files in the folder of a plug-in and its subfolders, except hidden files and bytecode.
+
+    A plug-in can read any of these files in ways that no import shows, so all of them belong to a job's key.
+
+    Raises
+    ------
+    PlugInError
+        If the folder contains the working folder, which has results, or more than `MOST_BESIDE` files.
+    """
+    folder = plug_in.parent
+    sentence = (
+        f"plug-in {plug_in} needs a folder of its own, such as plug_ins/{plug_in.name}, because every file beside a "
+        "plug-in decides which jobs run"
+    )
+    if Path.cwd().is_relative_to(folder):
+        raise PlugInError(f"{sentence}; {folder} contains the results.")
+    files = []
+    for place, folders, names in os.walk(folder):
+        folders[:] = [name for name in folders if name != "__pycache__" and name[0] != "."]
+        files += [Path(place, name) for name in names if name[0] != "." and name[-4:] != ".pyc"]
+        if len(files) > MOST_BESIDE:
+            raise PlugInError(f"{sentence}; {folder} has more than {MOST_BESIDE} files.")
+    return tuple(sorted(files))
 
 
 def module_of(name: str) -> str:
@@ -226,7 +263,7 @@ def _files_outside(
     imported: set[str] = set()
     waiting = list(files)
     while waiting:
-        file = Path(os.path.relpath(waiting.pop()))
+        file = _relative_to_cwd(waiting.pop())
         if file in visited:
             continue
         visited.add(file)
@@ -238,6 +275,10 @@ def _files_outside(
         modules = [name for name in names if name.partition(".")[0] not in {"", LIBRARY}]
         waiting += [path for name in modules for path in _files_of_module(name, folders)]
     return visited, imported
+
+
+def _relative_to_cwd(file: Path) -> Path:
+    return Path(os.path.relpath(file))
 
 
 def _files_of_module(name: str, folders: Sequence[Path]) -> list[Path]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
@@ -79,7 +79,10 @@ def lock_in_new_process(environment: Mapping[str, str]) -> None:
 
 
 def write_lock(
-    keys: Keys, targets: Iterable[str], are_parameters_current: Callable[[], bool]
+    keys: Keys,
+    targets: Iterable[str],
+    are_parameters_current: Callable[[], bool],
+    former: Sequence[str] = (),
 ) -> None:
     """Let DVC write its lock for the results behind `targets`.
 
@@ -91,12 +94,19 @@ def write_lock(
         Files of the run.
     are_parameters_current : callable
         Reads ``params.yaml`` again and returns whether the keys have the same parameters.
+    former : sequence of str
+        Files of former jobs, which DVC would take for results.
 
     Raises
     ------
     LockError
-        If a record is not current, an input or result changes meanwhile, or DVC fails. The lock is then unchanged.
+        If a record is not current, files of former jobs are there, an input or result changes meanwhile, or DVC fails.
+        The lock is then unchanged.
     """
+    if former:
+        raise LockError(
+            f"{_UNCHANGED}: {former[0]} is of a former job; `snakemake -j2` moves such files aside."
+        )
     records = keys.needed_for(targets)
     if stale := [record for record in records if keys.reason_to_run(record)]:
         raise LockError(

@@ -163,7 +163,7 @@ class Keys:
 
         Only the first difference is named, such as ``parameters: sensor.size``, ``code: <file>`` or ``table: <file>``;
         `NEW` if the job has neither record nor table. If only the key of a job upstream differs, the result is the
-        reason of that job, or ``from: <rule>`` if that job is current but ran after this job.
+        reason of that job, or ``from: <rule>`` if that job is current but ran after this job, or has lost its files.
         """
         recorded, tables = read_record(record), self.jobs[record].tables
         if not recorded:
@@ -230,7 +230,8 @@ class Keys:
                 return f"{name}: {path.removeprefix('parameters.')}"
         for maker, key in now["from"].items():
             if recorded.get("from", {}).get(maker) != key:
-                return self.reason_not_current(maker) or f"from: {self.jobs[maker].rule}"
+                reason = self.reason_not_current(maker)
+                return f"from: {self.jobs[maker].rule}" if reason in {None, NEW} else reason
         return "from: other files"
 
     def _key_for_reader(self, maker: str, reader: str) -> str:
