@@ -34,12 +34,17 @@ def copy_experiment(folder, copied, objects, parameters):
             shutil.copytree(source, target, ignore=shutil.ignore_patterns("*.pyc.*"))
         else:
             shutil.copy2(source, target)
+    write_catalogue(folder, objects)
+    set_parameters(folder, merged(FEW_SETTINGS, parameters))
+
+
+def write_catalogue(folder, objects):
+    """Write a catalogue of some objects of the repository's."""
     rows = list(csv.DictReader((ROOT / "meshes/catalogue.csv").open(newline="")))
     with (folder / "meshes/catalogue.csv").open("w", newline="") as stream:
         writer = csv.DictWriter(stream, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(row for row in rows if row["object"] in objects)
-    set_parameters(folder, merged(FEW_SETTINGS, parameters))
 
 
 def set_parameters(folder, sections):

@@ -12,7 +12,7 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 
-from workflow.stand_ins import MODULES, hash_given
+from workflow.stand_ins import MODULES, hash_given, plug_in_contents
 
 TESTS = Path(__file__).parents[1]
 
@@ -42,8 +42,8 @@ def names_of_snakefile(config):
 
 def number_in(path, name):
     """Read a number that a module defines, or 0."""
-    found = re.search(rf"^{name} = (\d+)$", Path(path).read_text(), re.M)
-    return int(found[1]) if found else 0
+    found = re.findall(rf"^{name} = (\d+)$", Path(path).read_text(), re.M)
+    return int(found[-1]) if found else 0
 
 
 def value_of(rule):
@@ -52,13 +52,13 @@ def value_of(rule):
     return number_in(f"src/{MODULES[rule].replace('.', '/')}.py", "VALUE")
 
 
-def make(record, keys, made):
+def make(record, keys, made, plug_ins=()):
     """Do what a job's stand-in does, and before it those that it takes from; `made` gets the parts of each file."""
     job = keys.jobs[record]
     for maker in keys.makers(job.inputs):
         if keys.jobs[maker].tables[0] not in made:
-            make(maker, keys, made)
-    given = {}
+            make(maker, keys, made, plug_ins)
+    given = plug_in_contents(job.rule, plug_ins)
     for file in job.inputs:
         given |= made[file] if file in made else {file: Path(file).read_bytes()}
     version = number_in(job.runs.script, "VERSION")
@@ -68,19 +68,52 @@ def make(record, keys, made):
         made[file] = {part: f"{part} {found}".encode()}
 
 
-def main():
-    sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
-    made = {}
-    with names_of_snakefile({}) as names:
-        keys = names["keys"]()
-        for record in keys.needed_for(map(str, names["rules"].all.input)):
-            make(record, keys, made)
-    results = {
+def files_of_targets(rules, targets):
+    """List the files that targets on a command line of Snakemake name."""
+    files = []
+    for target in targets:
+        files += [target] if "/" in target else map(str, getattr(rules, target).input)
+    return files
+
+
+def clean_results(names, targets=("all",)):
+    """Give the SHA-256 of every result that a run from nothing would make for some targets."""
+    made, keys = {}, names["keys"]()
+    plug_ins = names["PARAMETERS"].plugins
+    for record in keys.needed_for(files_of_targets(names["rules"], targets)):
+        make(record, keys, made, plug_ins)
+    return {
         name: hashlib.sha256(content).hexdigest()
         for parts in made.values()
         for name, content in parts.items()
         if name.startswith(("results/", "reports/"))
     }
+
+
+def print_inspection(targets):
+    """Print as JSON what a run from nothing would make for some targets, and what `make why` and `make verify` say."""
+    from visuohaptic_workflow.why import verify, why
+
+    config = json.loads(os.environ.get("TEST_CONFIG", "{}"))
+    with names_of_snakefile(config) as names:
+        keys, rules = names["keys"](), names["rules"]
+        stale, is_fine = verify(keys)
+        found = {
+            "results": clean_results(names, targets),
+            "covered": keys.needed_for(files_of_targets(rules, targets)),
+            "wanted": files_of_targets(rules, targets),
+            "named": sorted({file for job in keys.jobs.values() for file in job.outputs}),
+            "why": [*why(keys, files_of_targets(rules, targets))],
+            "verify": stale,
+            "is_fine": is_fine,
+        }
+    sys.stdout.write(f"{json.dumps(found)}\n")
+
+
+def main():
+    sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
+    with names_of_snakefile({}) as names:
+        results = clean_results(names)
     sys.stdout.write(json.dumps(results))
 
 

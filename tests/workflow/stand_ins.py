@@ -4,6 +4,7 @@ import hashlib
 import inspect
 import json
 from importlib.metadata import version
+from pathlib import Path
 
 from small_experiment import COPIED, SMALL_OBJECTS, copy_experiment
 
@@ -32,10 +33,18 @@ def hash_given(rule, version_of_script, value, params, contents):
     return given.hexdigest()
 
 
+def plug_in_contents(rule, plug_ins):
+    """Give what the plug-ins in use hold, with the files beside them; only fixations are made with plug-ins here."""
+    folders = {Path(file).parent for file in plug_ins} if rule == "fixations" else ()
+    files = [file for folder in folders for file in sorted(folder.rglob("*.*"))]
+    return {file.name: file.read_bytes() for file in files if file.suffix != ".pyc"}
+
+
 STAND_IN = f'''"""Writes a hash of all that the job was given."""
 
 import hashlib
 import json
+import os
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
@@ -48,17 +57,22 @@ VERSION = 0
 
 {inspect.getsource(hash_given)}
 
+{inspect.getsource(plug_in_contents)}
+
 # Another workflow that uses this one as a module gives its rules a prefix.
 rule = snakemake.rule.removeprefix("visuohaptic_")
 
 with job(snakemake):
     code = import_module(MODULES[rule]) if rule in MODULES else None
-    contents = {{}}
+    plug_ins = filter(None, os.environ.get("VISUOHAPTIC_PLUGINS", "").split(os.pathsep))
+    contents = plug_in_contents(rule, plug_ins)
     for file in map(Path, {{*snakemake.input}} - {{*snakemake.input.get("why", ())}}):
         for part in [file] if file.is_file() else file.glob("*.ply"):
             contents[str(part)] = part.read_bytes()
     found = hash_given(rule, VERSION, getattr(code, "VALUE", 0), snakemake.params, contents)
     record = snakemake.output.record
+    # A test may disturb the job here (quick_commands.py).
+    globals().get("disturb", list)([file for file in snakemake.output if file != record])
     for file in map(Path, snakemake.output):
         if rule == "meshes" and str(file) != record:
             file.mkdir()

@@ -1,0 +1,142 @@
+"""Whatever happens to a working folder, the next run gives the results of a clean one, and nothing else lies beside."""
+
+from collections import Counter
+
+import pytest
+import trimesh
+from hypothesis import settings
+from hypothesis.stateful import run_state_machine_as_test
+from workflow.folder_machine import PLUG_IN, FolderMachine, add_branches
+from workflow.quick_commands import serving
+
+pytestmark = pytest.mark.workflow
+
+EXAMPLES, HARD_EXAMPLES, STEPS = 12, 300, 12
+
+
+@pytest.fixture(scope="module")
+def machine(whole_stand_in, repository, tmp_path_factory):
+    """A state machine that begins with a finished run, plain or in a repository with branches and experiments."""
+    work = tmp_path_factory.mktemp("machine")
+    (work / "repository").mkdir()
+    trimesh.creation.box().export(work / "box.stl")
+    with serving() as open_folder:
+        repository.copy(work / "repository/experiment")
+        branched = open_folder(work / "repository/experiment")
+        add_branches(branched)
+
+        class Machine(FolderMachine):
+            pass
+
+        Machine.starts = {"plain": whole_stand_in, "repository": branched}
+        Machine.work, Machine.box, Machine.counts = work, work / "box.stl", Counter()
+        Machine.open_folder = staticmethod(open_folder)
+        yield Machine
+
+
+@pytest.fixture
+def folder(machine):
+    """The machine at a plain folder, to take the steps of a test."""
+    taken = machine()
+    taken.begin("plain")
+    yield taken
+    taken.teardown()
+
+
+def test_after_each_run_the_folder_holds_what_a_clean_run_makes(machine, pytestconfig):
+    is_hard = pytestconfig.getoption("--stability", None)
+    run_state_machine_as_test(
+        machine,
+        settings=settings(
+            max_examples=HARD_EXAMPLES if is_hard else EXAMPLES,
+            stateful_step_count=STEPS,
+            deadline=None,
+            report_multiple_bugs=False,
+        ),
+    )
+    assert machine.counts["runs checked"] > EXAMPLES
+
+
+# Steps that once ended in wrong tables.
+
+
+@pytest.mark.parametrize("phase", ["fixations", "touches"])
+def test_a_lost_phase_is_made_again_before_its_readers_after_a_change(folder, phase):
+    folder.set_parameter({"sensor": {"largest_size": 0.2}})
+    folder.lose_phase(phase)
+    folder.run("features_all")
+
+
+@pytest.mark.parametrize("job", range(1, 5))
+def test_a_run_that_failed_since_code_was_saved_succeeds_with_a_target(folder, job):
+    folder.edit_module("touches", 1, is_old=False)
+    file = str(folder.module("touches"))
+    folder.run_with_fault("reports/metrics.json", "write", job, file, "\nVALUE = 2\n")
+
+
+@pytest.mark.parametrize("has_records", [True, False])
+def test_former_blocks_are_moved_aside_with_a_target(folder, has_records):
+    folder.set_parameter({"viewpoints": {"count": 3}})
+    folder.run("features_all")
+    folder.set_parameter({"viewpoints": {"count": 2}})
+    if not has_records:
+        folder.delete_folder("results/records")
+    folder.run("features_all")
+
+
+def test_former_blocks_are_moved_aside_if_nothing_has_to_run(folder):
+    folder.set_parameter({"viewpoints": {"count": 3}})
+    folder.run("features_all")
+    folder.set_parameter({"viewpoints": {"count": 2}})
+    folder.run("features_all")
+    aside = folder.folder / ".cache/aside"
+    (file,) = aside.glob("*/results/touches/bottle/bs0_yogurtBottle/02-02.parquet")
+    file.rename(folder.folder / "results/touches/bottle/bs0_yogurtBottle/02-02.parquet")
+    assert "02-02.parquet: the next run moves them aside" in folder.ask("why")
+    assert "02-02.parquet: the next run moves them aside" in folder.ask("verify")
+    folder.run("features_all")
+
+
+def test_a_dry_run_moves_nothing(folder):
+    folder.set_parameter({"viewpoints": {"count": 1}})
+    before = folder.own_and_results()
+    folder.command("snakemake", "-n", "--", "features_all")
+    assert folder.own_and_results() == before
+
+
+def test_tables_of_other_phases_stay_if_a_run_covers_some(folder):
+    folder.set_parameter({"workflow": {"objects_per_job": 1}})
+    before = {file for file in folder.own_and_results() if "features" in file}
+    folder.run("touches_all")
+    assert before <= folder.own_and_results()
+
+
+@pytest.mark.parametrize(
+    "name", [PLUG_IN, "plug_ins/helper_of_mine.py", "plug_ins/more/numbers.json"]
+)
+def test_an_edit_of_a_plug_in_or_a_file_beside_reruns_its_phase(folder, name):
+    folder.use_plug_in(True)
+    folder.run("features_all")
+    folder.edit_plug_in_or_a_file_beside(name, 2)
+    folder.run("features_all")
+
+
+def test_variables_of_another_run_change_nothing(folder):
+    folder.enter_environment(
+        {
+            "VISUOHAPTIC_RUN": "elsewhere:1",
+            "VISUOHAPTIC_PLUGINS": "/gone/plug_in.py",
+            "VISUOHAPTIC_ARGUMENTS": '["study_ablations"]',
+        }
+    )
+    folder.set_parameter({"sensor": {"largest_size": 0.2}})
+    folder.run("all")
+
+
+@pytest.mark.parametrize("what", ["results", "sources", "both"])
+def test_files_of_the_future_do_not_stop_a_run(folder, what):
+    folder.set_clock(what, "future")
+    folder.edit_source(back=False)
+    folder.set_clock(what, "future")
+    folder.set_parameter({"sensor": {"largest_size": 0.2}})
+    folder.run("all")
