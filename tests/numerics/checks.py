@@ -93,6 +93,7 @@ _ALL = (
     Check(invariance.mesh_places, 4, 300, "normalise"),
     Check(invariance.mesh_units, 1, 20, "normalise"),
     Check(invariance.mesh_descriptions, 2, 40, "normalise"),
+    Check(invariance.branching_edges, 4, 80, "measure_shape"),
     Check(determinism.kernel_batches, 3, 100, "summarise_signals"),
     Check(determinism.touch_batches, 3, 150, "touch"),
     Check(determinism.view_batches, 3, 60, "attend"),

@@ -86,6 +86,81 @@ def draw_triangles(generator, count, size=0.4):
     return float32_exact(build_plain_surface(corners.reshape(-1, 3), faces))
 
 
+def pages(degrees, *, wound=False, cells=1):
+    """Give a rectangle per angle, like pages of a book: all share one edge, which is the y axis.
+
+    If `wound`, every second page is wound the other way. `cells` are the rectangles along the edge.
+    """
+    turns = np.radians(np.asarray(degrees, dtype=float))
+    heights = np.linspace(-0.5, 0.5, cells + 1)
+    spine = np.outer(heights, [0.0, 1.0, 0.0])
+    rims = [spine + np.array([np.cos(turn), 0.0, np.sin(turn)]) for turn in turns]
+    low = np.arange(cells)
+    faces = []
+    for page in range(len(turns)):
+        rim = low + (page + 1) * (cells + 1)
+        corners = [low, low + 1, rim], [low + 1, rim + 1, rim]
+        faces += [np.stack(each[:: -1 if wound and page % 2 else 1], axis=1) for each in corners]
+    colours = np.repeat(
+        np.random.default_rng(5).integers(60, 220, (len(turns), 3)), 2 * cells, axis=0
+    )
+    return build_plain_surface(np.concatenate([spine, *rims]), np.concatenate(faces), colours)
+
+
+def tube(sides=24, *, walls=1, twist=0.0):
+    """Give a tube about the y axis, open at both ends; the second wall cuts each quadrangle along the other diagonal.
+
+    `twist` is the angle from one ring of vertices to the next, radians. Without twist the walls lie on each other.
+    """
+    levels = np.linspace(-0.6, 0.6, 5)
+    rings = []
+    for level, height in enumerate(levels):
+        turns = 2 * np.pi * np.arange(sides) / sides + twist * level
+        rings.append(
+            np.column_stack([0.5 * np.cos(turns), 0 * turns + height, 0.5 * np.sin(turns)])
+        )
+    vertices = np.concatenate(rings)
+    start = np.arange(sides * (len(levels) - 1))
+    following = np.where(start % sides == sides - 1, start + 1 - sides, start + 1)
+    above, across = start + sides, following + sides
+    cuts = [[(start, following, above), (following, across, above)]]
+    cuts += [[(start, across, above), (start, following, across)]]
+    faces = [np.stack(corners, axis=1) for cut in cuts[:walls] for corners in cut]
+    return build_plain_surface(vertices, np.concatenate(faces))
+
+
+@cache
+def branching_shapes():
+    """Give surfaces with edges of more than two faces, by name."""
+    left, right = (
+        trimesh.creation.box(bounds=([low, -0.4, -0.3], [low + 0.7, 0.4, 0.3])) for low in (-0.7, 0)
+    )
+    touching = trimesh.util.concatenate([left, right])
+    return {
+        "book of five pages": pages([0, 20, 40, 60, 80], wound=True),
+        "fan of 25 faces": pages(np.linspace(0, 270, 25)),
+        "crossed plates": pages([0, 90, 180, 270], cells=3),
+        "star of five plates": pages([0, 72, 144, 216, 288], wound=True),
+        "plate on a plate": pages([3, 90, 180], cells=2),
+        "double-walled tube": tube(walls=2, twist=0.1),
+        "boxes side by side": of_trimesh(touching),
+    }
+
+
+def points_on_faces(surface, weights):
+    """Give a face index and barycentric weights (f, 3) per face of a surface, for the same points in any description.
+
+    `weights` (f, 3) are for faces in the order of their corners' places, and for corners in that order.
+    """
+    _, places = np.unique(surface.triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    places = places.reshape(-1, 3)
+    corners = np.argsort(places, axis=1)
+    faces = np.lexsort(np.take_along_axis(places, corners, axis=1).T[::-1])
+    found = np.empty_like(weights)
+    np.put_along_axis(found, corners[faces], weights, axis=1)
+    return faces, found
+
+
 @cache
 def lopsided():
     """Give a coloured object without any symmetry, of several parts."""

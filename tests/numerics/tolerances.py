@@ -64,6 +64,18 @@ TOLERANCES = {
         "of the map's maximum",
         "backward error: twice the map's tolerance of 5e-3; objects with symmetries have exact ties",
     ),
+    "invariance/edges of more than two faces: curvature": Tolerance(
+        100 * 8 * U64 / 1e-6,
+        "1 / object radius",
+        "the largest curvature, 3 / 0.03, times the rounding of the height of a face of at least 1e-6 radii: eight "
+        "roundings of coordinates of size 1",
+    ),
+    "invariance/edges of more than two faces: saliency map": Tolerance(
+        5e-3, "of the map's maximum", "as for other surfaces"
+    ),
+    "invariance/edges of more than two faces: fixated points": Tolerance(
+        1e-5, "object radii", "as for other surfaces"
+    ),
     "invariance/labels": Tolerance(0, "labels", NEVER),
     "invariance/turned object: saliency map": Tolerance(
         0.05,

@@ -4,6 +4,10 @@ Faces that meet at less than the crease angle approximate one smooth surface, wh
 at a larger angle make a fold, which has a curvature on the edge. The sum is the mean curvature measure of the normal
 cycle, which is finite on any triangulation (Cohen-Steiner & Morvan 2003, "Restricted Delaunay triangulations and normal
 cycle").
+
+Where more than two faces share an edge, each face has a neighbour on either side, the next face around the edge. The
+fold of the face is the smaller of both folds. So two closed boxes that touch along an edge have no fold where their
+outsides continue each other. No result depends on the order of vertices, faces or corners, except for rounding.
 """
 
 from __future__ import annotations
@@ -13,6 +17,7 @@ from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.geometry.elementary import arc_tangent
@@ -30,11 +35,14 @@ CREASE_ANGLE_DEGREES = 40.0
 # How far the curvature of a fold extends to either side, object radii. About two pixels of the eye's working image
 # (0.017 radii each at the default distance), so that no fold falls between pixels.
 CREASE_WIDTH = 0.03
+# Faces at an edge of more than two faces that differ by a smaller angle lie on each other and count as one sheet. Larger
+# than the rounding of corners to float32 (6e-8 radii) turns a face that is 1e-4 radii high.
+SAME_SHEET_RADIANS = 1e-3
 
 
 @dataclass(frozen=True)
 class FaceAdjacency:
-    """Pairs of faces that share an edge.
+    """Pairs of faces that share an edge of two faces, or that `branch_folds` joins at an edge of more faces.
 
     Attributes
     ----------
@@ -43,12 +51,40 @@ class FaceAdjacency:
     edges : ndarray of shape (e, 2), int64
         Index of the shared edge in each of the two faces, 0 to 2. Edge k runs from corner k to corner k + 1.
     aligned : ndarray of shape (e,), bool
-        Whether both faces have the same winding: they run along the edge in opposite directions.
+        Whether the normals of both faces are on the same side of the surface. At an edge of two faces, both faces then
+        run along the edge in opposite directions.
     """
 
     faces: IntArray
     edges: IntArray
     aligned: BoolArray
+
+
+@dataclass(frozen=True)
+class Branches:
+    """Edges that more than two faces share, as n places: one place per face and edge.
+
+    Attributes
+    ----------
+    faces : ndarray of shape (n,), int64
+        Index of the face.
+    edges : ndarray of shape (n,), int64
+        Index of the shared edge in the face, 0 to 2.
+    shared : ndarray of shape (n,), int64
+        Index of the shared edge among all edges of the surface, ascending.
+    forward : ndarray of shape (n,), bool
+        Whether the face runs along the edge from the lower to the higher vertex index of `weld_vertices`.
+    """
+
+    faces: IntArray
+    edges: IntArray
+    shared: IntArray
+    forward: BoolArray
+
+    def __getitem__(self, places: BoolArray | NDArray[np.intp]) -> Branches:
+        return Branches(
+            self.faces[places], self.edges[places], self.shared[places], self.forward[places]
+        )
 
 
 @dataclass(frozen=True)
@@ -134,23 +170,32 @@ def measure_shape(surface: Surface, crease_width: float = CREASE_WIDTH) -> Surfa
 
     Open sheets, loose parts, mixed windings and edges of more than two faces are allowed. A free edge has no curvature
     across. Vertices at the same position are merged. A sliver, lower than `SMALLEST_HEIGHT`, takes the normal of the
-    face across its longest edge, and its folds are moved to that edge.
+    face across its longest edge, and its folds are moved to that edge. At an edge of more than two faces, a sliver with
+    this longest edge has no normal and no curvature.
     """
     faces = weld_vertices(surface)
-    adjacency = face_adjacency(faces)
+    adjacency, branches = face_adjacency(faces)
     heights, lengths = _heights_and_lengths(surface)
     slivers = heights.min(axis=1) < SMALLEST_HEIGHT
     crosses = np.where(slivers[:, None], 0.0, surface.face_crosses)
-    normals, carriers = carry_normals(unit_vectors(crosses), slivers, adjacency, lengths)
-    signs = consistent_sides(len(faces), adjacency)
+    normals, carriers = carry_normals(
+        unit_vectors(crosses), slivers, adjacency, longest_edges(lengths, faces)
+    )
     angles = fold_angles(normals, adjacency)
     smooth = angles <= np.radians(CREASE_ANGLE_DEGREES)
-    groups = corner_groups(faces, adjacency, smooth)
-    corner_normals = smooth_normals(surface, normals, slivers, signs, groups)
-    crease_angles = np.zeros((len(faces), 3))
-    np.maximum.at(
-        crease_angles, (adjacency.faces[~smooth], adjacency.edges[~smooth]), angles[~smooth, None]
+    folded = ~smooth
+    branch_angles, joined = branch_folds(surface, normals, branches)
+    groups, sides = corner_groups(
+        faces,
+        FaceAdjacency(
+            np.concatenate([adjacency.faces[smooth], joined.faces]),
+            np.concatenate([adjacency.edges[smooth], joined.edges]),
+            np.concatenate([adjacency.aligned[smooth], joined.aligned]),
+        ),
     )
+    corner_normals = smooth_normals(surface, normals, slivers, sides, groups)
+    crease_angles = branch_angles
+    crease_angles[adjacency.faces[folded], adjacency.edges[folded]] = angles[folded, None]
     crease_angles = carry_folds(crease_angles, carriers)
     return SurfaceShape(
         corner_normals,
@@ -162,8 +207,18 @@ def measure_shape(surface: Surface, crease_width: float = CREASE_WIDTH) -> Surfa
     )
 
 
+def longest_edges(lengths: FloatArray, faces: IntArray) -> IntArray:
+    """Return the index (f,) of the longest edge of each face.
+
+    Of equally long edges, the one with the highest opposite vertex counts, so that the order of corners does not matter.
+    `lengths` (f, 3) are those of the edges, `faces` (f, 3) the indices of `weld_vertices`.
+    """
+    longest = lengths == lengths.max(axis=1, keepdims=True)
+    return np.where(longest, np.roll(faces, 1, axis=1), -1).argmax(axis=1)
+
+
 def carry_normals(
-    normals: FloatArray, slivers: BoolArray, adjacency: FaceAdjacency, lengths: FloatArray
+    normals: FloatArray, slivers: BoolArray, adjacency: FaceAdjacency, longest: IntArray
 ) -> tuple[FloatArray, list[IntArray]]:
     """Replace the normal of each sliver by that of the face across its longest edge.
 
@@ -175,8 +230,8 @@ def carry_normals(
         Whether each face is a sliver.
     adjacency : FaceAdjacency
         Pairs of faces that share an edge.
-    lengths : ndarray of shape (f, 3)
-        Lengths of the edges of each face.
+    longest : ndarray of shape (f,), int64
+        Index of the longest edge of each face, as from `longest_edges`.
 
     Returns
     -------
@@ -191,7 +246,7 @@ def carry_normals(
     edges = np.concatenate([adjacency.edges, adjacency.edges[:, ::-1]])
     sides = np.where(np.tile(adjacency.aligned, 2), 1.0, -1.0)
     sliver, face = faces.T
-    across = slivers[sliver] & (edges[:, 0] == lengths.argmax(axis=1)[sliver])
+    across = slivers[sliver] & (edges[:, 0] == longest[sliver])
     sliver, face, edge, sides = sliver[across], face[across], edges[across, 1], sides[across]
     normals = normals.copy()
     carriers: list[IntArray] = []
@@ -230,40 +285,116 @@ def weld_vertices(surface: Surface) -> IntArray:
     return index.reshape(-1)[surface.faces].astype(np.int64)
 
 
-def face_adjacency(faces: IntArray) -> FaceAdjacency:
-    """Find the pairs of faces that share an edge, from vertex indices (f, 3) of `weld_vertices`.
+def face_adjacency(faces: IntArray) -> tuple[FaceAdjacency, Branches]:
+    """Find the faces that share an edge, from vertex indices (f, 3) of `weld_vertices`.
 
-    An edge of m faces gives m - 1 pairs; an edge without length gives none.
+    Returns the pairs of faces at edges of two faces, and the faces at edges of more faces. An edge without length is
+    shared by no faces.
     """
     start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
     low, high = np.minimum(start, end), np.maximum(start, end)
     order = np.lexsort((high, low))
     low, high, forward = low[order], high[order], (start < end)[order]
-    pair = (low[1:] == low[:-1]) & (high[1:] == high[:-1]) & (low[1:] != high[1:])
-    first, second = order[:-1][pair], order[1:][pair]
-    return FaceAdjacency(
-        np.stack([first // 3, second // 3], axis=1),
-        np.stack([first % 3, second % 3], axis=1),
-        (forward[1:] != forward[:-1])[pair],
+    same = (low[1:] == low[:-1]) & (high[1:] == high[:-1]) & (low[1:] != high[1:])
+    first = np.flatnonzero(np.append(True, ~same))
+    counts = np.diff(np.append(first, len(order)))
+    pair = first[counts == 2]
+    pairs = np.stack([order[pair], order[pair + 1]], axis=1)
+    shared = np.repeat(np.arange(len(counts)), counts)
+    branching = counts[shared] > 2
+    places = order[branching]
+    return (
+        FaceAdjacency(pairs // 3, pairs % 3, forward[pair + 1] != forward[pair]),
+        Branches(places // 3, places % 3, shared[branching], forward[branching]),
     )
 
 
-def consistent_sides(count: int, adjacency: FaceAdjacency) -> FloatArray:
-    """Return -1 for faces to flip and 1 for faces to keep, (count,), so that neighbours have the same winding.
+def branch_folds(
+    surface: Surface, normals: FloatArray, branches: Branches
+) -> tuple[FloatArray, FaceAdjacency]:
+    """Compute folds at edges of more than two faces, and which faces continue each other there.
 
-    The first face of each connected part is kept. In a part without two sides, such as a Möbius strip, all faces are
-    kept.
+    Faces around an edge that differ by less than `SAME_SHEET_RADIANS` from the next face are one sheet. Between
+    neighbouring sheets is a fold: 0 if the sheets continue each other, pi if they lie on each other. The fold of a face
+    is the smaller of the folds on both sides of its sheet.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface, f faces.
+    normals : ndarray of shape (f, 3)
+        Unit normals of the faces. Faces with normal zero take no part.
+    branches : Branches
+        The edges and their faces.
+
+    Returns
+    -------
+    angles : ndarray of shape (f, 3)
+        Fold angle along each edge, radians; 0 where the surface is smooth, and at edges that are not in `branches`.
+    joined : FaceAdjacency
+        Pairs that connect the faces of each sheet, and sheets with a smooth fold between them.
     """
-    # Each face is two nodes, one per side. In an orientable part the two sides are not connected.
-    first, second = adjacency.faces.T
-    across = np.where(adjacency.aligned, 0, count)
-    rows = np.concatenate([first, first + count])
-    columns = np.concatenate([second + across, second + count - across])
-    labels = _components(rows, columns, 2 * count)
-    front, back = labels[:count], labels[count:]
-    first_face = np.full(labels.max(initial=-1) + 1, 2 * count)
-    np.minimum.at(first_face, labels, np.arange(2 * count))
-    return np.where(first_face[front] <= first_face[back], 1.0, -1.0)
+    angles = np.zeros((len(surface.faces), 3))
+    branches, gaps = _sort_around(surface, normals, branches)
+    last = branches.shared != np.append(branches.shared[1:], -1)
+    first = np.roll(last, 1)
+    following = np.arange(1, len(gaps) + 1)
+    following[last] = np.flatnonzero(first)
+    # The widest gap, which is the last one, separates even faces that are all on one side.
+    separate = last | (gaps > SAME_SHEET_RADIANS)
+    folds = np.abs(np.pi - gaps)
+    ends = np.flatnonzero(separate)
+    sheets = np.cumsum(np.roll(separate, 1)) - 1
+    before = np.empty(len(ends))
+    before[sheets[following[ends]]] = folds[ends]
+    fold = np.minimum(before, folds[ends])[sheets]
+    crease = np.radians(CREASE_ANGLE_DEGREES)
+    angles[branches.faces, branches.edges] = np.where(fold > crease, fold, 0.0)
+    rows = np.flatnonzero(~separate | (folds <= crease))
+    pairs = np.stack([rows, following[rows]], axis=1)
+    # Faces of one sheet have the same side if they run along the edge in one direction, faces across in opposite ones.
+    opposite = branches.forward[pairs[:, 0]] != branches.forward[pairs[:, 1]]
+    return angles, FaceAdjacency(
+        branches.faces[pairs], branches.edges[pairs], opposite == separate[rows]
+    )
+
+
+def _sort_around(
+    surface: Surface, normals: FloatArray, branches: Branches
+) -> tuple[Branches, FloatArray]:
+    """Sort the faces of each edge around it, from behind the widest gap, and compute the angle (n,) to the next face."""
+    directions, known = _directions_around(surface, normals, branches)
+    counts = np.bincount(branches.shared[known], minlength=branches.shared.max(initial=-1) + 1)
+    # A single face with a normal has no neighbour.
+    known &= counts[branches.shared] > 1
+    branches, directions = branches[known], directions[known]
+    order = np.lexsort((directions, branches.shared))
+    branches, directions = branches[order], directions[order]
+    last = np.flatnonzero(branches.shared != np.append(branches.shared[1:], -1))
+    counts = np.diff(last, prepend=-1)
+    gaps = np.diff(directions, append=0.0)
+    gaps[last] = directions[last - counts + 1] + 2 * np.pi - directions[last]
+    widest = np.lexsort((gaps, branches.shared))[last]
+    order = np.lexsort((np.arange(len(gaps)) <= np.repeat(widest, counts), branches.shared))
+    return branches[order], gaps[order]
+
+
+def _directions_around(
+    surface: Surface, normals: FloatArray, branches: Branches
+) -> tuple[FloatArray, BoolArray]:
+    """Compute the angle (n,) of each face around its edge, radians, -pi to pi, and whether it is known."""
+    # Rounded as for `weld_vertices`, so that all faces of an edge have the same axes.
+    corners = surface.vertices.astype(np.float32).astype(np.float64)[surface.faces[branches.faces]]
+    rows = np.arange(len(corners))
+    start, end = corners[rows, branches.edges], corners[rows, (branches.edges + 1) % 3]
+    run = unit_vectors(end - start)
+    along = np.where(branches.forward[:, None], run, -run)
+    inwards = np.cross(normals[branches.faces], run)
+    first = np.cross(along, np.eye(3)[np.abs(along).argmin(axis=1)])
+    second = np.cross(along, first)
+    across, ahead = (np.einsum("nd,nd->n", inwards, axis) for axis in (second, first))
+    angles = arc_tangent(np.abs(across), ahead)
+    return np.where(across < 0, -angles, angles), np.any(inwards != 0, axis=1)
 
 
 def fold_angles(normals: FloatArray, adjacency: FaceAdjacency) -> FloatArray:
@@ -277,25 +408,37 @@ def fold_angles(normals: FloatArray, adjacency: FaceAdjacency) -> FloatArray:
     return arc_tangent(sine, np.einsum("nd,nd->n", first, second))
 
 
-def corner_groups(faces: IntArray, adjacency: FaceAdjacency, smooth: BoolArray) -> IntArray:
-    """Group the corners around each vertex that no fold separates; return the group (f, 3), int64, of each corner.
+def corner_groups(faces: IntArray, joined: FaceAdjacency) -> tuple[IntArray, FloatArray]:
+    """Group the corners around each vertex that no fold separates.
 
-    `faces` (f, 3) are the indices of `weld_vertices`. `smooth` (e,) says whether each pair of faces meets without a
-    fold.
+    Parameters
+    ----------
+    faces : ndarray of shape (f, 3), int64
+        Indices of `weld_vertices`.
+    joined : FaceAdjacency
+        Pairs of faces that meet without a fold.
+
+    Returns
+    -------
+    groups : ndarray of shape (f, 3), int64
+        Group of each corner.
+    sides : ndarray of shape (f, 3)
+        -1 for corners where the face is to be flipped and 1 where it is kept, so that all faces of a group have the
+        same winding; 0 in a group that has no two sides.
     """
-    face_pairs, edge_pairs = adjacency.faces[smooth], adjacency.edges[smooth]
-    starts = 3 * face_pairs + edge_pairs
-    ends = 3 * face_pairs + (edge_pairs + 1) % 3
-    # Faces of the same winding run along the edge in opposite directions: start meets end.
-    opposite = adjacency.aligned[smooth]
-    rows = np.concatenate([starts[:, 0], ends[:, 0]])
-    columns = np.concatenate(
-        [
-            np.where(opposite, ends[:, 1], starts[:, 1]),
-            np.where(opposite, starts[:, 1], ends[:, 1]),
-        ]
-    )
-    return _components(rows, columns, faces.size).reshape(-1, 3).astype(np.int64)
+    # Each corner is two nodes, one per side of the face. In a group with two sides they are not connected.
+    count = faces.size
+    edges, following = joined.edges, (joined.edges + 1) % 3
+    upwards = faces[joined.faces, edges] < faces[joined.faces, following]
+    corners = [
+        3 * joined.faces + np.where(upwards == low, edges, following) for low in (True, False)
+    ]
+    first, second = np.concatenate(corners).T
+    across = np.tile(np.where(joined.aligned, 0, count), 2)
+    rows = np.concatenate([first, first + count])
+    columns = np.concatenate([second + across, second + count - across])
+    front, back = _components(rows, columns, 2 * count).reshape(2, -1, 3).astype(np.int64)
+    return np.minimum(front, back), np.sign(back - front).astype(np.float64)
 
 
 def _components(starts: IntArray, ends: IntArray, count: int) -> IntArray:
@@ -312,7 +455,7 @@ def smooth_normals(
     surface: Surface,
     face_normals: FloatArray,
     slivers: BoolArray,
-    signs: FloatArray,
+    sides: FloatArray,
     groups: IntArray,
 ) -> FloatArray:
     """Compute unit normals (f, 3, 3) at the corners: the mean of face normals over each corner group.
@@ -325,8 +468,8 @@ def smooth_normals(
         Unit normals of the faces.
     slivers : ndarray of shape (f,), bool
         Faces without weight in the mean.
-    signs : ndarray of shape (f,)
-        -1 for faces to flip, as from `consistent_sides`.
+    sides : ndarray of shape (f, 3)
+        -1 for faces to flip at a corner, as from `corner_groups`; 0 where no mean is wanted.
     groups : ndarray of shape (f, 3), int64
         Groups of corners, as from `corner_groups`.
 
@@ -337,13 +480,13 @@ def smooth_normals(
         a flat corner has no influence (Thürmer & Wüthrich 1998). Where the mean is zero, the normal of the face.
     """
     angles = np.where(slivers[:, None], 0.0, _corner_angles(surface))
-    turned = (signs[:, None] * face_normals)[:, None, :] * angles[:, :, None]
+    turned = (sides[:, :, None] * face_normals[:, None, :]) * angles[:, :, None]
     sums = np.zeros((groups.max(initial=-1) + 1, 3))
     for axis in range(3):
         sums[:, axis] = np.bincount(
             groups.reshape(-1), turned[..., axis].reshape(-1), minlength=len(sums)
         )
-    normals = signs[:, None, None] * unit_vectors(sums)[groups]
+    normals = sides[:, :, None] * unit_vectors(sums)[groups]
     lost = ~np.any(normals, axis=2)
     return np.where(lost[:, :, None], face_normals[:, None, :], normals)
 

@@ -2,11 +2,20 @@
 
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import trimesh
 from numerics.hard_cases.attention import drive_at_first, look, recovery
-from numerics.surfaces import far_off, lopsided, moved, of_trimesh, pick
+from numerics.surfaces import (
+    branching_shapes,
+    far_off,
+    lopsided,
+    moved,
+    of_trimesh,
+    pick,
+    points_on_faces,
+)
 
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.features.describing import describe_imprints
@@ -14,15 +23,17 @@ from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import ViewpointParameters
 from visuohaptic.fixations.rendering import Views
 from visuohaptic.fixations.viewpoints import place_cameras
+from visuohaptic.geometry.curvature import measure_shape
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.preparing import normalise
+from visuohaptic.geometry.surface import Surface, read_surface
+from visuohaptic.meshes.preparing import MERGE_TOLERANCE, normalise
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.touching import touch
 from visuohaptic.stability.findings import Finding
 
 RESOLUTION = 128
+PAPER = Path(__file__).parents[3] / "meshes" / "paper"
 
 
 @dataclass(frozen=True)
@@ -43,9 +54,9 @@ class Sensed:
         return [found.scanpath.distinct for found in self.attended]
 
 
-def sense(surface):
+def sense(surface, merge_tolerance=0):
     """Go from a raw surface to what is sensed of it from four viewpoints."""
-    made = normalise(surface, "object", merge_tolerance=0)
+    made = normalise(surface, "object", merge_tolerance=merge_tolerance)
     views, attended = look(made, place_cameras(ViewpointParameters(count=4)), RESOLUTION)
     saliency = np.stack([found.saliency for found in attended])
     points, normals, faces = (
@@ -73,6 +84,19 @@ def bases():
 def sense_base(name):
     """Give what is sensed of one of the `bases` as it is."""
     return sense(bases()[name])
+
+
+@cache
+def branching():
+    """Give surfaces with edges of more than two faces, by name: drawn ones, and a car of the paper's set."""
+    car = read_surface(PAPER / "car" / "kl_VW-new-beetle.ply.gz")
+    return {**branching_shapes(), "kl_VW-new-beetle": car}
+
+
+@cache
+def sense_branching(name):
+    """Give what is sensed of one of the `branching` surfaces as it is."""
+    return sense(branching()[name], MERGE_TOLERANCE)
 
 
 KINDS = (
@@ -114,13 +138,16 @@ def drive_of(points, attended, mask, upto):
     return np.where(mask, drive, -1.0)
 
 
-def compare(found, wanted, label):
-    """Want the same sensations; where peaks tie, another one of them may be fixated."""
+def compare(found, wanted, label, kind=""):
+    """Want the same sensations; where peaks tie, another one of them may be fixated.
+
+    `kind` begins the names of the requirements of maps and fixations.
+    """
     same_shape = found.lengths == wanted.lengths
     both = found.views.mask & wanted.views.mask
     apart = np.where(both, np.abs(found.saliency - wanted.saliency), 0).max(axis=(1, 2))
     errors = apart if same_shape else np.full(len(both), np.inf)
-    yield Finding("invariance/saliency map", errors, label)
+    yield Finding(f"invariance/{kind}saliency map", errors, label)
     if not same_shape:
         return
     felt = []
@@ -130,7 +157,7 @@ def compare(found, wanted, label):
         same = int(np.append(apart > 1e-3, True).argmax())
         felt += rows[:same].tolist()
         here = f"{label}, view {view}"
-        yield Finding("invariance/fixated points", apart[:same], here)
+        yield Finding(f"invariance/{kind}fixated points", apart[:same], here)
         if same < len(rows):
             # Peaks that tie may change places; then the place chosen is as salient as the best.
             name = "invariance/tied peaks: fixations are those of a map within its error"
@@ -174,6 +201,21 @@ def mesh_descriptions(generator, base="lopsided"):
         requirement = "order, winding, corners, doubled vertices: vertices"
         yield compare_vertices(found.triangles, wanted.triangles, requirement, label)
     yield from compare(found, wanted, label)
+
+
+def branching_edges(generator):
+    """Describe a surface with edges of more than two faces in another way."""
+    name, kind = (str(generator.choice(each)) for each in (list(branching()), KINDS))
+    requirement, label = "edges of more than two faces: ", f"{name}: {kind}"
+    surface = normalise(branching()[name], name)
+    other = describe(kind, surface, generator)
+    weights = generator.dirichlet([1.0, 1.0, 1.0], size=len(surface.faces))
+    one, two = (
+        measure_shape(each).curvature(*points_on_faces(each, weights)) for each in (surface, other)
+    )
+    yield Finding(f"invariance/{requirement}curvature", np.abs(one - two).max(), label)
+    found = sense(describe(kind, branching()[name], generator), MERGE_TOLERANCE)
+    yield from compare(found, sense_branching(name), label, requirement)
 
 
 def mesh_units(generator):
