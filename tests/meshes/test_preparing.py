@@ -46,6 +46,20 @@ def test_dimensions_stretch_each_axis_but_an_extent_of_zero():
     np.testing.assert_allclose(extent / extent[0], [1, 0, 0.5], rtol=1e-6)
 
 
+def test_merged_vertices_do_not_depend_on_the_order_of_vertices(lopsided):
+    generator = np.random.default_rng(7)
+    apart = lopsided.triangles.reshape(-1, 3)
+    apart = apart + generator.uniform(-1e-8, 1e-8, apart.shape)
+    count = len(apart)
+    wanted = clean(Surface(apart, np.arange(count).reshape(-1, 3), lopsided.face_colours), 1e-6)
+    assert len(wanted.vertices) < count / 3
+    for _ in range(5):
+        order = generator.permutation(count)
+        faces = np.argsort(order).reshape(-1, 3)
+        found = clean(Surface(apart[order], faces, lopsided.face_colours), 1e-6)
+        np.testing.assert_array_equal(found.triangles, wanted.triangles)
+
+
 def test_coincident_vertices_merge_and_useless_faces_go(lopsided):
     faces = lopsided.faces
     shifted = faces + len(lopsided.vertices)

@@ -178,13 +178,17 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     """Merge vertices, then drop faces without area, repeated faces and unused vertices.
 
     `merge_tolerance` is the step of a grid, in the unit of the surface. Vertices with the same nearest grid point
-    become the first of these vertices. Close vertices with different grid points stay apart. With step 0, only equal
-    vertices are merged. Faces keep their order. Of faces with the same corners, in either orientation, the first is
-    kept.
+    become the one with the smallest x, of equal x the smallest y, then z. Close vertices with different grid points
+    stay apart. With step 0, only equal vertices are merged. Faces keep their order. Of faces with the same corners, in
+    either orientation, the first is kept, with its colour and image.
     """
-    grid = np.rint(surface.vertices / merge_tolerance) if merge_tolerance > 0 else surface.vertices
+    order = np.lexsort(surface.vertices.T[::-1])
+    points = surface.vertices[order]
+    grid = np.rint(points / merge_tolerance) if merge_tolerance > 0 else points
     _, first, inverse = np.unique(grid, axis=0, return_index=True, return_inverse=True)
-    faces = first[inverse.reshape(-1)][surface.faces]
+    merged_vertices = np.empty(len(order), dtype=np.int64)
+    merged_vertices[order] = order[first[inverse.reshape(-1)]]
+    faces = merged_vertices[surface.faces]
     corners = np.sort(faces, axis=1)
     distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2])
     _, first_of_equals = np.unique(corners, axis=0, return_index=True)
