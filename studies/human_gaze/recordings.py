@@ -19,6 +19,7 @@ import numpy as np
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import TableError, VisuohapticError
+from visuohaptic.base.regular_files import open_regular
 from visuohaptic.io.text_tables import TextTable, read_text_table
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
@@ -148,7 +149,7 @@ def read_bounded(path: Path, largest_megabytes: float) -> bytes:
     """
     largest = int(largest_megabytes * 10**6)
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             data = stream.read(largest + 1)
     except OSError as error:
         raise GazeError(f"{path} can't be read: {error.strerror}.") from error

@@ -5,6 +5,7 @@ What each reader of models and parameters refuses is tested beside it; here is o
 
 import os
 import re
+import signal
 from pathlib import Path
 
 import pytest
@@ -97,6 +98,58 @@ def test_wrong_use_ends_with_2_before_any_work(visuohaptic, folder, arguments, s
     assert ended.code == 2
     assert says in " ".join((ended.out + ended.err).split())
     assert set(folder.rglob("*")) == before
+
+
+@pytest.fixture
+def without_waiting():
+    """Fail instead of waiting without end."""
+
+    def end(*_):
+        raise TimeoutError("it waits")
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.alarm(60)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+PRESS = ("press", "ring.obj", "--size", "1", "--poses")
+WAITING = [
+    ("touch", "pipe.obj"),
+    ("touch", "pipe.ply.gz"),
+    (*PRESS, "pipe.csv"),
+    (*RING, "--params", "pipe.yaml"),
+    (*RING, "--params", "with_plug_in.yaml"),
+    ("recognise", "ring.obj", "--model", "pipe.skops"),
+    ("evaluate", "pipe.skops"),
+    ("evaluate", "--run", "run"),
+    ("compare", "pipe.json", "pipe.json"),
+]
+
+
+@pytest.mark.usefixtures("without_waiting")
+@pytest.mark.parametrize("arguments", WAITING)
+def test_a_pipe_in_place_of_a_file_is_refused_in_one_sentence(visuohaptic, folder, arguments):
+    (folder / "with_plug_in.yaml").write_text("plugins: [pipe.py]")
+    (folder / "run/results/features").mkdir(parents=True)
+    for suffix in ("obj", "ply.gz", "csv", "yaml", "py", "skops", "json"):
+        os.mkfifo(folder / f"pipe.{suffix}")
+    os.mkfifo(folder / "run/results/features/pipe.parquet")
+    ended = visuohaptic(*arguments)
+    assert (ended.code, ended.out) == (1, "")
+    assert re.fullmatch(r"error: .*pipe[^\n]+\n", ended.err)
+    assert re.search(r"a regular file is needed|pipe\.py, which is not there", ended.err)
+
+
+@pytest.mark.usefixtures("without_waiting")
+def test_a_pipe_in_place_of_a_file_that_a_model_names_is_missing(visuohaptic, folder):
+    os.mkfifo(folder / "pipe.mtl")
+    with (folder / "ring.obj").open("a") as stream:
+        stream.write("mtllib pipe.mtl\n")
+    ended = visuohaptic(*RING, *QUICK)
+    assert ended.code == 0
+    assert "note: ring.obj refers to 'pipe.mtl', which is not there" in ended.out
 
 
 @pytest.mark.slow

@@ -127,6 +127,10 @@ def test_a_broken_row_is_named(tmp_path, old, new, sentence):
     with pytest.raises(CatalogueError, match=sentence):
         read_catalogue(path)
     path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(CatalogueError, match=r"catalogue\.csv can't be read: it is a pipe"):
+        read_catalogue(path)
+    path.unlink()
     with pytest.raises(CatalogueError, match=r"catalogue\.csv can't be read"):
         read_catalogue(path)
 

@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes import companions as companions_module
 from visuohaptic.meshes import textures
 from visuohaptic.meshes.companions import ArchiveCompanions, Companions, FolderCompanions
 
@@ -146,5 +147,34 @@ def test_an_image_that_is_none_or_not_there_is_missing_and_a_huge_one_is_refused
         for clause, end in zip(companions.missing, (" image", "t there"), strict=True)
     ] == ["'b.png', which is no image", "'c.png', which is not there"]
     monkeypatch.setattr(textures, "MOST_PIXELS", 199)
+    companions = FolderCompanions(tmp_path / "a.obj")
     with pytest.raises(MeshError, match=r"'a\.png' has 20 × 10 pixels"):
         companions.image("a.png")
+
+
+def test_images_of_one_file_share_their_data_and_are_not_one_image(tmp_path):
+    Image.new("L", (20, 10)).save(tmp_path / "a.png")
+    companions = FolderCompanions(tmp_path / "a.obj")
+    first, second = companions.image("a.png"), companions.image("A.png")
+    assert first.data is second.data
+    assert first is not second
+
+
+@pytest.mark.parametrize("is_packed", [False, True])
+def test_files_that_are_too_large_together_are_refused(tmp_path, monkeypatch, is_packed):
+    monkeypatch.setattr(companions_module, "MOST_BYTES_TOGETHER", 20)
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as archive:
+        for name in ("a.mtl", "b.mtl", "c.mtl"):
+            archive.writestr(name, b"content")
+            put(tmp_path / name)
+    with zipfile.ZipFile(packed) as archive:
+        companions = (
+            ArchiveCompanions(archive, "a.obj")
+            if is_packed
+            else FolderCompanions(tmp_path / "a.obj")
+        )
+        assert companions.read("a.mtl") == companions.read("b.mtl") == b"content"
+        with pytest.raises(MeshError, match=r"c\.mtl', which brings the files that it refers to"):
+            companions.read("c.mtl")
+        assert companions.has("c.mtl")

@@ -1,6 +1,8 @@
 """A 3MF file is read as its specification has it, or what is not read is refused by its name."""
 
 import io
+import tracemalloc
+import zipfile
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from PIL import Image
 
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.texture import CLAMP, MIRROR
+from visuohaptic.meshes import three_mf, three_mf_package
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.parts import GREY, join_parts
 from visuohaptic.meshes.three_mf import read_3mf
@@ -209,3 +212,33 @@ def test_what_is_in_use_and_not_read_or_not_there_is_refused_by_its_name_and_pla
 def test_only_what_is_used_is_unpacked():
     data = archive(model(shape()), **{"Metadata/plate.gcode": bytes(200_000_000)})
     assert len(read(data).faces) == 12
+
+
+def test_a_model_that_is_larger_than_the_directory_states_takes_little_memory():
+    size = 40_000_000
+    data = archive(model(shape()) + " " * size)
+    size += len(model(shape()))
+    lying = data.replace(size.to_bytes(4, "little"), (1000).to_bytes(4, "little"))
+    assert lying != data
+    tracemalloc.start()
+    try:
+        with pytest.raises(zipfile.BadZipFile, match="CRC"):
+            read(lying)
+        assert tracemalloc.get_traced_memory()[1] < size / 4
+    finally:
+        tracemalloc.stop()
+
+
+def test_images_that_are_too_large_together_are_refused(monkeypatch):
+    data = painted()
+    assert read(data).texture is not None
+    monkeypatch.setattr(three_mf_package, "MOST_BYTES_TOGETHER", 50)
+    with pytest.raises(MeshError, match="its images unpack to more than 0 MB"):
+        read(data)
+
+
+def test_an_archive_of_too_many_files_is_refused_before_it_is_opened(monkeypatch):
+    data = archive(model(shape()), **{f"{number}.txt": b"" for number in range(5000)})
+    monkeypatch.setattr(three_mf, "ZipFile", lambda *_: pytest.fail("opened"))
+    with pytest.raises(MeshError, match=r"it holds 50.. files; 5000 are allowed"):
+        read(data)

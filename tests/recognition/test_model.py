@@ -5,6 +5,7 @@ import functools
 import json
 import pickle
 import re
+import tracemalloc
 import zipfile
 
 import numpy as np
@@ -107,6 +108,45 @@ def test_a_small_file_that_unpacks_to_a_large_one_is_refused_before_it_is_unpack
     monkeypatch.setattr(stored_models, "LARGEST_BYTES", 10**6)
     monkeypatch.setattr(skops.io, "loads", lambda *_, **__: pytest.fail("unpacked"))
     with pytest.raises(RecognitionError, match="unpacks to 8 MB"):
+        recognition.load_model(path)
+
+
+def test_parts_that_share_a_member_count_once_each(tmp_path, monkeypatch):
+    zeros = np.zeros(10**5)
+    path = tmp_path / "m.skops"
+    path.write_bytes(skops.io.dumps({"format": FORMAT, "parts": [zeros] * 20}))
+    with zipfile.ZipFile(path) as archive:
+        assert sum(member.file_size for member in archive.infolist()) < 10**6
+    monkeypatch.setattr(stored_models, "LARGEST_BYTES", 10**6)
+    monkeypatch.setattr(skops.io, "loads", lambda *_, **__: pytest.fail("read"))
+    with pytest.raises(RecognitionError, match="unpacks to 16 MB"):
+        recognition.load_model(path)
+
+
+def test_a_member_that_is_larger_than_the_directory_states_takes_little_memory(tmp_path):
+    size = 40_000_128
+    state = {"format": FORMAT, "zeros": np.zeros(5_000_000)}
+    content = skops.io.dumps(state, compression=zipfile.ZIP_DEFLATED)
+    lying = content.replace(size.to_bytes(4, "little"), (1000).to_bytes(4, "little"))
+    assert lying != content
+    (tmp_path / "m.skops").write_bytes(lying)
+    tracemalloc.start()
+    try:
+        with pytest.raises(RecognitionError, match="damaged"):
+            recognition.load_model(tmp_path / "m.skops")
+        assert tracemalloc.get_traced_memory()[1] < size / 4
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("name", "says"), [("MOST_MEMBERS", "more than 1 members"), ("LARGEST_SCHEMA_BYTES", "at most")]
+)
+def test_a_model_of_too_many_or_too_large_parts_is_refused(tmp_path, monkeypatch, name, says):
+    path = tmp_path / "m.skops"
+    path.write_bytes(skops.io.dumps({"format": FORMAT, "zeros": np.zeros(3)}))
+    monkeypatch.setattr(stored_models, name, 1)
+    with pytest.raises(RecognitionError, match=says):
         recognition.load_model(path)
 
 

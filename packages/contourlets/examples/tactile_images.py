@@ -47,7 +47,11 @@ def read_tactile_images(
     `full_scale` is that of images of 16 or 32 bits a taxel, where it is not the largest number of 16 bits, or
     1 of floats. Raises `ValueError` if an image can't be read, or images differ in size or are too large.
     """
-    files = sorted(file for file in Path(folder).glob("*/*") if file.suffix.lower() in FORMATS)
+    files = sorted(
+        file
+        for file in Path(folder).glob("*/*")
+        if file.suffix.lower() in FORMATS and file.is_file()
+    )
     if not files:
         raise ValueError(f"{folder} holds no <class>/<image> that ends in {', '.join(FORMATS)}.")
     if full_scale is not None and not 0 < full_scale < np.inf:

@@ -9,9 +9,12 @@ from pydantic_core import PydanticCustomError
 
 
 class Section(BaseModel):
-    """A section of parameters: frozen, without unknown names, and strict about booleans where numbers are needed."""
+    """A section of parameters: frozen, without unknown names, and strict about numbers.
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    Where a number is needed, truth values, NaN and infinity are refused.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     @field_validator("*", mode="before")
     @classmethod

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError, TableError
+from visuohaptic.base.regular_files import open_regular, read_bounded
 from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
 from visuohaptic.io.text_tables import TextTable, read_text_table
 from visuohaptic.sensor.imprints import Poses, make_poses
@@ -105,8 +106,11 @@ def matrices(stands: Poses) -> FloatArray:
 
 
 def _read_table(path: str | Path) -> TextTable:
-    with Path(path).open("rb") as stream:
-        data = stream.read(LARGEST_BYTES + 1)
+    try:
+        with open_regular(path) as stream:
+            data = read_bounded(stream, LARGEST_BYTES)
+    except OSError as error:
+        raise ParameterError(f"{path} can't be read: {error.strerror}.") from error
     if len(data) > LARGEST_BYTES:
         raise ParameterError(
             f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB, the limit of a file of poses."

@@ -86,7 +86,7 @@ def read_recogniser(path: str | Path | None = None) -> Recogniser:
         raise RecognitionError(
             f"{path} is a folder; the model in it is needed, such as {path / DEFAULT_MODEL.name}."
         )
-    if not path.is_file():
+    if not path.exists():
         raise RecognitionError(
             f"{path} does not exist, and recognition needs a model; `snakemake -j2 model_all` fits a "
             f"model and writes {DEFAULT_MODEL}."

@@ -20,6 +20,7 @@ from plyfile import PlyData, PlyElement, PlyParseError
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
+from visuohaptic.base.regular_files import open_regular
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
 
@@ -125,7 +126,7 @@ def notes_of(path: str | Path) -> list[str]:
 
 def _sentences(path: str | Path, kind: str) -> Iterator[str]:
     start = f"comment {kind}"
-    with Path(path).open("rb") as stream:
+    with open_regular(path) as stream:
         header = stream.read(_LONGEST_HEADER).partition(b"\nend_header")[0].decode(errors="replace")
     for line in header.splitlines():
         if line.startswith(start):
@@ -209,6 +210,8 @@ def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:
         colours = np.column_stack([face[name] for name in _CHANNELS]).astype(np.uint8)
         texture = _read_texture(data) if "image" in data else None
     except (OSError, EOFError, zlib.error, PlyParseError, KeyError, ValueError) as error:
+        if isinstance(error, OSError) and error.strerror:
+            raise MeshError(f"{path} can't be read: {error.strerror}.") from error
         raise MeshError(
             f"{path} is no coloured triangle mesh of this workflow: {error}."
         ) from error
@@ -271,10 +274,14 @@ def _check_header(stream: BinaryIO) -> None:
 def _plain_file(path: Path, largest_megabytes: float) -> Iterator[BinaryIO]:
     """Open a file, or a temporary file with its unpacked content: plyfile reads arrays only from real files."""
     if path.suffix != ".gz":
-        with path.open("rb") as plain:
+        with open_regular(path) as plain:
             yield plain
         return
-    with gzip.open(path, "rb") as packed, tempfile.TemporaryFile() as unpacked:
+    with (
+        open_regular(path) as stream,
+        gzip.open(stream) as packed,
+        tempfile.TemporaryFile() as unpacked,
+    ):
         while block := packed.read(_BLOCK_BYTES):
             unpacked.write(block)
             if unpacked.tell() > largest_megabytes * 1e6:

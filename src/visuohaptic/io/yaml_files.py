@@ -11,6 +11,7 @@ from typing import Any
 import yaml
 
 from visuohaptic.base.errors import ParameterError
+from visuohaptic.base.regular_files import open_regular, read_bounded
 
 LARGEST_BYTES = 5 * 10**6
 MOST_VALUES = 1_000_000
@@ -54,8 +55,8 @@ def check_config(setting: str) -> None:
 
 def _checked_text(path: str | Path) -> str:
     try:
-        with Path(path).open("rb") as stream:
-            data = stream.read(LARGEST_BYTES + 1)
+        with open_regular(path) as stream:
+            data = read_bounded(stream, LARGEST_BYTES)
         if len(data) > LARGEST_BYTES:
             raise ParameterError(
                 f"{path} is larger than {LARGEST_BYTES / 1e6:g} MB; at most {LARGEST_BYTES / 1e6:g} MB are allowed."

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from visuohaptic.base.errors import CatalogueError
+from visuohaptic.base.regular_files import check_regular
 
 ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd"]
 """Names of sets of objects.
@@ -229,6 +230,7 @@ def check_name(name: str, source: str | Path) -> None:
 
 def _catalogue_rows(path: Path) -> list[tuple[str, Model]]:
     try:
+        check_regular(path)
         with path.open(newline="", encoding="utf-8") as stream:
             return [_parse_row(row, path) for row in csv.DictReader(stream)]
     except OSError as error:

@@ -6,17 +6,23 @@ import os
 import posixpath
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 from urllib.parse import unquote
 from zipfile import ZipFile
 
+from visuohaptic.base.archives import read_member
 from visuohaptic.base.errors import MeshError
+from visuohaptic.base.regular_files import open_regular, read_bounded
 from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES
 from visuohaptic.meshes.textures import PackedImage, open_image
 
 LARGEST_BYTES = 50 * 10**6
 """Largest size of a material, image or glTF buffer."""
+
+MOST_BYTES_TOGETHER = 512 * 10**6
+"""Largest size of all files that a model refers to; the images of a model are in memory together."""
 
 _HASH = re.compile(r"[0-9a-f]{30,}")
 _FAN_OUT = re.compile(r"[0-9a-f]{2}")
@@ -40,6 +46,8 @@ class Companions:
         self.missing: list[str] = []
         self.notes: list[str] = []
         self.up_axis: Literal["x", "y", "z"] | None = None
+        self._bytes_read = 0
+        self._images: dict[Path | str, PackedImage | None] = {}
 
     def read(self, name: str, beside: str = "") -> bytes:
         """Read a file that the model, or its companion `beside`, refers to as `name`.
@@ -48,7 +56,7 @@ class Companions:
         parts are looked for in the model's folder. Raises `MeshError` with the reason, and adds it to `missing`.
         """
         try:
-            return self._read(name, beside)
+            return self._bounded(self._find(name, beside))
         except MeshError as error:
             clause = f"{name[:_LONGEST_SHOWN]!r}, which {error}"
             if clause not in self.missing:
@@ -58,7 +66,7 @@ class Companions:
     def has(self, name: str, beside: str = "") -> bool:
         """Return whether `read` would return a file; nothing is added to `missing`."""
         try:
-            self._read(name, beside)
+            self._find(name, beside)
         except MeshError:
             return False
         return True
@@ -66,19 +74,44 @@ class Companions:
     def image(self, name: str, beside: str = "") -> PackedImage | None:
         """Read an image; if it is missing or no image, return None and add the reason to `missing`.
 
-        Raises `MeshError` if the image has more pixels than `textures.MOST_PIXELS`.
+        Images of the same file share their data. Raises `MeshError` if the image has more pixels than
+        `textures.MOST_PIXELS`.
         """
         try:
-            data = self.read(name, beside)
+            file = self._find(name, beside)
         except MeshError:
-            return None
-        image = open_image(data, f"its image {name[:_LONGEST_SHOWN]!r}")
+            file = ""
+        if file not in self._images:
+            try:
+                data = self.read(name, beside)
+            except MeshError:
+                return None
+            self._images[file] = open_image(data, f"its image {name[:_LONGEST_SHOWN]!r}")
+        image = self._images[file]
         if image is None:
             self.missing.append(f"{name[:_LONGEST_SHOWN]!r}, which is no image that can be read")
-        return image
+            return None
+        # Paints of one `PackedImage` share an image of the texture; each use here has its own.
+        return replace(image)
 
-    def _read(self, name: str, beside: str) -> bytes:  # noqa: ARG002 - the signature of all subclasses
+    def _bounded(self, file: Path | str) -> bytes:
+        """Return the content of a file; raise `MeshError` if the model refers to more than `MOST_BYTES_TOGETHER`."""
+        data = self._read(file)
+        _check_size(len(data))
+        self._bytes_read += len(data)
+        if self._bytes_read > MOST_BYTES_TOGETHER:
+            raise MeshError(
+                f"brings the files that it refers to above {MOST_BYTES_TOGETHER / 1e6:.0f} MB, the largest allowed size"
+            )
+        return data
+
+    def _find(self, name: str, beside: str) -> Path | str:  # noqa: ARG002 - the signature of all subclasses
+        """Return the path of a file, or its name in the archive; raise `MeshError` with the reason."""
         raise MeshError("is not there, for an open file has no folder")
+
+    def _read(self, file: Path | str) -> bytes:
+        """Return the content of a file that `_find` returned, at most `LARGEST_BYTES` + 1 bytes."""
+        raise NotImplementedError
 
 
 class FolderCompanions(Companions):
@@ -93,7 +126,7 @@ class FolderCompanions(Companions):
         self._folder = Path(os.path.abspath(model)).parent  # noqa: PTH100 - links stay as they are
         self._roots = [self._folder.resolve(), *_stores_of(model)]
 
-    def _read(self, name: str, beside: str) -> bytes:
+    def _find(self, name: str, beside: str) -> Path:
         for candidate in _candidates(name, beside):
             path = _in_any_case(self._folder, candidate)
             if path is None or not path.is_file():
@@ -104,8 +137,12 @@ class FolderCompanions(Companions):
                 )
             _check_suffix(path.name)
             _check_size(path.stat().st_size)
-            return path.read_bytes()
+            return path
         raise MeshError(f"is {_why_not_found(name)}; put that file beside it")
+
+    def _read(self, file: Path | str) -> bytes:
+        with open_regular(file) as stream:
+            return read_bounded(stream, LARGEST_BYTES)
 
     def _may_be_read(self, path: Path) -> bool:
         target = path.resolve()
@@ -126,14 +163,17 @@ class ArchiveCompanions(Companions):
         files = (file for file in archive.infolist() if not file.is_dir())
         self._files = {file.filename.lower(): file for file in files}
 
-    def _read(self, name: str, beside: str) -> bytes:
+    def _find(self, name: str, beside: str) -> str:
         for candidate in _candidates(name, beside):
             file = self._files.get(posixpath.join(self._folder, candidate).lower())
             if file is not None:
                 _check_suffix(file.filename)
                 _check_size(file.file_size)
-                return self._archive.read(file)
+                return file.filename
         raise MeshError(f"is {_why_not_found(name)}")
+
+    def _read(self, file: Path | str) -> bytes:
+        return read_member(self._archive, str(file), LARGEST_BYTES)
 
 
 def _candidates(name: str, beside: str) -> Iterator[str]:

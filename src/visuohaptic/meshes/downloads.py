@@ -23,6 +23,7 @@ import requests
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
+from visuohaptic.base.archives import read_member as read_bounded
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import DownloadError
 from visuohaptic.geometry.surface import write_surface
@@ -163,9 +164,8 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
 def read_member(archive: Path, member: str, largest_bytes: int) -> bytes:
     """Return a member of a zip archive; raise `DownloadError` if the member is missing or too large."""
     try:
-        with zipfile.ZipFile(archive) as opened, opened.open(member) as stream:
-            # The size of the member in the archive's directory may be wrong.
-            data = stream.read(largest_bytes + 1)
+        with zipfile.ZipFile(archive) as opened:
+            data = read_bounded(opened, member, largest_bytes)
     except KeyError as error:
         raise DownloadError(f"{archive} has no member {member}.") from error
     # zipfile raises RuntimeError for encrypted members, and NotImplementedError for unknown compression.

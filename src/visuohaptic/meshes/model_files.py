@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import io
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ from zipfile import ZipFile
 from numpy.typing import ArrayLike
 
 from visuohaptic.base.errors import MeshError
+from visuohaptic.base.regular_files import open_regular, read_bounded
 from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, why_unreadable
 from visuohaptic.meshes.collada import read_collada
@@ -44,7 +44,6 @@ PACKED = ".ply.gz"
 _TEXT_KINDS = ("obj", "off", "ply", "gltf", "dae", "stl")
 _MOST_MISSING = 5  # missing files that a note lists
 _MOST_NOTES = 5
-_BLOCK_BYTES = 1 << 20
 
 
 def read_mesh(
@@ -167,7 +166,7 @@ def _read_path(path: Path, name: str, largest_megabytes: float) -> Surface:
     if reason := why_unreadable(path.suffix):
         raise MeshError(f"{name} {reason}")
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             holder = [_read_bounded(stream, name, largest_megabytes)]
     except OSError as error:
         raise MeshError(f"{name} can't be read: {error.strerror}.") from error
@@ -192,16 +191,14 @@ def _kind_of(stream: Any, file_type: str | None) -> str:
 
 
 def _read_bounded(stream: BinaryIO, name: str, largest_megabytes: float) -> bytes:
-    # A single `stream.read(n)` would allocate the n allowed bytes even for a small file.
-    content, bytes_left = io.BytesIO(), int(largest_megabytes * 1e6) + 1
-    while bytes_left and (block := stream.read(min(bytes_left, _BLOCK_BYTES))):
-        if not isinstance(block, bytes):
-            raise MeshError(f'{name} is open as text; open it with mode "rb".')
-        bytes_left -= content.write(block)
-    data = content.getvalue()
+    largest_bytes = int(largest_megabytes * 1e6)
+    try:
+        data = read_bounded(stream, largest_bytes)
+    except TypeError as error:
+        raise MeshError(f'{name} is open as text; open it with mode "rb".') from error
     if not data:
         raise MeshError(f"{name} is empty.")
-    if not bytes_left:
+    if len(data) > largest_bytes:
         raise MeshError(
             f"{name} is too large; {largest_megabytes:g} MB are allowed (meshes.largest_megabytes)."
         )

@@ -11,13 +11,14 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from visuohaptic.base.archives import count_members
 from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.limits import check_parts
 from visuohaptic.meshes.parts import GREY, Paint, Part
 from visuohaptic.meshes.scenes import placed
-from visuohaptic.meshes.three_mf_package import NO_GROUP, Group, ModelObject, Package
+from visuohaptic.meshes.three_mf_package import MOST_MEMBERS, NO_GROUP, Group, ModelObject, Package
 
 _NOT_BUILT = {"support", "solidsupport", "other"}
 _COLOURED = {"basematerials", "colorgroup"}
@@ -31,6 +32,9 @@ def read_3mf(data: bytes, companions: Companions) -> list[Part]:
     refers to a missing object.
     """
     companions.up_axis = "z"
+    members = count_members(data)
+    if members > MOST_MEMBERS:
+        raise MeshError(f"it holds {members} files; {MOST_MEMBERS} are allowed")
     with ZipFile(io.BytesIO(data)) as archive:
         package = Package(archive)
         return list(_placed_parts(package, companions))

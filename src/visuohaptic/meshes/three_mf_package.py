@@ -17,21 +17,24 @@ import numpy as np
 from lxml import etree
 from numpy.typing import NDArray
 
+from visuohaptic.base.archives import read_member
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.texture import CLAMP, MIRROR, REPEAT
-from visuohaptic.meshes.companions import LARGEST_BYTES
-from visuohaptic.meshes.limits import check_xml_size, parse_xml
+from visuohaptic.meshes.companions import LARGEST_BYTES, MOST_BYTES_TOGETHER
+from visuohaptic.meshes.limits import MOST_XML_BYTES, check_xml_size, parse_xml
 from visuohaptic.meshes.polygons import check_corners
 from visuohaptic.meshes.textures import PackedImage, open_image
 
 Key = tuple[str, str]
 """Name of a model in the archive, and id of an object in the model."""
 
+MOST_MEMBERS = 5_000
+"""Largest number of members of the archive."""
+
 NO_GROUP = -1
 """Group of a triangle without properties."""
 
-_MOST_FILES = 5_000
 _LONGEST_SHOWN = 80
 _START = "3d/3dmodel.model"
 _START_TYPE = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
@@ -100,14 +103,12 @@ class Package:
     """The zip archive; models and images are unpacked when they are used."""
 
     def __init__(self, archive: ZipFile) -> None:
-        files = archive.infolist()
-        if len(files) > _MOST_FILES:
-            raise MeshError(f"it holds {len(files)} files; {_MOST_FILES} are allowed")
         self._archive = archive
-        self._files = {_plain(file.filename): file for file in files}
+        self._files = {_plain(file.filename): file for file in archive.infolist()}
         self._models: dict[str, Model] = {}
         self._images: dict[str, PackedImage | None] = {}
         self._unpacked = 0
+        self._image_bytes = 0
 
     def start(self) -> str:
         """Return the name of the root model of the archive."""
@@ -139,20 +140,32 @@ class Package:
             file = self._files.get(name)
             packed = None
             if file is not None and file.file_size <= LARGEST_BYTES:
-                packed = open_image(self._read(file), f"its image {name[:_LONGEST_SHOWN]!r}")
+                packed = open_image(self._image_data(file), f"its image {name[:_LONGEST_SHOWN]!r}")
             self._images[name] = packed
         return self._images[name]
 
-    def _xml(self, name: str) -> bytes:
-        self._unpacked += self._files[name].file_size
-        check_xml_size(self._unpacked)
-        return self._read(self._files[name])
+    def _image_data(self, file: ZipInfo) -> bytes:
+        data = self._read(file, LARGEST_BYTES)
+        self._image_bytes += len(data)
+        if self._image_bytes > MOST_BYTES_TOGETHER:
+            raise MeshError(
+                f"its images unpack to more than {MOST_BYTES_TOGETHER / 1e6:.0f} MB, which is the largest allowed size"
+            )
+        return data
 
-    def _read(self, file: ZipInfo) -> bytes:
+    def _xml(self, name: str) -> bytes:
+        file = self._files[name]
+        check_xml_size(self._unpacked + file.file_size)
+        data = self._read(file, MOST_XML_BYTES - self._unpacked)
+        self._unpacked += len(data)
+        check_xml_size(self._unpacked)
+        return data
+
+    def _read(self, file: ZipInfo, most_bytes: int) -> bytes:
         # Other compression methods may need any amount of memory.
         if file.compress_type not in {ZIP_STORED, ZIP_DEFLATED}:
             raise MeshError("it uses a compression that 3MF does not allow; export it again")
-        return self._archive.read(file)
+        return read_member(self._archive, file, most_bytes)
 
 
 class _Reader:

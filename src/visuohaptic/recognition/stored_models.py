@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 import zipfile
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
@@ -13,8 +15,10 @@ import skops.io
 from sklearn.pipeline import Pipeline
 from sklearn.svm import SVC
 
+from visuohaptic.base.archives import count_members, read_member
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import RecognitionError
+from visuohaptic.base.regular_files import read_regular
 from visuohaptic.recognition.certainty import Certainty, Reference
 from visuohaptic.recognition.frames import WaveBasis
 from visuohaptic.recognition.model import RecognitionModel
@@ -25,8 +29,11 @@ FORMAT = "visuohaptic recogniser 11"
 FORMER_FORMAT = "visuohaptic recogniser 10"
 """Format with one strategy. It is read, because the package's model and models of earlier runs have this format."""
 
-LARGEST_BYTES = 2**30
+LARGEST_BYTES = 2**28
 """Largest unpacked size of a model file that is read; a model of 142 objects has some megabytes."""
+
+LARGEST_SCHEMA_BYTES = 10**7
+"""Largest size of the description of a model's parts, which takes some 30 bytes per byte; that of 142 objects has 60 kB."""
 
 TRUSTED = (
     "sklearn.calibration._CalibratedClassifier",
@@ -35,6 +42,10 @@ TRUSTED = (
 )
 """Types of a model that skops does not trust by itself. All compute with arrays only."""
 
+MOST_MEMBERS = 10_000
+"""Largest number of members of a model file; that of twelve objects has 33."""
+
+_SCHEMA = "schema.json"  # of skops
 _TEXTS = ("pipeline", "classifier", "touches", "touching")
 
 
@@ -112,13 +123,7 @@ def _reason_of(error: Exception) -> str:
 
 
 def _read(path: Path) -> RecognitionModel:
-    with zipfile.ZipFile(path) as archive:
-        unpacked = sum(member.file_size for member in archive.infolist())
-    if unpacked > LARGEST_BYTES:
-        raise RecognitionError(
-            f"it unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_BYTES / 1e6:.0f} MB are allowed"
-        )
-    content = path.read_bytes()
+    content = _unpacked(path)
     if unsafe := {*skops.io.get_untrusted_types(data=content)} - {*TRUSTED}:
         raise RecognitionError(f"it needs {', '.join(sorted(unsafe))}, and such code is not run")
     state = skops.io.loads(content, trusted=list(TRUSTED))
@@ -145,6 +150,52 @@ def _read(path: Path) -> RecognitionModel:
             strategy: _certainty(content) for strategy, content in state["certainties"].items()
         },
     )
+
+
+def _unpacked(path: Path) -> bytes:
+    """Return a model file as an archive without compression; raise `RecognitionError` if its parts are too large."""
+    data = read_regular(path, LARGEST_BYTES)
+    if count_members(data) > MOST_MEMBERS:
+        raise RecognitionError(f"it has more than {MOST_MEMBERS} members")
+    stored = io.BytesIO()
+    sizes: dict[str, int] = {}
+    bytes_left = LARGEST_BYTES
+    with (
+        zipfile.ZipFile(io.BytesIO(data)) as archive,
+        zipfile.ZipFile(stored, "w") as unpacked,
+    ):
+        members = {member.filename: member for member in archive.infolist()}
+        _check_size(sum(member.file_size for member in members.values()), LARGEST_BYTES)
+        for name, member in members.items():
+            content = read_member(archive, member, bytes_left)
+            bytes_left -= len(content)
+            _check_size(LARGEST_BYTES - bytes_left, LARGEST_BYTES)
+            unpacked.writestr(name, content)
+            sizes[name] = len(content)
+        _check_size(sizes[_SCHEMA], LARGEST_SCHEMA_BYTES)
+        # skops reads a member once for each part that names it.
+        _check_size(sum(_sizes_of_parts(unpacked.read(_SCHEMA), sizes)), LARGEST_BYTES)
+    return stored.getvalue()
+
+
+def _sizes_of_parts(schema: bytes, sizes: Mapping[str, int]) -> Iterator[int]:
+    """Yield the size of the member of each part that has one."""
+    parts = [json.loads(schema)]
+    # Each turn takes one part of the schema, whose number is finite.
+    while parts:
+        part = parts.pop()
+        if isinstance(part, dict):
+            yield sizes.get(str(part.get("file")), 0)
+            parts += part.values()
+        elif isinstance(part, list):
+            parts += part
+
+
+def _check_size(unpacked: int, most_bytes: int) -> None:
+    if unpacked > most_bytes:
+        raise RecognitionError(
+            f"it unpacks to {unpacked / 1e6:.0f} MB; at most {most_bytes / 1e6:.0f} MB are allowed"
+        )
 
 
 def _certainty(state: dict[str, Any]) -> Certainty:

@@ -16,11 +16,15 @@ from pydantic import BaseModel, Field, PositiveFloat, ValidationError
 
 from visuohaptic.base.errors import ReportError
 from visuohaptic.base.optional_packages import require
+from visuohaptic.base.regular_files import read_regular
 from visuohaptic.evaluation.intervals import compare_paired
 from visuohaptic.parameters import leaves
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.run import METRICS
+
+LARGEST_BYTES = 100 * 10**6
+"""Largest size of a file of metrics; a run of 142 objects writes some megabytes."""
 
 CELL = ["pipeline", "strategy", "classifier"]
 VALUE = ["value", "low", "high"]
@@ -58,7 +62,8 @@ def read_metrics(source: str) -> Metrics:
     path = Path(source)
     try:
         if path.exists() or path.suffix == ".json":
-            text = (path / METRICS if path.is_dir() else path).read_text(encoding="utf-8")
+            file = path / METRICS if path.is_dir() else path
+            text = read_regular(file, LARGEST_BYTES).decode("utf-8")
         else:
             text = _ask_dvc("read", METRICS, rev=source)
         return Metrics.model_validate_json(text)

@@ -18,6 +18,7 @@ import pyarrow.parquet as pq
 
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import TableError
+from visuohaptic.base.regular_files import check_regular
 
 MOST_VALUES = 200_000_000
 """Largest number of values in one Parquet file, elements of lists included.
@@ -435,9 +436,13 @@ def open_parquet(file: str | Path) -> pq.ParquetFile:
     Raises `TableError` if the file is missing, is no Parquet file, or has more than `MOST_VALUES` values.
     """
     try:
-        opened = pq.ParquetFile(file)
+        check_regular(file)
     except FileNotFoundError as error:
         raise TableError(f"there is no file {file}.") from error
+    except OSError as error:
+        raise TableError(f"{file} can't be read: {error.strerror}.") from error
+    try:
+        opened = pq.ParquetFile(file)
     except (OSError, pa.ArrowException) as error:
         raise TableError(f"{file} can't be read as Parquet: {_one_line(error)}.") from error
     groups = [opened.metadata.row_group(group) for group in range(opened.num_row_groups)]

@@ -1,4 +1,5 @@
 import io
+import os
 from zipfile import ZipFile
 
 import numpy as np
@@ -174,3 +175,9 @@ def test_a_folder_without_recordings_is_refused(tmp_path):
     for folder, culprit in ((tmp_path, "no recording"), (tmp_path / "nowhere", "no folder")):
         with pytest.raises(GazeError, match=culprit):
             find_recordings(folder)
+
+
+def test_a_pipe_is_no_recording_and_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "cup.txt")
+    with pytest.raises(GazeError, match=r"cup\.txt can't be read: it is a pipe"):
+        read_recording(tmp_path / "cup.txt", LARGEST)
