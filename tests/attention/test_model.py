@@ -13,6 +13,7 @@ from visuohaptic.attention import (
     prepare_view,
     saliency_map,
 )
+from visuohaptic.attention.model import reasons_to_skip
 from visuohaptic.fixations.parameters import ViewpointParameters
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.scene.parameters import EffectModes
@@ -194,9 +195,29 @@ def test_empty_view_has_no_fixation_and_says_why():
         ({"colour": np.zeros((1, 64, 63, 3), np.float32)}, "with this mask "),
         ({"colour": np.full((1, 64, 64, 3), np.nan, np.float32)}, "NaN or infinite"),
         ({"curvature": np.full((1, 64, 64), -1, np.float32)}, "below 0"),
+        ({"colour": np.full((1, 64, 64, 3), 1e39)}, "colour has values up to 1e.39"),
+        ({"colour": np.full((1, 64, 64, 3), 1j)}, "colour is of type complex128; real numbers"),
+        ({"curvature": np.full((1, 64, 64), "1")}, "curvature is of type <U1; real numbers"),
     ],
 )
 def test_unusable_views_are_refused(change, message):
     arrays = displays.as_views(np.full((64, 64, 3), 0.5, dtype=np.float32)) | change
     with pytest.raises(AttentionError, match=message):
         attend(**arrays, parameters=AttentionParameters())
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int32, np.int64, np.float16, np.float64, bool])
+def test_colours_and_curvatures_of_any_type_of_number_count_as_float32(kind):
+    image = displays.draw(ODD_ONES["red among green"]) * 255
+    arrays = displays.as_views(image.astype(kind))
+    arrays["curvature"] = (arrays["mask"] * np.arange(arrays["mask"].shape[2]) % 7).astype(kind)
+    parameters = AttentionParameters()
+    (found,) = attend(**arrays, parameters=parameters)
+    as_float32 = {name: arrays[name].astype(np.float32) for name in ("colour", "curvature")}
+    (expected,) = attend(**{**arrays, **as_float32}, parameters=parameters)
+    np.testing.assert_array_equal(found.saliency, expected.saliency)
+    assert reasons_to_skip(
+        *(arrays[name][0] for name in ("colour", "mask", "curvature")), parameters
+    ) == reasons_to_skip(
+        *({**arrays, **as_float32}[name][0] for name in ("colour", "mask", "curvature")), parameters
+    )

@@ -1,14 +1,16 @@
-"""Sections of parameters take no truth value for a number."""
+"""Sections of parameters take no truth value, NaN, infinity or extreme number for a number."""
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Literal, get_args
 
 import pytest
-from pydantic import Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 import visuohaptic as vh
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.base.section import Section
 from visuohaptic.meshes.parameters import MeshParameters
+from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.sensor.parameters import SensorParameters
 
@@ -22,6 +24,7 @@ class Made(Section):
     named: Literal["auto"] | float = "auto"
     is_on: bool = False
     text: str = ""
+    shares: tuple[float, ...] = ()
 
 
 @pytest.mark.parametrize(
@@ -37,6 +40,53 @@ def test_numbers_truth_values_and_text_are_taken_where_they_belong():
     assert (made.whole, made.real, made.rows, made.named, made.is_on) == (2, 1.0, (1, 2), 0.5, True)
     with pytest.raises(ValidationError, match="valid string"):
         Made(text=True)
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, 1e13, -1e13, 1e-13])
+@pytest.mark.parametrize("values", ["real", "named", "shares"])
+def test_a_number_that_is_not_finite_or_extreme_is_refused(values, number):
+    given = {"shares": [0.5, number]} if values == "shares" else {values: number}
+    with pytest.raises(ValidationError, match=r"finite number|between 1e-12 and 1e\+12"):
+        Made.model_validate(given)
+
+
+def test_zero_and_the_limits_themselves_are_taken():
+    shares = (0.0, 1e-12, -1e12)
+    assert Made(shares=shares, real=0).shares == shares
+
+
+def kinds_in(annotation):
+    return [annotation, *(kind for part in get_args(annotation) for kind in kinds_in(part))]
+
+
+def sections_in(section):
+    """Yield a section of parameters, and those in its fields."""
+    yield section
+    for field in section.model_fields.values():
+        for kind in kinds_in(field.annotation):
+            if isinstance(kind, type) and issubclass(kind, BaseModel):
+                yield from sections_in(kind)
+
+
+DECIMAL = [
+    pytest.param(section, name, id=f"{section.__name__}.{name}")
+    for section in dict.fromkeys(sections_in(ExperimentParameters))
+    for name, field in section.model_fields.items()
+    if float in kinds_in(field.annotation)
+]
+
+
+def test_fields_of_the_sections_were_found():
+    assert len(DECIMAL) > 40
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize(("section", "name"), DECIMAL)
+def test_no_parameter_takes_nan_or_infinity(section, name, number):
+    is_list = "tuple" in str(section.model_fields[name].annotation)
+    with pytest.raises(ValidationError) as refusal:
+        section.model_validate({name: [number] if is_list else number})
+    assert any("finite number" in error["msg"] for error in refusal.value.errors())
 
 
 @pytest.mark.parametrize(

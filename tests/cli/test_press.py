@@ -1,8 +1,13 @@
 """`visuohaptic press`: poses out of a touch, and back."""
 
+import re
+
 import numpy as np
 import pytest
 import trimesh
+
+from visuohaptic.cli import press
+from visuohaptic.exploration import pressing
 
 
 @pytest.fixture
@@ -37,3 +42,33 @@ def test_a_wrong_measure_is_one_sentence_and_writes_nothing(visuohaptic, tmp_pat
     assert ended.code == 1
     assert "unit is None" in ended.err
     assert not (tmp_path / "pressed").exists()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf"])
+@pytest.mark.parametrize("option", ["--size", "--height", "--depth"])
+def test_a_length_that_is_not_finite_is_one_sentence(visuohaptic, tmp_path, bottle, option, number):
+    (tmp_path / "poses.csv").write_text("x,y,z,normal_x,normal_y,normal_z\n25,0,30,1,0,0\n")
+    measures = {"--size": "5", option: number}
+    arguments = [word for pair in measures.items() for word in pair]
+    ended = visuohaptic("press", bottle, "--poses", "poses.csv", *arguments)
+    assert ended.code == 1
+    found = re.escape(f"{float(number):g}")
+    assert re.fullmatch(rf"error: (size|depth) holds {found}; positive .*\n", ended.err)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("measures", "says"),
+    [
+        (("--size", "5", "--resolution", "9" * 20), "should be less than or equal to 1024"),
+        (("--size", "5", "--resolution", "9" * 400), "should be less than or equal to 1024"),
+        (("--size", "1e-90", "--height", "1"), "square cells need 3.2e+91 rows"),
+    ],
+)
+def test_a_resolution_of_any_size_is_one_sentence(visuohaptic, tmp_path, bottle, measures, says):
+    (tmp_path / "poses.csv").write_text("x,y,z,normal_x,normal_y,normal_z\n25,0,30,1,0,0\n")
+    ended = visuohaptic("press", bottle, "--poses", "poses.csv", *measures)
+    assert ended.code == 2
+    assert says in ended.err
+    assert press.MOST_ALONG_EDGE == pressing.MOST_ALONG_EDGE

@@ -93,6 +93,11 @@ def test_a_file_is_pressed_as_the_mesh_that_it_holds(tmp_path):
     [
         ({"resolution": 5000}, "resolution is 5000; a whole number from 2 to 1024"),
         ({"resolution": np.nan}, "resolution is nan"),
+        ({"resolution": 10**20}, "resolution is 100000000000000000000; a whole number"),
+        ({"resolution": 10**5000}, "resolution holds a number that float64 can't hold"),
+        ({"roll": np.inf}, "roll"),
+        ({"seed": np.nan}, "seed is nan; a whole number of at least 0"),
+        ({"seed": -1}, "seed is -1; a whole number of at least 0"),
         (
             {"resolution": 1024, "points": np.zeros((100, 3)), "normals": np.ones((100, 3))},
             "100 sensors of 1024 x 1024 have 104857600 sensing points",

@@ -1,8 +1,11 @@
 """A model becomes upright, clean, centred and of unit size, or is refused by name."""
 
+import io
+
 import numpy as np
 import pytest
 import trimesh
+from meshes.written_gltf import Gltf
 from numerics.surfaces import build_plain_surface, of_trimesh
 
 from visuohaptic.base.errors import MeshError
@@ -128,3 +131,30 @@ def test_own_models_with_z_up_are_turned(tmp_path):
     model = Model("tower", "tower")
     result = prepare_object(model, tmp_path / "tower.stl", MeshParameters(own_up_axis="z"))
     assert np.ptp(result.vertices, axis=0).argmax() == 1
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("scale", [1e-160, 1e100, 1e200, 1e307])
+def test_coordinates_of_any_size_make_the_same_surface_without_a_warning(scale):
+    box = trimesh.creation.box((1, 1, 1))
+    model = Model("box", "box")
+    wanted = prepare_object(model, (box.vertices, box.faces), MeshParameters())
+    found = prepare_object(model, (scale * box.vertices, box.faces), MeshParameters())
+    np.testing.assert_array_equal(found.vertices, wanted.vertices)
+    assert found.notes == wanted.notes
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "node",
+    [
+        {"matrix": [1e308] * 16},
+        {"scale": [1e308] * 3, "translation": [1e308] * 3, "rotation": [0, 1, 0, 0]},
+    ],
+)
+def test_transforms_that_overflow_are_refused_without_a_warning(node):
+    file = Gltf()
+    data = io.BytesIO(file.show({"mesh": file.mesh(), **node}).text())
+    data.name = "cube.gltf"
+    with pytest.raises(MeshError, match=r"cube has .* NaN or infinite vertices, the first"):
+        prepare_object(Model("cube", "cube"), data, MeshParameters())

@@ -69,9 +69,9 @@ def attend(
 
     Parameters
     ----------
-    colour : ndarray of shape (n, h, w, 3), float32
+    colour : ndarray of shape (n, h, w, 3)
         Red, green and blue, at least 0, of any scale: each view is divided by its largest value on the object.
-        `Views` of rendered objects have sRGB; linear light gives other maps.
+        `Views` of rendered objects have sRGB; linear light gives other maps. Numbers of any type are rounded to float32.
     mask : ndarray of shape (n, h, w), bool
         True on the object.
     point, normal : ndarray of shape (n, h, w, 3), float64
@@ -79,8 +79,8 @@ def attend(
         The parameters and terms assume this unit, and the terms assume this frame.
     face : ndarray of shape (n, h, w), int64
         Index of the visible face at each pixel. It is only copied into the scanpath.
-    curvature : ndarray of shape (n, h, w), float32
-        Curvedness of the surface, at least 0, 1 / object radius.
+    curvature : ndarray of shape (n, h, w)
+        Curvedness of the surface, at least 0, 1 / object radius. Numbers of any type are rounded to float32.
     parameters : AttentionParameters
         Weights of the channels, the operator N, and the choice of fixations.
     eye : ndarray of shape (n, 3), float64, optional
@@ -99,10 +99,11 @@ def attend(
     ------
     AttentionError
         If a shape does not match `mask`, `mask` is not bool, a view has fewer than `SMALLEST_VIEW` rows or columns,
-        a value is not finite, a colour or curvature is negative, a term is unknown, or a term has a weight other
+        a value is no real number, not finite or beyond float32, a colour or curvature is negative, a term is unknown, or a term has a weight other
         than 0 and `eye` is missing.
     """
     _check_views(colour, mask, point, normal, face, curvature)
+    colour, curvature = _as_float32(colour, "colour"), _as_float32(curvature, "curvature")
     weights = _weights_of(terms or {})
     _check_eyes(eye, len(mask), weights)
     eyes = [None] * len(mask) if eye is None else eye
@@ -119,6 +120,7 @@ def reasons_to_skip(
     no bit of the saliency map. `colour` (h, w, 3), `mask` (h, w) and `curvature` (h, w) are as for `attend`, but of
     one view.
     """
+    colour, curvature = _as_float32(colour, "colour"), _as_float32(curvature, "curvature")
     reasons = _empty_channels(colour, mask, curvature)
     weights = parameters.weights.model_dump()
     reasons |= {name: "its weight is 0" for name in CHANNELS if not weights.get(name)}
@@ -247,9 +249,24 @@ def _check_views(
             raise AttentionError(
                 f"{name} has shape {array.shape}; with this mask {shape} is allowed."
             )
+        if array.dtype.kind not in "biuf":
+            raise AttentionError(f"{name} is of type {array.dtype}; real numbers are allowed.")
         # Faster than np.isfinite on the whole array: the extremes are finite only if all values are finite.
         lowest, highest = array.min(initial=0), array.max(initial=0)
         if not (np.isfinite(lowest) and np.isfinite(highest)):
             raise AttentionError(f"{name} has NaN or infinite values; finite values are allowed.")
         if name in ("colour", "curvature") and lowest < 0:
             raise AttentionError(f"{name} has values below 0, such as {lowest:g}; 0 is the least.")
+
+
+def _as_float32(values: NDArray[Any], name: str) -> Plane:
+    """Return numbers as float32, the type of OpenCV's filters; raise `AttentionError` if float32 can't hold them."""
+    if values.dtype == np.float32:
+        return values
+    with np.errstate(over="ignore"):
+        rounded: Plane = values.astype(np.float32)
+    if not np.isfinite(rounded.max(initial=0)):
+        raise AttentionError(
+            f"{name} has values up to {values.max():g}; values below 3.4e38 are allowed."
+        )
+    return rounded

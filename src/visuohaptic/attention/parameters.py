@@ -8,12 +8,15 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
 from .errors import AttentionError
 from .registry import CHANNELS, Channel, channel
+
+SMALLEST, LARGEST = 1e-12, 1e12
+"""Limits of weights and lengths above 0."""
 
 NAMED_WEIGHTS = ("equal", "human_channels")
 """Names of sets of weights, see `AttentionParameters`."""
@@ -34,15 +37,26 @@ def _refuse_bool(value: object) -> object:
     return value
 
 
+def _refuse_extremes(value: float) -> float:
+    # Filters are of float32, which holds 1e-38 to 3e38.
+    if value and not SMALLEST <= abs(value) <= LARGEST:
+        raise PydanticCustomError(
+            "magnitude",
+            "0 or a number between {smallest} and {largest} is needed",
+            {"smallest": f"{SMALLEST:g}", "largest": f"{LARGEST:g}"},
+        )
+    return value
+
+
 _Whole = Annotated[int, BeforeValidator(_refuse_bool)]
-_Number = Annotated[float, BeforeValidator(_refuse_bool)]
+_Number = Annotated[float, BeforeValidator(_refuse_bool), AfterValidator(_refuse_extremes)]
 
 
 class ChannelWeights(BaseModel):
     """Weight of each channel in the saliency map; channels of weight 0 are not computed."""
 
     # The registry adds the fields, so a new channel needs only its entry there.
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     if TYPE_CHECKING:
 
@@ -108,7 +122,7 @@ class AttentionParameters(BaseModel):
     (`read_fitted_weights`), without the terms.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     weights: ChannelWeights = Field(default_factory=ChannelWeights, json_schema_extra=_allow_names)
     normalisation: Literal["local_maxima", "iterative", "none"] = Field(

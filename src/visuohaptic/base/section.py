@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
+SMALLEST, LARGEST = 1e-12, 1e12
+"""Limits of the magnitude of numbers with decimals."""
+
 
 class Section(BaseModel):
     """A section of parameters: frozen, without unknown names, and strict about numbers.
 
-    Where a number is needed, truth values, NaN and infinity are refused.
+    Where a number is needed, truth values, NaN and infinity are refused. A number with decimals must be 0 or between
+    `SMALLEST` and `LARGEST`, with either sign, so that products and quotients of parameters neither overflow nor
+    vanish.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -26,11 +32,31 @@ class Section(BaseModel):
             raise PydanticCustomError("truth_value", "a number is needed")
         return value
 
+    @field_validator("*", mode="after")
+    @classmethod
+    def _refuse_extreme_numbers(cls, value: object) -> object:
+        if any(number and not SMALLEST <= abs(number) <= LARGEST for number in _decimals(value)):
+            raise PydanticCustomError(
+                "magnitude",
+                "0 or a number between {smallest} and {largest}, with either sign, is needed",
+                {"smallest": f"{SMALLEST:g}", "largest": f"{LARGEST:g}"},
+            )
+        return value
+
 
 def _holds_truth_value(value: object) -> bool:
     if isinstance(value, list | tuple):
         return any(map(_holds_truth_value, value))
     return isinstance(value, bool)
+
+
+def _decimals(value: object) -> Iterator[float]:
+    """Yield the numbers with decimals of a field."""
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _decimals(item)
 
 
 def _is_number(annotation: Any) -> bool:

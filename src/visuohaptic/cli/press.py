@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from visuohaptic.cli.printing import file_to_read, folder_to_write, say
+
+MOST_ALONG_EDGE = 1024
+"""Limit of rows and of columns of an imprint: that of `exploration.pressing`, which is imported later."""
 
 
 def press(
@@ -26,7 +30,9 @@ def press(
         float | None,
         typer.Option(help="Height of the sensors, in the mesh's unit.", show_default="the width"),
     ] = None,
-    resolution: Annotated[int, typer.Option(help="Sensing points along the width.")] = 32,
+    resolution: Annotated[
+        int, typer.Option(min=2, max=MOST_ALONG_EDGE, help="Sensing points along the width.")
+    ] = 32,
     depth: Annotated[
         float | None,
         typer.Option(
@@ -64,10 +70,7 @@ def press(
         surface,
         poses=read_poses(poses),
         size=(size, sensor_height),
-        resolution=(
-            max(2, round(resolution * sensor_height / size)) if size > 0 else resolution,
-            resolution,
-        ),
+        resolution=(_rows(resolution, size, sensor_height), resolution),
         depth=depth,
         scene=scene,
         unit=unit,
@@ -81,3 +84,16 @@ def press(
         say(f"  note: {note}")
     for name in ("imprints.npy", "heights.npy", "picture.png"):
         say(f"  {out / name}")
+
+
+def _rows(columns: int, width: float, height: float) -> int:
+    """Return the rows of square cells; lengths that are no positive numbers are left to `press`."""
+    if not 0 < width < math.inf or not 0 < height < math.inf:
+        return columns
+    rows = columns * height / width
+    if rows > MOST_ALONG_EDGE + 1:
+        raise typer.BadParameter(
+            f"square cells need {rows:g} rows at this --size and --resolution; {MOST_ALONG_EDGE} are allowed.",
+            param_hint="--height",
+        )
+    return max(2, round(rows))

@@ -17,10 +17,14 @@ def numbers(values: ArrayLike | None, name: str) -> FloatArray:
     try:
         given = np.asarray(values)
         converted = given.astype(np.float64)
+    except OverflowError as error:
+        raise ParameterError(f"{name} holds a number that float64 can't hold.") from error
     # The `__array__` of an object may raise anything.
     except Exception as error:
         raise ParameterError(f"{name} holds no numbers; an array of them is needed.") from error
-    if given.dtype.kind not in "iuf":
+    # Whole numbers beyond 64 bits are objects.
+    is_large = given.dtype == object and {*map(type, given.flat)} <= {int, float}
+    if given.dtype.kind not in "iuf" and not is_large:
         raise ParameterError(f"{name} is of type {given.dtype}; numbers are needed.")
     return converted
 

@@ -179,9 +179,11 @@ def press(
     ParameterError
         If a pose, a length or a count is not allowed.
     """
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise ParameterError(f"seed is {seed!r}; a whole number of at least 0 is needed.")
     stands = turned(_stand(points, normals, poses, orientation), roll)
-    grid = _grid(resolution)
     sizes = _sizes(size, len(stands))
+    grid = _grid(resolution)
     largest = float(sizes.max(initial=0.0)) or 1.0
     deep = _length(largest / 3 if depth is None else depth, "depth")
     high = _length(largest if above is None else above, "above")

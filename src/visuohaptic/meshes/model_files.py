@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 from zipfile import ZipFile
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from visuohaptic.base.errors import MeshError
@@ -131,8 +132,10 @@ def _surface(
     """Read the only item of `holder` as a surface; the item is removed from the list so that `read` can free it."""
     # A parser may raise any error for a broken file.
     try:
-        # No variable here refers to the content, so that `read` can free it.
-        surface = join_parts(read(holder.pop(), companions))
+        # Vertices that overflow are refused where the surface is used, in a sentence that names the first.
+        with np.errstate(over="ignore", invalid="ignore"):
+            # No variable here refers to the content, so that `read` can free it.
+            surface = join_parts(read(holder.pop(), companions))
     except Exception as error:
         raise MeshError(f"{name} can't be read as {kind}: {_reason_of(error)}.") from error
     return replace(surface, notes=_notes(name, companions), up_axis=companions.up_axis)

@@ -19,6 +19,9 @@ from visuohaptic.meshes.up_axis import leans_on_y, steadiest_axis
 MERGE_TOLERANCE = 1e-6
 """Step (object radii) of the grid on which `clean` merges vertices: about ten float32 steps at distance 1."""
 
+# Between these coordinates, squares of areas neither overflow nor vanish.
+_NEAR, _FAR = 1e-60, 1e60
+
 UP_AXES = {
     "x": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
     "y": np.eye(3),
@@ -77,6 +80,7 @@ def _upright(
     """Return the rotation (3, 3) to y up, by `own_up_axis`, and a note if the default y is doubtful."""
     axis: str = parameters.own_up_axis
     _check_faces_and_vertices(surface, name)
+    surface = _with_finite_areas(surface)
     if axis == "auto":
         return UP_AXES[steadiest_axis(surface, {axis: UP_AXES[axis] for axis in "yz"})], []
     if axis != "file":
@@ -87,6 +91,16 @@ def _upright(
         note = f"{name} is taken as y-up, and would stand more steadily with z up"
         return UP_AXES["y"], [f"{note}; if so, say --up z (meshes.own_up_axis)."]
     return UP_AXES["y"], []
+
+
+def _with_finite_areas(surface: Surface) -> Surface:
+    """Scale a surface of extreme coordinates by a power of two, which rounds none, so that its areas are finite."""
+    largest = np.abs(surface.vertices[np.unique(surface.faces)]).max()
+    if _NEAR < largest < _FAR:
+        return surface
+    exponent = int(np.frexp(largest)[1])
+    with np.errstate(over="ignore", invalid="ignore"):  # of vertices without a face
+        return replace(surface, vertices=np.ldexp(surface.vertices, -exponent))
 
 
 def normalise(

@@ -181,7 +181,6 @@ def _unpacked(path: Path) -> bytes:
 def _sizes_of_parts(schema: bytes, sizes: Mapping[str, int]) -> Iterator[int]:
     """Yield the size of the member of each part that has one."""
     parts = [json.loads(schema)]
-    # Each turn takes one part of the schema, whose number is finite.
     while parts:
         part = parts.pop()
         if isinstance(part, dict):
