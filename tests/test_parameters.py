@@ -1,5 +1,6 @@
 """Parameters are checked as a whole, and every fault is named with its path."""
 
+import re
 import subprocess
 import sys
 
@@ -12,6 +13,7 @@ from visuohaptic.parameters import (
     IMPRINT_MULTIPLE,
     ExperimentParameters,
     as_parameters,
+    check_jobs,
     check_run,
     read_parameters,
 )
@@ -33,6 +35,20 @@ def test_what_is_dumped_reads_back():
         ({"cost": {"touches": [2, True]}}, r"cost.touches is \[2, True\]: a number is needed"),
         ({"sensor": {"smallest_size": 1.0}}, "smallest_size is 1.0; at most largest_size"),
         ({"recognition": {"classifiers": ["naive_bayes"] * 3}}, "classifiers names naive_bayes 3"),
+        (
+            {"viewpoints": {"count": 257}, "rendering": {"resolution": 2048}},
+            "rendering.resolution is 2048 and there are 257 viewpoints: 1,077,936,128 pixels",
+        ),
+        (
+            {
+                "viewpoints": {"count": 65},
+                "sensor": {"resolution": 256},
+                "attention": {"fixations": 16},
+            },
+            "is 256 and there are 65 viewpoints with 16 fixations each: 68,157,440 sensing points",
+        ),
+        ({"rendering": {"resolution": 2049}}, "is 2049: .* less than or equal to 2048"),
+        ({"cost": {"view_resolutions": [4096]}}, "is 4096: .* less than or equal to 2048"),
         (
             {"viewpoints": {"count": 1000, "elevations_degrees": [0, 10, 20, 30, 40]}},
             "5 rings: 5000",
@@ -104,6 +120,33 @@ def test_what_would_fail_is_refused_before_a_run(values, sentence):
 @pytest.mark.parametrize("values", [{FIXATIONS: 3}, *({RESOLUTION: side} for side in (3, 8, 33))])
 def test_fewer_fixations_for_touch_alone_and_resolutions_that_contourlets_take_pass(values):
     check_run(as_parameters(values))
+
+
+@pytest.mark.parametrize(
+    ("values", "advice"),
+    [
+        ({}, "objects_per_job to at most 2"),
+        (
+            {"attention.fixations": 32},
+            "objects_per_job to 1 and workflow.views_per_job to at most 5",
+        ),
+    ],
+)
+def test_jobs_that_hold_too_many_sensing_points_are_refused_with_the_numbers_that_fit(
+    values, advice
+):
+    check_jobs(as_parameters(None))
+    large = {"sensor.resolution": 256, "probing.strategies": ["fixation", "random"], **values}
+    with pytest.raises(
+        ParameterError, match=f"sensing points per job; .*: lower workflow.{advice}"
+    ):
+        check_jobs(as_parameters(large))
+    fits = [int(number) for number in re.findall("at most ([0-9]+)", advice)][-1]
+    name = "views_per_job" if "views" in advice else "objects_per_job"
+    changes = {"workflow.objects_per_job": 1, f"workflow.{name}": fits}
+    check_jobs(as_parameters(large | changes))
+    with pytest.raises(ParameterError):
+        check_jobs(as_parameters(large | changes | {f"workflow.{name}": fits + 1}))
 
 
 def test_the_multiple_is_that_of_the_contourlets():

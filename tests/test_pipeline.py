@@ -10,6 +10,8 @@ from phases_by_files import run_phases
 
 from visuohaptic import phases
 from visuohaptic.attention.scanpath import INWARD_WEIGHT, TIE_TOLERANCE
+from visuohaptic.fixations import object_views, rendering
+from visuohaptic.fixations import parameters as fixation_parameters
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.io.phase_files import check_arguments
 from visuohaptic.meshes.catalogue import Model
@@ -205,3 +207,34 @@ def test_an_object_without_a_place_to_touch_has_no_rows(folder, tables, tmp_path
     assert {name: table.num_rows for name, table in found.items()} == {
         "touches": 0, "policy_fixations": 0, "effects/touches": 0, "features": 0,
     }  # fmt: skip
+
+
+@pytest.fixture
+def rendered_at_once(monkeypatch):
+    """The numbers of views that are rendered together; at most two views of this size are."""
+    monkeypatch.setattr(fixation_parameters, "PIXELS_AT_ONCE", 2 * 64**2 + 1)
+    numbers = []
+
+    def render(caster, cameras, *arguments):
+        numbers.append(len(cameras))
+        return rendering.render_views(caster, cameras, *arguments)
+
+    monkeypatch.setattr(object_views, "render_views", render)
+    return numbers
+
+
+def test_a_run_in_memory_holds_few_views_and_finds_the_same(folder, rendered_at_once, tables):
+    subject = Subject.of_mesh("ring/torus", folder / "torus.ply", range(3))
+    assert run(subject, ring())["features"].equals(tables["features"])
+    assert rendered_at_once == [2, 1]
+
+
+def test_a_job_holds_few_views_and_writes_the_same_tables(folder, rendered_at_once):
+    subject = Subject.of_mesh("ring/torus", folder / "torus.ply", range(3))
+    values = check_arguments(object_views.ObjectViews, PHASES[1].values(ring()))
+    whole = object_views.ObjectViews(subject, **values)
+    few = object_views.look(subject, **values)
+    for name in ("fixations", "views"):
+        assert getattr(few, name).equals(getattr(whole, name)), name
+    assert few.effects.drop_columns("seconds").equals(whole.effects.drop_columns("seconds"))
+    assert rendered_at_once == [2, 1, 3]

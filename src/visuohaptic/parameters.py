@@ -16,6 +16,7 @@ from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.section import Section
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import (
+    LARGEST_RESOLUTION,
     RenderingParameters,
     ViewpointParameters,
 )
@@ -30,6 +31,12 @@ from visuohaptic.sensor.parameters import SensorParameters
 
 MOST_VIEWPOINTS = 4096
 """Most viewpoints of an object, on all rings together."""
+
+MOST_PIXELS = 1 << 30
+"""Most pixels of all views of an object. The tables hold each view as PNG, and a million pixels take a second."""
+
+MOST_SENSING_POINTS = 1 << 26
+"""Most sensing points of all touches of an object by a strategy, which take 1.3 GB in memory."""
 
 DIRECTIONS = 16
 """Directional bands of the default contourlet transform."""
@@ -86,13 +93,13 @@ class CostParameters(Section):
     imprint_resolutions: tuple[Annotated[int, Field(ge=2, le=256)], ...] = Field(
         (8, 16, 32, 64), min_length=1, description="Sensing points along an edge of the sensor"
     )
-    view_resolutions: tuple[Annotated[int, Field(ge=16, le=4096)], ...] = Field(
+    view_resolutions: tuple[Annotated[int, Field(ge=16, le=LARGEST_RESOLUTION)], ...] = Field(
         (64, 128, 256, 512), min_length=1, description="Rows and columns of a view (pixels)"
     )
     lean_view_resolution: int = Field(
         128,
         ge=16,
-        le=4096,
+        le=LARGEST_RESOLUTION,
         description="Rows and columns of a view of family `lean_viewpoints` of study settings_cost (pixels)",
     )
     frontier_touches: tuple[Annotated[int, Field(ge=1, le=16)], ...] = Field(
@@ -170,6 +177,20 @@ class ExperimentParameters(Section):
                 f"{len(viewpoints.elevations_degrees)} rings: {viewpoints.total} viewpoints; "
                 f"{MOST_VIEWPOINTS} are allowed"
             )
+        pixels = viewpoints.total * self.rendering.resolution**2
+        if pixels > MOST_PIXELS:
+            faults.append(
+                f"rendering.resolution is {self.rendering.resolution} and there are {viewpoints.total} "
+                f"viewpoints: {pixels:,} pixels per object; {MOST_PIXELS:,} are allowed"
+            )
+        touches = viewpoints.total * self.attention.fixations
+        points = touches * self.sensor.resolution**2
+        if points > MOST_SENSING_POINTS:
+            faults.append(
+                f"sensor.resolution is {self.sensor.resolution} and there are {viewpoints.total} viewpoints with "
+                f"{self.attention.fixations} fixations each: {points:,} sensing points per object; "
+                f"{MOST_SENSING_POINTS:,} are allowed"
+            )
         if faults:
             raise ValueError("; ".join(faults))
         return self
@@ -231,6 +252,32 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
     faults += _missing_directions(parameters)
     if faults:
         raise ParameterError(f"{source}: {'; '.join(faults)}.")
+
+
+def check_jobs(parameters: ExperimentParameters) -> None:
+    """Raise `ParameterError` if a job of the run would hold more than `MOST_SENSING_POINTS` sensing points.
+
+    A job holds the touches of its objects and viewpoints by all strategies and draws.
+    """
+    workflow, probing = parameters.workflow, parameters.probing
+    views = min(workflow.views_per_job, parameters.viewpoints.total)
+    strategies = len(probing.strategies) + (probing.random_draws - 1)
+    per_object = (
+        views * strategies * parameters.attention.fixations * parameters.sensor.resolution**2
+    )
+    points = workflow.objects_per_job * per_object
+    if points > MOST_SENSING_POINTS:
+        objects = MOST_SENSING_POINTS // per_object
+        advice = (
+            f"workflow.objects_per_job to at most {objects}"
+            if objects
+            else f"workflow.objects_per_job to 1 and workflow.views_per_job to at most {max(1, MOST_SENSING_POINTS * views // per_object)}"
+        )
+        raise ParameterError(
+            f"params.yaml: touches of {workflow.objects_per_job} objects from {views} viewpoints by {strategies} "
+            f"strategies and draws have {points:,} sensing points per job; {MOST_SENSING_POINTS:,} are allowed: lower "
+            f"{advice}."
+        )
 
 
 def _missing_directions(parameters: ExperimentParameters) -> Iterator[str]:

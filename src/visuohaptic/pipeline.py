@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pyarrow as pa
@@ -16,7 +16,7 @@ from visuohaptic.phases import PHASES, Phase, phases_after
 from visuohaptic.touches.acquiring import acquire_touches
 
 VIEWPOINTS_AT_ONCE = 8
-"""Viewpoints per block; the number changes no result."""
+"""Most viewpoints per block; the number changes no result."""
 
 WORK: Mapping[str, Work] = {
     "fixations": ObjectViews,
@@ -50,8 +50,13 @@ def run(subject: Subject, parameters: ExperimentParameters, tables: Tables | Non
     """
     if tables:
         return _run_remaining(subject, parameters, tables)
-    parts = [_run_remaining(block, parameters, {}) for block in subject.blocks(VIEWPOINTS_AT_ONCE)]
+    parts = [_run_remaining(block, parameters, {}) for block in blocks_of(subject, parameters)]
     return {name: pa.concat_tables(part[name] for part in parts) for name in parts[0]}
+
+
+def blocks_of(subject: Subject, parameters: ExperimentParameters) -> Iterator[Subject]:
+    """Yield subjects with as many of the viewpoints as are held in memory together."""
+    return subject.blocks(min(VIEWPOINTS_AT_ONCE, parameters.rendering.views_at_once))
 
 
 def touch_all_locations(

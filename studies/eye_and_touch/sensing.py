@@ -21,7 +21,7 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import object_of, usable_meshes
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.phases import phase
-from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, run_phase, tables_for_next
+from visuohaptic.pipeline import blocks_of, run_phase, tables_for_next
 from visuohaptic.pipeline import run as run_phases
 from visuohaptic.recognition.sequences import (
     TouchSequences,
@@ -94,7 +94,7 @@ def sense_object(
     subject = Subject.of_mesh(key, mesh, range(parameters.viewpoints.count))
     features: list[pa.Table] = []
     seen: list[dict[str, NDArray[np.float32]]] = []
-    for block in subject.blocks(VIEWPOINTS_AT_ONCE):
+    for block in blocks_of(subject, parameters):
         look = run_phase(looking, block, {}, parameters)
         generators = {
             sight: [

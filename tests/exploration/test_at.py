@@ -54,6 +54,7 @@ def test_what_is_felt_at_given_points_is_what_the_eye_lets_feel_there(ball):
         ({"at": [[0, 0, 0], [1e20, 0, 0]]}, r"numbers beyond 1e\+06, the first in row 1"),
         ({"at": [[0, 0, 9]]}, "point 0 of at is 8 object radii off"),
         ({"at": "here"}, "at holds no numbers"),
+        ({"at": np.zeros((65537, 3))}, "65537 touches of 32 x 32 have 67109888 sensing points"),
         ({"normals": [[0, 0, 1]]}, "normals are given without at"),
         ({"at": [[0, 0, 1]], "viewpoints": 3}, "at and viewpoints are both given"),
         ({"at": [[0, 0, 1]], "strategy": "random"}, "at and strategy are both given"),

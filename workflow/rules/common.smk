@@ -32,6 +32,7 @@ from visuohaptic.meshes.catalogue import (
 )
 from visuohaptic.parameters import (
     ExperimentParameters,
+    check_jobs,
     check_run,
     read_parameters,
 )
@@ -175,6 +176,7 @@ for plug_in in loaded():
 load_in_child_processes()
 PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
 or_stop(check_run, PARAMETERS)
+or_stop(check_jobs, PARAMETERS)
 CATALOGUED = {
     model.key: model
     for model in or_stop(

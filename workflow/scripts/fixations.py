@@ -1,8 +1,8 @@
 """Render views of a block of objects and viewpoints, and compute fixations."""
 
-from visuohaptic.fixations.object_views import ObjectViews
+from visuohaptic.fixations.object_views import look
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.phase_jobs import run_block
 
 with job(snakemake):
-    run_block(snakemake, ObjectViews)
+    run_block(snakemake, look)

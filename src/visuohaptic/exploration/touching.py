@@ -21,9 +21,9 @@ from visuohaptic.geometry.subject import Subject
 from visuohaptic.geometry.surface import Surface, as_stored
 from visuohaptic.io.phase_files import SCHEMAS as OF_PHASES
 from visuohaptic.io.phase_files import Tables
-from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.parameters import MOST_SENSING_POINTS, ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, Phase, phases_after
-from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, run_phase, touch_all_locations
+from visuohaptic.pipeline import blocks_of, run_phase, touch_all_locations
 from visuohaptic.tables.schema import join_parts
 
 FARTHEST_FROM_SURFACE = 0.1
@@ -51,7 +51,7 @@ def touch_seen_points(
     # The workflow's surfaces come from files.
     find_caster = lambda: RayCaster(as_stored(surface))  # noqa: E731
     subject = Subject(key, find_caster, range(parameters.viewpoints.total))
-    return _explore(subject.blocks(VIEWPOINTS_AT_ONCE), parameters, {}, track)
+    return _explore(blocks_of(subject, parameters), parameters, {}, track)
 
 
 def touch_given_points(
@@ -83,6 +83,12 @@ def nearest_locations(
     points = point_rows(at, "at", FARTHEST_POINT)
     if not len(points):
         raise ParameterError("at has no points; at least one is needed.")
+    side = parameters.sensor.resolution
+    if len(points) * side**2 > MOST_SENSING_POINTS:
+        raise ParameterError(
+            f"{len(points)} touches of {side} x {side} have {len(points) * side**2} sensing points; "
+            f"{MOST_SENSING_POINTS} are allowed: touch in several calls."
+        )
     nearest, faces = caster.nearest(points)
     distances = np.linalg.norm(points - nearest, axis=1)
     off = np.flatnonzero(distances > FARTHEST_FROM_SURFACE)

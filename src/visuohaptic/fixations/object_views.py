@@ -22,6 +22,7 @@ from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import VisualModes
+from visuohaptic.scene.records import EffectRecord, merge_records
 from visuohaptic.tables.phases import FIXATIONS, VIEWS, owner_columns
 from visuohaptic.tables.schema import build_table
 
@@ -140,6 +141,40 @@ class ObjectViews:
         }
         columns |= {f"eye_{axis}": eyes[:, index] for index, axis in enumerate("xyz")}
         return build_table(VIEWS, columns)
+
+
+@dataclass(frozen=True, eq=False)
+class ViewTables:
+    """The tables `fixations`, `effects` and `views` of `ObjectViews`."""
+
+    fixations: pa.Table
+    effects: pa.Table
+    views: pa.Table
+
+
+def look(
+    subject: Subject,
+    viewpoints: ViewpointParameters,
+    rendering: RenderingParameters,
+    attention: AttentionParameters,
+    strategies: tuple[str, ...],
+    modes: VisualModes,
+    seed: int,
+) -> ViewTables:
+    """Return the tables of `ObjectViews`, with at most `rendering.views_at_once` views in memory.
+
+    The arguments are the attributes of `ObjectViews`.
+    """
+    fixations: list[pa.Table] = []
+    views: list[pa.Table] = []
+    records: list[tuple[EffectRecord, ...]] = []
+    for block in subject.blocks(rendering.views_at_once):
+        seen = ObjectViews(block, viewpoints, rendering, attention, strategies, modes, seed)
+        fixations.append(seen.fixations)
+        views.append(seen.views)
+        records.append(seen.rendered.effects)
+    effects = effect_table(subject.key, subject.viewpoints[0], "any", merge_records(records))
+    return ViewTables(pa.concat_tables(fixations), effects, pa.concat_tables(views))
 
 
 def _encode_map(plane: NDArray[np.float32]) -> bytes:

@@ -8,6 +8,12 @@ from pydantic import Field, field_validator
 
 from visuohaptic.base.section import Section
 
+LARGEST_RESOLUTION = 2048
+"""Largest number of rows and columns of a view; rendering and attending to a view of this size takes 0.8 GB."""
+
+PIXELS_AT_ONCE = LARGEST_RESOLUTION**2
+"""Largest number of pixels of the views that are held in memory together; a pixel takes 78 bytes."""
+
 
 class ViewpointParameters(Section):
     """Arrangement of the viewpoints, and the lens of all cameras.
@@ -61,7 +67,7 @@ class RenderingParameters(Section):
     resolution: int = Field(
         256,
         ge=16,
-        le=4096,  # rendering a view of this size takes 2 GB
+        le=LARGEST_RESOLUTION,
         description="Rows and columns of a view (pixels)",
     )
     ambient: float = Field(
@@ -70,3 +76,8 @@ class RenderingParameters(Section):
     background: float = Field(
         0.85, ge=0.0, le=1.0, description="Grey level of the background; it changes no saliency map"
     )
+
+    @property
+    def views_at_once(self) -> int:
+        """Number of views that are held in memory together; the number changes no result."""
+        return max(1, PIXELS_AT_ONCE // self.resolution**2)

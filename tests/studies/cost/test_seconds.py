@@ -7,6 +7,7 @@ import pytest
 from studies.surfaces import RUN, run_tables, small_surfaces
 
 from settings_cost.study import STUDY, settings_of
+from visuohaptic import pipeline
 from visuohaptic.fixations.policies import Policy
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.subject import Subject
@@ -57,7 +58,7 @@ def fitted(features):
 @pytest.mark.parametrize("at_once", [8, 3])
 def test_the_timed_way_feels_what_the_run_felt(surfaces, fitted, monkeypatch, at_once):
     seen, model = [], type(fitted[2].model)
-    monkeypatch.setattr(seconds, "VIEWPOINTS_AT_ONCE", at_once)
+    monkeypatch.setattr(pipeline, "VIEWPOINTS_AT_ONCE", at_once)
     monkeypatch.setattr(model, "recognise", lambda self, features: seen.append(features))
     time_object("box/box1", surfaces["box/box1"], fitted[2:], 0)
     assert seen[0].equals(run_tables({"box/box1": surfaces["box/box1"]})[2])

@@ -22,7 +22,7 @@ from visuohaptic.geometry.surface import Surface, object_of, read_surface, usabl
 from visuohaptic.io.phase_files import Tables
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, Phase
-from visuohaptic.pipeline import VIEWPOINTS_AT_ONCE, run_phase, tables_for_next
+from visuohaptic.pipeline import blocks_of, run_phase, tables_for_next
 from visuohaptic.recognition.model import RecognitionModel, fit_model
 from visuohaptic.recognition.voting import evenly_spaced_subsets
 from visuohaptic.studies.conditions import Planned, plan_study, training_key
@@ -219,7 +219,7 @@ def look_and_touch(
     The object's key only seeds the random generators.
     """
     stage, features = prepared, list[pa.Table]()
-    for block in subject.blocks(VIEWPOINTS_AT_ONCE):
+    for block in blocks_of(subject, fitted.looking):
         for phase in OF_OBJECT:
             parameters = fitted.looking if phase is LOOK else fitted.parameters
             stage = stage.next_stage(phase, block, parameters)

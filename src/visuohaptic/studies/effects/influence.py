@@ -167,7 +167,9 @@ def make_effect_influence(step: StepInputs) -> None:
         if not table.num_rows:
             continue
         viewpoints = sorted(set(table.column("viewpoint").to_pylist()))
-        cameras = [placed[number] for number in viewpoints[:VIEWS]]
+        cameras = [
+            placed[number] for number in viewpoints[: min(VIEWS, run.rendering.views_at_once)]
+        ]
         parts += view_influence(caster, cameras, run.rendering, run.scene.effects)
         parts += touch_influence(caster, table, run.sensor, scenes, run.seed)
     write_table(EFFECT_INFLUENCE, sum_influences(parts), step.outputs[0])
