@@ -359,3 +359,15 @@ def test_a_node_that_stands_in_itself_is_refused():
 def test_without_a_scene_the_only_one_is_read():
     data = dae.document(CUBE_GEOMETRY, dae.node(dae.shape("g")), scene=False)
     assert len(read(data).faces) == 12
+
+
+@pytest.mark.parametrize("count", [16, 17, 4000])
+def test_controllers_that_deform_one_another_are_few(count):
+    morphs = "".join(
+        f'<controller id="c{number}"><morph source="#{f"c{number + 1}" if number < count - 1 else "g"}"/></controller>'
+        for number in range(count)
+    )
+    shown = dae.node('<instance_controller url="#c0"/>')
+    with pytest.raises(MeshError) as refusal:
+        read(dae.document(CUBE_GEOMETRY, shown, controllers=morphs))
+    assert ("one of more than 16 controllers" in str(refusal.value)) == (count > 16)

@@ -564,3 +564,21 @@ def test_an_image_that_is_shared_is_one_image():
     file.tree["nodes"] = file.tree["nodes"][1:]
     file.tree["scenes"] = [{"nodes": [0, 1]}]
     assert len(read(file.text()).texture.images) == 1
+
+
+def test_joints_in_a_long_chain_are_visited_once_each(monkeypatch):
+    whole = np.ones(len(CUBE), bool)
+    file = with_skin(FOLLOWS, (np.float32(whole[:, None] * [1, 0, 0, 0]),))
+    count = 200
+    first = len(file.tree["nodes"])
+    chain = [{"children": [first + number + 1]} for number in range(count - 1)] + [{}]
+    file.tree["nodes"] += chain
+    file.tree["skins"][0]["joints"] += [*range(first, first + count)]
+    visited = []
+    monkeypatch.setattr(
+        gltf_files,
+        "_local",
+        lambda node, label, local=gltf_files._local: visited.append(label) or local(node, label),
+    )
+    read(file.text())
+    assert len(visited) < 3 * count

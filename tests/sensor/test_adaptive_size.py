@@ -5,8 +5,9 @@ from hypothesis import strategies as st
 from sensor.scenes import probes_on, surfaces
 from sensor.shapes import PLATE, box, hard_probes, joined, sheet, surface_of
 
+from visuohaptic.base.errors import EndlessLoopError
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.sensor import SensorParameters
+from visuohaptic.sensor import SensorParameters, placing
 from visuohaptic.sensor.imprints import cast_heights, make_poses
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE as TOLERANCE
 from visuohaptic.sensor.placing import place_batch
@@ -115,3 +116,16 @@ def test_whatever_the_ground_the_square_is_admissible_and_the_largest(surface, s
     lifts = np.full(len(shrunk), caster.reach)
     grown = cast_heights(caster, poses[shrunk], 1.07 * sizes[shrunk], lifts, 192)
     assert (grown.max(axis=(1, 2)) > TOLERANCE).all()
+
+
+@pytest.mark.parametrize("resolution", [2, 3, 32, 256])
+def test_sensing_points_on_the_edges_do_not_shrink_a_square_without_end(monkeypatch, resolution):
+    """A mistake in the places of the sensing points leaves a square nearly as large as before, pass after pass."""
+    valley = sheet(lambda x, z: 0.8 * np.abs(x) + 0 * z, half=0.4, cells=80)
+    parameters = SensorParameters(resolution=resolution, smallest_size=1e-3)
+    assert placed(valley, (0, 0, 0), (0, 1, 0), parameters).sizes[0] >= 1e-3
+    monkeypatch.setattr(
+        placing, "unobstructed_half_sizes", lambda heights, sizes, _: sizes / 2 * (1 - 1e-9)
+    )
+    with pytest.raises(EndlessLoopError, match="the shrinking of squares took more than"):
+        placed(valley, (0, 0, 0), (0, 1, 0), parameters)

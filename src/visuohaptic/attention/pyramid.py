@@ -76,7 +76,7 @@ def fill_background(plane: Plane, certainty: Plane) -> Plane:
     Gortler et al. 1996, "The Lumigraph"). n is a multiple of 4.
     """
     planes, certainties = [plane], [certainty]
-    while planes[-1].shape[0] > 4:
+    for _ in range((plane.shape[0] // 5).bit_length()):
         planes.append(reduce(planes[-1]))
         certainties.append(reduce(certainties[-1]))
     mass = float(certainties[-1].sum())

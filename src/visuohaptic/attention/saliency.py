@@ -241,7 +241,7 @@ def _difference(centre: Plane, surround: Plane, pair: _LevelPair) -> Plane:
 
 def _at_map_size(plane: Plane) -> Plane:
     """Halve or enlarge a square plane to (MAP_SIZE, MAP_SIZE)."""
-    while len(plane) > MAP_SIZE:
+    for _ in range((len(plane) // (MAP_SIZE + 1)).bit_length()):
         plane = reduce(plane)
     return enlarge(plane, MAP_SIZE)
 

@@ -5,6 +5,10 @@ class VisuohapticError(Exception):
     """Base class of all errors of this package."""
 
 
+class EndlessLoopError(VisuohapticError):
+    """A loop took more turns than any input needs: a mistake in this package."""
+
+
 class MeshError(VisuohapticError):
     """A mesh file can't be read, or has no surface that can be touched."""
 

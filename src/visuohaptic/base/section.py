@@ -9,15 +9,15 @@ from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 SMALLEST, LARGEST = 1e-12, 1e12
-"""Limits of the magnitude of numbers with decimals."""
+"""Smallest number above 0, where 0 is not allowed, and largest number with decimals."""
 
 
 class Section(BaseModel):
     """A section of parameters: frozen, without unknown names, and strict about numbers.
 
-    Where a number is needed, truth values, NaN and infinity are refused. A number with decimals must be 0 or between
-    `SMALLEST` and `LARGEST`, with either sign, so that products and quotients of parameters neither overflow nor
-    vanish.
+    Where a number is needed, truth values, NaN and infinity are refused. Numbers with decimals are at most `LARGEST`,
+    with either sign, and at least `SMALLEST` where they must be above 0, so that products and quotients of parameters
+    do not overflow.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
@@ -34,12 +34,15 @@ class Section(BaseModel):
 
     @field_validator("*", mode="after")
     @classmethod
-    def _refuse_extreme_numbers(cls, value: object) -> object:
-        if any(number and not SMALLEST <= abs(number) <= LARGEST for number in _decimals(value)):
+    def _refuse_extreme_numbers(cls, value: object, info: ValidationInfo) -> object:
+        limits = cls.model_fields[str(info.field_name)].metadata
+        is_above_0 = any(getattr(limit, "gt", None) == 0 for limit in limits)
+        smallest = SMALLEST if is_above_0 else -LARGEST
+        if not all(smallest <= number <= LARGEST for number in _decimals(value)):
             raise PydanticCustomError(
                 "magnitude",
-                "0 or a number between {smallest} and {largest}, with either sign, is needed",
-                {"smallest": f"{SMALLEST:g}", "largest": f"{LARGEST:g}"},
+                "a number between {smallest} and {largest} is needed",
+                {"smallest": f"{smallest:g}", "largest": f"{LARGEST:g}"},
             )
         return value
 

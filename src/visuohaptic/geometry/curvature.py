@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.bounded_loops import turns
 from visuohaptic.geometry.elementary import arc_tangent
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot_rows
@@ -250,14 +251,16 @@ def carry_normals(
     sliver, face, edge, sides = sliver[across], face[across], edges[across, 1], sides[across]
     normals = normals.copy()
     carriers: list[IntArray] = []
-    while True:
+    # Each turn but the last gives a normal to a sliver at least.
+    for _ in turns(len(normals) + 1, "the search for normals of slivers"):
         has_normal: BoolArray = np.any(normals != 0, axis=1)
         ready = np.flatnonzero(~has_normal[sliver] & has_normal[face])
         if not len(ready):
-            return normals, carriers
+            break
         ready = ready[np.unique(sliver[ready], return_index=True)[1]]
         normals[sliver[ready]] = sides[ready, None] * normals[face[ready]]
         carriers.append(np.stack([sliver[ready], face[ready], edge[ready]], axis=1))
+    return normals, carriers
 
 
 def carry_folds(crease_angles: FloatArray, carriers: list[IntArray]) -> FloatArray:

@@ -238,7 +238,7 @@ def _halved_rows(image: NDArray[np.uint8], rows: IntArray, columns: IntArray) ->
 
 def _halvings(image: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
     levels = [image]
-    while max(levels[-1].shape[:2]) > 1:
+    for _ in range(max(image.shape[:2]).bit_length() - 1):
         levels.append(halve(levels[-1]))
     return levels
 

@@ -41,6 +41,7 @@ _MESH_DATA = {"source", "vertices", "extra", "lines", "linestrips"}
 _CORNERS_PER_NUMBER = 3
 _HARMLESS = {"asset", "extra", "instance_camera", "instance_light"}
 _LONGEST_SHOWN = 80
+_MOST_CONTROLLERS = 16  # that deform one geometry in turn; programs write two, a morph below a skin
 
 
 @dataclass(frozen=True)
@@ -213,6 +214,10 @@ def _geometry(document: ColladaDocument, instance: Any, label: str) -> tuple[Any
         deformer = _deformer(controller)
         if deformer is None or controller in controllers:
             raise MeshError(f"{label} has neither skin nor morph, or deforms itself")
+        if len(controllers) == _MOST_CONTROLLERS:
+            raise MeshError(
+                f"{label} is one of more than {_MOST_CONTROLLERS} controllers that deform one another, which is not read"
+            )
         controllers.insert(0, controller)
         inner = document.named("controller", (deformer.get("source") or "").strip()[1:])
         if inner is None:

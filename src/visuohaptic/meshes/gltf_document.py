@@ -79,6 +79,8 @@ class GltfDocument:
         The JSON of the file.
     companions : Companions
         Files that the document refers to.
+    worlds : dict of int to ndarray of shape (4, 4)
+        The matrix from a node's frame to the scene, per node that was asked for as a joint.
     """
 
     def __init__(self, data: bytes, companions: Companions) -> None:
@@ -86,6 +88,7 @@ class GltfDocument:
         text, self._chunk = _unpacked(data) if data[:4] == b"glTF" else (data, None)
         self.tree = _parsed(_decoded(text))
         self.companions = companions
+        self.worlds: dict[int, FloatArray] = {}
         self._buffers: dict[object, memoryview] = {}
         self._images: dict[object, PackedImage | None] = {}
         self._image_bytes = 0

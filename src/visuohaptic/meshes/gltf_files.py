@@ -283,16 +283,20 @@ def _parents(document: GltfDocument) -> dict[int, int]:
 
 
 def _world(document: GltfDocument, joint: int, parents: dict[int, int]) -> FloatArray:
-    """Return the matrix (4, 4) from a joint's frame to the scene."""
-    matrix, number, steps = np.eye(4), joint, 0
-    while True:
-        node = document.entry("nodes", number, "a skin")
-        matrix = _local(node, f"node {number}") @ matrix
-        if number not in parents:
-            return matrix
-        number, steps = parents[number], steps + 1
-        if steps > len(parents):
+    """Return the matrix (4, 4) from a joint's frame to the scene, computed once per node of the document."""
+    document.entry("nodes", joint, "a skin")
+    path: list[int] = []
+    above: int | None = joint
+    while above is not None and above not in document.worlds:
+        path.append(above)
+        if len(path) > len(parents) + 1:
             raise MeshError(f"node {joint} is below itself; a tree is needed")
+        above = parents.get(above)
+    matrix = np.eye(4) if above is None else document.worlds[above]
+    for number in reversed(path):
+        matrix = matrix @ _local(document.entry("nodes", number, "a skin"), f"node {number}")
+        document.worlds[number] = matrix
+    return matrix
 
 
 class _Primitive:

@@ -160,10 +160,11 @@ def _read_images(paints: Sequence[Paint]) -> tuple[NDArray[np.uint8], ...]:
             f"Textures have {sizes.prod(axis=1).sum()} pixels together; "
             f"{MOST_PIXELS_TOGETHER} are allowed."
         )
-    halvings = 0
-    while np.maximum(sizes >> halvings, 1).prod(axis=1).sum() > MOST_TEXELS:
-        halvings += 1
-    return tuple(_read_image(paint, halvings) for paint in paints)
+    # The last of these halvings leaves a texel per image.
+    for halvings in range(int(sizes.max()).bit_length()):
+        if np.maximum(sizes >> halvings, 1).prod(axis=1).sum() <= MOST_TEXELS:
+            return tuple(_read_image(paint, halvings) for paint in paints)
+    raise MeshError(f"It has {len(paints)} textures; {MOST_TEXELS} are allowed.")
 
 
 def _read_image(paint: Paint, halvings: int) -> NDArray[np.uint8]:

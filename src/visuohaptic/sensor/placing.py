@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.base.bounded_loops import turns
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode
 from visuohaptic.scene.records import EffectRecord
@@ -143,10 +145,15 @@ def _shrink_by_heights(
 ) -> None:
     """Shrink squares `rows` in place until no height exceeds the tolerance, or to the smallest size."""
     tolerance, resolution = PENETRATION_TOLERANCE, parameters.resolution
-    while len(rows):
+    # The outermost sensing points are half a cell inside the edges, so a pass shrinks a square at least by the factor
+    # 1 - 1 / resolution. The last pass finds that no square shrinks.
+    ratio = parameters.largest_size / parameters.smallest_size
+    passes = math.ceil(math.log(ratio) / -math.log1p(-1 / resolution)) + 2
+    for _ in turns(passes, "the shrinking of squares"):
+        if not len(rows):
+            return
         free = unobstructed_half_sizes(heights[rows], sizes[rows], tolerance)
         smaller = admissible_sizes(free, parameters.smallest_size, parameters.largest_size)
-        # Each pass shrinks a square by at least the width of one sensing point's cell, so the loop ends.
         shrinks = smaller < sizes[rows]
         rows = rows[shrinks]
         sizes[rows] = smaller[shrinks]

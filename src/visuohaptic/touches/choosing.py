@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from visuohaptic.base.arrays import BoolArray, IntArray
+from visuohaptic.base.bounded_loops import turns
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.reaching import reachable
@@ -58,7 +59,8 @@ def choose_locations(
     when_unreachable = pc.fill_null(fixations.column("unreachable"), wanted.unreachable)
     unchecked = np.array(pc.equal(when_unreachable, "replace"), dtype=bool)
     allowed = np.ones(len(ranks), dtype=bool)
-    while True:
+    # Each turn but the last checks a row at least.
+    for _ in turns(len(ranks) + 1, "the choice of locations in reach"):
         numbers = _counts_before(allowed, ranks)
         chosen = allowed & (numbers < wanted.touches) & (ranks - numbers <= SPARE)
         to_check = np.flatnonzero(chosen & unchecked)

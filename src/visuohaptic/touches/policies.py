@@ -20,6 +20,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.bounded_loops import turns
 from visuohaptic.base.errors import PolicyError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.parameters import ViewpointParameters
@@ -306,7 +307,11 @@ def touch_by_policies(
     caster = subject.caster
     sessions = start_sessions(subject, [policy_of(name) for name in policies], viewpoints, seed)
     tries = Tries()
-    while active := [session for session in sessions if session.needs_try(wanted.touches)]:
+    # Each turn is a touch, a location that is passed over, or the end of the session.
+    for _ in turns(wanted.touches + SPARE + 2, "the choice of locations by policies"):
+        active = [session for session in sessions if session.needs_try(wanted.touches)]
+        if not active:
+            break
         choices = {session: session.choose() for session in active}
         points = {session: point for session, point in choices.items() if point is not None}
         if points:

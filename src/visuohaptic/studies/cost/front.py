@@ -10,6 +10,7 @@ import pyarrow as pa
 from scipy.special import stdtrit
 
 from visuohaptic.base.arrays import BoolArray, FloatArray
+from visuohaptic.base.bounded_loops import turns
 from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
@@ -175,7 +176,10 @@ def mark_steps(
     quick = as_quick(complete)
     for index, row in enumerate(rows):
         row |= {"as_quick": index in quick, "step": False}
-    while quick:
+    # Each step is more accurate than the step before.
+    for _ in turns(len(rows) + 1, "the steps of the front"):
+        if not quick:
+            break
         step = min(quick, key=errors.__getitem__)
         rows[step]["step"] = True
         later = [setting for setting in complete if slower[step, setting]]

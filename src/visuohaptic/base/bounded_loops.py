@@ -1,0 +1,28 @@
+"""Loops whose number of turns is bounded, so that a mistake in the package ends in an error and not in waiting."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from visuohaptic.base.errors import EndlessLoopError
+
+
+def turns(most: int, loop: str) -> Iterator[int]:
+    """Yield the number of each turn, from 0.
+
+    Parameters
+    ----------
+    most : int
+        Largest number of turns that the loop can need.
+    loop : str
+        Name of the loop for the error, such as ``the shrinking of squares``.
+
+    Raises
+    ------
+    EndlessLoopError
+        If the loop asks for a further turn.
+    """
+    yield from range(most)
+    raise EndlessLoopError(
+        f"{loop} took more than {most} turns, which no input needs; this is a mistake in visuohaptic, please report it."
+    )
