@@ -7,6 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from visuohaptic.base.errors import TableError
+from visuohaptic.tables import schema
 from visuohaptic.tables.phases import FIXATIONS
 from visuohaptic.tables.schema import (
     MOST_VALUES,
@@ -121,7 +122,22 @@ def test_a_short_file_that_claims_very_many_values_is_refused_before_they_take_m
     counts = (
         rf"has {groups * rows.num_rows} rows with {groups * len(nothing) * len(columns)} values"
     )
-    with pytest.raises(TableError, match=rf"mug\.parquet {counts}; 200000000 values are allowed"):
+    with pytest.raises(TableError, match=rf"mug\.parquet {counts}; 100000000 values are allowed"):
+        read_table(FIXATIONS, path)
+
+
+def test_a_short_file_of_long_repeated_texts_is_refused_before_they_take_memory(
+    tmp_path, monkeypatch
+):
+    table = build_table(FIXATIONS, fixation_columns())
+    rows = table.num_rows
+    path = tmp_path / "mug.parquet"
+    monkeypatch.setattr(schema, "MOST_TEXT_BYTES", 10**6)
+    write_table(FIXATIONS, table, path)
+    assert read_table(FIXATIONS, path).num_rows == rows
+    long = pa.DictionaryArray.from_arrays(np.zeros(rows, np.int32), ["x" * (10**6 // rows + 1)])
+    pq.write_table(table.set_column(1, "object", long.cast(pa.string())), path)
+    with pytest.raises(TableError, match=r"mug\.parquet has texts of 1 MB; 1 MB are allowed"):
         read_table(FIXATIONS, path)
 
 

@@ -20,10 +20,16 @@ from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import TableError
 from visuohaptic.base.regular_files import check_regular
 
-MOST_VALUES = 200_000_000
-"""Largest number of values in one Parquet file, elements of lists included.
+MOST_VALUES = 100_000_000
+"""Largest number of values in one Parquet file, elements of lists included; a table of 64-bit numbers takes 1.8 GB.
 
 The limit protects the memory: a compressed file of a few bytes may unpack to any number of values.
+"""
+
+MOST_TEXT_BYTES = 500 * 10**6
+"""Largest size of all texts and images in one Parquet file, each counted as often as rows have it.
+
+A file stores a repeated text once, so a file of 10 kB may have texts of any size.
 """
 
 _SEQUENCES = (np.ndarray, list, tuple, pa.ChunkedArray)
@@ -465,8 +471,30 @@ def _read_part(schema: Schema, file: Path) -> pa.Table:
         raise TableError(
             f"{file} has the columns {_signature(opened.schema_arrow)}; table {schema.name} has {_signature(schema.arrow)}."
         )
+    texts = [field.name for field in opened.schema_arrow if _is_text(field.type)]
     try:
-        part = opened.read()
+        # Repeated texts stay single in memory until their size is known.
+        part = pq.ParquetFile(file, metadata=opened.metadata, read_dictionary=texts).read()
     except (OSError, pa.ArrowException) as error:
         raise TableError(f"{file} can't be read as Parquet: {_one_line(error)}.") from error
+    size = sum(map(_text_bytes, part.columns))
+    if size > MOST_TEXT_BYTES:
+        raise TableError(
+            f"{file} has texts of {size / 1e6:.0f} MB; {MOST_TEXT_BYTES / 1e6:.0f} MB are allowed."
+        )
     return known_columns(schema, part)
+
+
+def _is_text(dtype: pa.DataType) -> bool:
+    return pa.types.is_string(dtype) or pa.types.is_binary(dtype)
+
+
+def _text_bytes(column: pa.ChunkedArray) -> int:
+    """Return the size of the texts of a dictionary-encoded column, in bytes; 0 for another column."""
+    if not pa.types.is_dictionary(column.type) or not _is_text(column.type.value_type):
+        return 0
+    lengths = (
+        pc.sum(pc.cast(pc.binary_length(chunk.dictionary), pa.int64()).take(chunk.indices)).as_py()
+        for chunk in column.chunks
+    )
+    return sum(length or 0 for length in lengths)
