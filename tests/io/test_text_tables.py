@@ -166,3 +166,9 @@ def test_text_without_a_byte_order_mark_is_utf_8_or_latin_1():
         read("x y\n1 2\n", encoding="utf-16-le")
     with pytest.raises(TableError, match="byte order mark of UTF-16"):
         read_text_table("x".encode("utf-16") + b"x", "table.txt", 1)
+
+
+@pytest.mark.parametrize("line", ["1," * 500_000 + "1", "# " + "x" * 10**6])
+def test_a_line_of_very_many_characters_is_refused_before_it_is_split(line):
+    with pytest.raises(TableError, match=r"a\.csv, line 2 has 1,000,00[12] characters; at most"):
+        read_text_table(f"x,y\n{line}\n1,2\n".encode(), "a.csv", 10)

@@ -26,6 +26,8 @@ from visuohaptic.base.errors import TableError
 
 MOST_COLUMNS = 1000
 """Largest number of columns of a table."""
+LONGEST_LINE = 1_000_000
+"""Largest number of characters of a line; a line of separators takes some 20 bytes per character."""
 MOST_COMMENTS = 100_000
 """A file may have this many lines more than two per allowed row, for comments and empty lines."""
 
@@ -180,7 +182,8 @@ def read_text_table(
     Raises
     ------
     TableError
-        If the file is no text, or has no rows, more than `most_rows` rows or more than `MOST_COLUMNS` columns. Also if
+        If the file is no text, or has no rows, more than `most_rows` rows or more than `MOST_COLUMNS` columns, or a
+        line has more than `LONGEST_LINE` characters. Also if
         a row has another number of cells than the header or the first row, or if commas in the first row may be
         either decimal signs or separators.
     """
@@ -228,7 +231,13 @@ def _split_lines(text: str, source: str, most_rows: int) -> list[tuple[int, str]
         raise TableError(
             f"{source} has more than {most_rows:,} rows; at most {most_rows:,} are allowed."
         )
-    return [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
+    number, longest = max(lines, key=lambda pair: len(pair[1]), default=(0, ""))
+    if len(longest) > LONGEST_LINE:
+        raise TableError(
+            f"{source}, line {number} has {len(longest):,} characters; at most {LONGEST_LINE:,} are allowed."
+        )
+    return lines
 
 
 def _is_comment(line: str) -> bool:
