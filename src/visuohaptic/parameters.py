@@ -254,7 +254,7 @@ def check_run(parameters: ExperimentParameters, source: str = "params.yaml") -> 
         raise ParameterError(f"{source}: {'; '.join(faults)}.")
 
 
-def check_jobs(parameters: ExperimentParameters) -> None:
+def check_jobs(parameters: ExperimentParameters, source: str = "params.yaml") -> None:
     """Raise `ParameterError` if a job of the run would hold more than `MOST_SENSING_POINTS` sensing points.
 
     A job holds the touches of its objects and viewpoints by all strategies and draws.
@@ -274,7 +274,7 @@ def check_jobs(parameters: ExperimentParameters) -> None:
             else f"workflow.objects_per_job to 1 and workflow.views_per_job to at most {max(1, MOST_SENSING_POINTS * views // per_object)}"
         )
         raise ParameterError(
-            f"params.yaml: touches of {workflow.objects_per_job} objects from {views} viewpoints by {strategies} "
+            f"{source}: touches of {workflow.objects_per_job} objects from {views} viewpoints by {strategies} "
             f"strategies and draws have {points:,} sensing points per job; {MOST_SENSING_POINTS:,} are allowed: lower "
             f"{advice}."
         )

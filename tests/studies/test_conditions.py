@@ -115,6 +115,11 @@ def test_what_is_not_allowed_is_refused_in_one_sentence(changes, sentence):
     assert "\n" not in str(error.value)
 
 
+def test_an_error_of_a_condition_names_the_study_and_not_the_parameters_of_the_run():
+    with pytest.raises(ParameterError, match=r"^study mine: .*: sensor.largest_size is -1"):
+        plan({"sensor.largest_size": -1})
+
+
 def test_blocks_hold_every_condition_once_and_neighbours_share_features():
     found = plan(
         *(

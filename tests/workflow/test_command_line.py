@@ -51,6 +51,13 @@ def test_the_callers_python_path_is_kept(monkeypatch):
     ("sensor", "options", "sentence"),
     [
         ({"largest_size": -1, "shape": "round"}, [], "sensor.shape is no parameter"),
+        (
+            {"shape": "round"},
+            ["--config", "seed=3"],
+            "error: params.yaml: sensor.shape is no parameter",
+        ),
+        ({}, ["--config", "nosuch=1"], "error: --config: nosuch is no parameter."),
+        ({}, ["-Cseed=yes"], "error: --config: seed (line 1) is yes"),
         ({}, ["--rerun-triggers", "params"], "--rerun-triggers allows only mtime"),
         ({}, ["gaze_all"], "error: gaze_all is no target: it is now `make gaze FOLDER=...`."),
     ],

@@ -8,10 +8,11 @@ DOCUMENTED = {
     # https://snakemake.readthedocs.io/en/stable/snakefiles/rules.html
     "workflow": {"cores", "default_target"},
     "rules": {"output", "input", "params"},
-    "snakemake": {"input", "output", "params", "wildcards", "log", "threads"},
+    "snakemake": {"input", "output", "params", "wildcards", "log", "threads", "utils"},
 }
 NOT_DOCUMENTED = {
     "main_snakefile",  # whether another workflow uses this one as a module
+    "config_settings",  # so that an error names the file or option of a wrong parameter
     "configfiles",  # so that a name given twice in one is refused
     "storage_settings",  # whether records can be read at the start
     "is_main_process",  # whether this process plans the run, or is a job's on another machine

@@ -30,12 +30,7 @@ from visuohaptic.meshes.catalogue import (
     find_own_models,
     models_of_set,
 )
-from visuohaptic.parameters import (
-    ExperimentParameters,
-    check_jobs,
-    check_run,
-    read_parameters,
-)
+from visuohaptic.parameters import read_parameters
 from visuohaptic.phases import OF_OBJECT, inputs_needed_from, phase as phase_of
 from visuohaptic.io.plugins import (
     load_files,
@@ -78,6 +73,10 @@ from visuohaptic_workflow.one_run import (
     claim_folder,
     claim_results,
     is_claimed_by_another,
+)
+from visuohaptic_workflow.parameter_sources import (
+    check_parameters,
+    option_of_settings,
 )
 from visuohaptic_workflow.planning import (
     Declared,
@@ -161,12 +160,23 @@ def shipped(path):
 configfile: shipped("params.yaml")
 
 
+def parameters_of_run():
+    """Check and return the parameters; an error names the files or the option that hold the wrong values."""
+    settings = workflow.config_settings
+    files = [shipped("params.yaml")] * (not settings.replace_workflow_config)
+    files += [os.path.relpath(file) for file in settings.configfiles]
+    if not IS_MAIN:
+        return check_parameters(config, [], {"config of the module": config})
+    return check_parameters(config, files, {SETTINGS: settings.config})
+
+
 # A workflow that uses this workflow as a module checks its own configuration.
 for file in workflow.configfiles if IS_MAIN else []:
     or_stop(check_spelling, file)
+SETTINGS = option_of_settings(sys.argv)
 if IS_MAIN and IS_PLANNER:
-    for value in values_of_option(sys.argv, "--config", "-C"):
-        or_stop(check_config, value)
+    for setting in workflow.config_settings.config_args or ():
+        or_stop(check_config, str(setting), SETTINGS)
 # Load plug-ins before parameters are checked against registered names. Jobs load them when they import the package.
 or_stop(load_installed)
 or_stop(load_files, config.get("plugins", []))
@@ -174,9 +184,7 @@ for plug_in in loaded():
     if plug_in.file:
         or_stop(files_beside, plug_in.file)
 load_in_child_processes()
-PARAMETERS = or_stop(ExperimentParameters.from_mapping, config)
-or_stop(check_run, PARAMETERS)
-or_stop(check_jobs, PARAMETERS)
+PARAMETERS = or_stop(parameters_of_run)
 CATALOGUED = {
     model.key: model
     for model in or_stop(

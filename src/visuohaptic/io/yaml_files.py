@@ -45,12 +45,15 @@ def check_spelling(path: str | Path) -> None:
     _checked_text(path)
 
 
-def check_config(setting: str) -> None:
-    """Check a setting ``section=value`` of Snakemake's ``--config`` as `check_spelling` checks files."""
+def check_config(setting: str, source: str = "--config") -> None:
+    """Check a setting ``section=value`` of Snakemake's ``--config`` as `check_spelling` checks files.
+
+    `source` is the name of the option in errors.
+    """
     section, _, value = setting.partition("=")
     # Snakemake reads invalid YAML as text; the check of the section refuses the text later.
     with suppress(yaml.YAMLError):
-        _Spelling("--config").check(yaml.compose(value, Loader=yaml.SafeLoader), section)
+        _Spelling(source).check(yaml.compose(value, Loader=yaml.SafeLoader), section)
 
 
 def _checked_text(path: str | Path) -> str:

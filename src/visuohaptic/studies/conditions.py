@@ -112,7 +112,7 @@ class Plan:
 
 
 def with_changes(
-    run: ExperimentParameters, changes: Changes, source: str = "params.yaml"
+    run: ExperimentParameters, changes: Changes, source: str = "changes"
 ) -> ExperimentParameters:
     """Return the parameters with some values changed.
 
@@ -154,7 +154,7 @@ def with_changes(
     return ExperimentParameters.from_mapping(values, source)
 
 
-def plan_study(study: Study, run: ExperimentParameters, source: str = "params.yaml") -> Plan:
+def plan_study(study: Study, run: ExperimentParameters, source: str | None = None) -> Plan:
     """Compute the parameters of each condition, and the features to recompute.
 
     A condition uses the run's features if all parameters of the phases before recognition are the run's. It may use
@@ -167,8 +167,8 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
         The study.
     run : ExperimentParameters
         The parameters of the run.
-    source : str
-        File that error messages name first, before the name of the condition.
+    source : str, optional
+        File that error messages name first, before the name of the condition; by default the study.
 
     Returns
     -------
@@ -181,6 +181,7 @@ def plan_study(study: Study, run: ExperimentParameters, source: str = "params.ya
         If the changes of a condition are not allowed, or its turns differ from the run's although the run's objects
         are turned already.
     """
+    source = source or f"study {study.name}"
     own = _upstream(_with_turns_to_apply(run, run, source))
     planned: list[Planned] = []
     needs: dict[str, list[Recomputation]] = {}

@@ -88,7 +88,7 @@ def make_study_block(
     planned = [
         Planned(
             Condition(row["name"], row["changes"], votes=row["votes"]),
-            with_changes(run, row["changes"]),
+            with_changes(run, row["changes"], f"study {study}: {row['name']}"),
             row["key"],
         )
         for row in conditions
