@@ -2,6 +2,7 @@
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pytest
 from recognition.synthetic import features_table
 from sklearn.cluster import KMeans
@@ -117,6 +118,15 @@ def test_tables_of_every_kind_have_the_same_figure(features, kind):
             "column x has .* missing values|NaN",
         ),
         (lambda table: {"x": [1.0], "y": [1.0, 2.0]}, "Arrow can't convert the given table"),
+        (
+            lambda table: table.filter(pc.equal(table["object"], "object0")),
+            r"No class has two objects .* by fixation \(class0, class1, class2, class3: one object each\); at least two classes",
+        ),
+        (
+            lambda table: table.filter(pc.equal(table["class"], "class1")),
+            "Only class class1 has touches of enough objects; at least two classes",
+        ),
+        (lambda table: table.slice(0, 0), "The features hold no touches"),
         (lambda table: [1, 2], "is given as list"),
         (lambda table: None, "is given as NoneType"),
     ],

@@ -65,7 +65,7 @@ MIXED = ["random"] * 10 + ["fixation"] * 30
     ("change", "reason"),
     [
         (lambda table: with_column(table, "strategy", MIXED), "exactly one"),
-        (lambda table: table.slice(0, 0), "exactly one"),
+        (lambda table: table.slice(0, 0), "hold no touches"),
         (lambda table: table.drop_columns(["contourlet_02"]), "lack the columns contourlet_02"),
     ],
 )

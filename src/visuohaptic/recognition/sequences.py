@@ -234,9 +234,11 @@ def spread_contact_states(features: pa.Table) -> pa.Table:
 
 def _check_columns(features: pa.Table, feature_names: Sequence[str]) -> None:
     strategies = features.column("strategy").unique().to_pylist()
-    if len(strategies) != 1:
+    if not strategies:
+        raise RecognitionError("The features hold no touches; at least one is needed.")
+    if len(strategies) > 1:
         raise RecognitionError(
-            f"The features hold the strategies {strategies}; exactly one is allowed at a time."
+            f"The features hold the strategies {', '.join(strategies)}; exactly one is allowed at a time."
         )
     missing = [name for name in feature_names if name not in features.column_names]
     if missing:
@@ -281,9 +283,11 @@ def take_strategy(
     """Return the rows of a strategy after `whole_sequences` and `classes_of_two`, and messages on left-out sequences.
 
     The messages are those of `whole_sequences`. Other strategies in the table have no influence. Raises
-    `RecognitionError` if the strategy has no touches, or no viewpoint has enough.
+    `RecognitionError` if the strategy has no touches, no viewpoint has enough, or no class has two objects with enough.
     """
     strategies = sorted(pc.unique(features.column("strategy")).to_pylist())
+    if not strategies:
+        raise RecognitionError(NO_TOUCHES)
     if strategy not in strategies:
         raise RecognitionError(
             f"The features have no touch by {strategy}; touches by {', '.join(strategies)} can be used."
@@ -294,7 +298,15 @@ def take_strategy(
         raise RecognitionError(
             f"No viewpoint of any object has {touches} touches (recognition.touches)."
         )
-    return classes_of_two(whole), left_out
+    kept = classes_of_two(whole)
+    if not kept.num_rows:
+        classes = sorted(pc.unique(whole.column("class")).to_pylist())
+        more = f" and {len(classes) - 10} more" * (len(classes) > 10)
+        raise RecognitionError(
+            f"No class has two objects with enough touches by {strategy} ({', '.join(classes[:10])}{more}: one object each); at "
+            "least two classes with two objects each are needed, because an object trains or is tested."
+        )
+    return kept, left_out
 
 
 def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:

@@ -206,7 +206,8 @@ def check_two_classes(sequences: TouchSequences) -> None:
     """Raise `RecognitionError` if there are fewer than two classes."""
     if len(sequences.classes) < 2:
         raise RecognitionError(
-            f"There is one class ({', '.join(sequences.classes)}); at least two classes are needed."
+            f"Only class {', '.join(sequences.classes)} has touches of enough objects; at least two classes are needed, "
+            "each with two objects if it is tested."
         )
 
 
