@@ -154,6 +154,17 @@ class Failing(SVC):
         return self.nothing
 
 
+class Predicting(SVC):
+    """A classifier whose predictions a function changes."""
+
+    def __init__(self, change=None):
+        super().__init__()
+        self.change = change
+
+    def predict(self, rows):
+        return self.change(super().predict(rows))
+
+
 class Duck:
     """A classifier that knows scikit-learn's names only."""
 
@@ -193,6 +204,34 @@ def test_what_is_no_classifier_or_does_not_fit_is_refused_with_the_reason(
 ):
     with pytest.raises(RecognitionError, match=sentence):
         vh.evaluate(estimator, features, FEW)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda labels: labels == 1, "predicted labels of type bool; whole numbers, as in y"),
+        (
+            lambda labels: (labels == 1).astype(object),
+            "predicted labels of type object; whole numbers",
+        ),
+        (lambda labels: labels + 0j, "predicted labels of type complex128; whole numbers"),
+        (
+            lambda labels: np.ma.array(labels, mask=labels == 1),
+            "predicted labels with masked values",
+        ),
+        (lambda labels: labels + 9, "predicted the label"),
+    ],
+)
+def test_predictions_that_are_no_labels_are_refused(features, change, sentence):
+    with pytest.raises(RecognitionError, match=sentence):
+        vh.evaluate(Predicting(change), features, FEW)
+
+
+@pytest.mark.parametrize("kind", [np.int8, np.float64, object])
+def test_labels_of_any_type_of_numbers_are_predictions(features, kind):
+    expected = vh.evaluate(SVC(), features, FEW)
+    found = vh.evaluate(Predicting(lambda labels: labels.astype(kind)), features, FEW)
+    assert found.predictions.equals(expected.predictions)
 
 
 def test_an_object_with_the_names_of_a_classifier_is_one(features):

@@ -54,6 +54,15 @@ def test_a_descriptor_that_gives_other_than_a_row_each_is_refused(shape, monkeyp
         describe_imprints(np.zeros((2, 8, 8), np.float32), FeatureParameters())
 
 
+def test_a_descriptor_that_masks_numbers_is_refused(monkeypatch):
+    wrong = Descriptor("wrong", "wrong", lambda *_: np.ma.masked_equal(np.zeros((2, 3)), 0.0))
+    monkeypatch.setattr(describing, "DESCRIPTORS", {"contourlet": wrong})
+    with pytest.raises(
+        ParameterError, match="descriptor wrong returned numbers with masked values"
+    ):
+        describe_imprints(np.zeros((2, 8, 8), np.float32), FeatureParameters())
+
+
 def test_fewer_numbers_fill_the_first_columns_and_leave_the_others_0():
     cone = vh.load(trimesh.creation.cone(0.5, 1.0))
     felt = cone.touch(viewpoints=1, strategy="random", parameters={"features.levels": [2, 3]})

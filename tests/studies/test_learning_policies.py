@@ -228,6 +228,7 @@ def fail_silently(*_):
         (lambda *_: lambda _: fail, "learning policy plain, choose: it raised KeyError"),
         (lambda *_: lambda _: lambda *_: None, r"chose an array of shape \(\) and type object; \(2,\)"),
         (lambda *_: lambda _: lambda *_: [0.0, 6.0], "type float64; .* indices of candidates are needed"),
+        (lambda *_: lambda _: lambda *_: np.ma.array([0, 6], mask=[0, 1]), "candidates with masked values"),
         (lambda *_: lambda _: lambda *_: [0, 0], r"chose candidates \[0, 0\]; one candidate of each viewpoint"),
         (lambda *_: lambda _: lambda *_: [0, 99], r"chose candidates \[0, 99\]"),
         (lambda *_: lambda _: lambda *_: [[0], [1, 2]], r"chose an object of type list; \(2,\) indices"),

@@ -441,6 +441,10 @@ def fail_silently(*_):
         (lambda *_: [10**400, 0, 0], "it chose an object of type list; three numbers that float64"),
         (lambda *_: np.array([1j, 0, 0]), "it chose an object of type ndarray; three numbers"),
         (lambda *_: ["1", "0", "0"], "it chose an object of type list; three numbers"),
+        (
+            lambda view, _: np.ma.array(view.places.points[0], mask=[True, False, False]),
+            "it chose a point with masked values",
+        ),
         (lambda *_: Broken(), "it chose an object of type Broken; three numbers"),
         (
             lambda view, _: view.places.points,
@@ -457,7 +461,18 @@ def fail_silently(*_):
     ],
     ids=[
         *("off", "same", "nan", "infinite", "far", "farther", "beyond_float32", "beyond_float64"),
-        *("complex", "digits", "broken", "many", "number", "text", "ragged", "raises", "silent"),
+        *(
+            "complex",
+            "digits",
+            "masked",
+            "broken",
+            "many",
+            "number",
+            "text",
+            "ragged",
+            "raises",
+            "silent",
+        ),
     ],
 )
 def test_a_policy_that_misbehaves_is_one_sentence(caster, with_policy, next_location, sentence):

@@ -238,6 +238,7 @@ def _check_views(
         )
     vector = (*mask.shape, 3)
     arrays: dict[str, tuple[NDArray[Any], tuple[int, ...]]] = {
+        "mask": (mask, mask.shape),
         "colour": (colour, vector),
         "point": (point, vector),
         "normal": (normal, vector),
@@ -245,6 +246,10 @@ def _check_views(
         "curvature": (curvature, mask.shape),
     }
     for name, (array, shape) in arrays.items():
+        if isinstance(array, np.ma.MaskedArray):
+            raise AttentionError(
+                f"{name} is a masked array; a plain array is needed, because masks are not read."
+            )
         if array.shape != shape:
             raise AttentionError(
                 f"{name} has shape {array.shape}; with this mask {shape} is allowed."

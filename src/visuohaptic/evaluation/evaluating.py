@@ -16,7 +16,7 @@ from sklearn.utils import get_tags
 from sklearn.utils.validation import has_fit_parameter
 from tqdm import tqdm
 
-from visuohaptic.base.arrays import IntArray
+from visuohaptic.base.arrays import IntArray, masked_fault
 from visuohaptic.base.errors import ParameterError, RecognitionError, TableError, VisuohapticError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.inputs import SCHEMAS, Inputs, Prepared, check_inputs, prepare
@@ -314,7 +314,9 @@ def _seeded_deeply(estimator: Any, seed: int) -> Any:
 
 
 def _check_labels(predicted: Any, split: Split, classes: int, estimator_text: str) -> IntArray:
-    """Return predicted labels as integers. Raises `RecognitionError` for a wrong shape or a label that is not in `y`."""
+    """Return predicted labels as integers. Raises `RecognitionError` for a wrong shape, a type other than numbers, or a label that is not in `y`."""
+    if fault := masked_fault(predicted):
+        raise RecognitionError(f"{estimator_text} predicted labels with {fault}.")
     try:
         labels = np.asarray(predicted)
         allowed = np.isin(labels, np.arange(classes))
@@ -332,6 +334,11 @@ def _check_labels(predicted: Any, split: Split, classes: int, estimator_text: st
         raise RecognitionError(
             f"{estimator_text} predicted the label {labels[~allowed][0]!s:.40}; only labels of y, which are 0 to "
             f"{classes - 1}, are allowed."
+        )
+    is_number = labels.dtype.kind in "iuf" or all(map(is_whole, labels.tolist()))
+    if not is_number:
+        raise RecognitionError(
+            f"{estimator_text} predicted labels of type {labels.dtype}; whole numbers, as in y, are needed."
         )
     return labels.astype(np.int64)
 

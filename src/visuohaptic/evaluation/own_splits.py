@@ -8,7 +8,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from visuohaptic.base.arrays import BoolArray, IntArray
+from visuohaptic.base.arrays import BoolArray, IntArray, masked_fault
 from visuohaptic.base.errors import ParameterError, RecognitionError
 from visuohaptic.evaluation.wording import reason_of, short
 from visuohaptic.recognition.parameters import ProtocolParameters
@@ -99,7 +99,8 @@ def _by_splitter(sequences: TouchSequences, splitter: Any) -> Iterator[tuple[Int
     count = len(sequences.labels)
     try:
         parts = splitter.split(sequences.features, sequences.labels, sequences.object_index)
-        pairs = [(np.asarray(train), np.asarray(test)) for train, test in parts]
+        # A masked array stays one, so that `_indices` refuses its mask.
+        pairs = [(np.asanyarray(train), np.asanyarray(test)) for train, test in parts]
     # A splitter may raise any exception.
     except Exception as error:
         raise RecognitionError(
@@ -114,6 +115,8 @@ def _by_splitter(sequences: TouchSequences, splitter: Any) -> Iterator[tuple[Int
 
 def _indices(given: NDArray[Any], count: int, start: str) -> IntArray:
     """Return the indices that a splitter gave, as such or as a mask of `count` sequences; `start` begins errors."""
+    if fault := masked_fault(given):
+        raise RecognitionError(f"{start} indices with {fault}.")
     if given.dtype == bool and given.shape == (count,):
         return np.flatnonzero(given)
     end = f"; whole numbers from 0 to {count - 1}, each once, are needed."

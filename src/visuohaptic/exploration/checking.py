@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.arrays import FloatArray, masked_fault
 from visuohaptic.base.errors import ParameterError
 
 FARTHEST = 1e100
@@ -13,7 +13,9 @@ FARTHEST = 1e100
 
 
 def numbers(values: ArrayLike | None, name: str) -> FloatArray:
-    """Return `values` as float64. Raise `ParameterError`, with `name`, if they are no numbers, or truth values."""
+    """Return `values` as float64. Raise `ParameterError`, with `name`, if they are no numbers, truth values or masked."""
+    if fault := masked_fault(values):
+        raise ParameterError(f"{name} has {fault}.")
     try:
         given = np.asarray(values)
         converted = given.astype(np.float64)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError
+from visuohaptic.exploration.checking import numbers
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.vectors import product
 from visuohaptic.tables.schema import matrix
@@ -71,17 +72,17 @@ class FileFrame:
 
     def points_in_file(self, points: ArrayLike) -> FloatArray:
         """Transform points (n, 3) from the object frame to the file's frame."""
-        return product(np.asarray(points, np.float64), self.to_file[:3, :3].T) + self.to_file[:3, 3]
+        return product(numbers(points, "points"), self.to_file[:3, :3].T) + self.to_file[:3, 3]
 
     def points_in_object(self, points: ArrayLike) -> FloatArray:
         """Transform points (n, 3) from the file's frame to the object frame."""
-        turned = product(np.asarray(points, np.float64), self.from_file[:3, :3].T)
+        turned = product(numbers(points, "points"), self.from_file[:3, :3].T)
         return turned + self.from_file[:3, 3]
 
     def normals_in_file(self, normals: ArrayLike) -> FloatArray:
         """Transform unit normals (n, 3) from the object frame to the file's frame."""
         # Normals transform by the inverse transpose, which differs from the matrix of points for a stretched model.
-        return _unit(product(np.asarray(normals, np.float64), self.from_file[:3, :3]))
+        return _unit(product(numbers(normals, "normals"), self.from_file[:3, :3]))
 
     def poses(self, touches: pa.Table) -> FloatArray:
         """Compute the poses of touches in the file's frame.

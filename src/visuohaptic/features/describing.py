@@ -9,6 +9,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from contourlets import ContourletError
+from visuohaptic.base.arrays import masked_fault
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.features.descriptors import DESCRIPTORS
 from visuohaptic.features.imprint_shape import describe_imprint_shape
@@ -48,6 +49,8 @@ def describe_imprints(
         If the descriptor does not accept the resolution of the imprints, or returns another shape.
     """
     entry = DESCRIPTORS[parameters.descriptor]
+    if fault := masked_fault(imprints):
+        raise ParameterError(f"imprints has {fault}.")
     try:
         descriptions = entry.describe(imprints, parameters)
     except ContourletError as error:
@@ -55,6 +58,8 @@ def describe_imprints(
             f"sensor.resolution is {imprints.shape[1]}, which descriptor {entry.name} refuses with the "
             f"settings of `features`: {error}"
         ) from error
+    if fault := masked_fault(descriptions):
+        raise ParameterError(f"descriptor {entry.name} returned numbers with {fault}.")
     shape = descriptions.shape
     if len(shape) != 2 or shape[0] != len(imprints) or shape[1] > BANDS:
         raise ParameterError(

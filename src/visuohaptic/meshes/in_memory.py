@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from visuohaptic.base.arrays import IntArray
+from visuohaptic.base.arrays import IntArray, masked_fault
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.texture import REPEAT
 from visuohaptic.meshes.colours import as_bytes, mean_of_corners
@@ -63,6 +63,8 @@ def _part_of_arrays(vertices: ArrayLike, faces: ArrayLike) -> Part:
 
 
 def _columns(values: ArrayLike, name: str) -> NDArray[Any]:
+    if fault := masked_fault(values):
+        raise MeshError(f"it has {name} with {fault}")
     try:
         array = np.asarray(values)
     except ValueError:

@@ -14,7 +14,7 @@ import pyarrow as pa
 from joblib import wrap_non_picklable_objects
 from joblib.externals.loky import ProcessPoolExecutor
 
-from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.arrays import FloatArray, IntArray, masked_fault
 from visuohaptic.base.errors import (
     PolicyError,
     RecognitionError,
@@ -387,6 +387,8 @@ def _check_choice(
 ) -> IntArray:
     """Return the chosen candidates (v,) if each is a new candidate of its viewpoint, else raise `PolicyError`."""
     needed, views = f"({len(touched)},) indices of candidates are needed.", np.arange(len(touched))
+    if fault := masked_fault(choice):
+        raise PolicyError(f"learning policy {policy.name} chose candidates with {fault}.")
     try:
         picked = np.asarray(choice)
     except (TypeError, ValueError):

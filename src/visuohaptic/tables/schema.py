@@ -16,6 +16,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from visuohaptic.base.arrays import masked_fault
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import TableError
 from visuohaptic.base.regular_files import check_regular
@@ -332,6 +333,9 @@ def _arrow_table(schema: Schema, given: object) -> pa.Table:
             f"table {schema.name} is given as {type(given).__name__}; a pyarrow.Table, a data frame or a "
             "mapping of arrays is needed."
         )
+    for name, values in given.items() if isinstance(given, Mapping) else ():
+        if fault := masked_fault(values):
+            raise TableError(f"table {schema.name}: column {name} has {fault}.")
     try:
         return pa.table(dict(given) if isinstance(given, Mapping) else given)
     except (pa.ArrowException, TypeError, ValueError) as error:

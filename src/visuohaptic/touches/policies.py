@@ -19,7 +19,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.arrays import FloatArray, masked_fault
 from visuohaptic.base.bounded_loops import turns
 from visuohaptic.base.errors import PolicyError
 from visuohaptic.base.seeds import spawn_generator
@@ -187,6 +187,8 @@ class PolicySession:
         }
 
     def _as_point(self, chosen: object) -> FloatArray:
+        if fault := masked_fault(chosen):
+            raise self._error(f"chose a point with {fault}")
         try:
             point = np.asarray(chosen).astype(np.float64, casting="same_kind")
         # The `__array__` of an object may raise anything.

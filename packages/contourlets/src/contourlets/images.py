@@ -21,8 +21,11 @@ BLOCK_ELEMENTS = 1 << 18
 def check_images(images: ArrayLike) -> FloatArray:
     """Return images as a float32 or float64 array.
 
-    Raises `ImageError` for any other type, less than 2 × 2 pixels, or values that are not finite.
+    Raises `ImageError` for any other type, less than 2 × 2 pixels, values that are not finite, or masked values.
     """
+    parts = images if isinstance(images, list | tuple) else (images,)
+    if any(np.ma.is_masked(part) for part in parts if isinstance(part, np.ma.MaskedArray)):
+        raise ImageError("Images have masked pixels; fill them first, because masks are not read.")
     array = np.asarray(images)
     if array.dtype not in (np.float32, np.float64):
         raise ImageError(f"Images must be real float32 or float64 arrays, not {array.dtype}.")
