@@ -2,6 +2,7 @@
 
 import io
 import sys
+import warnings
 from functools import partial
 
 import numpy as np
@@ -19,17 +20,19 @@ from evaluation.own_estimators import (
     Untagged,
 )
 from recognition.synthetic import features_table
+from sklearn.decomposition import PCA
 from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 from sklearn.ensemble import RandomForestClassifier
-from sklearn.model_selection import KFold, StratifiedGroupKFold
+from sklearn.model_selection import GridSearchCV, KFold, StratifiedGroupKFold
 from sklearn.naive_bayes import GaussianNB
+from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import FunctionTransformer
+from sklearn.preprocessing import FunctionTransformer, RobustScaler, StandardScaler
 from sklearn.svm import SVC
 from tqdm import tqdm
 
 import visuohaptic as vh
-from visuohaptic.base.errors import ParameterError, RecognitionError
+from visuohaptic.base.errors import ParameterError, RecognitionError, RecognitionWarning
 from visuohaptic.evaluation.intervals import compare_paired
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition import flatten_touches, touch_arrays
@@ -179,6 +182,46 @@ def test_a_seed_of_the_estimator_is_replaced_but_a_nested_seed_is_kept(features)
         for one in (first, second)
     ]
     assert nested[0] != nested[1]
+
+
+KNN = KNeighborsClassifier()
+SCALED_TWICE = {
+    "StandardScaler": make_pipeline(StandardScaler(), KNN),
+    "RobustScaler": GridSearchCV(
+        make_pipeline(RobustScaler(), KNN), {"kneighborsclassifier__p": [2]}, cv=2
+    ),
+    r"PCA\(whiten=True\)": make_pipeline(PCA(whiten=True), KNN),
+}
+
+
+@pytest.mark.parametrize("name", SCALED_TWICE)
+def test_a_scaling_of_rotated_descriptors_is_noted(features, name):
+    with pytest.warns(RecognitionWarning, match=f"^{name} brings all columns to one spread"):
+        found = vh.evaluate(SCALED_TWICE[name], features, inputs="descriptors", splits=2)
+    assert found.notes[0].startswith(name.replace("\\", ""))
+    assert f"note: {found.notes[0]}" in repr(found)
+
+
+@pytest.mark.parametrize(
+    ("estimator", "inputs"),
+    [
+        (KNN, "descriptors"),
+        (make_pipeline(StandardScaler(with_std=False), KNN), "descriptors"),
+        (make_pipeline(PCA(), KNN), "descriptors"),
+        (make_pipeline(StandardScaler(), KNN), "features"),
+    ],
+)
+def test_other_classifiers_and_inputs_have_no_note(features, estimator, inputs):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RecognitionWarning)
+        found = vh.evaluate(estimator, features, inputs=inputs, splits=2)
+    assert found.notes == ()
+
+
+def test_notes_of_a_classifier_are_those_of_the_evaluation(features):
+    found = vh.evaluate("quadratic_discriminant", features, splits=2)
+    assert found.notes
+    assert all("singular covariance" in note for note in found.notes)
 
 
 def test_a_number_of_splits_is_a_balanced_sample_or_the_first_folds(features):

@@ -17,6 +17,10 @@ class MeshWarning(UserWarning):
     """A mesh file was read, but a file that it refers to is missing, or its meaning is ambiguous."""
 
 
+class RecognitionWarning(UserWarning):
+    """A classifier can be evaluated, but scales its input in a way that drowns the differences of classes in noise."""
+
+
 class CatalogueError(VisuohapticError):
     """The catalogue of objects, or a name in it, is not allowed."""
 

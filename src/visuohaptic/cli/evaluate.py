@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from functools import partial
@@ -10,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from visuohaptic.base.errors import RecognitionWarning
 from visuohaptic.cli.printing import JsonOption, file_to_read, say, say_json
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, read_recogniser
 
@@ -131,15 +133,18 @@ def _evaluate_classifier(
     parameters = read_parameters(params_file) if params_file.exists() else ExperimentParameters()
     table = "touches" if inputs == InputsName.touches else "features"
     strategy = "fixation" if strategy is None else strategy
-    evaluation = evaluate_classifier(
-        name,
-        run / "results" / table,
-        parameters.recognition,
-        strategy,
-        parameters.seed,
-        inputs=inputs.value,
-        splits=splits,
-    )
+    with warnings.catch_warnings():
+        # The command prints the notes as lines.
+        warnings.simplefilter("ignore", RecognitionWarning)
+        evaluation = evaluate_classifier(
+            name,
+            run / "results" / table,
+            parameters.recognition,
+            strategy,
+            parameters.seed,
+            inputs=inputs.value,
+            splits=splits,
+        )
     accuracy = [evaluation.accuracy, evaluation.low, evaluation.high]
     if as_json:
         row = {
@@ -147,6 +152,7 @@ def _evaluate_classifier(
             "accuracy": accuracy,
             "objects": len(evaluation.by_object), "splits": evaluation.splits,
             "fit": vars(evaluation.fit), "predict": vars(evaluation.predict),
+            "notes": evaluation.notes,
         }  # fmt: skip
         say_json(row)
         return
@@ -154,6 +160,8 @@ def _evaluate_classifier(
         f"{name} on {inputs.value} of touches by {strategy}: {_percent(accuracy)} correctly classified, "
         f"{len(evaluation.by_object)} objects, {evaluation.splits} splits"
     )
+    for note in evaluation.notes:
+        say(f"  note: {note}")
     say(f"  fits took {evaluation.fit}, predictions {evaluation.predict}")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,13 +12,28 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 from joblib import Parallel, delayed
-from sklearn.base import clone
+from sklearn.base import BaseEstimator, clone
+from sklearn.decomposition import PCA
+from sklearn.preprocessing import (
+    MaxAbsScaler,
+    MinMaxScaler,
+    PowerTransformer,
+    QuantileTransformer,
+    RobustScaler,
+    StandardScaler,
+)
 from sklearn.utils import get_tags
 from sklearn.utils.validation import has_fit_parameter
 from tqdm import tqdm
 
 from visuohaptic.base.arrays import IntArray, masked_fault
-from visuohaptic.base.errors import ParameterError, RecognitionError, TableError, VisuohapticError
+from visuohaptic.base.errors import (
+    ParameterError,
+    RecognitionError,
+    RecognitionWarning,
+    TableError,
+    VisuohapticError,
+)
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.inputs import SCHEMAS, Inputs, Prepared, check_inputs, prepare
 from visuohaptic.evaluation.intervals import PairedComparison, compare_paired
@@ -36,6 +52,16 @@ from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.recognition.splits import Split
 from visuohaptic.tables.phases import FEATURES, TOUCHES
 from visuohaptic.tables.schema import Schema, read_table, take_table
+
+_SCALERS = (
+    MaxAbsScaler,
+    MinMaxScaler,
+    PowerTransformer,
+    QuantileTransformer,
+    RobustScaler,
+    StandardScaler,
+)
+"""Transformers that bring each column to the same spread."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +103,8 @@ class Evaluation:
         (scaling, self-organising map, PCA rotation) and its transform of training sequences. `predict` includes its
         transform of test sequences. The time of steps before the splits, such as touching, is not included.
         Processor time does not include processes that the classifier starts.
+    notes : tuple of str
+        What limits the meaning of the accuracy, such as a singular covariance, or a scaling of rotated descriptors.
     """
 
     accuracy: float
@@ -88,12 +116,14 @@ class Evaluation:
     weights: Mapping[str, float]
     fit: Seconds
     predict: Seconds
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
+        notes = "".join(f"; note: {note}" for note in self.notes)
         ends = ("none" if end is None else f"{100 * end:.1f}" for end in (self.low, self.high))
         return (
             f"<Evaluation: {100 * self.accuracy:.1f} % correctly classified ({' to '.join(ends)}), "
-            f"{len(self.by_object)} objects, {self.splits} splits; fit {self.fit}; predict {self.predict}>"
+            f"{len(self.by_object)} objects, {self.splits} splits; fit {self.fit}; predict {self.predict}{notes}>"
         )
 
     def compare(
@@ -187,6 +217,13 @@ def evaluate(
     Evaluation
         The accuracy, its interval, and the seconds of fits and predictions.
 
+    Warns
+    -----
+    RecognitionWarning
+        If the classifier scales each column of `inputs` ``descriptors``, such as a pipeline with a ``StandardScaler``.
+        These columns are scaled already, then rotated, so that the last of them hold noise. The sentence is also in
+        `Evaluation.notes`.
+
     Raises
     ------
     ParameterError
@@ -220,6 +257,10 @@ def evaluate(
         classifier = Classifier.of("estimator", estimator)
     whole = _take_strategy_rows(_as_table(table, SCHEMAS[inputs]), strategy, parameters.touches)
     prepared = prepare(inputs, whole, classifier, parameters, seed)
+    notes = []
+    if inputs == "descriptors" and (scaler := _scaler_in(prepared.pipeline.classifiers)):
+        notes.append(_scaled_twice(scaler))
+        warnings.warn(notes[0], RecognitionWarning, stacklevel=2)
     chosen = choose_splits(prepared.sequences, parameters.protocol, seed, splits)
     tests = _test_splits(estimator, prepared, chosen, seed, n_jobs)
     name = prepared.pipeline.name
@@ -236,7 +277,27 @@ def evaluate(
         {key: weight for key, (_, weight) in figures["by_object"].items()},
         sum((test.fit for test in tests), Seconds()),
         sum((test.predict for test in tests), Seconds()),
+        (*notes, *figures["notes"]),
     )  # fmt: skip
+
+
+def _scaler_in(classifiers: Mapping[str, Any]) -> str | None:
+    """Return the name of the first transformer within classifiers that brings columns to one spread; None without it."""
+    for classifier in classifiers.values():
+        nested = classifier.get_params().values() if isinstance(classifier, BaseEstimator) else ()
+        for part in nested:
+            if isinstance(part, _SCALERS) and getattr(part, "with_std", True):
+                return type(part).__name__
+            if isinstance(part, PCA) and part.whiten:
+                return "PCA(whiten=True)"
+    return None
+
+
+def _scaled_twice(scaler: str) -> str:
+    return (
+        f"{scaler} brings all columns to one spread, but descriptors are scaled already and then rotated, so that their "
+        "last columns hold noise; leave the scaling out, or take inputs='features'."
+    )
 
 
 @dataclass(frozen=True)
