@@ -88,6 +88,14 @@ def test_the_table_is_written_as_csv(visuohaptic, tmp_path):
     assert float(accuracy["difference"]) == pytest.approx(0.0509)
 
 
+def test_a_folder_that_a_spreadsheet_would_run_is_text_in_the_csv(visuohaptic, tmp_path):
+    for name in ("a", "=1+1"):
+        write_run(tmp_path / name)
+    assert visuohaptic("compare", "a", "=1+1", "--csv", "runs.csv").code == 0
+    with (tmp_path / "runs.csv").open(newline="") as stream:
+        assert {row["source"] for row in csv.DictReader(stream)} == {"a", "'=1+1"}
+
+
 def test_one_classifier_of_each_run_is_shown_and_none_in_common_is_refused(visuohaptic, tmp_path):
     write_run(tmp_path / "a")
     write_run(tmp_path / "b", classifier="decision_tree")

@@ -116,7 +116,15 @@ def test_a_model_is_given_what_counts_as_its_companion_and_nothing_else(tmp_path
     ("old", "new", "sentence"),
     [
         ("width_cm", "breadth", "no column 'width_cm'"),
-        (",40.3,", ",forty,", "bs0_chair2: could not convert string to float: 'forty'"),
+        (
+            ",40.3,",
+            ",forty,",
+            r"catalogue\.csv, line \d+, column width_cm is 'forty'; finite numbers",
+        ),
+        (",40.3,", ",nan,", "column width_cm is 'nan'; finite numbers are needed"),
+        (",40.3,", ",=1+1,", r"line \d+, column width_cm is '=1\+1', a formula for a spreadsheet"),
+        ("Doug C", "=1+1", r"line \d+, column author is '=1\+1', a formula for a spreadsheet"),
+        (",CC0-1.0,Doug C", "", r"line \d+: column .* is missing"),
         (",40.3,", ",0,", "bs0_chair2 has .* size"),
         ("bs0_chair2", "../chair", "can't name"),
     ],
@@ -132,6 +140,13 @@ def test_a_broken_row_is_named(tmp_path, old, new, sentence):
         read_catalogue(path)
     path.unlink()
     with pytest.raises(CatalogueError, match=r"catalogue\.csv can't be read"):
+        read_catalogue(path)
+
+
+def test_a_catalogue_that_is_no_text_is_named(tmp_path):
+    path = tmp_path / "catalogue.csv"
+    path.write_bytes(CATALOGUE.read_bytes().replace(b"Doug C", b"Doug \xff"))
+    with pytest.raises(CatalogueError, match=r"catalogue\.csv is no text in UTF-8"):
         read_catalogue(path)
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.base.csv_cells import csv_cell
 from visuohaptic.base.optional_packages import require
 from visuohaptic.cli.printing import JsonOption, say, say_json
 
@@ -43,7 +44,7 @@ def compare(
     table = compare_runs([read_metrics(source) for source in sources])
     table["source"] = [sources[ord(run) - ord("A")] for run in table.run]
     if csv is not None:
-        atomic_write_text(csv, table.to_csv(index=False))
+        atomic_write_text(csv, table.map(csv_cell).to_csv(index=False))
     if as_json:
         say_json(table.astype(object).where(table.notna(), None).to_dict("records"))
         return

@@ -10,6 +10,7 @@ from typing import Any
 
 import pyarrow as pa
 
+from visuohaptic.base.csv_cells import csv_cell
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.tables.phases import PREDICTIONS, SCORES
@@ -95,4 +96,6 @@ def _write_csv(path: str | Path, rows: Iterable[Sequence[object]]) -> None:
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as stream:
-        csv.writer(stream, lineterminator="\n").writerows(rows)
+        csv.writer(stream, lineterminator="\n").writerows(
+            [csv_cell(value) for value in row] for row in rows
+        )

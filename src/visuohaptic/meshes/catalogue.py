@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
@@ -10,6 +11,7 @@ from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Literal
 
+from visuohaptic.base.csv_cells import is_formula
 from visuohaptic.base.errors import CatalogueError
 from visuohaptic.base.regular_files import check_regular
 
@@ -232,33 +234,65 @@ def _catalogue_rows(path: Path) -> list[tuple[str, Model]]:
     try:
         check_regular(path)
         with path.open(newline="", encoding="utf-8") as stream:
-            return [_parse_row(row, path) for row in csv.DictReader(stream)]
+            reader = csv.DictReader(stream)
+            return [_parse_row(row, f"{path}, line {reader.line_num}") for row in reader]
     except OSError as error:
         raise CatalogueError(f"the catalogue {path} can't be read: {error.strerror}.") from error
     except KeyError as error:
         raise CatalogueError(f"the catalogue {path} has no column {error}.") from error
-
-
-def _parse_row(row: dict[str, str], path: Path) -> tuple[str, Model]:
-    check_name(row["class"], path)
-    check_name(row["object"], path)
-    try:
-        dimensions = (float(row["width_cm"]), float(row["height_cm"]), float(row["depth_cm"]))
-        rotation = tuple(float(number) for number in row["rotation"].split())
-    except ValueError as error:
-        raise CatalogueError(f"{path}: {row['object']}: {error}.") from error
-    if len(rotation) not in {0, 9} or min(dimensions) <= 0:
+    except UnicodeDecodeError as error:
         raise CatalogueError(
-            f"{path}: {row['object']} has {len(rotation)} numbers of rotation and the size "
-            f"{dimensions}; 0 or 9 numbers and sizes above 0 are allowed."
+            f"the catalogue {path} is no text in UTF-8: {error.reason}."
+        ) from error
+    except csv.Error as error:
+        raise CatalogueError(f"the catalogue {path} can't be read: {error}.") from error
+
+
+def _parse_row(row: Mapping[str, str | None], source: str) -> tuple[str, Model]:
+    """Return the set and the model of a row; `source` names file and line in errors."""
+    cells = {column: _checked(text, column, source) for column, text in row.items() if column}
+    check_name(cells["class"], source)
+    check_name(cells["object"], source)
+    sizes = [_numbers(cells, f"{side}_cm", source) for side in ("width", "height", "depth")]
+    dimensions = tuple(number for size in sizes for number in size)
+    rotation = _numbers(cells, "rotation", source)
+    if len(rotation) not in {0, 9} or len(dimensions) != 3 or min(dimensions) <= 0:
+        raise CatalogueError(
+            f"{source}: {cells['object']} has {len(rotation)} numbers of rotation and the size "
+            f"{dimensions}; 0 or 9 numbers and three sizes above 0 are allowed."
         )
-    return row["set"], Model(
-        category=row["class"],
-        name=row["object"],
-        library=row["library"],
-        member=row["member"],
-        sha256=row["obj_sha256"],
-        dimensions=dimensions,
+    width, height, depth = dimensions
+    return cells["set"], Model(
+        category=cells["class"],
+        name=cells["object"],
+        library=cells["library"],
+        member=cells["member"],
+        sha256=cells["obj_sha256"],
+        dimensions=(width, height, depth),
         rotation=rotation or None,
-        credit=_credit(row),
+        credit=_credit(cells),
     )
+
+
+def _checked(text: str | None, column: str, source: str) -> str:
+    """Return the text of a cell; raise `CatalogueError` for a missing cell, and for a formula of a spreadsheet."""
+    if text is None:
+        raise CatalogueError(f"{source}: column {column} is missing; each line needs all columns.")
+    if is_formula(text):
+        raise CatalogueError(
+            f"{source}, column {column} is {text[:_LONGEST_NAME]!r}, a formula for a spreadsheet; its value is needed."
+        )
+    return text
+
+
+def _numbers(cells: Mapping[str, str], column: str, source: str) -> tuple[float, ...]:
+    """Return the finite numbers of a cell, which are parted by blanks."""
+    try:
+        numbers = tuple(map(float, cells[column].split()))
+    except ValueError:
+        numbers = (math.nan,)
+    if not all(map(math.isfinite, numbers)):
+        raise CatalogueError(
+            f"{source}, column {column} is {cells[column]!r}; finite numbers are needed."
+        )
+    return numbers
