@@ -83,6 +83,16 @@ def test_a_file_that_is_no_object_is_named_with_what_to_do(tmp_path, name, says)
     assert says.format(own=tmp_path) in sentence
 
 
+def test_few_unusable_files_are_named_with_their_reasons_and_many_are_counted(tmp_path):
+    touch(tmp_path, *(f"own/cup/{number:04d}.xyz" for number in range(5)))
+    few = find_own_models(tmp_path / "own")
+    assert few.warnings == list(few.set_aside.values())
+    touch(tmp_path, *(f"own/cup/{number:04d}.xyz" for number in range(5000)))
+    (warning,) = find_own_models(tmp_path / "own").warnings
+    assert warning.startswith("5,000 files of meshes/own can't be used: ")
+    assert "0004.xyz and 4,995 more; `visuohaptic meshes check` gives the reason" in warning
+
+
 def test_a_class_may_be_a_link_to_a_folder_elsewhere_and_no_folder_holds_none(tmp_path):
     assert find_own_models(tmp_path / "own").models == {}
     touch(tmp_path, "elsewhere/a.obj", "own/licence.txt")

@@ -16,6 +16,7 @@ from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.model_files import read_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.parts import GREY
+from visuohaptic_workflow import closing
 from visuohaptic_workflow.closing import lines_at_end
 
 
@@ -61,6 +62,10 @@ def test_the_mesh_file_of_an_own_model_has_its_notes_and_a_run_says_them_at_its_
     Path("results/meshes/cup/b/cup/a.ply").rename("results/meshes/cup/b/cup/b.ply")
     lines = lines_at_end(report_is_current=True)
     assert lines == [f"warning: cup/{name}: {note}" for name in "ab"]
+    monkeypatch.setattr(closing, "MOST_LINES", 1)
+    first, rest = lines_at_end(report_is_current=True)
+    assert first == lines[0]
+    assert rest == "Lines of this kind that the report has, but this list has not: 1."
 
 
 def test_vertex_colours_are_averaged_over_the_corners_and_a_file_without_is_grey(tmp_path):

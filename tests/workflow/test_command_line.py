@@ -70,6 +70,20 @@ def test_what_can_not_be_planned_is_one_sentence(fresh_stand_in, sensor, options
     assert "Traceback" not in result.stdout
 
 
+@process
+def test_unusable_files_are_warned_of_once_and_not_by_the_process_that_writes_dvcs_lock(stand_in):
+    for number in range(6):
+        (stand_in.folder / f"meshes/own/cup{number}.xyz").touch()
+    asked = ("snakemake", "--list-rules", "--quiet", "--workflow-profile", "none")
+    warning = "warning: 6 files of meshes/own can't be used: "
+    assert stand_in.run(*asked, VISUOHAPTIC_ASKED="why").stdout.count("warning: ") == 1
+    assert warning in stand_in.run(*asked, VISUOHAPTIC_ASKED="why").stdout
+    # Without Git the lock can't be written.
+    locked = stand_in.run(*asked, check=False, VISUOHAPTIC_ASKED="lock").stdout
+    assert "dvc.lock stays as it was" in locked
+    assert "warning: " not in locked
+
+
 @pytest.mark.parametrize(
     ("arguments", "asked"),
     [

@@ -194,8 +194,9 @@ CATALOGUED = {
 OWN_MODELS = find_own_models("meshes/own", CATALOGUED)
 OWN = {model.key: path for model, path in OWN_MODELS.models.items()}
 COMPANIONS = companions(OWN.values())
-if IS_PLANNER:
-    for sentence in OWN_MODELS.set_aside.values():
+# The process that writes DVC's lock would print the warnings of the run again.
+if IS_PLANNER and os.environ.get(ASKED) != "lock":
+    for sentence in OWN_MODELS.warnings:
         print(f"warning: {sentence}", file=sys.stderr)
 DOWNLOADED = {
     key: model

@@ -45,6 +45,8 @@ _MEMBERS_OF_SET = {
 # Snakemake reads <name> as a variable; U+D800 to U+DFFF are undecodable bytes of a name.
 _FORBIDDEN_IN_NAMES = re.compile(r"[\x00-\x1f\ud800-\udfff/\\{}<>*?\[\]]|^[.\-_ ]|[. ]$")
 _LONGEST_NAME = 100
+# The largest number of unusable files that are named with their reasons.
+_FEW = 5
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,19 @@ class OwnModels:
 
     models: dict[Model, Path]
     set_aside: dict[Path, str]
+
+    @property
+    def warnings(self) -> list[str]:
+        """One sentence per unusable file. More than `_FEW` files get one sentence, with their count and the first."""
+        sentences = list(self.set_aside.values())
+        if len(sentences) <= _FEW:
+            return sentences
+        names = ", ".join(_shown(file) for file in list(self.set_aside)[:_FEW])
+        sentence = (
+            f"{len(sentences):,} files of meshes/own can't be used: {names} and {len(sentences) - _FEW:,} more; "
+            "`visuohaptic meshes check` gives the reason of each."
+        )
+        return [sentence]
 
 
 def find_own_models(folder: str | Path, taken: Collection[str] = ()) -> OwnModels:

@@ -22,6 +22,8 @@ from visuohaptic.stability.rows import broken_tolerances
 
 METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
+MOST_LINES = 20
+"""Largest number of left-out objects, and of notes of meshes, that are printed, as in the report."""
 
 
 def lines_at_end(*, report_is_current: bool) -> list[str]:
@@ -35,9 +37,11 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
     meshes = sorted(Path("results/meshes").glob("*/*/*/*.ply"), key=object_of)
     reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
     exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
+    left_out = [f"{key} was left out: {reason}" for key, reason in reasons.items() if reason]
+    notes = [f"warning: {object_of(mesh)}: {note}" for mesh in meshes for note in notes_of(mesh)]
     return [
-        *(f"{key} was left out: {reason}" for key, reason in reasons.items() if reason),
-        *(f"warning: {object_of(mesh)}: {note}" for mesh in meshes for note in notes_of(mesh)),
+        *_first_lines(left_out),
+        *_first_lines(notes),
         *(f"warning: {sentence}" for sentence in exceeded),
         *(
             _only_objects([key for key, reason in reasons.items() if not reason])
@@ -45,6 +49,13 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
         ),
         *(describe_results() if report_is_current else []),
     ]
+
+
+def _first_lines(lines: Sequence[str]) -> list[str]:
+    """Return the first `MOST_LINES` lines, and a line that counts the rest."""
+    more = len(lines) - MOST_LINES
+    rest = [f"Lines of this kind that the report has, but this list has not: {more:,}."]
+    return [*lines[:MOST_LINES], *rest * (more > 0)]
 
 
 def _only_objects(keys: Sequence[str]) -> list[str]:
