@@ -18,6 +18,7 @@ from visuohaptic.geometry.surface import Surface, read_surface
 from visuohaptic.meshes.catalogue import MODEL_SUFFIXES, why_unreadable
 from visuohaptic.meshes.collada import read_collada
 from visuohaptic.meshes.companions import ArchiveCompanions, Companions, FolderCompanions
+from visuohaptic.meshes.content import BEGINNING, other_content
 from visuohaptic.meshes.gltf_files import read_gltf
 from visuohaptic.meshes.in_memory import parts_in_memory
 from visuohaptic.meshes.obj_files import read_obj
@@ -130,6 +131,7 @@ def _surface(
     companions: Companions,
 ) -> Surface:
     """Read the only item of `holder` as a surface; the item is removed from the list so that `read` can free it."""
+    beginning = holder[0][:BEGINNING] if isinstance(holder[0], bytes) else b""
     # A parser may raise any error for a broken file.
     try:
         # Vertices that overflow are refused where the surface is used, in a sentence that names the first.
@@ -137,7 +139,8 @@ def _surface(
             # No variable here refers to the content, so that `read` can free it.
             surface = join_parts(read(holder.pop(), companions))
     except Exception as error:
-        raise MeshError(f"{name} can't be read as {kind}: {_reason_of(error)}.") from error
+        reason = other_content(beginning, kind.lower()) or _reason_of(error)
+        raise MeshError(f"{name} can't be read as {kind}: {reason}.") from error
     return replace(surface, notes=_notes(name, companions), up_axis=companions.up_axis)
 
 
