@@ -48,6 +48,18 @@ def test_a_plane_in_the_air_feels_nothing_and_one_within_is_full():
     assert (within.heights > 1).all()
 
 
+@pytest.mark.parametrize(
+    "change", [lambda pose: pose.T, lambda pose: pose + np.full(4, 9.0) * pose[3, :, None]]
+)
+def test_a_pose_with_another_bottom_row_is_refused(change):
+    pose = np.eye(4)
+    pose[:3, 3] = [0.0, 0.0, 40.0]
+    with pytest.raises(
+        ParameterError, match=r"Pose 1 has the bottom row .*; \[0, 0, 0, 1\] is needed"
+    ):
+        vh.press(BALL, poses=[pose, change(pose)], size=2.0)
+
+
 def test_no_pose_gives_no_image():
     assert vh.press(BALL, np.zeros((0, 3)), np.zeros((0, 3)), 1.0).images.shape == (0, 32, 32)
 

@@ -280,6 +280,12 @@ def _stand(
 def _check_poses(poses: FloatArray) -> None:
     if poses.ndim != 3 or poses.shape[1:] != (4, 4):
         raise ParameterError(f"poses has the shape {poses.shape}; (n, 4, 4) is needed.")
+    bent = np.flatnonzero((poses[:, 3] != (0.0, 0.0, 0.0, 1.0)).any(axis=1))
+    if len(bent):
+        raise ParameterError(
+            f"Pose {bent[0]} has the bottom row {poses[bent[0], 3].tolist()}; [0, 0, 0, 1] is needed, and the position in "
+            "the last column."
+        )
     point_rows(poses[:, :3, 3], "poses[:, :3, 3]")
     if not (np.abs(poses[:, :3, :3]) < 2).all():
         raise ParameterError(
