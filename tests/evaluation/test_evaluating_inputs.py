@@ -23,7 +23,7 @@ from recognition.synthetic import features_table
 from sklearn.decomposition import PCA
 from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 from sklearn.ensemble import RandomForestClassifier
-from sklearn.model_selection import GridSearchCV, KFold, StratifiedGroupKFold
+from sklearn.model_selection import GridSearchCV, GroupKFold, KFold, StratifiedGroupKFold
 from sklearn.naive_bayes import GaussianNB
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import make_pipeline
@@ -184,7 +184,29 @@ def test_a_seed_of_the_estimator_is_replaced_but_a_nested_seed_is_kept(features)
     assert nested[0] != nested[1]
 
 
+class Halves:
+    """A splitter that is none of scikit-learn's, and needs groups."""
+
+    def get_n_splits(self, rows=None, labels=None, groups=None):
+        return 1
+
+    def split(self, rows, labels=None, groups=None):
+        first = np.isin(groups, np.unique(groups)[::2])
+        yield np.flatnonzero(first), np.flatnonzero(~first)
+
+
 KNN = KNeighborsClassifier()
+
+
+@pytest.mark.parametrize("cv", [GroupKFold(2), Halves(), KFold(2), 2, None], ids=str)
+def test_the_splitter_of_a_search_gets_the_objects_if_it_takes_groups(features, cv):
+    search = GridSearchCV(KNN, {"n_neighbors": [3]}, cv=cv)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = vh.evaluate(search, features, splits=2)
+    assert found.accuracy == vh.evaluate(KNeighborsClassifier(3), features, splits=2).accuracy
+
+
 SCALED_TWICE = {
     "StandardScaler": make_pipeline(StandardScaler(), KNN),
     "RobustScaler": GridSearchCV(

@@ -14,6 +14,7 @@ import pyarrow as pa
 from joblib import Parallel, delayed
 from sklearn.base import BaseEstimator, clone
 from sklearn.decomposition import PCA
+from sklearn.model_selection import GridSearchCV, RandomizedSearchCV
 from sklearn.preprocessing import (
     MaxAbsScaler,
     MinMaxScaler,
@@ -341,7 +342,7 @@ def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str
         train = preparation.transform(train)
         ((name, own_seed),) = pipeline.seeds(generator).items()
         model = _seeded_deeply(clone(pipeline.classifiers[name]), own_seed)
-        groups = {"groups": owners} if has_fit_parameter(model, "groups") else {}
+        groups = {"groups": owners} if _takes_groups(model) else {}
         model.fit(train, labels, **groups)
         fitted = _clock()
         predicted = model.predict(preparation.transform(prepared.rows[split.test]))
@@ -360,6 +361,18 @@ def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str
         _difference(started, fitted),
         _difference(fitted, ended),
     )
+
+
+def _takes_groups(model: Any) -> bool:
+    """Return whether `fit` takes the objects of sequences: as an argument, or for the splitter of a search."""
+    if has_fit_parameter(model, "groups"):
+        return True
+    if not isinstance(model, GridSearchCV | RandomizedSearchCV) or not hasattr(model.cv, "split"):
+        return False
+    if not hasattr(model.cv, "get_metadata_routing"):
+        return True
+    # A splitter of scikit-learn that ignores groups would warn.
+    return "groups" in model.cv.get_metadata_routing().split.requests
 
 
 def _seeded_deeply(estimator: Any, seed: int) -> Any:
