@@ -1,6 +1,8 @@
 """`visuohaptic press`: poses out of a touch, and back."""
 
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -72,3 +74,24 @@ def test_a_resolution_of_any_size_is_one_sentence(visuohaptic, tmp_path, bottle,
     assert ended.code == 2
     assert says in ended.err
     assert press.MOST_ALONG_EDGE == pressing.MOST_ALONG_EDGE
+
+
+PRESS = """
+import resource, sys
+from visuohaptic.cli.main import run
+
+resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
+run(sys.argv[1:])
+"""
+
+
+@pytest.mark.slow
+def test_a_disk_that_is_full_is_one_sentence_and_leaves_no_part_of_a_file(tmp_path, bottle):
+    (tmp_path / "poses.csv").write_text("x,y,z,normal_x,normal_y,normal_z\n25,0,30,1,0,0\n")
+    out = tmp_path / "pressed"
+    options = ("--poses", tmp_path / "poses.csv", "--size", 5, "--out", out)
+    command = [sys.executable, "-c", PRESS, "press", bottle, *options]
+    ended = subprocess.run([*map(str, command)], check=False, capture_output=True, text=True)
+    assert ended.returncode == 1
+    assert ended.stderr == f"error: {out / 'imprints.npy'} can't be written: File too large.\n"
+    assert [*out.iterdir()] == []

@@ -1,7 +1,9 @@
 """Models come whole, checked, and without trust in what an archive says."""
 
+import errno
 import hashlib
 import http.server
+import os
 import shutil
 import subprocess
 import threading
@@ -9,11 +11,12 @@ import tracemalloc
 import zipfile
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import pytest
 from meshes.generated import packed
 
-from visuohaptic.base.errors import DownloadError
+from visuohaptic.base.errors import DownloadError, StorageError
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes import downloads
 from visuohaptic.meshes.catalogue import Credit, Model, read_credits, write_credits
@@ -98,6 +101,19 @@ def test_libraries_come_out_of_a_debian_package_by_exact_name(tmp_path):
         with pytest.raises(DownloadError, match=r"a\.deb can't be unpacked"):
             extract_libraries(package, {"Some.sh3f": tmp_path / "Some.sh3f"})
     assert not list(tmp_path.glob("*.sh3f"))
+
+
+@pytest.mark.skipif(shutil.which("dpkg-deb") is None, reason="there is no dpkg")
+def test_a_full_disk_is_no_reason_to_delete_a_package(tmp_path, monkeypatch):
+    def refuse(path, **_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    package = debian_package(tmp_path, {f"{LIBRARY_FOLDER}/Some.sh3f": b"library"})
+    monkeypatch.setattr(Path, "touch", refuse)
+    with pytest.raises(
+        StorageError, match=r"Some\.sh3f can't be written: No space left on device\.$"
+    ):
+        extract_libraries(package, {"Some.sh3f": tmp_path / "Some.sh3f"})
 
 
 def test_a_model_is_packed_from_a_library_that_is_there_already_unless_its_hash_is_another(

@@ -211,6 +211,13 @@ def test_an_experiment_elsewhere_is_refused_if_git_does_not_track_an_own_mesh(
     check_clone()
 
 
+@pytest.mark.parametrize("status", [0, 1])
+def test_whether_the_lock_was_written_is_told_by_its_process(monkeypatch, status):
+    ended = subprocess.CompletedProcess([], status)
+    monkeypatch.setattr(dvc_lock.subprocess, "run", lambda *_, **__: ended)
+    assert dvc_lock.lock_in_new_process({}) == (status == 0)
+
+
 def test_a_staged_lock_is_not_committed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert not is_committed()

@@ -39,7 +39,7 @@ from visuohaptic.io.plugins import (
     loaded,
 )
 from visuohaptic.io.yaml_files import check_config, check_spelling
-from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.base.atomic_files import atomic_write_text, storage_fault
 from visuohaptic_workflow.blocks import divide
 from visuohaptic_workflow.clocks import date_at_present
 from visuohaptic_workflow.code_of_jobs import (
@@ -127,11 +127,16 @@ def stop(sentence):
 
 
 def or_stop(function, *arguments):
-    """Call a function; on an error of this package, `stop` with its message instead of a traceback."""
+    """Call a function; on an error of this package or of a disk, `stop` with its message instead of a traceback."""
     try:
         return function(*arguments)
     except VisuohapticError as error:
         stop(error)
+    except OSError as error:
+        fault = storage_fault(error, error.filename or Path.cwd())
+        if fault is None:
+            raise
+        stop(fault)
 
 
 or_stop(check_folder, ROOT, Path.cwd())
@@ -442,7 +447,7 @@ def start_run():
     atexit.unregister(move_former_files_if_nothing_ran)
     or_stop(claim_folder)
     pass_termination_on()
-    atomic_write_text(SNAPSHOTS_FILE, json.dumps(SNAPSHOTS))
+    or_stop(atomic_write_text, SNAPSHOTS_FILE, json.dumps(SNAPSHOTS))
     if DATED:
         print(
             f"{len(DATED)} files were modified in the future, such as {DATED[0]}; they now have the present time.",
@@ -469,7 +474,7 @@ def close_run():
     lines += lines_at_end(report_is_current=report_is_current)
     for line in lines:
         print(line, file=sys.stderr)
-    make_empty_outputs()
+    or_stop(make_empty_outputs)
     if is_lockable() and not is_termination_received():
         lock({*stale})
 
@@ -491,8 +496,8 @@ def lock(stale):
     if needed & stale - {*keys().kept}:
         return
     print("DVC reads the results and writes dvc.lock.", file=sys.stderr)
-    lock_in_new_process({**ENVIRONMENT, ASKED: "lock"})
-    if Path("dvc.lock").exists() and not is_committed():
+    is_locked = lock_in_new_process({**ENVIRONMENT, ASKED: "lock"})
+    if is_locked and not is_committed():
         print(
             "`git add dvc.lock && git commit -m Results` lets queued experiments start with these results.",
             file=sys.stderr,

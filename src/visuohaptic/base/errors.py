@@ -9,6 +9,10 @@ class EndlessLoopError(VisuohapticError):
     """A loop took more turns than any input needs: a mistake in this package."""
 
 
+class StorageError(VisuohapticError, OSError):
+    """A file can't be written, because its disk is full, read-only or broken."""
+
+
 class MeshError(VisuohapticError):
     """A mesh file can't be read, or has no surface that can be touched."""
 

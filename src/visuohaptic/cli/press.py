@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Annotated, Literal
 
 import typer
 
+from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.cli.printing import file_to_read, folder_to_write, say
 
 MOST_ALONG_EDGE = 1024
@@ -75,10 +77,12 @@ def press(
         scene=scene,
         unit=unit,
     )
-    out.mkdir(parents=True, exist_ok=True)
-    np.save(out / "imprints.npy", pressed.images, allow_pickle=False)
-    np.save(out / "heights.npy", pressed.heights, allow_pickle=False)
-    pressed.picture().save(out / "picture.png")
+    for name, array in (("imprints.npy", pressed.images), ("heights.npy", pressed.heights)):
+        with atomic_file(out / name) as unfinished, unfinished.open("wb") as stream:
+            # NumPy writes to a file itself, with errors that give no reason; it writes to other objects by `write`.
+            np.save(SimpleNamespace(write=stream.write), array, allow_pickle=False)
+    with atomic_file(out / "picture.png") as unfinished:
+        pressed.picture().save(unfinished, "png")
     say(f"{mesh}: {pressed!r}")
     for note in surface.notes:
         say(f"  note: {note}")

@@ -10,6 +10,7 @@ from typing import Any
 
 import pyarrow as pa
 
+from visuohaptic.base.atomic_files import atomic_file, atomic_write_text
 from visuohaptic.base.csv_cells import csv_cell
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters
@@ -54,9 +55,8 @@ def make_metrics(
     predicted = read_table(PREDICTIONS, predictions)
     further = read_table(STUDY, drawn) if drawn else None
     summary = round_numbers(summarise(read_table(SCORES, scores), predicted, intervals, further))
-    Path(metrics).parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({**summary, "parameters": parameters}, indent=2, sort_keys=True) + "\n"
-    Path(metrics).write_text(text, encoding="utf-8")
+    atomic_write_text(metrics, text)
     _write_csv(accuracy, _accuracy_rows(summary))
     _write_csv(confusion, _confusion_rows(predicted))
 
@@ -93,9 +93,10 @@ def _confusion_rows(predictions: pa.Table) -> Iterable[Sequence[object]]:
 
 
 def _write_csv(path: str | Path, rows: Iterable[Sequence[object]]) -> None:
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as stream:
+    with (
+        atomic_file(path) as unfinished,
+        unfinished.open("w", newline="", encoding="utf-8") as stream,
+    ):
         csv.writer(stream, lineterminator="\n").writerows(
             [csv_cell(value) for value in row] for row in rows
         )

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import ParameterError, TableError
 from visuohaptic.base.regular_files import open_regular, read_bounded
 from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
@@ -32,7 +33,10 @@ def write_poses(poses: FloatArray, path: str | Path) -> None:
 
     turned = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True, scalar_first=True)
     rows = np.concatenate([poses[:, :3, 3], turned], axis=1)
-    with Path(path).open("w", newline="", encoding="utf-8") as stream:
+    with (
+        atomic_file(path) as unfinished,
+        unfinished.open("w", newline="", encoding="utf-8") as stream,
+    ):
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow([*POSITION, *QUATERNION])
         writer.writerows(rows.tolist())

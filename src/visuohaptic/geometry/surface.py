@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from plyfile import PlyData, PlyElement, PlyParseError
 
 from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import MeshError
 from visuohaptic.base.regular_files import open_regular
 from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
@@ -189,9 +190,9 @@ def _write(surface: Surface, path: str | Path, comments: list[str]) -> None:
     lists["length"], lists["face"] = 3, face
     blocks = (vertex, lists, *images.values())
     data = f"{header}\n".encode() + b"".join(block.tobytes() for block in blocks)
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(gzip.compress(data, 9, mtime=0) if path.suffix == ".gz" else data)
+    with atomic_file(path) as unfinished:
+        is_packed = Path(path).suffix == ".gz"
+        unfinished.write_bytes(gzip.compress(data, 9, mtime=0) if is_packed else data)
 
 
 def read_surface(path: str | Path, largest_megabytes: float = 512.0) -> Surface:

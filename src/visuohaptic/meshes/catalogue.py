@@ -11,6 +11,7 @@ from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Literal
 
+from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.csv_cells import is_formula
 from visuohaptic.base.errors import CatalogueError
 from visuohaptic.base.regular_files import check_regular
@@ -107,7 +108,10 @@ def read_credits(paths: Iterable[str | Path]) -> dict[str, Credit]:
 
 def write_credits(models: Iterable[Model], path: str | Path) -> None:
     """Write author, licence and address of each model with a credit as CSV."""
-    with Path(path).open("w", newline="", encoding="utf-8") as stream:
+    with (
+        atomic_file(path) as unfinished,
+        unfinished.open("w", newline="", encoding="utf-8") as stream,
+    ):
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(("class", "object", "author", "licence", "source_url"))
         for model in models:

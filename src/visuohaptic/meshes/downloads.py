@@ -24,8 +24,8 @@ from joblib import Parallel, delayed
 from tqdm import tqdm
 
 from visuohaptic.base.archives import read_member as read_bounded
-from visuohaptic.base.atomic_files import atomic_file
-from visuohaptic.base.errors import DownloadError
+from visuohaptic.base.atomic_files import atomic_file, storage_fault
+from visuohaptic.base.errors import DownloadError, StorageError
 from visuohaptic.geometry.surface import write_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.model_files import surface_from_archive
@@ -88,6 +88,8 @@ def download(address: str, path: Path, sha256: str | None = None) -> Path:
     try:
         pooch.retrieve(address, known_hash, path.name, path.parent, downloader=_download_bounded)
     except (requests.RequestException, OSError) as error:
+        if fault := storage_fault(error, path):
+            raise fault from error
         raise DownloadError(f"{address} can't be downloaded: {error}; run again.") from error
     except ValueError as error:
         raise DownloadError(
@@ -132,6 +134,8 @@ def extract_libraries(package: Path, libraries: Mapping[str, Path]) -> None:
                     if stream is not None:
                         with atomic_file(wanted.pop(member.name)) as unpacked:
                             unpacked.write_bytes(stream.read())
+    except StorageError:
+        raise
     except (tarfile.TarError, OSError) as error:
         raise DownloadError(
             f"{package} can't be unpacked: {error}; delete it and run again."
@@ -155,9 +159,7 @@ def pack_model(model: Model, library: Path, folder: Path) -> Path:
     # Users can't mend a pinned archive, so notes on it are dropped.
     surface = replace(surface, notes=())
     path = folder / f"{model.key}.ply.gz"
-    part = path.with_name(f".{path.name}")
-    write_surface(surface, part)
-    part.replace(path)
+    write_surface(surface, path)
     return path
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.parameters import CostParameters
 from visuohaptic.report.cost import on_robot, reference_row
@@ -24,7 +25,7 @@ def write_headline(
     """
     summary = json.loads(Path(metrics).read_text(encoding="utf-8"))
     figures = headline_of(summary, read_costs(frontier), cost)
-    Path(output).write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    atomic_write_text(output, json.dumps(figures, indent=2) + "\n")
 
 
 def headline_of(

@@ -65,8 +65,10 @@ class Digests:
         with path.open("rb") as stream:
             digest = hashlib.file_digest(stream, "sha256").hexdigest()
         if path.suffix == ".py" and (known is None or known[1] != digest):
-            # Python can't tell bytecode from an edit in the same second with the same number of bytes.
-            Path(importlib.util.cache_from_source(key)).unlink(missing_ok=True)
+            # Python can't tell bytecode from an edit in the same second with the same number of bytes. Where nothing may
+            # be removed, such as on a read-only disk, nothing is edited either.
+            with suppress(OSError):
+                Path(importlib.util.cache_from_source(key)).unlink(missing_ok=True)
         young = max(now[2:]) > time.time_ns() - _YOUNG_NS
         self._known[key] = [[] if young else now, digest]
         self._changed = True

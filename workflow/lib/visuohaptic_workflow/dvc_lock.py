@@ -65,17 +65,19 @@ def make_empty_outputs() -> None:
         (folder / KEPT).touch()
 
 
-def lock_in_new_process(environment: Mapping[str, str]) -> None:
+def lock_in_new_process(environment: Mapping[str, str]) -> bool:
     """Write the lock in a new process, which reads the workflow and its parameters again.
 
-    Its output goes to standard error. Its exit status is ignored, because the results are complete.
+    Its output goes to standard error. Return whether the lock was written; the results are complete without it.
     """
     ask = ["snakemake", "--list-rules", "--quiet", "--workflow-profile", "none"]
     command = [sys.executable, "-m", *ask]
     with suppress(
         KeyboardInterrupt
     ):  # the new process gets the signal too, and the results are complete
-        subprocess.run(command, env=environment, check=False, stdout=sys.stderr)  # noqa: S603 - our own words
+        done = subprocess.run(command, env=environment, check=False, stdout=sys.stderr)  # noqa: S603 - our own words
+        return done.returncode == 0
+    return False
 
 
 def write_lock(

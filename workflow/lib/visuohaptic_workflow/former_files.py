@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import time
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from glob import iglob
 from pathlib import Path
 
+from visuohaptic.base.atomic_files import storage_fault
 from visuohaptic_workflow.keys import Job, read_record
 
 RECORDS = [Path("results", kind) for kind in ("records", "study_records", "model_records")]
@@ -85,12 +87,23 @@ def move_aside(files: Collection[str]) -> str:
     for file in map(Path, files):
         if not os.path.lexists(file):  # it lay in a folder that was moved
             continue
-        (target / file).parent.mkdir(parents=True, exist_ok=True)
-        file.rename(target / file)
+        _move(file, target / file)
         with suppress(OSError):  # `rmdir` fails at the first folder that is not empty
             for folder in file.parents[:-2]:
                 folder.rmdir()
     return str(target)
+
+
+def _move(source: Path, target: Path) -> None:
+    """Move a file or folder, also to another file system. Raises `StorageError` if a disk is full or read-only."""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # `Path.rename` can't move between file systems.
+        shutil.move(source, target)
+    except OSError as error:
+        if fault := storage_fault(error, error.filename or target):
+            raise fault from error
+        raise
 
 
 def _existing_records() -> set[str]:

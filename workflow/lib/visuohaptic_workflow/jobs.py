@@ -9,10 +9,11 @@ import traceback
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import psutil
 
+from visuohaptic.base.atomic_files import storage_fault
 from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.base.optional_packages import keep_pandas_out
 from visuohaptic.io.interrupts import STOPPED
@@ -63,22 +64,39 @@ def job(snakemake: Any) -> Iterator[None]:
         if snapshot:
             check_unchanged(snapshot)
         write_record(snakemake, snapshot)
+        work = time.time() - started
+        done = f"done\n{SECONDS} imports {imports:.3f} work {work:.3f}\n"
+        _write_log(path, done)
     except KeyboardInterrupt:
         raise SystemExit(STOPPED) from None
     except VisuohapticError as error:
         _end_with(path, f"error: {error}", "")
     except Exception as error:  # noqa: BLE001 - the job ends here with the reason
+        # Arrow, and a write to an open file, name no file.
+        if fault := storage_fault(error, getattr(error, "filename", None) or snakemake.output[0]):
+            _end_with(path, f"error: {fault}", "")
         _end_with(
             path, f"error: {type(error).__name__}: {error} (see {path})", traceback.format_exc()
         )
-    work = time.time() - started
-    path.write_text(f"done\n{SECONDS} imports {imports:.3f} work {work:.3f}\n", encoding="utf-8")
 
 
-def _end_with(log: Path, sentence: str, details: str) -> None:
-    log.write_text(f"{sentence}\n{details}", encoding="utf-8")
+def _end_with(log: Path, sentence: str, details: str) -> NoReturn:
+    """Print a sentence, write it with details to the log, and exit with status 1."""
     sys.stderr.write(f"{sentence}\n")
+    try:
+        _write_log(log, f"{sentence}\n{details}")
+    except OSError as error:  # the disk of the log is often the disk that failed
+        sys.stderr.write(f"{error}\n{details}")
     raise SystemExit(1)
+
+
+def _write_log(log: Path, text: str) -> None:
+    try:
+        log.write_text(text, encoding="utf-8")
+    except OSError as error:
+        if fault := storage_fault(error, log):
+            raise fault from error
+        raise
 
 
 def _seconds_since_start() -> float:

@@ -16,6 +16,8 @@ from visuohaptic.base.errors import VisuohapticError
 STATE = Path(".cache")
 _OWNER = STATE / "run.lock"
 _JOBS = STATE / "jobs.lock"
+LEAST_FREE_BYTES = 10**6
+"""Free space (bytes) of a disk below which no run begins, because the log and the plan of a run take about as much."""
 _SECONDS_TO_WAIT = 60.0
 _held: list[IO[str]] = []
 
@@ -76,9 +78,14 @@ def check_folder(*folders: Path) -> None:
 
 
 def check_writable() -> None:
-    """Raise `FolderError` if this user may not write into the working folder."""
+    """Raise `FolderError` if this user may not write into the working folder, or its disk is full or read-only."""
+    disk = os.statvfs(Path.cwd())
     if not os.access(Path.cwd(), os.W_OK):
-        raise not_writable("permission denied")
+        is_read_only = disk.f_flag & os.ST_RDONLY
+        raise not_writable("read-only file system" if is_read_only else "permission denied")
+    # Some file systems do not tell their size. Snakemake would print a traceback for each line of its log.
+    if disk.f_blocks and disk.f_bavail * disk.f_frsize < LEAST_FREE_BYTES:
+        raise not_writable(f"less than {LEAST_FREE_BYTES / 1e6:g} MB of its disk are free")
 
 
 def not_writable(reason: str) -> FolderError:
