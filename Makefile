@@ -153,13 +153,13 @@ format: $(DEVELOP)
 # clone's own sources.
 wheels: $(DEVELOP)
 	rm -rf dist
-	for project in packages/contourlets .; do (cd $$project && hatchling build -t sdist -d $(CURDIR)/dist); done
+	for project in packages/contourlets .; do (cd $$project && hatchling build -t sdist -d "$(CURDIR)/dist"); done
 	mkdir dist/unpacked && for source in dist/*.tar.gz; do tar -xzf $$source -C dist/unpacked; done
-	for project in dist/unpacked/*; do (cd $$project && hatchling build -t wheel -d $(CURDIR)/dist); done
+	for project in dist/unpacked/*; do (cd $$project && hatchling build -t wheel -d "$(CURDIR)/dist"); done
 	pip install --quiet --no-deps --no-index --target dist/installed dist/*.whl
-	PYTHONPATH=$(CURDIR)/dist/installed python -m pytest -o "pythonpath=tests packages/contourlets/tests" \
+	PYTHONPATH="$(CURDIR)/dist/installed" python -m pytest -o "pythonpath=tests packages/contourlets/tests" \
 	  -m "not slow and not long" tests/exploration tests/evaluation/test_evaluating.py packages/contourlets/tests
-	PYTHONPATH=$(CURDIR)/dist/installed python -m pytest -o pythonpath=tests --confcutdir tests/installed tests/installed/tour_from_wheels.py
+	PYTHONPATH="$(CURDIR)/dist/installed" python -m pytest -o pythonpath=tests --confcutdir tests/installed tests/installed/tour_from_wheels.py
 
 # Copies version, date, address and authors of release/facts.yaml to every file that has them, and keeps the stable
 # interface of a new version.

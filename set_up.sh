@@ -16,6 +16,14 @@ stop() {
   exit 1
 }
 
+# Before anything is downloaded.
+check_path() {
+  case $PWD in
+    *[{}]*) stop "$PWD has a brace in its path, which Snakemake reads as a wildcard; rename or move it." ;;
+    *:*) stop "$PWD has a colon in its path, which separates folders in PATH; rename or move it." ;;
+  esac
+}
+
 check_python() {
   "$PYTHON" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
     stop "Python 3.11 or newer is needed, $("$PYTHON" --version 2>&1) was found: install it, or name it with make PYTHON=..."
@@ -64,6 +72,7 @@ compile() {
 
 case $1 in
   packages)
+    check_path
     check_python
     echo "Setting up $VENV from requirements.lock: about a minute, and 400 MB to download, the first time."
     "$PYTHON" -m venv --clear "$VENV"

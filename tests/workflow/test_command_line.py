@@ -2,6 +2,8 @@
 
 import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,8 @@ from workflow.conftest import Experiment
 from visuohaptic_workflow.jobs import set_job_environment
 from visuohaptic_workflow.one_run import FolderError, check_writable, claim_folder
 from visuohaptic_workflow.planning import values_of_option
+
+ROOT = Path(__file__).parents[2]
 
 process = pytest.mark.workflow
 
@@ -28,6 +32,31 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_
     record = (folder / "results/records/recognition/paper/fixation+random.json").read_text()
     assert '"neighbours": 3' in record
     assert "Nothing to be done" in elsewhere.snakemake(*snakefile).stdout
+
+
+@process
+@pytest.mark.long
+def test_a_clone_and_its_python_may_lie_in_a_folder_with_a_blank(whole_stand_in, tmp_path):
+    experiment = whole_stand_in.copy(tmp_path / "it's My Projects/experiment")
+    (experiment.folder / ".venv").symlink_to(sys.prefix)
+    python = str(experiment.folder / ".venv/bin/python")
+    experiment.set(seed=7)
+    experiment.run(python, "-m", "snakemake", "-j2")
+    assert experiment.planned() == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"), [("a{b}", "a brace in its path"), ("a:b", "a colon in its path")]
+)
+def test_a_path_that_can_not_be_used_is_refused_before_packages_are_downloaded(
+    tmp_path, name, reason
+):
+    (tmp_path / name).mkdir()
+    script = shutil.copy(ROOT / "set_up.sh", tmp_path / name)
+    ended = subprocess.run([script, "packages"], check=False, capture_output=True, text=True)
+    assert ended.returncode == 1
+    assert ended.stderr.startswith(f"{tmp_path / name} has {reason}, ")
+    assert not (tmp_path / name / ".venv").exists()
 
 
 def test_a_folder_that_this_user_may_not_write_is_named(tmp_path, monkeypatch):

@@ -1,5 +1,6 @@
 """A job leaves a log that a person and the report can read, and ends in one sentence."""
 
+import os
 import re
 import subprocess
 import sys
@@ -10,7 +11,7 @@ import pytest
 
 from visuohaptic.base.errors import MeshError
 from visuohaptic.io.job_logs import read_seconds
-from visuohaptic_workflow.jobs import job
+from visuohaptic_workflow.jobs import job, make_python_a_shell_word
 
 ROOT = Path(__file__).parents[2]
 PATHS = f"{ROOT / 'src'}:{ROOT / 'workflow/lib'}"
@@ -21,6 +22,23 @@ def logged_job(log):
     record = str(log.with_name("record.json"))
     output = type("Output", (list,), {"record": record})([record])
     return job(SimpleNamespace(log=[str(log)], output=output, params={}))
+
+
+@pytest.mark.parametrize("folder", ["/a b/bin", "/it's/bin", "/a&b/bin", "/$a/bin"])
+def test_python_is_named_without_its_folder_where_a_shell_would_divide_the_path(
+    monkeypatch, folder
+):
+    monkeypatch.setattr(sys, "executable", f"{folder}/python3")
+    monkeypatch.setenv("PATH", "/usr/bin")
+    make_python_a_shell_word()
+    assert (sys.executable, os.environ["PATH"]) == ("python3", f"{folder}:/usr/bin")
+
+
+def test_python_keeps_its_path_where_a_shell_takes_it_as_one_word(monkeypatch):
+    monkeypatch.setattr(sys, "executable", "/a/bin/python3")
+    monkeypatch.setenv("PATH", "/usr/bin")
+    make_python_a_shell_word()
+    assert (sys.executable, os.environ["PATH"]) == ("/a/bin/python3", "/usr/bin")
 
 
 def run(program):

@@ -62,6 +62,7 @@ from visuohaptic_workflow.dvc_lock import (
 )
 from visuohaptic_workflow.former_files import find_former_files, move_aside
 from visuohaptic_workflow.jobs import (
+    make_python_a_shell_word,
     set_job_environment,
     without_studies_of_clones,
 )
@@ -92,6 +93,7 @@ from visuohaptic_workflow.termination import (
 )
 from visuohaptic_workflow.why import verify, why
 
+make_python_a_shell_word()
 # The environment of the caller, for the process that writes DVC's lock.
 ENVIRONMENT = {
     name: value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 import time
 import traceback
@@ -30,6 +31,19 @@ def set_job_environment(*folders: str | Path) -> None:
     inherited = without_studies_of_clones(os.environ.get("PYTHONPATH", "").split(os.pathsep))
     paths = dict.fromkeys([*map(str, folders), *filter(None, inherited)])
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
+
+
+def make_python_a_shell_word() -> None:
+    """Name Python by a word of the shell, if its path is none: Snakemake writes the path into commands without quotes.
+
+    A path with a blank would end each job in "No such file or directory". The folder of Python becomes the first of
+    `PATH`, so that the name without folder means the same Python.
+    """
+    if shlex.quote(sys.executable) == sys.executable:
+        return
+    folder, name = os.path.split(sys.executable)
+    os.environ["PATH"] = os.pathsep.join([folder, *filter(None, [os.environ.get("PATH")])])
+    sys.executable = name
 
 
 def without_studies_of_clones(paths: Iterable[str]) -> list[str]:
