@@ -1,7 +1,6 @@
 """Disks that are full, read-only, or others than that of the clone: one sentence that names the file and the reason."""
 
 import errno
-import json
 import os
 import shutil
 import tempfile
@@ -12,24 +11,24 @@ import pytest
 from workflow.test_jobs import logged_job
 
 from visuohaptic.base.errors import StorageError
-from visuohaptic_workflow.closing import move_former_files
 from visuohaptic_workflow.digests import Digests
+from visuohaptic_workflow.former_files import move_aside
 from visuohaptic_workflow.one_run import FolderError, check_writable
 
 FULL = OSError(errno.ENOSPC, "Error writing bytes to file")
 OTHER_DISK = Path("/dev/shm")  # noqa: S108 - a file system of its own on Linux
 
 
+FORMER = ("results/meshes/old", "results/old.parquet", "results/records/old.json")
+
+
 @pytest.fixture
 def former(tmp_path, monkeypatch):
-    """A working folder with the record of a former job, its table, and the folder that another job made."""
+    """A working folder with files of former jobs, one of them a folder."""
     monkeypatch.chdir(tmp_path)
-    tables = ("results/old.parquet", "results/meshes/old")
-    record = {"key": "", "parts": {}, "tables": dict.fromkeys(tables, ""), "log": "logs/old.log"}
-    for file in ("results/records/old.json", "results/old.parquet", "results/meshes/old/a.ply"):
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(json.dumps(record))
-    return tmp_path
+    for file in (Path(FORMER[0], "a.ply"), *map(Path, FORMER[1:])):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("a")
 
 
 def raise_if(error):
@@ -48,8 +47,7 @@ def refuse_with(number):
 def test_former_files_are_moved_to_another_file_system(monkeypatch):
     # Path.rename and os.rename can't move there.
     monkeypatch.setattr(os, "rename", refuse_with(errno.EXDEV))
-    (sentence,) = move_former_files([])
-    assert sentence.startswith("3 files of former jobs were moved to .cache/aside/")
+    assert move_aside(FORMER).startswith(".cache/aside/")
     assert [path.name for path in Path("results").rglob("*.*")] == []
     aside = sorted(path.name for path in Path(".cache/aside").rglob("*.*"))
     assert aside == ["a.ply", "old.json", "old.parquet"]
@@ -62,7 +60,7 @@ def test_a_move_to_a_full_or_read_only_disk_is_one_sentence(monkeypatch, number)
     for copy in ("copyfile", "copytree"):
         monkeypatch.setattr(shutil, copy, refuse_with(number))
     with pytest.raises(StorageError, match=f"can't be written: {os.strerror(number)}\\.$"):
-        move_former_files([])
+        move_aside(FORMER)
     assert len(list(Path("results").rglob("*.*"))) == 3
 
 
