@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from visuohaptic.base.atomic_files import storage_fault
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.report.comparison import PipelineTable, pipeline_tables
 from visuohaptic.report.wording import (
