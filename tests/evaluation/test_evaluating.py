@@ -124,7 +124,7 @@ def test_tables_of_every_kind_have_the_same_figure(features, kind):
         ),
         (
             lambda table: table.filter(pc.equal(table["class"], "class1")),
-            "Only class class1 has touches of enough objects; at least two classes",
+            r"one class \(class1\) with enough objects; at least two classes",
         ),
         (lambda table: table.slice(0, 0), "The features hold no touches"),
         (lambda table: [1, 2], "is given as list"),

@@ -89,7 +89,7 @@ def test_few_unusable_files_are_named_with_their_reasons_and_many_are_counted(tm
     assert few.warnings == list(few.set_aside.values())
     touch(tmp_path, *(f"own/cup/{number:04d}.xyz" for number in range(5000)))
     (warning,) = find_own_models(tmp_path / "own").warnings
-    assert warning.startswith("5,000 files of meshes/own can't be used: ")
+    assert warning.startswith("5,000 files can't be used: ")
     assert "0004.xyz and 4,995 more; `visuohaptic meshes check` gives the reason" in warning
 
 

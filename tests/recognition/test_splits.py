@@ -159,7 +159,7 @@ def test_new_viewpoint_keeps_every_object_in_training_and_no_viewpoint_in_both()
     ("objects", "settings", "sentence"),
     [
         ((3, 1, 2), {}, r"Class class1 has one object \(object0\)"),
-        ((3,), {}, r"one class \(class0\); at least two"),
+        ((3,), {}, r"one class \(class0\) with enough objects; at least two"),
         ((2, 2), {"viewpoints": 1, "protocol": "new_viewpoint"}, "at least two"),
     ],
 )

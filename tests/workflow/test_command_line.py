@@ -104,7 +104,7 @@ def test_unusable_files_are_warned_of_once_and_not_by_the_process_that_writes_dv
     for number in range(6):
         (stand_in.folder / f"meshes/own/cup{number}.xyz").touch()
     asked = ("snakemake", "--list-rules", "--quiet", "--workflow-profile", "none")
-    warning = "warning: 6 files of meshes/own can't be used: "
+    warning = "warning: 6 files can't be used: "
     assert stand_in.run(*asked, VISUOHAPTIC_ASKED="why").stdout.count("warning: ") == 1
     assert warning in stand_in.run(*asked, VISUOHAPTIC_ASKED="why").stdout
     # Without Git the lock can't be written.

@@ -138,7 +138,7 @@ class OwnModels:
             return sentences
         names = ", ".join(_shown(file) for file in list(self.set_aside)[:_FEW])
         sentence = (
-            f"{len(sentences):,} files of meshes/own can't be used: {names} and {len(sentences) - _FEW:,} more; "
+            f"{len(sentences):,} files can't be used: {names} and {len(sentences) - _FEW:,} more; "
             "`visuohaptic meshes check` gives the reason of each."
         )
         return [sentence]

@@ -206,8 +206,7 @@ def check_two_classes(sequences: TouchSequences) -> None:
     """Raise `RecognitionError` if there are fewer than two classes."""
     if len(sequences.classes) < 2:
         raise RecognitionError(
-            f"Only class {', '.join(sequences.classes)} has touches of enough objects; at least two classes are needed, "
-            "each with two objects if it is tested."
+            f"There is one class ({', '.join(sequences.classes)}) with enough objects; at least two classes are needed."
         )
 
 
