@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from sensor.shapes import surface_of
 
+from visuohaptic.base.errors import MeshError
+from visuohaptic.geometry import overlaps
 from visuohaptic.geometry.overlaps import overlapping_faces
 from visuohaptic.geometry.raycasting import RayCaster
 
@@ -80,3 +82,17 @@ def test_of_faces_on_each_other_the_nearest_in_float64_is_met(order):
     hits = caster.first_hits(origins, np.tile([0, -1.0, 0], (500, 1)))
     np.testing.assert_allclose(hits.distance, 1 - 1e-9, rtol=0, atol=1e-12)
     assert set((hits.face // 2).tolist()) == {order.index(1)}
+
+
+def test_very_many_faces_on_each_other_are_refused_before_they_take_memory(monkeypatch):
+    count = 40
+    across = 1e-6 * np.arange(count)
+    corners = np.zeros((count, 3, 3))
+    corners[:, 0, 0], corners[:, 1, 0], corners[:, 1, 1], corners[:, 2, 1] = across, 1, across, 1
+    surface = surface_of(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3))
+    pairs = count * (count - 1) // 2
+    monkeypatch.setattr(overlaps, "MOST_OVERLAPS", pairs)
+    assert len(overlapping_faces(surface, 1e-4)) == 2 * pairs
+    monkeypatch.setattr(overlaps, "MOST_OVERLAPS", pairs - 1)
+    with pytest.raises(MeshError, match=r"more than 779 pairs of faces .* out of 40 faces; remove"):
+        overlapping_faces(surface, 1e-4)

@@ -7,8 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.geometry.vectors import dot
+
+MOST_OVERLAPS = 2_000_000
+"""Largest number of pairs of faces that lie on each other; a ray that hits a face meets all faces that lie on it."""
 
 # Each plane is identified by its point nearest to this one. The vantage lies outside of surfaces of unit size, and in
 # general position, so that hardly any plane contains it.
@@ -28,19 +32,30 @@ def overlapping_faces(surface: Surface, distance: float) -> IntArray:
 
     The corners of one face must be within `distance`, in units of the surface, of the plane of the other face. Faces
     that only touch at an edge or a vertex, or that cross at an angle, are no pairs. The surface must have about unit
-    size, as prepared surfaces do.
+    size, as prepared surfaces do. Raises `MeshError` if more than `MOST_OVERLAPS` pairs lie on each other.
     """
+    pairs, count = [np.zeros((0, 2), np.int64)], 0
+    for first, second in _all_candidates(surface):
+        pairs.append(_lying_on_each_other(surface, first, second, distance))
+        count += len(pairs[-1])
+        if count > MOST_OVERLAPS:
+            raise MeshError(
+                f"The surface has more than {MOST_OVERLAPS:,} pairs of faces that lie on each other, out of "
+                f"{len(surface.faces):,} faces; remove repeated faces."
+            )
+    one_order = np.concatenate(pairs)
+    return np.unique(np.concatenate([one_order, one_order[:, ::-1]]), axis=0)
+
+
+def _all_candidates(surface: Surface) -> Iterator[tuple[IntArray, IntArray]]:
+    """Yield blocks of pairs of faces that are in equal cells of either grid, each pair once."""
     cells = _nearest_to_vantage(surface) / _CELL
     whole = np.floor(cells)
-    pairs = [np.zeros((0, 2), np.int64)]
-    for first, second in _candidates(surface, whole):
-        pairs.append(_lying_on_each_other(surface, first, second, distance))
+    yield from _candidates(surface, whole)
     # Nearest points on both sides of a cell border share a cell in a grid shifted by half a cell.
     for first, second in _candidates(surface, np.floor(cells + 0.5)):
         separate = (whole[first] != whole[second]).any(axis=1)
-        pairs.append(_lying_on_each_other(surface, first[separate], second[separate], distance))
-    one_order = np.concatenate(pairs)
-    return np.unique(np.concatenate([one_order, one_order[:, ::-1]]), axis=0)
+        yield first[separate], second[separate]
 
 
 def _nearest_to_vantage(surface: Surface) -> FloatArray:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from plyfile import PlyElement, PlyListProperty, PlyProperty
 
 from visuohaptic.base.arrays import IntArray
+from visuohaptic.base.bounded_loops import turns
 from visuohaptic.meshes.ply_columns import GrowingTable, Lists, Table, is_read
 from visuohaptic.meshes.polygons import index_runs
 
@@ -147,7 +148,9 @@ def _read_uneven(
     if any(length is not None and length.kind == "f" for length, _ in kinds):
         return None
     table, rows_left = GrowingTable(element, column_names), count
-    while rows_left:
+    for _ in turns(count + 1, "the reading of rows"):
+        if not rows_left:
+            break
         if start >= len(data):
             return None
         starts = _row_starts(data, start, kinds, rows_left)
@@ -175,7 +178,9 @@ def _row_starts(data: bytes, start: int, kinds: Sequence[_Kinds], most: int) -> 
     # The last pointer is for all bytes after the block.
     jump = np.append(np.minimum(ends - start, len(block)), len(block))
     starts = np.zeros(1, dtype=np.int64)
-    while len(starts) < most and starts[-1] < len(block):
+    for _ in range(most.bit_length()):
+        if len(starts) >= most or starts[-1] >= len(block):
+            break
         starts = np.concatenate([starts, jump[starts]])
         jump = jump[jump]
     return start + starts[starts < len(block)][:most]

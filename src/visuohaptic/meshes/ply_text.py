@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from plyfile import PlyElement, PlyListProperty, PlyProperty
 
 from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.bounded_loops import turns
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.ply_columns import GrowingTable, Table
 from visuohaptic.meshes.polygons import index_runs
@@ -44,7 +45,9 @@ def read_text_tables(
     lines, tables = _Lines(data, start), {}
     for element, count in elements:
         table, rows_left = GrowingTable(element, columns.get(element.name, ())), count
-        while rows_left:
+        for _ in turns(count + 1, "the reading of rows"):
+            if not rows_left:
+                break
             block = lines.take(rows_left)
             if block is None or not _add_lines(table, element, *block):
                 return None
