@@ -179,16 +179,15 @@ class FolderMachine(RuleBasedStateMachine):
 
     @rule(
         asked=st.sampled_from(("all", *TARGETS)),
+        values=st.sampled_from(PARAMETERS),
         kind=st.sampled_from(("fail", "kill", "write")),
-        job=st.integers(1, 6),
-        data=st.data(),
+        job=st.integers(1, 4),
+        phase=st.sampled_from(tuple(MODULES)),
     )
-    def run_disturbed(self, asked, kind, job, data):
-        """Run with a fault in one job, then the same command without."""
-        file = text = ""
-        if kind == "write":
-            name = data.draw(st.sampled_from(tuple(MODULES)))
-            file, text = str(self.module(name)), f"\nVALUE = {data.draw(st.integers(1, 2))}\n"
+    def run_disturbed(self, asked, values, kind, job, phase):
+        """Run after a change of parameters with a fault in one job, then the same command without."""
+        self.set_parameter(values)
+        file, text = (str(self.module(phase)), "\nVALUE = 3\n") if kind == "write" else ("", "")
         self.run_with_fault(asked, kind, job, file, text)
 
     def run_with_fault(self, asked, kind, job, file="", text=""):
