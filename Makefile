@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard test-slurm test-installed meshes gaze draws turned baselines bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws turned baselines bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -64,9 +64,16 @@ installed-alone:
 installed-dvc:
 	python -m pytest tests/installed/readme_commands.py -k under_dvc
 
-# Hard cases at their full counts, some three minutes on two cores; what they find is a page of docs.
+# Hard cases at their full counts, some three minutes on two cores; what they find is a page of docs. Then the golden
+# runs, with the default one.
 test-hard: $(DEVELOP)
 	pytest tests/numerics -n 2 --dist worksteal --stability docs/hard_cases.md
+	pytest tests/golden tests/workflow/test_golden_runs.py -n 2 --dist worksteal
+
+# Makes the golden runs and keeps their tables in tests/golden/kept, after a change that is meant to move results.
+golden: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/tests
+golden: $(DEVELOP)
+	@python -m golden.keeping
 
 # A real Slurm of one node, set up and taken down; installs Debian's packages where it may. Some ten minutes; with SET=benchmark two hours.
 test-slurm: $(DEVELOP)

@@ -24,8 +24,8 @@ FEW_SETTINGS = {
 SMALL_OBJECTS = ("bs0_yogurtBottle", "sc_com_bath2_jabon_pijo", "bsby_chair3", "bs0_chair2")
 
 
-def copy_experiment(folder, copied, objects, parameters):
-    """Copy files and folders of the repository, keep some objects, and change parameters."""
+def copy_files(folder, copied):
+    """Copy files and folders of the repository."""
     for name in copied:
         source, target = ROOT / name, folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -34,6 +34,11 @@ def copy_experiment(folder, copied, objects, parameters):
             shutil.copytree(source, target, ignore=shutil.ignore_patterns("*.pyc.*"))
         else:
             shutil.copy2(source, target)
+
+
+def copy_experiment(folder, copied, objects, parameters):
+    """Copy files and folders of the repository, keep some objects, and change parameters."""
+    copy_files(folder, copied)
     write_catalogue(folder, objects)
     set_parameters(folder, merged(FEW_SETTINGS, parameters))
 

@@ -7,7 +7,7 @@ import re
 
 import boto3
 import pytest
-from golden import golden_tables
+from golden import golden_tables, run_tables
 from moto.server import ThreadedMotoServer
 from workflow.conftest import Experiment
 from workflow.stand_ins import digests
@@ -53,12 +53,10 @@ def test_results_on_s3_of_other_blocks_and_one_process_are_those_of_a_local_run(
         file = found / one.key.removeprefix("run/")
         file.parent.mkdir(parents=True, exist_ok=True)
         bucket.download_file(one.key, str(file))
-    there, here = (golden_tables.digest_run(run) for run in (found, finished.folder))
-    assert there.keys() == here.keys()
-    differing = golden_tables.differences(here, there)
+    there, here = (run_tables.read_run(run) for run in (found, finished.folder))
     # These have a row for each block of viewpoints, or draw touches from each.
-    differ = {line.partition(":")[0].split()[0] for line in differing}
-    assert differ == {"effects", "effect_influence.parquet"}
+    differ = golden_tables.differences(golden_tables.kept_of(here), there)
+    assert differ.keys() == {"effects", "effect_influence"}
     pages = [(run / "reports/report.html").read_text() for run in (found, finished.folder)]
     assert "Settings measured in this run" in pages[0]
     assert SECTION.findall(pages[0]) == SECTION.findall(pages[1])
