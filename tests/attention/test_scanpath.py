@@ -80,3 +80,38 @@ def test_flat_map_is_fixated_first_in_the_middle_of_the_object():
     path = flat_panel(np.zeros((SIZE, SIZE)), mask)
     assert np.hypot(path.rows[0] - 48, path.columns[0] - 48) < 3
     assert path.distinct == 5
+
+
+def test_in_the_rim_the_drive_returns_by_a_smooth_step():
+    # A focus of 0.1 * 96 = 9.6 pixels. Peak B is a quarter of the rim outside: 1.25 foci from A.
+    saliency = bump(48, 20) + bump(48, 32, 0.9, 1.0) + bump(48, 75, 0.2, 1.0)
+    saliency -= bump(48, 20) * (COLUMNS > 26)
+    parameters = AttentionParameters(fixations=3, inhibition="image", focus_fraction=0.1)
+    path = flat_panel(saliency, parameters=parameters)
+    # The share there is 3 / 4² - 2 / 4³ = 0.156, so that 0.9 counts 0.14: less than 0.2. By a linear rim it is 0.23.
+    assert path.columns[:2].tolist() == [20, 75]
+    np.testing.assert_allclose(path.saliency[:2], [1.0, 0.2], atol=1e-3)
+    lower = flat_panel(saliency - bump(48, 75, 0.09, 1.0), parameters=parameters)
+    assert lower.columns[0] == 20
+    assert 32 <= lower.columns[1] <= 34
+
+
+def test_pixels_at_the_focus_radius_are_closed_and_beyond_it_open():
+    saliency = bump(48, 20, width=0.5) + bump(48, 30, 0.9, 0.5) + bump(48, 51, 0.8, 0.5)
+    parameters = AttentionParameters(
+        fixations=3, inhibition="image", focus_fraction=10 / 96, inhibition_falloff=0.0
+    )
+    path = flat_panel(saliency, parameters=parameters)
+    # Column 30 is one radius from column 20.
+    assert path.columns[:2].tolist() == [20, 51]
+    smaller = parameters.model_copy(update={"focus_fraction": 9.9 / 96})
+    assert flat_panel(saliency, parameters=smaller).columns.tolist() == [20, 30, 51]
+
+
+@pytest.mark.parametrize(("distance", "winner"), [(10, 50), (11, 40)])
+def test_of_tied_drives_the_largest_within_a_focus_radius_of_the_first_wins(distance, winner):
+    saliency = bump(40, 20, 1.0 - 5e-5, 0.5) + bump(40 + distance, 20, 1.0, 0.5)
+    parameters = AttentionParameters(fixations=1, inhibition="image", focus_fraction=10.7 / 96)
+    # Drives tie within 1e-4. Both peaks are equally far from the outline.
+    path = flat_panel(saliency, parameters=parameters)
+    assert path.rows.tolist() == [winner]

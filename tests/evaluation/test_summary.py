@@ -9,8 +9,13 @@ from recognition.synthetic import features_table
 
 from visuohaptic import recognition
 from visuohaptic.base.errors import RecognitionError
+from visuohaptic.evaluation.intervals import object_interval
 from visuohaptic.evaluation.summary import confusion, select, summarise
-from visuohaptic.recognition.parameters import ProtocolParameters, RecognitionParameters
+from visuohaptic.recognition.parameters import (
+    IntervalParameters,
+    ProtocolParameters,
+    RecognitionParameters,
+)
 from visuohaptic.tables.phases import PREDICTIONS, SCORES
 from visuohaptic.tables.schema import build_rows
 
@@ -111,6 +116,13 @@ def test_a_comparison_weighs_objects_by_their_sequences():
     assert compared["random"]["difference"]["mean"] == pytest.approx(6 / 8)
 
 
+def test_a_comparison_weighs_objects_as_fixation_did():
+    good = answers({("cup", "a"): ["cup"] * 6, ("car", "c"): ["car"] * 2})
+    bad = answers({("cup", "a"): ["car"] * 3, ("car", "c"): ["car"] * 5}, strategy="random")
+    compared = summarise(*both(good, bad))["comparisons"]["paper"]["naive_bayes"]
+    assert compared["random"]["difference"]["mean"] == pytest.approx(6 / 8)
+
+
 FIRST = answers({("cup", "a"): ["cup", "car"], ("cup", "d"): ["cup"], ("car", "c"): ["car"]})
 SECOND = answers({("cup", "b"): ["cup"], ("car", "c"): ["car"]}, strategy="random")
 
@@ -192,3 +204,31 @@ def test_figures_are_those_that_pandas_counts_and_draws_give():
     assert compared["p_value"] == reached.mean()
     unweighted = np.abs(signs @ gains) >= abs(gains.sum()) - 1e-9
     assert reached.mean() != unweighted.mean()
+
+
+def test_votes_weigh_objects_by_votes_and_accuracies_by_sequences():
+    # Two splits. Object a is tested in both; b and d only once, with more sequences.
+    tested = (
+        {("cup", "a"): ["cup"] * 2, ("car", "b"): ["cup"] * 6},
+        {("cup", "a"): ["car"] * 2, ("car", "b"): ["car"], ("car", "d"): ["car"] * 5},
+    )
+    parts = []
+    for split, named in enumerate(tested):
+        tables = [table.to_pylist() for table in answers(named)]
+        for rows, schema in zip(tables, (SCORES, PREDICTIONS), strict=True):
+            parts.append(build_rows(schema, [row | {"split": split} for row in rows]))
+    scores, predictions = pa.concat_tables(parts[::2]), pa.concat_tables(parts[1::2])
+    cell = summarise(scores, predictions)["results"]["paper"]["fixation"]["naive_bayes"]
+    assert cell["accuracy"]["mean"] == pytest.approx((2 / 8 + 6 / 8) / 2)
+    assert cell["object_accuracy"]["mean"] == pytest.approx((1 / 2 + 2 / 3) / 2)
+    assert cell["by_object"] == {
+        "cup/a": [pytest.approx(0.5), pytest.approx(2 / 8 + 2 / 8)],
+        "car/b": [pytest.approx((0 * 6 / 8 + 1 * 1 / 8) / (7 / 8)), pytest.approx(6 / 8 + 1 / 8)],
+        "car/d": [1.0, pytest.approx(5 / 8)],
+    }
+    # Votes, in the order b, d, a. Of b the first vote, of weight 1/2, is wrong and the second, of 1/3, right.
+    values = np.array([(1 / 3) / (1 / 2 + 1 / 3), 1.0, (1 / 2) / (1 / 2 + 1 / 3)])
+    weights = np.array([1 / 2 + 1 / 3, 1 / 3, 1 / 2 + 1 / 3])
+    expected = object_interval(values, weights, IntervalParameters())
+    assert cell["object_accuracy"]["low"] == pytest.approx(expected.low)
+    assert cell["object_accuracy"]["high"] == pytest.approx(expected.high)

@@ -4,6 +4,7 @@ import re
 import warnings
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.compute as pc
 import pytest
 import trimesh
@@ -12,7 +13,7 @@ from scipy.spatial.transform import Rotation
 import visuohaptic as vh
 from visuohaptic.base.errors import MeshError, ParameterError
 from visuohaptic.exploration.pose_files import read_poses, write_poses
-from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES
 from visuohaptic.tables.schema import matrix
 
 SMALL = {"rendering.resolution": 64, "sensor.normal": "given"}
@@ -239,3 +240,108 @@ def test_a_file_too_small_for_a_scale_is_touched_and_has_no_way_back(tmp_path):
     saved = found.touch(1, "random", SMALL).save(tmp_path)
     assert {path.name for path in saved} > {"picture.png", "touches.parquet"}
     assert not (tmp_path / "poses.csv").exists()
+
+
+def rotated_about(axes, vectors, degrees):
+    """Rotate vectors counterclockwise about unit axes by Rodrigues' formula, seen against the axes."""
+    angle = np.radians(degrees)[:, None]
+    along = axes * (axes * vectors).sum(axis=1, keepdims=True)
+    return along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(axes, vectors)
+
+
+@pytest.mark.parametrize("roll", [90.0, -35.0])
+def test_a_roll_turns_the_sensor_counterclockwise_seen_from_outside(roll, tmp_path):
+    ball = trimesh.creation.icosphere(2)
+    normals = np.array([[0, 0, 1.0], [0, 1, 0], [0.6, 0, 0.8], [-0.48, 0.6, 0.64]])
+    plain, turned = (vh.press(ball, normals, normals, 0.2, roll=angle).poses for angle in (0, roll))
+    expected = rotated_about(normals, plain[:, :3, 0], np.full(4, roll))
+    np.testing.assert_allclose(turned[:, :3, 0], expected, atol=1e-12)
+    np.testing.assert_allclose(turned[:, :3, 2], normals, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.det(turned[:, :3, :3]), 1, atol=1e-12)
+    file = tmp_path / "poses.csv"
+    rows = [",".join(map(str, (*normal, *normal, roll))) for normal in normals]
+    file.write_text("\n".join(["x,y,z,normal_x,normal_y,normal_z,roll", *rows]))
+    np.testing.assert_allclose(read_poses(file), turned, atol=1e-12)
+
+
+def test_a_sensor_that_is_turned_by_a_quarter_feels_columns_where_rows_were():
+    # A ridge along y, right of the sensor's centre: seen from outside, a quarter turn moves it from one edge to another.
+    block = trimesh.creation.box((2, 2, 2))
+    ridge = trimesh.creation.box((0.08, 2, 0.2))
+    ridge.apply_translation([0.35, 0, 1.0])
+    body = trimesh.util.concatenate([block, ridge])
+    felt = [
+        vh.press(
+            body, [[0, 0, 1.1]], [[0, 0, 1]], 1.0, resolution=10, depth=0.05, roll=roll
+        ).images[0]
+        for roll in (0, 90, 180, 270)
+    ]
+    assert np.flatnonzero(felt[0].all(axis=0)).tolist() == [8]
+    # The sensor turns counterclockwise, so that the ridge turns clockwise on the sensor.
+    for turns, image in enumerate(felt):
+        np.testing.assert_array_equal(image, np.rot90(felt[0], -turns))
+
+
+def stretched_body():
+    """A lopsided octahedron: vertices in a stretched and turned file, faces, and the frame of that file."""
+    vertices = np.array(
+        [[1.0, 0, 0], [-0.8, 0, 0.1], [0.1, 1.2, 0], [0, -0.9, 0.2], [0, 0.1, 0.7], [0.2, 0, -0.6]]
+    )
+    faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+    to_file = np.eye(4)
+    to_file[:3, :3] = (
+        np.diag([3.0, 0.5, 1.5])
+        @ Rotation.from_euler("xyz", [20, 40, 60], degrees=True).as_matrix()
+    )
+    to_file[:3, 3] = [5.0, -2.0, 1.0]
+    in_file = vertices @ to_file[:3, :3].T + to_file[:3, 3]
+    return vertices, in_file, np.array(faces), vh.FileFrame(np.linalg.inv(to_file))
+
+
+def triangle_normals(vertices, faces):
+    first, second, third = (vertices[faces[:, corner]] for corner in range(3))
+    across = np.cross(second - first, third - first)
+    return across / np.linalg.norm(across, axis=1, keepdims=True)
+
+
+def test_normals_of_a_stretched_file_are_those_of_its_own_faces():
+    vertices, in_file, faces, frame = stretched_body()
+    found = frame.normals_in_file(triangle_normals(vertices, faces))
+    np.testing.assert_allclose(found, triangle_normals(in_file, faces), atol=1e-12)
+
+
+def test_poses_on_a_stretched_file_lie_on_its_faces_along_the_stretched_columns():
+    vertices, in_file, faces, frame = stretched_body()
+    points = vertices[faces].mean(axis=1)
+    normals, edges = (
+        triangle_normals(vertices, faces),
+        vertices[faces[:, 1]] - vertices[faces[:, 0]],
+    )
+    tangents = edges / np.linalg.norm(edges, axis=1, keepdims=True)
+    rows = {
+        name: values
+        for names, vectors in (
+            (POINT_NAMES, points),
+            (NORMAL_NAMES, normals),
+            (TANGENT_NAMES, tangents),
+        )
+        for name, values in zip(names, vectors.T, strict=True)
+    }
+    touches = pa.table({**rows, "sensor_size": np.full(len(faces), 0.1)})
+    poses = frame.poses(touches)
+    np.testing.assert_allclose(poses[:, :3, 3], in_file[faces].mean(axis=1), atol=1e-12)
+    np.testing.assert_allclose(poses[:, :3, 2], triangle_normals(in_file, faces), atol=1e-12)
+    along = in_file[faces[:, 1]] - in_file[faces[:, 0]]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    np.testing.assert_allclose(poses[:, :3, 0], along, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.det(poses[:, :3, :3]), 1, atol=1e-12)
+    table = frame.table(touches)
+    np.testing.assert_allclose(matrix(table, NORMAL_NAMES), poses[:, :3, 2], atol=1e-12)
+    np.testing.assert_allclose(matrix(table, TANGENT_NAMES), along, atol=1e-12)
+    # The volume of the stretched unit cube is 3 * 0.5 * 1.5.
+    np.testing.assert_allclose(table["sensor_size"].to_numpy(), 0.1 * 2.25 ** (1 / 3), atol=1e-12)
+
+
+def test_the_axis_of_the_file_that_points_up_is_named(touched):
+    assert touched[1].frame.up_axis == "z"
+    assert vh.load(lying_bottle()).frame.up_axis == "y"

@@ -13,7 +13,11 @@ from visuohaptic import recognition
 from visuohaptic.base.errors import RecognitionError
 from visuohaptic.evaluation.summary import select
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
-from visuohaptic.recognition.experiment import predict_splits, prediction_tables
+from visuohaptic.recognition.experiment import (
+    SplitPrediction,
+    predict_splits,
+    prediction_tables,
+)
 from visuohaptic.recognition.maps import MAPS
 from visuohaptic.recognition.parameters import (
     ProtocolParameters,
@@ -22,7 +26,7 @@ from visuohaptic.recognition.parameters import (
 )
 from visuohaptic.recognition.pipelines import PaperPipeline
 from visuohaptic.recognition.sequences import gather_pipeline, shuffle_touches
-from visuohaptic.recognition.splits import draw_splits
+from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.tables.phases import PREDICTIONS
 from visuohaptic.tables.schema import check_table
 
@@ -228,3 +232,22 @@ def test_each_repeat_tests_every_sequence_once(protocol):
     table = features_table(objects=(6, 6), viewpoints=4)
     scores, predictions = recognition.run_pipeline(table, parameters, 1)
     assert (scores.num_rows, predictions.num_rows) == (4, 2 * 12 * 4)
+
+
+def test_objects_are_voted_by_the_mean_of_log_probabilities_of_all_their_sequences():
+    table = features_table(objects=(2, 2, 2), viewpoints=3)
+    sequences = gather_pipeline(table, SMALL, "order_free", 1)
+    split = Split(0, 0, np.zeros(0, np.int64), np.flatnonzero(sequences.object_index < 3))
+    generator = np.random.default_rng(4)
+    shares = generator.dirichlet([0.4, 0.4, 0.4], len(split.test))
+    prediction = SplitPrediction(split, "naive_bayes", shares.argmax(axis=1), np.log(shares))
+    scores, predictions = prediction_tables(sequences, [prediction], "order_free", "fixation")
+    # By hand: the class with the largest product of probabilities over an object's three sequences.
+    owners = sequences.object_index[split.test]
+    voted = [np.prod(shares[owners == owner], axis=0).argmax() for owner in owners]
+    first = [shares[owners == owner][0].argmax() for owner in owners]
+    assert voted != first
+    assert predictions["voted"].to_pylist() == [f"class{number}" for number in voted]
+    right = [number == sequences.labels[row] for number, row in zip(voted, split.test, strict=True)]
+    assert 0 < np.mean(right) < 1
+    assert scores["object_accuracy"].to_pylist() == [pytest.approx(np.mean(right))]

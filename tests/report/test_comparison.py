@@ -1,5 +1,7 @@
 """Sentences follow the figures."""
 
+import pytest
+
 from visuohaptic.report.comparison import (
     draws_sentence,
     gain_sentence,
@@ -94,3 +96,24 @@ def test_notes_that_differ_in_a_number_are_one():
         "chosen: c 1e-05", "chosen: tree leaf 1 or 8", "singular: shrunk",
     )  # fmt: skip
     assert merge_notes([]) == ()
+
+
+def test_p_values_are_corrected_for_all_classifiers_and_strategies_of_the_pipeline():
+    figures = metrics({SVM: 0.9, BAYES: 0.8}, {SVM: 0.7, BAYES: 0.6}, {SVM: 0.01, BAYES: 0.02})
+    figures["results"]["paper"]["curvature"] = {name: cell(0.5) for name in (SVM, BAYES)}
+    for name, p_value in ((SVM, 0.015), (BAYES, 0.4)):
+        compared = {"difference": interval(0.3), "p_value": p_value, **TESTED}
+        figures["comparisons"]["paper"][name]["curvature"] = compared
+    (found,) = pipeline_tables(figures)
+    adjusted = {
+        (row.key, strategy): comparison.adjusted_p
+        for row in found.rows
+        for strategy, comparison in row.comparisons.items()
+    }
+    # Holm by hand: of four sorted p values the first times 4, the second times 3, and so on, never falling.
+    assert adjusted == {
+        (SVM, "random"): pytest.approx(4 * 0.01),
+        (SVM, "curvature"): pytest.approx(3 * 0.015),
+        (BAYES, "random"): pytest.approx(3 * 0.015),
+        (BAYES, "curvature"): pytest.approx(0.4),
+    }

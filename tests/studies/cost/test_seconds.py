@@ -8,8 +8,11 @@ from studies.surfaces import RUN, run_tables, small_surfaces
 
 from settings_cost.study import STUDY, settings_of
 from visuohaptic import pipeline
+from visuohaptic.features import describing
+from visuohaptic.fixations import object_views
 from visuohaptic.fixations.policies import Policy
 from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.studies.conditions import plan_study, with_changes
 from visuohaptic.studies.cost import seconds
@@ -26,6 +29,7 @@ from visuohaptic.studies.cost.seconds import (
 from visuohaptic.studies.cost.settings import FRONTIER, frontier_settings
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.studies import COST_PARTS
+from visuohaptic.touches import acquiring
 
 
 @pytest.fixture(scope="module")
@@ -210,3 +214,63 @@ def test_a_touch_from_a_shared_look_is_the_first_of_more(surfaces, fitted):
 
 def test_what_was_refused_is_not_fitted():
     assert fit_setting(*family("imprint")[0], "too small.", RUN.seed) is None
+
+
+class Clock:
+    """Processor seconds that pass only where a test lets them."""
+
+    def __init__(self, monkeypatch):
+        self.now = 100.0
+        monkeypatch.setattr("time.process_time", lambda: self.now)
+        self.monkeypatch = monkeypatch
+
+    def slow(self, owner, name, seconds):
+        """Let each call of a function or method take seconds."""
+        quick = getattr(owner, name)
+
+        def slowly(*arguments, **named):
+            self.now += seconds
+            return quick(*arguments, **named)
+
+        self.monkeypatch.setattr(owner, name, slowly)
+
+
+@pytest.mark.slow
+def test_each_second_counts_for_the_part_in_which_it_passes_and_for_the_whole(
+    surfaces, fitted, monkeypatch
+):
+    clock = Clock(monkeypatch)
+    # Powers of two: each sum says which parts are in it, and how often.
+    clock.slow(RayCaster, "__init__", 1.0)
+    clock.slow(object_views, "render_views", 2.0)
+    clock.slow(object_views, "attend", 4.0)
+    clock.slow(acquiring, "touch_part", 8.0)
+    clock.slow(RayCaster, "first_hits", 1 / 1024)
+    clock.slow(describing, "describe_touches", 16.0)
+    clock.slow(type(fitted[0].model), "recognise", 32.0)
+    (row,) = time_object("ring/ring0", surfaces["ring/ring0"], fitted[:1], 0)
+    whole = {name: int(value) for name, value in row.items() if name.startswith("seconds")}
+    assert whole == {
+        "seconds": 1 + 2 + 4 + 8 + 16 + 32,
+        "seconds_look": 1 + 2 + 4,
+        "seconds_render": 2,
+        "seconds_attend": 4,
+        "seconds_touch": 8,
+        "seconds_cast": 0,
+        "seconds_describe": 16,
+        "seconds_classify": 32,
+    }
+    # Rays: one of the preparation, those of rendering, and those of touching, which alone are `cast`.
+    prepared, rendering = 1 / 1024, row["seconds_render"] - 2
+    assert row["seconds_look"] == 1 + 2 + 4 + prepared + rendering
+    assert row["seconds_cast"] == row["seconds_touch"] - 8 > 0
+    assert row["seconds"] == row["seconds_look"] + row["seconds_touch"] + 16 + 32
+
+
+def test_building_the_ray_caster_is_part_of_looking(surfaces, monkeypatch):
+    clock = Clock(monkeypatch)
+    clock.slow(RayCaster, "__init__", 1.0)
+    clock.slow(RayCaster, "first_hits", 2.0)
+    stage = prepare_surface(surfaces["ring/ring0"])
+    assert stage.seconds == {name: 0.0 for name, _ in COST_PARTS} | {"seconds_look": 3.0}
+    assert stage.tables == {}
