@@ -198,7 +198,9 @@ class Halves:
 KNN = KNeighborsClassifier()
 
 
-@pytest.mark.parametrize("cv", [GroupKFold(2), Halves(), KFold(2), 2, None], ids=lambda cv: type(cv).__name__)
+@pytest.mark.parametrize(
+    "cv", [GroupKFold(2), Halves(), KFold(2), 2, None], ids=lambda cv: type(cv).__name__
+)
 def test_the_splitter_of_a_search_gets_the_objects_if_it_takes_groups(features, cv):
     search = GridSearchCV(KNN, {"n_neighbors": [3]}, cv=cv)
     with warnings.catch_warnings():

@@ -18,7 +18,7 @@ TESTS = Path(__file__).parents[1]
 
 
 def clean_digests(experiment):
-    """Give the SHA-256 of every result that a run from nothing would make of an experiment's sources."""
+    """Return the SHA-256 of every result that a run from nothing would make of an experiment's sources."""
     own = experiment.variables.get("PYTHONPATH", "")
     paths = os.pathsep.join(filter(None, [str(TESTS), own]))
     command = (sys.executable, "-P", "-m", "workflow.clean_runs")
@@ -77,7 +77,7 @@ def files_of_targets(rules, targets):
 
 
 def clean_results(names, targets=("all",)):
-    """Give the SHA-256 of every result that a run from nothing would make for some targets."""
+    """Return the SHA-256 of every result that a run from nothing would make for some targets."""
     made, keys = {}, names["keys"]()
     plug_ins = names["PARAMETERS"].plugins
     for record in keys.needed_for(files_of_targets(names["rules"], targets)):

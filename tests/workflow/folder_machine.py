@@ -87,7 +87,7 @@ TIMES = {"long ago": 946_000_000, "future": 2_500_000_000}
 
 
 def add_branches(made):
-    """Give a repository with a finished run another branch and an experiment, and push all results."""
+    """Add a branch and an experiment to a repository with a finished run, and push all results."""
     made.run("dvc", "remote", "add", "--default", "team", str(made.folder.parent / "remote"))
     made.run("git", "commit", "-qam", "name the remote")
     made.set(recognition={"touches": 4})

@@ -78,7 +78,7 @@ class QuickExperiment(Experiment):
 
 @contextmanager
 def serving():
-    """Start a server, and yield a function that gives the `QuickExperiment` of a folder."""
+    """Start a server, and yield a function that returns the `QuickExperiment` of a folder."""
     with tempfile.TemporaryDirectory() as folder:
         address = Path(folder) / "socket"
         for name in COMMANDS:

@@ -16,7 +16,7 @@ class ClockError(VisuohapticError):
 
 
 def date_at_present(files: Iterable[str]) -> list[str]:
-    """Give files that were modified in the future the present time; their content stays.
+    """Set the time of files that were modified in the future to the present time; their content stays.
 
     Parameters
     ----------
