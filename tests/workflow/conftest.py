@@ -21,6 +21,12 @@ SMALL = {
 }
 
 
+def pytest_addoption(parser):
+    parser.addoption(
+        "--examples", type=int, metavar="N", help="examples of the state machine of working folders"
+    )
+
+
 @dataclass(frozen=True)
 class Experiment:
     """A copy of the repository in which commands can be run; `variables` are more of the environment."""

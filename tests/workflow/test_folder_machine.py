@@ -11,7 +11,7 @@ from workflow.quick_commands import serving
 
 pytestmark = pytest.mark.workflow
 
-EXAMPLES, HARD_EXAMPLES, STEPS = 12, 300, 12
+EXAMPLES, STEPS = 12, 12
 
 
 @pytest.fixture(scope="module")
@@ -44,17 +44,17 @@ def folder(machine):
 
 
 def test_after_each_run_the_folder_holds_what_a_clean_run_makes(machine, pytestconfig):
-    is_hard = pytestconfig.getoption("--stability", None)
+    examples = pytestconfig.getoption("examples", None) or EXAMPLES
     run_state_machine_as_test(
         machine,
         settings=settings(
-            max_examples=HARD_EXAMPLES if is_hard else EXAMPLES,
+            max_examples=examples,
             stateful_step_count=STEPS,
             deadline=None,
             report_multiple_bugs=False,
         ),
     )
-    assert machine.counts["runs checked"] > EXAMPLES
+    assert machine.counts["runs checked"] > examples
 
 
 # Steps that once ended in wrong tables.
