@@ -67,7 +67,7 @@ def test_tables_record_and_log_of_a_record_of_no_job_are_former_where_the_run_co
     )
     write("results/records/scores.json", tables={"results/scores/gone.parquet": ""})
     found = former(job("touches", "results/touches/now.parquet"))
-    assert found == ["logs/gone.log", "results/records/gone.json", "results/touches/gone.parquet"]
+    assert found == ["results/records/gone.json", "results/touches/gone.parquet", "logs/gone.log"]
 
 
 def test_a_log_that_a_record_of_today_names_stays():

@@ -55,7 +55,7 @@ def find_former_files(
     Returns
     -------
     list of str
-        Sorted paths of files and folders relative to the working directory.
+        Sorted paths of files and folders relative to the working directory, those under ``results`` first.
     """
     today = {file for job in jobs.values() for file in job.outputs}
     folders = {table_folder(file) for record in covered for file in jobs[record].tables}
@@ -66,7 +66,8 @@ def find_former_files(
             former |= {record, *content["tables"], content["log"]}
     if former:  # a job of today may share its log with a former job
         today |= {read_record(record).get("log", "") for record in jobs}
-    return sorted(file for file in former - today if os.path.lexists(file))
+    existing = (file for file in former - today if os.path.lexists(file))
+    return sorted(existing, key=lambda file: (not file.startswith("results/"), file))
 
 
 def table_folder(file: str) -> str:
