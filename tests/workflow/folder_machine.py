@@ -182,13 +182,13 @@ class FolderMachine(RuleBasedStateMachine):
         values=st.sampled_from(PARAMETERS),
         kind=st.sampled_from(("fail", "kill", "write")),
         job=st.integers(1, 4),
-        phase=st.sampled_from(tuple(MODULES)),
+        saved=st.sampled_from((*MODULES, "source")),
     )
-    def run_disturbed(self, asked, values, kind, job, phase):
+    def run_disturbed(self, asked, values, kind, job, saved):
         """Run after a change of parameters with a fault in one job, then the same command without."""
         self.set_parameter(values)
-        file, text = (str(self.module(phase)), "\nVALUE = 3\n") if kind == "write" else ("", "")
-        self.run_with_fault(asked, kind, job, file, text)
+        file = self.folder / MESH if saved == "source" else self.module(saved)
+        self.run_with_fault(asked, kind, job, str(file), "\nVALUE = 3\n")
 
     def run_with_fault(self, asked, kind, job, file="", text=""):
         """Run with a fault, then the same command without; an edit after the job that it is about is no error."""

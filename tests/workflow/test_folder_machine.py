@@ -6,7 +6,7 @@ import pytest
 import trimesh
 from hypothesis import settings
 from hypothesis.stateful import run_state_machine_as_test
-from workflow.folder_machine import PLUG_IN, FolderMachine, add_branches
+from workflow.folder_machine import MESH, PLUG_IN, FolderMachine, add_branches
 from workflow.quick_commands import serving
 
 pytestmark = pytest.mark.workflow
@@ -67,11 +67,13 @@ def test_a_lost_phase_is_made_again_before_its_readers_after_a_change(folder, ph
     folder.run("features_all")
 
 
-@pytest.mark.parametrize("job", range(1, 5))
-def test_a_run_that_failed_since_code_was_saved_succeeds_with_a_target(folder, job):
+@pytest.mark.parametrize("job", range(1, 4))
+@pytest.mark.parametrize("saved", ["touches", "source"])
+def test_a_run_that_failed_since_a_file_was_saved_succeeds_with_a_target(folder, saved, job):
+    folder.edit_source(back=False)
     folder.edit_module("touches", 1, is_old=False)
-    file = str(folder.module("touches"))
-    folder.run_with_fault("reports/metrics.json", "write", job, file, "\nVALUE = 2\n")
+    file = folder.folder / MESH if saved == "source" else folder.module(saved)
+    folder.run_with_fault("reports/metrics.json", "write", job, str(file), "\nVALUE = 2\n")
 
 
 @pytest.mark.parametrize("has_records", [True, False])
