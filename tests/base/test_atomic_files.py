@@ -33,6 +33,14 @@ def test_the_old_file_stays_where_writing_fails(tmp_path):
     assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("a.txt", "old")]
 
 
+def test_a_file_with_the_longest_name_is_written(tmp_path):
+    path = tmp_path / f"{'ä' * 125}.ply"
+    with atomic_file(path) as unfinished:
+        unfinished.write_text("new")
+    assert path.read_text() == "new"
+    assert [*tmp_path.iterdir()] == [path]
+
+
 def test_what_is_being_written_can_be_removed_before_the_process_ends_at_once(tmp_path):
     with atomic_file(tmp_path / "done.txt"):
         pass

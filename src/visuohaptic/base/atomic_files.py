@@ -36,7 +36,9 @@ def atomic_file(path: str | Path) -> Iterator[Path]:
     `StorageError` if the disk is full, read-only or broken.
     """
     path = Path(path)
-    unfinished = path.with_name(f".{path.name}-{os.urandom(4).hex()}")
+    # A name may have 255 bytes, so the beginning of a long name is enough.
+    beginning = path.name.encode()[:200].decode(errors="ignore")
+    unfinished = path.with_name(f".{beginning}-{os.urandom(4).hex()}")
     _unfinished.add(unfinished)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
