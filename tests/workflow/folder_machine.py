@@ -314,9 +314,13 @@ class FolderMachine(RuleBasedStateMachine):
     def delete_folder(self, folder):
         shutil.rmtree(self.folder / folder, ignore_errors=True)
 
-    @rule(phase=st.sampled_from(("fixations", "touches", "features")))
-    def lose_phase(self, phase):
-        """Delete all outputs and records of a phase, as Snakemake does when its jobs fail."""
+    @rule(
+        phase=st.sampled_from(("fixations", "touches", "features")),
+        values=st.sampled_from(PARAMETERS),
+    )
+    def lose_phase(self, phase, values):
+        """Change a parameter and delete all outputs and records of a phase, as Snakemake does when its jobs fail."""
+        self.set_parameter(values)
         tables = {
             "fixations": ("views", "fixations", "policy_fixations", "effects/views"),
             "touches": ("touches", "effects/touches"),

@@ -62,8 +62,7 @@ def test_after_each_run_the_folder_holds_what_a_clean_run_makes(machine, pytestc
 
 @pytest.mark.parametrize("phase", ["fixations", "touches"])
 def test_a_lost_phase_is_made_again_before_its_readers_after_a_change(folder, phase):
-    folder.set_parameter({"sensor": {"largest_size": 0.2}})
-    folder.lose_phase(phase)
+    folder.lose_phase(phase, {"sensor": {"largest_size": 0.2}})
     folder.run("features_all")
 
 
