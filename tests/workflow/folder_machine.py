@@ -322,8 +322,8 @@ class FolderMachine(RuleBasedStateMachine):
         """Change a parameter and delete all outputs and records of a phase, as Snakemake does when its jobs fail."""
         self.set_parameter(values)
         tables = {
-            "fixations": ("views", "fixations", "policy_fixations", "effects/views"),
-            "touches": ("touches", "effects/touches"),
+            "fixations": ("views", "fixations", "effects/views"),
+            "touches": ("touches", "policy_fixations", "effects/touches"),
             "features": ("features",),
         }[phase]
         for name in (*tables, f"records/{phase}"):

@@ -69,9 +69,12 @@ def test_a_lost_phase_is_made_again_before_its_readers_after_a_change(folder, ph
 @pytest.mark.parametrize("job", range(1, 4))
 @pytest.mark.parametrize("saved", ["touches", "source"])
 def test_a_run_that_failed_since_a_file_was_saved_succeeds_with_a_target(folder, saved, job):
-    folder.edit_source(back=False)
-    folder.edit_module("touches", 1, is_old=False)
-    file = folder.folder / MESH if saved == "source" else folder.module(saved)
+    if saved == "source":
+        folder.edit_source(back=False)
+        file = folder.folder / MESH
+    else:
+        folder.edit_module(saved, 1, is_old=False)
+        file = folder.module(saved)
     folder.run_with_fault("reports/metrics.json", "write", job, str(file), "\nVALUE = 2\n")
 
 
