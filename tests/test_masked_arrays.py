@@ -32,7 +32,7 @@ class MaskedSplit:
 
 
 def masked(values):
-    """Give an array with its first value masked."""
+    """Return an array with its first value masked."""
     array = np.ma.array(values, copy=True)
     array[(0,) * array.ndim] = np.ma.masked
     return array

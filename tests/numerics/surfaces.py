@@ -17,7 +17,7 @@ def pick(generator, low, high):
 
 
 def random_vectors(generator, count, length=1.0):
-    """Give vectors of one length in all directions."""
+    """Return vectors of one length in all directions."""
     vectors = generator.normal(size=(count, 3))
     return vectors * (length / np.linalg.norm(vectors, axis=1, keepdims=True))
 
@@ -54,7 +54,7 @@ def far_off(generator, surface):
 
 @cache
 def closed_shapes():
-    """Give closed surfaces within the unit sphere, by name."""
+    """Return closed surfaces within the unit sphere, by name."""
     made = {
         "ball": trimesh.creation.icosphere(3),
         "torus": trimesh.creation.torus(0.6, 0.25, 24, 16),
@@ -67,12 +67,12 @@ def closed_shapes():
 
 @cache
 def ball(level, radius=1.0):
-    """Give a ball of 20 · 4^level triangles, its vertices rounded to float32."""
+    """Return a ball of 20 · 4^level triangles, its vertices rounded to float32."""
     return float32_exact(of_trimesh(trimesh.creation.icosphere(level, radius=radius)))
 
 
 def draw_triangles(generator, count, size=0.4):
-    """Give random triangles of sizes over six decades, slivers among them."""
+    """Return random triangles of sizes over six decades, slivers among them."""
     centres = generator.uniform(-0.7, 0.7, (count, 1, 3))
     scale = size * 10.0 ** generator.uniform(-3, 0, (count, 1, 1))
     corners = centres + scale * generator.normal(size=(count, 3, 3))
@@ -87,7 +87,7 @@ def draw_triangles(generator, count, size=0.4):
 
 
 def pages(degrees, *, wound=False, cells=1):
-    """Give a rectangle per angle, like pages of a book: all share one edge, which is the y axis.
+    """Return a rectangle per angle, like pages of a book: all share one edge, which is the y axis.
 
     If `wound`, every second page is wound the other way. `cells` are the rectangles along the edge.
     """
@@ -108,7 +108,7 @@ def pages(degrees, *, wound=False, cells=1):
 
 
 def tube(sides=24, *, walls=1, twist=0.0):
-    """Give a tube about the y axis, open at both ends; the second wall cuts each quadrangle along the other diagonal.
+    """Return a tube about the y axis, open at both ends; the second wall cuts each quadrangle along the other diagonal.
 
     `twist` is the angle from one ring of vertices to the next, radians. Without twist the walls lie on each other.
     """
@@ -131,7 +131,7 @@ def tube(sides=24, *, walls=1, twist=0.0):
 
 @cache
 def branching_shapes():
-    """Give surfaces with edges of more than two faces, by name."""
+    """Return surfaces with edges of more than two faces, by name."""
     left, right = (
         trimesh.creation.box(bounds=([low, -0.4, -0.3], [low + 0.7, 0.4, 0.3])) for low in (-0.7, 0)
     )
@@ -148,7 +148,7 @@ def branching_shapes():
 
 
 def points_on_faces(surface, weights):
-    """Give a face index and barycentric weights (f, 3) per face of a surface, for the same points in any description.
+    """Return a face index and barycentric weights (f, 3) per face of a surface, for the same points in any description.
 
     `weights` (f, 3) are for faces in the order of their corners' places, and for corners in that order.
     """
@@ -163,7 +163,7 @@ def points_on_faces(surface, weights):
 
 @cache
 def lopsided():
-    """Give a coloured object without any symmetry, of several parts."""
+    """Return a coloured object without any symmetry, of several parts."""
     body = trimesh.creation.icosphere(subdivisions=4, radius=0.55)
     box = trimesh.creation.box(extents=(0.5, 0.9, 0.3))
     box.apply_transform(trimesh.transformations.rotation_matrix(0.5, (0.3, 1.0, 0.2)))

@@ -22,7 +22,7 @@ MODULES = {
 
 
 def hash_given(rule, version_of_script, value, params, contents):
-    """Give the hash of what a job was given, its inputs by their names."""
+    """Return the hash of what a job was given, its inputs by their names."""
     # The features alone are made with PyWavelets.
     own = version("PyWavelets") if rule == "features" else ""
     parameters = {name: item for name, item in params.items() if name != "key"}
@@ -34,7 +34,7 @@ def hash_given(rule, version_of_script, value, params, contents):
 
 
 def plug_in_contents(rule, plug_ins):
-    """Give what the plug-ins in use hold, with the files beside them; only fixations are made with plug-ins here."""
+    """Return the content of the plug-ins in use and of the files beside them; only fixations are made with plug-ins here."""
     folders = {Path(file).parent for file in plug_ins} if rule == "fixations" else ()
     files = [file for folder in folders for file in sorted(folder.rglob("*.*"))]
     return {file.name: file.read_bytes() for file in files if file.suffix != ".pyc"}
@@ -83,7 +83,7 @@ with job(snakemake):
 
 
 def stand_in(name, version_of_script=0):
-    """Give the script that stands in for one of the workflow's."""
+    """Return the script that stands in for one of the workflow's."""
     text = STAND_IN.replace("VERSION = 0", f"VERSION = {version_of_script}")
     if name == "recognition":
         text = text.replace("import json", f"import json\nimport {MODULES[name]}", 1)
@@ -102,7 +102,7 @@ def make_experiment(folder):
 
 
 def digests(folder):
-    """Give the SHA-256 of every result."""
+    """Return the SHA-256 of every result."""
     files = [*(folder / "results").rglob("[!.]*.*"), *(folder / "reports").rglob("*.*")]
     return {
         str(file.relative_to(folder)): hashlib.sha256(file.read_bytes()).hexdigest()

@@ -71,7 +71,7 @@ def sense(surface, merge_tolerance=0):
 
 @cache
 def bases():
-    """Give the objects that are described in other ways, by name."""
+    """Return the objects that are described in other ways, by name."""
     return {
         "lopsided": lopsided(),
         "box": of_trimesh(trimesh.creation.box((1.0, 0.7, 0.4))),
@@ -82,20 +82,20 @@ def bases():
 
 @cache
 def sense_base(name):
-    """Give what is sensed of one of the `bases` as it is."""
+    """Return what is sensed of one of the `bases` as it is."""
     return sense(bases()[name])
 
 
 @cache
 def branching():
-    """Give surfaces with edges of more than two faces, by name: drawn ones, and a car of the paper's set."""
+    """Return surfaces with edges of more than two faces, by name: drawn ones, and a car of the paper's set."""
     car = read_surface(PAPER / "car" / "kl_VW-new-beetle.ply.gz")
     return {**branching_shapes(), "kl_VW-new-beetle": car}
 
 
 @cache
 def sense_branching(name):
-    """Give what is sensed of one of the `branching` surfaces as it is."""
+    """Return the sensed values of an unchanged surface of `branching`."""
     return sense(branching()[name], MERGE_TOLERANCE)
 
 
@@ -129,7 +129,7 @@ def describe(kind, surface, generator):
 
 
 def drive_of(points, attended, mask, upto):
-    """Give what drives the eye after some fixations, in float64, by the model's definition."""
+    """Return what drives the eye after some fixations, in float64, by the model's definition."""
     _, drive = drive_at_first(attended.saliency, mask)
     parameters = AttentionParameters()
     for point in attended.scanpath.points[:upto]:

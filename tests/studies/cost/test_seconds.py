@@ -260,7 +260,7 @@ def test_each_second_counts_for_the_part_in_which_it_passes_and_for_the_whole(
         "seconds_describe": 16,
         "seconds_classify": 32,
     }
-    # Rays: one of the preparation, those of rendering, and those of touching, which alone are `cast`.
+    # Rays: one of the preparation, the rays of rendering, and the rays of touching; only the last are `cast`.
     prepared, rendering = 1 / 1024, row["seconds_render"] - 2
     assert row["seconds_look"] == 1 + 2 + 4 + prepared + rendering
     assert row["seconds_cast"] == row["seconds_touch"] - 8 > 0
