@@ -206,6 +206,26 @@ def test_unusable_views_are_refused(change, message):
         attend(**arrays, parameters=AttentionParameters())
 
 
+@pytest.mark.parametrize("name", ["mask", "colour", "point", "normal", "face", "curvature"])
+def test_masked_arrays_are_refused_by_name(name):
+    arrays = displays.as_views(np.full((64, 64, 3), 0.5, dtype=np.float32))
+    arrays[name] = np.ma.MaskedArray(arrays[name])
+    with pytest.raises(AttentionError, match=f"{name} is a masked array; a plain array is needed"):
+        attend(**arrays, parameters=AttentionParameters())
+
+
+@pytest.mark.parametrize("name", ["colour", "point", "normal", "face", "curvature"])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("change", [-1, 1])
+def test_arrays_that_do_not_fit_the_mask_are_refused_by_name(name, axis, change):
+    arrays = displays.as_views(np.full((64, 64, 3), 0.5, dtype=np.float32))
+    arrays[name] = np.take(
+        arrays[name], range(arrays[name].shape[axis] + change), axis, mode="clip"
+    )
+    with pytest.raises(AttentionError, match=f"{name} has shape .*; with this mask .* is allowed"):
+        attend(**arrays, parameters=AttentionParameters())
+
+
 @pytest.mark.parametrize("kind", [np.uint8, np.int32, np.int64, np.float16, np.float64, bool])
 def test_colours_and_curvatures_of_any_type_of_number_count_as_float32(kind):
     image = displays.draw(ODD_ONES["red among green"]) * 255

@@ -1,5 +1,7 @@
 """Sensors at any pose."""
 
+import re
+
 import numpy as np
 import pytest
 import trimesh
@@ -58,6 +60,14 @@ def test_a_pose_with_another_bottom_row_is_refused(change):
         ParameterError, match=r"Pose 1 has the bottom row .*; \[0, 0, 0, 1\] is needed"
     ):
         vh.press(BALL, poses=[pose, change(pose)], size=2.0)
+
+
+@pytest.mark.parametrize("shape", [(4, 4), (2, 3, 4), (2, 4, 3), (2, 4, 4, 1), (2,)])
+def test_poses_of_another_shape_are_refused(shape):
+    with pytest.raises(
+        ParameterError, match=rf"poses has the shape {re.escape(str(shape))}; \(n, 4, 4\) is needed"
+    ):
+        vh.press(BALL, poses=np.ones(shape), size=2.0)
 
 
 def test_no_pose_gives_no_image():

@@ -61,7 +61,13 @@ def test_an_elastic_cover_is_pressed_only_where_it_reaches_the_object():
 
 @pytest.mark.parametrize(
     ("depths", "peak"),
-    [((0.5,), 0.5), ((2.0, 0.5), 2.0), ((2.0, 0.0, 0.5), 0.5), ((2.0, 0.0, 1.0, 0.5), 1.0)],
+    [
+        ((0.5,), 0.5),
+        ((2.0, 0.5), 2.0),
+        ((2.0, 0.0, 0.5), 0.5),
+        ((2.0, 0.0, 1.0, 0.5), 1.0),
+        ((2.0, 0.0, 3.0, 0.0, 1.0), 1.0),
+    ],
 )
 def test_the_peak_is_forgotten_when_the_object_is_let_go(depths, peak):
     assert peak_depth_m(Scene(press_depths_m=depths)) == peak

@@ -110,6 +110,55 @@ def test_a_miss_between_hits_is_cast_again():
     np.testing.assert_array_equal(cast_heights(leaky, *pose), cast_heights(tight, *pose))
 
 
+class RecordingCaster(RayCaster):
+    """Tells which of given distances of a first cast would be cast again."""
+
+    def first_hits(self, origins, directions, suspects=None):
+        self.again = suspects(self.distances.ravel()).reshape(self.distances.shape)
+        return super().first_hits(origins, directions, suspects)
+
+
+@pytest.mark.parametrize("edges", [(0.8, 0.4), (0.4, 1.2)])
+def test_a_ray_is_cast_again_if_deeper_than_both_neighbours_of_an_axis_by_four_of_the_longer_spacings(
+    edges,
+):
+    """Each case: a distance in row 2, column 2 of 4 x 4, those before and behind in the row, and in the column."""
+    drop = 4 * max(edges) / 4
+    near, far = 1 + 0.9 * drop, 1 + 1.1 * drop
+    cases = [
+        (far, (1, 1), (9, 9), True),
+        (far, (9, 9), (1, 1), True),
+        (far, (1, 9), (9, 1), False),
+        (far, (9, 1), (1, 9), False),
+        (near, (1, 1), (1, 1), False),
+        (near, (0.5, 1), (1, 0.5), False),
+        (np.inf, (1, 1), (9, np.inf), True),
+        (np.inf, (np.inf, np.inf), (1, np.inf), False),
+        (np.inf, (1, np.inf), (np.inf, np.inf), False),
+    ]
+    caster = RecordingCaster(sheet(lambda x, z: 0 * x, half=0.4, cells=2))
+    caster.distances = np.ones((len(cases), 4, 4))
+    for distances, (middle, row, column, _) in zip(caster.distances, cases, strict=True):
+        distances[2, [1, 3]], distances[[1, 3], 2], distances[2, 2] = row, column, middle
+    places = make_poses(np.zeros((len(cases), 3)), np.tile([0, 1.0, 0], (len(cases), 1)))
+    cast_heights(caster, places, np.tile(edges, (len(cases), 1)), np.full(len(cases), 2.0), 4)
+    expected = [is_again for *_, is_again in cases]
+    assert caster.again[:, 2, 2].tolist() == expected
+
+
+@pytest.mark.parametrize("place", [(0, 2), (3, 2), (2, 0), (2, 3), (0, 0), (3, 3)])
+def test_a_miss_on_the_border_is_cast_again_only_between_two_hits_along_the_border(place):
+    caster = RecordingCaster(sheet(lambda x, z: 0 * x, half=0.4, cells=2))
+    caster.distances = np.ones((1, 4, 4))
+    caster.distances[0][place] = np.inf
+    cast_heights(
+        caster, make_poses(np.zeros((1, 3)), np.array([[0, 1.0, 0]])), np.ones(1), np.ones(1), 4
+    )
+    is_corner = set(place) <= {0, 3}
+    assert caster.again.sum() == (not is_corner)
+    assert caster.again[0][place] == (not is_corner)
+
+
 def test_a_true_gap_between_hits_stays_a_gap():
     slats = joined(box((-0.3, -0.1, -0.3), (0.001, 0, 0.3)), box((0.01, -0.1, -0.3), (0.3, 0, 0.3)))
     heights = heights_over(slats, -0.1)

@@ -278,7 +278,7 @@ def _stand(
 
 
 def _check_poses(poses: FloatArray) -> None:
-    if poses.ndim != 3 or poses.shape[1:] != (4, 4):
+    if poses.shape[1:] != (4, 4):
         raise ParameterError(f"poses has the shape {poses.shape}; (n, 4, 4) is needed.")
     bent = np.flatnonzero((poses[:, 3] != (0.0, 0.0, 0.0, 1.0)).any(axis=1))
     if len(bent):
