@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws turned baselines bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws first_touch turned baselines bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -95,6 +95,11 @@ draws: $(READY)
 	@python -m draws.keeping $(SET)
 	@python -m draws.make_page
 	@python -m variants.make_page
+
+# The first touch by ways to choose its place (studies/first_touch/README.md): make first_touch SET=benchmark
+first_touch: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" plugins="[studies/first_touch/plug_in/looking.py]" \
+	  -- reports/first_touch.json
 
 # Objects turned about the vertical and in any way, kept with the package (studies/turned/README.md): make turned SET=benchmark
 turned: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs

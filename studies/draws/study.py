@@ -1,23 +1,45 @@
-"""Study `draws`: the lead of fixation over twenty draws of random places, in both pipelines."""
+"""Study `draws`: the leads of fixation over draws of random places, in reach and in sight."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+from variants.design import LITERAL, Variant
 from visuohaptic.base.draws import name_of_draw
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
-from visuohaptic.studies.study import Condition, Step, Study
+from visuohaptic.studies.study import Changes, Condition, Step, Study
 
 DRAWS = 20
+"""Number of draws of the places in both pipelines."""
+
+LITERAL_DRAWS = 5
+"""Number of draws of the places in the most literal variant of the paper."""
+
+RANDOM = ("random", "random_visible")
+"""Random places in reach of the sensor, and in sight of the eye."""
 
 
 def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield two conditions: fixation with draw 0, and all further draws."""
+    """Yield conditions with fixation and draw 0, and with all further draws, of both pipelines and of the literal variant."""
     both = {**ONE_CLASSIFIER, "recognition.pipelines": tuple(HEADLINE_CLASSIFIERS)}
-    further = tuple(name_of_draw("random", draw) for draw in range(1, DRAWS))
-    yield Condition("first draw", {**both, "probing.strategies": ("fixation", "random")})
-    yield Condition("further draws", {**both, "probing.strategies": further})
+    yield from _with_draws("default", both, DRAWS)
+    yield from _with_draws("literal", literal_changes(), LITERAL_DRAWS)
+
+
+def _with_draws(name: str, changes: Changes, draws: int) -> Iterator[Condition]:
+    further = tuple(name_of_draw(strategy, draw) for strategy in RANDOM for draw in range(1, draws))
+    yield Condition(f"{name}, first draw", {**changes, "probing.strategies": ("fixation", *RANDOM)})
+    yield Condition(f"{name}, further draws", {**changes, "probing.strategies": further})
+
+
+def literal_changes() -> Changes:
+    """Return the parameters of the most literal variant of the paper, with the paper's pipeline and its support vector machine."""
+    return {
+        **Variant("literal", "literal", LITERAL).values,
+        **ONE_CLASSIFIER,
+        "recognition.pipelines": ("paper",),
+    }
 
 
 STUDY = Study(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import get_args
+from typing import Literal, get_args
 
+from draws.study import literal_changes
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
@@ -42,13 +43,17 @@ LENGTHS = (1, 2, 10, 20)
 """These numbers of touches."""
 
 
-def name_of(turns: Turns, draw: int, known: Known, touches: int) -> str:
+LITERAL: Literal["literal"] = "literal"
+"""In the name of a condition in place of the known part of the frame: the most literal variant of the paper."""
+
+
+def name_of(turns: Turns, draw: int, known: Known | Literal["literal"], touches: int) -> str:
     """Return the name of a condition from turns, draw, known part of the frame, and number of touches."""
     return f"{turns} {draw} {known} {touches}"
 
 
 def conditions(run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield one condition per turns, draw, known part of the frame and number of touches.
+    """Yield one condition per turns, draw, known part of the frame and number of touches, and the literal variant.
 
     Objects that are not turned have a single draw.
     """
@@ -71,6 +76,8 @@ def conditions(run: ExperimentParameters) -> Iterator[Condition]:
                         else ("order_free",),
                     }
                     yield Condition(name_of(turns, draw, known, touches), changes)
+            literal = {**pose, **literal_changes(), "probing.strategies": STRATEGIES}
+            yield Condition(name_of(turns, draw, LITERAL, own), literal)
 
 
 STUDY = Study(

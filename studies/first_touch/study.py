@@ -1,0 +1,116 @@
+"""Study `first_touch`: accuracy after one, two, three and five touches, by ways to choose the first.
+
+The run needs the strategies of ``plug_in/looking.py`` as a plug-in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.base.draws import name_of_draw
+from visuohaptic.geometry.turning import Turns
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.parameters import Frame
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, ONE_CLASSIFIER
+from visuohaptic.studies.study import Changes, Condition, Step, Study
+
+TOUCHES = (1, 2, 3, 5)
+"""Numbers of touches per sequence."""
+
+DRAWS_OF_PLACES = 5
+"""Draws of random places on upright objects."""
+
+DRAWS_OF_TURNS = 3
+"""Draws of the turns; each has its own draw of random places."""
+
+RANDOM = ("random", "random_visible")
+RULES = ("highest", "nearest", "central")
+"""Rules of looking without a model."""
+
+PARTS = (
+    *("gaze_channels", "gaze_view", "gaze_place", "gaze_shape"),
+    *("gaze_facing", "gaze_height", "gaze_front", "gaze_extremity"),
+    *("gaze_without_channels", "gaze_without_place", "gaze_without_view", "gaze_without_shape"),
+)
+"""Parts of the model of people's gaze."""
+
+FRAMES: dict[Turns, tuple[Frame, ...]] = {
+    "none": ("full", "vertical", "none"),
+    "vertical": ("full", "vertical"),
+    "any": ("full", "none"),
+}
+"""Known parts of the frame by turns. Both pipelines are measured with the full frame, `order_free` with all frames."""
+
+
+def name_of(looking: str, turns: Turns, draw: int, frame: Frame, touches: int) -> str:
+    """Return the name of a condition from the attention, turns and their draw, known frame, and number of touches."""
+    return f"{looking} {turns} {draw} {frame} {touches}"
+
+
+def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
+    """Yield the conditions: all strategies on upright objects, some on turned objects, and each channel alone."""
+    drawn = tuple(
+        name_of_draw(strategy, draw) for strategy in RANDOM for draw in range(DRAWS_OF_PLACES)
+    )
+    upright = ("fixation", "human", "curvature", *drawn, *RULES, *PARTS)
+    yield from _of_pose("default", "none", 0, upright, {})
+    for channel in CHANNELS:
+        weights = {f"attention.weights.{name}": float(name == channel) for name in CHANNELS}
+        yield from _of_pose(channel, "none", 0, ("fixation",), weights, ("full",))
+    some = (
+        "fixation",
+        "human",
+        *RANDOM,
+        *RULES,
+        "gaze_channels",
+        "gaze_place",
+        "gaze_without_place",
+    )
+    turned: tuple[Turns, ...] = ("vertical", "any")
+    for turns in turned:
+        for draw in range(DRAWS_OF_TURNS):
+            changes = {"meshes.turns": turns, "meshes.turn_draw": draw}
+            yield from _of_pose("default", turns, draw, some, changes)
+
+
+def _of_pose(
+    looking: str,
+    turns: Turns,
+    draw: int,
+    strategies: tuple[str, ...],
+    changes: Changes,
+    frames: tuple[Frame, ...] | None = None,
+) -> Iterator[Condition]:
+    for frame in frames or FRAMES[turns]:
+        for touches in TOUCHES:
+            pipelines = tuple(HEADLINE_CLASSIFIERS) if frame == "full" else ("order_free",)
+            yield Condition(
+                name_of(looking, turns, draw, frame, touches),
+                {
+                    **ONE_CLASSIFIER,
+                    **changes,
+                    "recognition.frame": frame,
+                    "recognition.touches": touches,
+                    "recognition.pipelines": pipelines,
+                    "probing.strategies": strategies,
+                },
+            )
+
+
+STUDY = Study(
+    "first_touch",
+    "The first touch",
+    conditions,
+    steps=(
+        Step(
+            "first_touch",
+            "first_touch.keeping:make_first_touch",
+            ("reports/first_touch.json",),
+            needs={"include": {"meshes": {"set"}}},
+        ),
+    ),
+    has_figures=False,
+    is_on_request=True,
+)
+"""The first touch, by ways to choose its place."""
