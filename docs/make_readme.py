@@ -11,8 +11,8 @@ from filling import DOCS, SETS, fill_page, read_json, share, table
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
-from visuohaptic.report.questions import Answer, fixation_answer, recognition_answer
-from visuohaptic.report.sections import kept_leads
+from visuohaptic.report.leads import read_kept_leads, run_leads
+from visuohaptic.report.questions import Answer, lead_answer, recognition_answer
 from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.variants import read_variants
 from visuohaptic_workflow.closing import REPORT, describe_results
@@ -90,14 +90,16 @@ def turned_table() -> str:
 
 
 def answers(metrics: dict[str, Any]) -> str:
-    """Answer the two questions of the experiment from its figures and the kept variants."""
+    """Answer the questions of the experiment from the figures of twelve objects and the kept leads of 142."""
     tables = pipeline_tables(metrics)
-    variants = read_variants()
+    kept = read_kept_leads(IntervalParameters())
+    leads = run_leads(metrics, {one.name: one.headline.key for one in tables}, "none", "full")
     found = (
         recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
-        fixation_answer(tables, variants, kept_leads(variants, IntervalParameters())),
+        lead_answer("seeing", leads, kept),
+        lead_answer("salience", leads, kept),
     )
-    text = "\n\n".join(_answer_lines(one) for one in found if one)
+    text = "\n\n".join(map(_answer_lines, found))
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 

@@ -40,17 +40,19 @@ def accuracies_of(cells: dict[CellKey, Cell]) -> dict[str, Any]:
         raise ReportError(f"Draws could not be measured, {failed[0]}")
     objects = sorted({key for cell in cells.values() for key in cell.objects})
     pipelines: dict[str, Any] = {}
-    for (_, pipeline, strategy, classifier), cell in sorted(
+    for (condition, pipeline, drawn, classifier), cell in sorted(
         cells.items(), key=lambda item: draw_of(item[0][2])
     ):
+        strategy, _ = draw_of(drawn)
+        name = "literal" if condition.startswith("literal") else pipeline
         accuracy_of = dict(zip(cell.objects, cell.accuracy.tolist(), strict=True))
-        kept = pipelines.setdefault(pipeline, {"classifier": classifier, "random": []})
+        kept = pipelines.setdefault(name, {"classifier": classifier, "draws": {}})
         accuracies = [accuracy_of.get(key) for key in objects]
         if strategy == "fixation":
             weights = dict(zip(cell.objects, cell.weights.tolist(), strict=True))
             kept |= {"fixation": accuracies, "weights": [weights.get(key) for key in objects]}
         else:
-            kept["random"].append(accuracies)
+            kept["draws"].setdefault(strategy, []).append(accuracies)
     return {"objects": ["/".join(key) for key in objects], "pipelines": pipelines}
 
 

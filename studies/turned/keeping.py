@@ -13,6 +13,7 @@ from typing import Any
 
 import classifier_settings
 import visuohaptic.report
+from turned.study import LITERAL
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ReportError
 from visuohaptic.report.estimates import read_json
@@ -49,7 +50,8 @@ def means_over_draws(cells: Mapping[CellKey, Cell]) -> dict[str, Any]:
             continue
         values = zip(cell.accuracy.tolist(), cell.weights.tolist(), strict=True)
         turns, _, known, touches = condition.split()
-        key = (turns, known, int(touches), pipeline, strategy, classifier)
+        variant = (LITERAL, "full") if known == LITERAL else (pipeline, known)
+        key = (turns, variant[1], int(touches), variant[0], strategy, classifier)
         drawn.setdefault(key, []).append(dict(zip(cell.objects, values, strict=True)))
     kept = []
     for names, draws in drawn.items():

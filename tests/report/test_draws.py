@@ -18,7 +18,7 @@ KEPT = {
                 "classifier": "linear_discriminant",
                 "weights": [1.0, 3.0, 4.0],
                 "fixation": [1.0, 0.5, 1.0],
-                "random": [[1.0, 0.5, 0.9], [0.5, 0.5, 1.0], [1.0, None, 1.0]],
+                "draws": {"random": [[1.0, 0.5, 0.9], [0.5, 0.5, 1.0], [1.0, None, 1.0]]},
             }
         },
     }

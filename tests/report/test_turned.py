@@ -3,11 +3,9 @@
 import json
 
 import pytest
-from report.pages import plain
 
 from visuohaptic.base.errors import ReportError
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.draws import read_draws
 from visuohaptic.report.turned import (
     POSES,
     STRATEGIES,
@@ -16,13 +14,9 @@ from visuohaptic.report.turned import (
     contrast,
     curve_rows,
     frame_rows,
-    more_objects_sentences,
     read_turned,
     turned_rows,
-    turned_sentence,
-    unknown_pose_sentence,
 )
-from visuohaptic.report.wording import points
 
 
 def cell(turns, strategy, accuracy, pipeline="paper", known="full", touches=5):
@@ -110,45 +104,6 @@ def test_a_change_of_a_lead_is_a_contrast_of_four_cells_over_the_same_objects():
     assert -2 <= found.low < found.mean < found.high <= 2
     with pytest.raises(ReportError, match="is kept for any centre 5 random"):
         contrast(kept, [CellName("any", "centre", 5, "random")], [], IntervalParameters())
-
-
-def test_what_an_unknown_pose_changes_is_said_for_both_kinds_of_random_places():
-    kept = TurnedSet.model_validate(KEPT["paper"])
-    said = plain(unknown_pose_sentence(kept, IntervalParameters()))
-    assert said.startswith(
-        "If objects are turned in any way and their pose is unknown, instead of upright with a known pose, the lead in "
-        "pipeline order_free changes by +8.3 points ("
-    )
-    assert ") over random places in reach and by −8.3 points (" in said
-    assert said.endswith(") over random places in sight (2 held-out objects).")
-
-
-def test_the_leads_of_turned_objects_are_said_pose_by_pose():
-    kept = TurnedSet.model_validate(KEPT["paper"])
-    said = plain(turned_sentence(kept, IntervalParameters()))
-    assert said.startswith(
-        "With 2 turned objects the lead in the paper's pipeline is +12.5 points ("
-    )
-    assert said.endswith(") (turned in any way), over random places in reach.")
-
-
-def test_the_lead_of_upright_objects_has_a_sign_only_where_its_interval_excludes_zero():
-    kept = TurnedSet.model_validate(KEPT["paper"])
-    [said] = map(plain, more_objects_sentences(kept, IntervalParameters()))
-    assert said.startswith(
-        "With 3 objects no lead is shown in pipeline order_free: +50.0 points (−"
-    )
-    assert said.endswith(") over random places in reach (measured on 2026-11-26).")
-
-
-def test_the_lead_of_upright_objects_has_the_ends_of_its_draws_beside():
-    kept = read_turned()["benchmark"]
-    drawn = [read_draws("benchmark", name) for name in ("paper", "order_free")]
-    own, ours = map(plain, more_objects_sentences(kept, IntervalParameters(), drawn))
-    ends = f"{points(min(drawn[0].lead.leads))} to {points(max(drawn[0].lead.leads))}"
-    assert own.startswith("With 142 objects fixation leads in the paper's pipeline: +")
-    assert f" over random places in reach; 20 draws of the places give {ends} (" in own
-    assert ours.startswith("With 142 objects no lead is shown in pipeline order_free: −")
 
 
 def test_a_damaged_file_is_named(tmp_path):

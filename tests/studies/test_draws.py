@@ -24,8 +24,10 @@ def run_with(strategies=("fixation", "random"), draws=3, **recognition):
     )
 
 
-def changes_of(*arguments, **named):
-    (condition,) = draw_conditions(run_with(*arguments, **named))
+def changes_of(*arguments, name="further draws", **named):
+    (condition,) = (
+        one for one in draw_conditions(run_with(*arguments, **named)) if one.name == name
+    )
     return condition.changes
 
 
@@ -38,13 +40,24 @@ def test_every_random_strategy_that_needs_no_view_has_so_many_draws():
 @pytest.mark.parametrize(
     ("strategies", "draws", "pipelines"),
     [
-        (("fixation", "random"), 1, ("paper",)),
+        (("fixation", "random_visible"), 1, ("paper",)),
         (("fixation",), 5, ("paper",)),
-        (("fixation", "random"), 5, ("order_free",)),
+        (("random",), 1, ("paper",)),
+        (("fixation", "random", "random_visible"), 5, ("order_free",)),
     ],
 )
 def test_there_is_no_condition_where_nothing_is_drawn_again(strategies, draws, pipelines):
     assert not [*draw_conditions(run_with(strategies, draws, pipelines=pipelines))]
+
+
+@pytest.mark.parametrize("strategies", [("fixation", "random"), ("random_walk", "fixation")])
+def test_a_run_without_random_places_in_sight_gets_one_draw_of_them_in_its_pipelines(strategies):
+    pipelines = ("paper", "order_free")
+    found = changes_of(strategies, 5, name="in sight", pipelines=pipelines)
+    assert found["probing.strategies"] == ("random_visible",)
+    assert found["recognition.pipelines"] == pipelines
+    assert found["recognition.classifiers"] == ("support_vector_machine",)
+    assert found["recognition.order_free.classifiers"] == ("linear_discriminant",)
 
 
 def test_the_papers_headline_classifier_is_measured_or_all_of_a_run_that_lacks_it():
@@ -67,7 +80,8 @@ def test_draws_touch_other_places_than_each_other_and_each_is_classified(tmp_pat
     run = run_with()
     sources, _ = write_sources(tmp_path, small_surfaces(), run)
     plan = plan_study(RANDOM_DRAWS, run)
-    (planned,), (recomputation,) = plan.conditions, plan.recomputations.values()
+    (planned, in_sight), (recomputation,) = plan.conditions, plan.recomputations.values()
+    assert in_sight.parameters.probing.strategies == ("random_visible",)
     features = recompute_features(recomputation, sources)
     places = [
         matrix(features.filter(pc.equal(features["strategy"], name)), ("x", "y", "z"))

@@ -29,6 +29,7 @@ from visuohaptic.evaluation.intervals import (
     object_interval,
     plain_interval,
 )
+from visuohaptic.evaluation.leads import DrawnAccuracies, compare_by_lead
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.recognition.voting import vote_credit
 from visuohaptic.tables.phases import owners_of
@@ -51,6 +52,9 @@ METHOD = {
     "the others have the best value, and the wider interval counts",
     "comparison": "paired over the objects that both strategies tested, weighted as by fixation: mean "
     "difference, its interval by the same rule, and two-sided p value of the sign-change permutation test",
+    "leads": "accuracy by one strategy minus accuracy by another, mean over draws: seeing, fixation minus random places "
+    "in reach; sight, random places in sight minus random places in reach; salience, fixation minus random places in "
+    "sight",
     "draws": "for a random strategy with several draws of the places, accuracy, balanced_accuracy, class_accuracy, "
     "by_object and difference use each object's mean over draws; leads are fixation minus each draw, and "
     "standard_deviation is the standard deviation of the leads (n - 1); object_accuracy and predictions are of draw 0",
@@ -114,7 +118,8 @@ def summarise(
     dict
         ``results[pipeline][strategy][classifier]`` has the figures, and ``method`` describes each of them. An interval
         has ``mean``, ``low`` and ``high``; a missing end is None. ``comparisons[pipeline][classifier][strategy]``
-        compares fixation with the strategy: fixation minus the strategy.
+        compares fixation with the strategy: fixation minus the strategy. ``leads[pipeline][classifier]`` has the leads
+        of `evaluation.leads.LEADS` whose strategies were measured.
 
     Raises
     ------
@@ -130,7 +135,8 @@ def summarise(
             f"from the same run."
         )
     figures = {key: _object_figures(rows) for key, rows in cells.items()}
-    further = {key: draws for key, draws in further_draws(drawn).items() if key in figures}
+    drawn_cells = further_draws(drawn)
+    further = {key: draws for key, draws in drawn_cells.items() if key in figures}
     results: dict[str, Any] = {}
     for key in sorted(cells):
         pipeline, strategy, classifier = key
@@ -144,6 +150,7 @@ def summarise(
         "method": METHOD,
         "results": results,
         "comparisons": _compare_strategies(figures, further, parameters),
+        "leads": _leads(figures, drawn_cells, parameters),
     }
 
 
@@ -273,6 +280,27 @@ def _describe_draws(
         "draws": {"count": len(accuracies), "accuracies": accuracies},
         "notes": [*notes, *further.notes],
     }
+
+
+def _leads(
+    figures: Mapping[CellKey, _ObjectFigures],
+    drawn: Mapping[CellKey, FurtherDraws],
+    parameters: IntervalParameters,
+) -> dict[str, Any]:
+    """Compute the leads of each pipeline and classifier; a strategy that only `drawn` has, counts with these draws."""
+    measured: dict[tuple[str, str], dict[str, DrawnAccuracies]] = {}
+    for pipeline, strategy, classifier in sorted({*figures, *drawn}):
+        key = (pipeline, strategy, classifier)
+        own = (figures[key].object_accuracies,) if key in figures else ()
+        draws = (*own, *(drawn[key].draws if key in drawn else ()))
+        if draws:
+            measured.setdefault((pipeline, classifier), {})[strategy] = DrawnAccuracies(draws)
+    leads: dict[str, Any] = {}
+    for (pipeline, classifier), by_strategy in measured.items():
+        found = compare_by_lead(by_strategy, parameters)
+        if found:
+            leads.setdefault(pipeline, {})[classifier] = found
+    return leads
 
 
 def _compare_strategies(

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.evaluation.draws import LeadOverDraws, ObjectAccuracies, lead_over_draws
+from visuohaptic.evaluation.leads import DrawnAccuracies
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.wording import classifier_name, counted, percent_points, points
 
@@ -23,7 +24,8 @@ KEPT = "draws.json"
 class KeptPipeline(BaseModel):
     """Accuracies of one pipeline's headline classifier per object; None where an object was not tested.
 
-    `weights` are the objects' weights by fixation. `random` has one list of accuracies per draw of the places.
+    `weights` are the objects' weights by fixation. `draws` has, by random strategy, one list of accuracies per draw of
+    the places.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -31,11 +33,14 @@ class KeptPipeline(BaseModel):
     classifier: str
     weights: tuple[float | None, ...]
     fixation: tuple[float | None, ...]
-    random: tuple[tuple[float | None, ...], ...]
+    draws: dict[str, tuple[tuple[float | None, ...], ...]]
 
 
 class KeptSet(BaseModel):
-    """The draws of one set of objects, ``class/name``, with the commit and the date (UTC) of the measurement."""
+    """The draws of one set of objects, ``class/name``, with the commit and the date (UTC) of the measurement.
+
+    `pipelines` also has ``literal``, the paper's pipeline in the most literal variant of the paper.
+    """
 
     model_config = ConfigDict(frozen=True)
 
@@ -102,8 +107,8 @@ def read_draws(name: str, pipeline: str, path: Path | None = None) -> KeptDraws 
     if kept is None or pipeline not in kept.pipelines:
         return None
     measured = kept.pipelines[pipeline]
-    fixation = _draw(kept.objects, measured.fixation, measured.weights)
-    random = [_draw(kept.objects, accuracies, measured.weights) for accuracies in measured.random]
+    by_strategy = kept_accuracies(kept, pipeline)
+    (fixation,), random = by_strategy["fixation"].draws, by_strategy["random"].draws
     return KeptDraws(
         set=name,
         pipeline=pipeline,
@@ -115,6 +120,18 @@ def read_draws(name: str, pipeline: str, path: Path | None = None) -> KeptDraws 
         commit=kept.commit,
         date=kept.date,
     )
+
+
+def kept_accuracies(kept: KeptSet, pipeline: str) -> dict[str, DrawnAccuracies]:
+    """Return the accuracies of a kept pipeline by strategy, with one entry per draw."""
+    measured = kept.pipelines[pipeline]
+    lists = {"fixation": (measured.fixation,), **measured.draws}
+    return {
+        strategy: DrawnAccuracies(
+            tuple(_draw(kept.objects, accuracies, measured.weights) for accuracies in draws)
+        )
+        for strategy, draws in lists.items()
+    }
 
 
 def read_kept(path: Path | None = None) -> dict[str, KeptSet]:

@@ -18,11 +18,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from visuohaptic.base.errors import ReportError
+from visuohaptic.evaluation.leads import LEADS, LeadName
 from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.estimates import figure_of
+from visuohaptic.report.leads import Lead
 from visuohaptic.report.stability import stability_figures
 from visuohaptic.report.wording import (
     duration,
@@ -45,6 +47,13 @@ MARKED: Mapping[Marked, str] = {
 
 LARGEST_SHARE = 1.25
 """Errors above this share of their tolerance are drawn at this share."""
+
+LEGENDS: Mapping[LeadName, str] = {
+    "seeing": "seeing: fixations minus random places in reach",
+    "sight": "seeing: random places in sight minus in reach",
+    "salience": "salience: fixations minus random places in sight",
+}
+"""Legends of leads."""
 
 _HALF = 0.5
 _ROW, _GAP, _AROUND = 12.0, 11.0, 44.0  # units: per series, between rows, and for axis and name
@@ -95,6 +104,64 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
     names = [titled(row.name) for row in table.rows]
     chance = 1 / len(table.headline.class_accuracy[table.leading])
     return _draw_intervals(names, "classifier", series, chance=chance)
+
+
+@style()
+def leads(shown: Sequence[Lead]) -> Figure:
+    """Draw leads with their intervals, one row per condition and one mark per compared strategies, with a line at 0.
+
+    The order of the rows is the order in which conditions first appear in `shown`.
+    """
+    rows = list(dict.fromkeys(lead.condition for lead in shown))
+    estimates = {(lead.name, lead.condition): lead.difference for lead in shown}
+    return _draw_leads([titled(row) for row in rows], "condition", shown, [
+        {row: estimates.get((name, row)) for row in rows} for name in _lead_names(shown)
+    ])  # fmt: skip
+
+
+@style()
+def leads_by_class(shown: Sequence[Lead]) -> Figure:
+    """Draw the mean lead of each class's objects with its interval, one row per class, largest first lead on top.
+
+    `shown` are leads of one condition with different compared strategies.
+    """
+    first = shown[0].by_class
+    rows = sorted(first, key=lambda name: -first[name].mean)
+    by_name = {lead.name: lead.by_class for lead in shown}
+    return _draw_leads(rows, "class", shown, [
+        {row: by_name[name].get(row) for row in rows} for name in _lead_names(shown)
+    ])  # fmt: skip
+
+
+def _lead_names(shown: Sequence[Lead]) -> list[LeadName]:
+    return [name for name in LEADS if any(lead.name == name for lead in shown)]
+
+
+def _draw_leads(
+    rows: Sequence[str],
+    rows_are: str,
+    shown: Sequence[Lead],
+    columns: Sequence[Mapping[str, Estimate | None]],
+) -> Figure:
+    """Draw one row per name; `columns` has estimates by row for each of the names of leads in `shown`."""
+    if not shown:
+        raise ReportError("No lead was measured, so there is nothing to draw.")
+    names = _lead_names(shown)
+    series = [
+        Series(LEGENDS[name], list(LEADS).index(name), list(column.values()))
+        for name, column in zip(names, columns, strict=True)
+    ]
+    labels = [textwrap.fill(row, 30) for row in rows]
+    lines = sum(max(len(series) * _ROW, 11.0 * (label.count("\n") + 1)) + _GAP for label in labels)
+    chart, axes = new_chart(_AROUND + lines + _LEGEND_LINE * len(series))
+    step = 0.8 / len(series)
+    for place, one in enumerate(series):
+        _draw_series(axes, one, step * (place - (len(series) - 1) / 2))
+    axes.axvline(0, color=COLOURS["ink"], linewidth=1)
+    axes.set_yticks(range(len(labels)), labels)
+    axes.set_ylim(len(labels) - 0.5, -0.5)
+    axes.grid(visible=False, axis="y")
+    return finish(chart, "lead, percentage points", rows_are, across_as=_as_points, columns=1)
 
 
 @style()
@@ -351,11 +418,16 @@ def _draw_front(axes: Axes, rows: Sequence[Mapping[str, Any]], families: Sequenc
 
 
 def finish(
-    chart: Figure, across: str, up: str, across_as: Write | None = None, up_as: Write | None = None
+    chart: Figure,
+    across: str,
+    up: str,
+    across_as: Write | None = None,
+    up_as: Write | None = None,
+    columns: int | None = None,
 ) -> Figure:
     """Name the axes of a chart, add its legend, and return the chart.
 
-    `across` and `up` are the names of the horizontal and the vertical axis; `across_as` and `up_as` format the ticks.
+    `across` and `up` are the names of the horizontal and the vertical axis; `across_as` and `up_as` format the ticks. `columns` is the number of columns of the legend; by default it follows from the labels.
     """
     (axes,) = chart.axes
     axes.set(xlabel=across, ylabel=up)
@@ -365,8 +437,8 @@ def finish(
     handles, labels = axes.get_legend_handles_labels()
     if labels:
         chart.legend(
-            handles, [textwrap.fill(label, 30) for label in labels], loc="outside lower left",
-            ncols=_columns_of(labels), handletextpad=0.4, columnspacing=1.2, borderpad=0.2,
+            handles, [textwrap.fill(label, 30 if columns is None else 60) for label in labels],
+            loc="outside lower left", ncols=columns or _columns_of(labels), handletextpad=0.4, columnspacing=1.2, borderpad=0.2,
         )  # fmt: skip
     return chart
 
@@ -382,6 +454,11 @@ def _legend_height(labels: Sequence[str]) -> float:
 def whole_percent(share: float, _place: float = 0) -> str:
     """Return a share in per cent without decimals; a formatter of ticks, which ignores the tick's index."""
     return percent(share, 0)
+
+
+def _as_points(difference: float, _place: float = 0) -> str:
+    """Return a difference of shares in percentage points without decimals; a formatter of ticks."""
+    return f"{100 * difference:+.0f}".replace("-", "\N{MINUS SIGN}").replace("+0", "0")
 
 
 def _rows(table: Rows) -> list[Mapping[str, Any]]:

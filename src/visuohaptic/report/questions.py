@@ -6,18 +6,32 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from visuohaptic.evaluation.leads import LEADS, LEADS_OF, Question
 from visuohaptic.geometry.turning import Turns
-from visuohaptic.report.comparison import REFERENCE, Comparison, PipelineTable
+from visuohaptic.report.comparison import REFERENCE, PipelineTable
 from visuohaptic.report.estimates import Figure, with_interval
+from visuohaptic.report.leads import (
+    MARGIN as LARGEST_NO,
+)
+from visuohaptic.report.leads import (
+    PLACES,
+    SIGNIFICANCE,
+    KeptLeads,
+    Lead,
+    Word,
+    lead_in_words,
+    name_of_pipeline,
+    question_sentences,
+    verdict,
+)
 from visuohaptic.report.turned import POSES
-from visuohaptic.report.variants import VariantsSummary, Verdict
+from visuohaptic.report.variants import VariantsSummary
 from visuohaptic.report.wording import (
     counted,
     listed,
     percent,
     percent_points,
     pipeline_name,
-    points,
     strategy_name,
     titled,
 )
@@ -29,15 +43,6 @@ MARGIN = 0.05
 
 MAIN_OPPONENT = "random"
 """The strategy of the second question: random touches in reach of the sensor."""
-
-REASONS: Mapping[Verdict, str] = {
-    "yes": "fixations lead in the default and the most literal variant, on the paper's objects and on others",
-    "no": f"the default and the most literal variant exclude a gain of {100 * GAIN:.0f} points, on the paper's objects "
-    "and on others",
-    "depends": "fixations are significantly ahead in some variants and significantly behind in others",
-    "not shown": "the variants show neither a lead nor its absence",
-}
-"""The reason for each verdict on the lead of fixations, by the rule in studies/variants/README.md."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +64,7 @@ class Answer:
     beside : tuple of str
         Further sentences, one paragraph each: assumptions behind the figure, and measurements on other objects.
     rule : str
-        Sentences on the rule that decides the finding. For the lead of fixations, the verdict of all variants follows.
+        Sentences on the rule that decides the finding.
     recount : str
         Lines of Python that print the number.
     """
@@ -131,79 +136,101 @@ def recognition_answer(
     )
 
 
-def fixation_answer(
-    tables: Sequence[PipelineTable], variants: VariantsSummary, beside: Sequence[str] = ()
-) -> Answer | None:
-    """Return the answer to the question whether fixations are more accurate than random touches in reach of the sensor.
+FINDINGS: Mapping[Word, str] = {
+    "yes": "Yes, on these objects",
+    "no": "No",
+    "not settled": "Not settled",
+}
+"""The finding of a run's own leads, by the word of their verdict."""
+
+QUESTIONS: Mapping[Question, str] = {
+    "seeing": "Does seeing help to choose places?",
+    "salience": "Does salience help, given that one sees?",
+}
+"""The two questions in words."""
+
+RULES: Mapping[Question, str] = {
+    "seeing": "Fixations and random places in sight of the eye are compared with random places in reach of the sensor, "
+    "which need no eye.",
+    "salience": "Fixations are compared with random places in sight: the eye is the same, only salience is missing.",
+}
+"""What each question compares."""
+
+
+def lead_answer(question: Question, leads: Sequence[Lead], kept: KeptLeads | None) -> Answer:
+    """Return the answer to one of the two questions by a run's own leads, with one sentence on more objects.
 
     Parameters
     ----------
-    tables : sequence of PipelineTable
-        The pipelines of the run. The number of the answer is the lead in the first pipeline that has both strategies.
-    variants : VariantsSummary
-        The verdict of all variants of the paper, for `Answer.rule`.
-    beside : sequence of str
-        Further sentences for `Answer.beside`.
+    question : {"seeing", "salience"}
+        The question.
+    leads : sequence of Lead
+        The leads of the run, of all questions, the paper's pipeline first. Without a lead of the question, the answer
+        says what the run lacks.
+    kept : KeptLeads, optional
+        Leads of more objects that are kept with the package.
 
     Returns
     -------
-    Answer or None
-        Finding ``Yes`` if the whole interval of the lead lies above 0, ``No`` if it lies below 0, else ``Not
-        settled``. None if no pipeline has both strategies.
+    Answer
+        The finding follows the word of `leads.verdict`. The number is the first lead of the question.
     """
-    compared = [
-        (table, table.headline.comparisons[MAIN_OPPONENT])
-        for table in tables
-        if has_opponent(table)
-    ]
-    if not compared:
-        return None
-    (first, main), *others = compared
-    further = [
-        f" {titled(pipeline_name(table.name))}: {with_interval(comparison.difference, points, ' points')}"
-        f"{'' if comparison.draws else ', one draw of the places'}."
-        for table, comparison in others
-    ]
+    beside = tuple(question_sentences(question, kept)) if kept is not None else ()
+    own = [lead for lead in leads if lead.name in LEADS_OF[question]]
+    missing = {name for lead in LEADS_OF[question] for name in LEADS[lead]}
+    rule = (
+        f"{RULES[question]} Rule: yes if each lead is ahead with p below {SIGNIFICANCE:g} after Holm's correction; no if "
+        f"none is, and each interval ends at {100 * LARGEST_NO:.0f} points or below; not settled in all other cases."
+    )
+    if not own:
+        strategies = listed([f"`{name}`" for name in PLACES if name in missing])
+        return Answer(
+            QUESTIONS[question],
+            "This run can't say",
+            "",
+            f"it lacks touches by {'two of ' if len(missing) > 2 else ''}{strategies} (`probing.strategies`).",
+            "comparison",
+            beside=beside,
+            rule=rule,
+        )
+    found = verdict(own)
+    first, *others = own
+    plus, minus = first.places
+    finding = FINDINGS[found.word]
+    if found.word == "not settled":
+        finding = f"{finding} by {counted(first.objects, 'object')}"
+    further = "".join(
+        f" {titled(_other(lead, first))}: {lead_in_words(lead)}{_over_draws(lead)}."
+        for lead in others
+    )
+    excluded = ""
+    if found.excluded is not None and not found.ahead:
+        excluded = f" A lead above {percent_points(found.excluded)} points is excluded{' in each' if others else ''}."
     return Answer(
-        "Does it help to touch where the eye would fixate?",
-        _lead_finding(main.difference, main.objects),
-        with_interval(main.difference, points, " points"),
-        "is the lead of fixation (accuracy by fixation minus accuracy by random places in reach of the sensor) in "
-        f"{pipeline_name(first.name)}"
-        f"{_over_draws(main)}.{_excluded(main.difference)}{''.join(further)}",
+        QUESTIONS[question],
+        finding,
+        lead_in_words(first),
+        f"is the lead of {plus} over {minus} in {name_of_pipeline(first.pipeline)}{_over_draws(first)}.{further}{excluded}",
         "comparison",
-        beside=tuple(beside),
-        rule="Rule: the lead is settled only if its interval excludes 0. "
-        f"Verdict by the rule for all variants of the paper (studies/variants): {variants.verdict} "
-        f"({REASONS[variants.verdict]}). {variant_counts_sentence(variants)}".rstrip(),
+        beside=beside,
+        rule=rule,
     )
 
 
-def _lead_finding(lead: Figure, objects: int) -> str:
-    """Return the finding on a lead; only an interval that excludes 0 settles its sign."""
-    if lead.low is not None and lead.low > 0:
-        return "Yes, on these objects"
-    if lead.high is not None and lead.high < 0:
-        return "No, on these objects random touches lead"
-    return f"Not settled by {counted(objects, 'object')}"
+def _other(lead: Lead, first: Lead) -> str:
+    """Return in words how a lead differs from the first lead: its places, its pipeline, or both."""
+    pipeline = name_of_pipeline(lead.pipeline)
+    if lead.name == first.name:
+        return pipeline
+    return f"{lead.places[0]}, {pipeline}"
 
 
-def _excluded(lead: Figure) -> str:
-    """Return a sentence on the leads outside an interval that contains 0; empty for all other intervals."""
-    if lead.low is None or lead.high is None or not lead.low <= 0 <= lead.high:
-        return ""
-    return (
-        f" The interval excludes a lead above {points(lead.high).lstrip('+')} points and a lead below "
-        f"{points(lead.low)} points."
-    )
-
-
-def _over_draws(compared: Comparison) -> str:
-    """Return, in brackets, the number of draws and the standard deviation of the lead; empty without further draws."""
-    if compared.draws is None:
-        return ""
-    spread = percent_points(compared.draws.standard_deviation)
-    return f" (mean of {compared.draws.count} draws of the places; standard deviation over draws {spread} points)"
+def _over_draws(lead: Lead) -> str:
+    """Return, in brackets, the number of draws of random places and the standard deviation of the lead over draws."""
+    if lead.draws < 2:
+        return " (one draw of the places)"
+    spread = percent_points(lead.deviation)
+    return f" (mean of {lead.draws} draws of the places; standard deviation over draws {spread} points)"
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:
@@ -279,42 +306,6 @@ def variant_counts_sentence(variants: VariantsSummary) -> str:
         "The paper leaves steps open, so many variants of it were run. Fixations are significantly ahead of "
         f"random touches {listed(counts)}."
     )
-
-
-def variant_leads_sentences(variants: VariantsSummary) -> list[str]:
-    """Return sentences on the lead of fixations in the default and in the most literal variant of the paper.
-
-    The leads are those on the largest set of objects in `variants.leads`. The default's leads are over random places
-    in reach and in sight, the literal variant's lead is over random places in reach. The list is empty if one of these
-    three leads is missing.
-    """
-    objects = max((lead.objects for lead in variants.leads), default=0)
-    of_objects = [lead for lead in variants.leads if lead.objects == objects]
-    leads = {
-        (lead.variant, lead.opponent): Figure(lead.difference, lead.low, lead.high)
-        for lead in of_objects
-    }
-    reach, visible, literal = (
-        leads.get(key)
-        for key in (("default", "reachable"), ("default", "visible"), ("literal", "reachable"))
-    )
-    if reach is None or visible is None or literal is None:
-        return []
-    date = of_objects[0].date
-    when = f"measured on {date}" if date else "in this run"
-    return [
-        (
-            f"The paper leaves steps open. We chose the default for these steps on {objects} objects, and this choice may "
-            f"raise the lead on these objects. On the {objects} objects the lead of the default is "
-            f"{with_interval(reach, points, ' points')} over random places in reach, and "
-            f"{with_interval(visible, points, ' points')} over random places on the side that the eye sees (in sight) "
-            f"({when})."
-        ),
-        (
-            f"In the most literal variant of the paper the lead on the {objects} objects is "
-            f"{with_interval(literal, points, ' points')} over random places in reach."
-        ),
-    ]
 
 
 def has_opponent(table: PipelineTable) -> bool:

@@ -17,7 +17,7 @@ from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.parameters import IntervalParameters, Protocol
+from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
 from visuohaptic.report.draws import kept_sentence, read_draws
@@ -36,16 +36,17 @@ from visuohaptic.report.effects import (
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.evaluation import odd_sentence
 from visuohaptic.report.gaze import gaze_sentence
+from visuohaptic.report.leads import Lead, read_kept_leads, run_leads
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
+    QUESTIONS,
     Answer,
-    fixation_answer,
     has_opponent,
+    lead_answer,
     recognition_answer,
     reproduction_answer,
     variant_counts_sentence,
-    variant_leads_sentences,
 )
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import ReportContext, Values, files_of_rows, place_of
@@ -61,13 +62,9 @@ from visuohaptic.report.turned import (
     KNOWN,
     POSES,
     frame_rows,
-    more_objects_sentences,
     read_turned,
     turned_rows,
-    turned_sentence,
-    unknown_pose_sentence,
 )
-from visuohaptic.report.variants import VariantsSummary
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
@@ -127,18 +124,17 @@ def recount_shares(run: Run, table: PipelineTable, shown: str) -> str:
     )
 
 
-def recount_lead(run: Run, table: PipelineTable) -> str:
+def recount_lead(run: Run, table: PipelineTable, opponent: str = MAIN_OPPONENT) -> str:
     """Return Python code that prints the lead of fixation over random touches, the mean over all draws."""
     path = place_of(run, files_of_rows(run.parts("predictions"), {"pipeline": table.name}))
-    compared = table.headline.comparisons.get(MAIN_OPPONENT)
-    drawn = run.parts("drawn") if compared and compared.draws else []
+    drawn = run.parts("drawn")
     return _LEAD.format(
         path=path.as_posix(),
         further=_FURTHER.format(path=place_of(run, drawn).as_posix()) if drawn else "",
         pipeline=table.name,
         classifier=table.headline.key,
         first=table.leading,
-        second=MAIN_OPPONENT,
+        second=opponent,
     )
 
 
@@ -165,6 +161,9 @@ def answer_values(context: ReportContext) -> Values:
         ],
         "untested": not context.run.pipelines,
         "turned": kept_turned(context.run),
+        "questions": QUESTIONS,
+        "leads": leads_of_run(context.run) if context.run.pipelines else (),
+        "kept_leads": read_kept_leads(context.run.parameters.recognition.intervals),
         "frontier": context.frontier,
         "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
         "effects": effects_answer(context.influence["scenes"]) if context.influence else None,
@@ -172,23 +171,14 @@ def answer_values(context: ReportContext) -> Values:
     }
 
 
-def kept_leads(variants: VariantsSummary, intervals: IntervalParameters) -> list[str]:
-    """Return sentences on the lead of fixation on more objects than a run has, from kept measurements.
-
-    They cover the largest set of `turned.json` with upright objects, the kept variants of the paper, and the same set
-    with turned objects.
-    """
-    kept = read_turned()
-    if not kept:
-        return variant_leads_sentences(variants)
-    largest = max(kept, key=lambda name: len(kept[name].objects))
-    drawn = [draws for name in PIPELINES if (draws := read_draws(largest, name))]
-    return [
-        *more_objects_sentences(kept[largest], intervals, drawn),
-        *variant_leads_sentences(variants),
-        turned_sentence(kept[largest], intervals),
-        unknown_pose_sentence(kept[largest], intervals),
-    ]
+def leads_of_run(run: Run) -> tuple[Lead, ...]:
+    """Return the leads of the run's own objects, by the headline classifier of each pipeline."""
+    return run_leads(
+        run.metrics,
+        {table.name: table.headline.key for table in run.pipelines},
+        run.parameters.meshes.turns,
+        run.parameters.recognition.frame,
+    )
 
 
 def kept_turned(run: Run) -> Values | None:
@@ -237,8 +227,9 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
             ),
             accuracy,
         )
-        leads = kept_leads(context.variants, recognition.intervals)
-        yield fixation_answer(run.pipelines, context.variants, leads), recount_lead(run, compared)
+        leads, kept = leads_of_run(run), read_kept_leads(recognition.intervals)
+        yield lead_answer("seeing", leads, kept), recount_lead(run, compared)
+        yield lead_answer("salience", leads, kept), recount_lead(run, compared, "random_visible")
         yield reproduction_answer(first), accuracy
     rows = context.frontier["rows"] if context.frontier else []
     for quickest in robot_front(rows, run.parameters.cost)[:1]:

@@ -18,12 +18,9 @@ from pydantic import BaseModel, ConfigDict
 from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.intervals import object_interval
-from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.draws import KeptDraws
-from visuohaptic.report.estimates import Figure, estimate, read_json, with_interval
-from visuohaptic.report.wording import counted, listed, pipeline_name, points
+from visuohaptic.report.estimates import Figure, estimate, read_json
 
 KEPT = "turned.json"
 
@@ -288,70 +285,6 @@ def contrast(
         )
     added, subtracted = ([cells[name] for name in names] for names in (plus, minus))
     return _figure(added, subtracted, intervals, kept.reports)
-
-
-def more_objects_sentences(
-    kept: TurnedSet, intervals: IntervalParameters, drawn: Sequence[KeptDraws] = ()
-) -> list[str]:
-    """Return one sentence per pipeline on the lead of fixation on upright objects of a kept set.
-
-    Only an interval that excludes 0 gives the lead a sign. `drawn` are kept draws of random places of the same set.
-    """
-    lead_over_draws = {draws.pipeline: draws.lead for draws in drawn}
-    rows = [row for row in turned_rows(kept, intervals) if row.turns == "none"]
-    sentences = []
-    for row in rows:
-        verdict = f"With {counted(row.objects, 'object')} {_lead_in_words(row.lead)} in {pipeline_name(row.pipeline)}"
-        lead = with_interval(row.lead, points, " points")
-        over_draws = lead_over_draws.get(row.pipeline)
-        spread = ""
-        if over_draws:
-            ends = f"{points(min(over_draws.leads))} to {points(max(over_draws.leads))}"
-            spread = f"; {counted(over_draws.count, 'draw')} of the places give {ends}"
-        sentences.append(
-            f"{verdict}: {lead} over random places in reach{spread} (measured on {kept.date})."
-        )
-    return sentences
-
-
-def turned_sentence(
-    kept: TurnedSet, intervals: IntervalParameters, pipeline: str = PAPER_PIPELINE
-) -> str:
-    """Return a sentence on the lead of fixation over random touches in reach on turned objects, in one pipeline."""
-    rows = [
-        row
-        for row in turned_rows(kept, intervals)
-        if row.pipeline == pipeline and row.turns != "none"
-    ]
-    leads = [f"{with_interval(row.lead, points, ' points')} ({row.pose})" for row in rows]
-    return (
-        f"With {counted(rows[0].objects, 'turned object')} the lead in {pipeline_name(pipeline)} is {listed(leads)}, "
-        "over random places in reach."
-    )
-
-
-def unknown_pose_sentence(kept: TurnedSet, intervals: IntervalParameters) -> str:
-    """Return a sentence on the change of the lead of fixation when the pose of the objects is unknown."""
-    touches = HEADLINE_TOUCHES
-    unknown = {name: CellName("any", "none", touches, name) for name in STRATEGIES}
-    known = {name: CellName("none", "full", touches, name) for name in STRATEGIES}
-    changes = []
-    for other, region in (("random", "in reach"), ("random_visible", "in sight")):
-        plus, minus = [unknown["fixation"], known[other]], [unknown[other], known["fixation"]]
-        change = contrast(kept, plus, minus, intervals)
-        changes.append(f"by {with_interval(change, points, ' points')} over random places {region}")
-    return (
-        "If objects are turned in any way and their pose is unknown, instead of upright with a known pose, the lead in "
-        f"pipeline order_free changes {listed(changes)} ({counted(int(kept.reports.sum()), 'held-out object')})."
-    )
-
-
-def _lead_in_words(lead: Figure) -> str:
-    if lead.low is not None and lead.low > 0:
-        return "fixation leads"
-    if lead.high is not None and lead.high < 0:
-        return "random touches lead"
-    return "no lead is shown"
 
 
 def _numbers(cell: TurnedCell) -> FloatArray:

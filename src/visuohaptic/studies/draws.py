@@ -1,21 +1,25 @@
-"""Study `random_draws`, part of every run: further draws of the places of random strategies.
+"""Study `random_draws`, part of every run: further draws of random places, and random places in sight.
 
-The run's tables contain draw 0. A single condition contains all further draws, so that one job touches and one job
-classifies them.
+The run's tables contain draw 0 of the run's strategies. A single condition contains all further draws, so that one job
+touches and one job classifies them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from operator import attrgetter
 
 from visuohaptic.base.draws import name_of_draw
-from visuohaptic.fixations.probing import has_further_draws
+from visuohaptic.fixations.probing import has_further_draws, strategy_of
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
-from visuohaptic.studies.study import Condition, Study
+from visuohaptic.studies.study import Changes, Condition, Study
 
 DRAWN_PIPELINE = "paper"
 """The pipeline whose headline classifier is measured on every draw."""
+
+IN_SIGHT = "random_visible"
+"""The strategy of random places in sight of the eye."""
 
 
 def drawn_strategies(run: ExperimentParameters) -> tuple[str, ...]:
@@ -29,21 +33,37 @@ def drawn_strategies(run: ExperimentParameters) -> tuple[str, ...]:
 
 
 def draw_conditions(run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield the condition of all further draws, if the run has further draws and pipeline `paper`.
+    """Yield the conditions with all further draws, and with random places in sight, each where the run needs it.
 
-    The condition has the headline classifier, or all classifiers of a run without the headline classifier.
+    Further draws need pipeline `paper`. Random places in sight, one draw, are the opponent of fixation in the question of
+    salience; a run with fixation and a random strategy, but without ``random_visible``, gets them in all of its pipelines. The
+    classifier is the headline classifier of each pipeline, or all classifiers of a run without the headline classifier.
     """
-    strategies, headline = drawn_strategies(run), HEADLINE_CLASSIFIERS[DRAWN_PIPELINE]
-    classifiers = run.recognition.classifiers
-    if strategies and DRAWN_PIPELINE in run.recognition.pipelines:
-        yield Condition(
-            "further draws",
-            {
-                "probing.strategies": strategies,
-                "recognition.pipelines": (DRAWN_PIPELINE,),
-                "recognition.classifiers": (headline,) if headline in classifiers else classifiers,
-            },
+    strategies, pipelines = drawn_strategies(run), run.recognition.pipelines
+    if strategies and DRAWN_PIPELINE in pipelines:
+        yield Condition("further draws", _measured(run, strategies, (DRAWN_PIPELINE,)))
+    chosen = run.probing.strategies
+    is_asked = "fixation" in chosen and any(strategy_of(name).random for name in chosen)
+    if is_asked and IN_SIGHT not in chosen:
+        yield Condition("in sight", _measured(run, (IN_SIGHT,), pipelines))
+
+
+def _measured(
+    run: ExperimentParameters, strategies: tuple[str, ...], pipelines: tuple[str, ...]
+) -> Changes:
+    """Return the changes of a condition with one classifier per pipeline where the run has the headline classifier."""
+    changes: dict[str, object] = {
+        "probing.strategies": strategies,
+        "recognition.pipelines": pipelines,
+    }
+    for pipeline in pipelines:
+        section = "recognition" if pipeline == DRAWN_PIPELINE else f"recognition.{pipeline}"
+        chosen, headline = (
+            attrgetter(f"{section}.classifiers")(run),
+            HEADLINE_CLASSIFIERS[pipeline],
         )
+        changes[f"{section}.classifiers"] = (headline,) if headline in chosen else chosen
+    return changes
 
 
 RANDOM_DRAWS = Study(

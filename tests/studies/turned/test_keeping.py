@@ -31,21 +31,29 @@ CELLS = {
 
 def test_each_turned_pose_is_drawn_five_times_and_touched_once_for_all_frames_and_lengths():
     plan = plan_study(STUDY, with_changes(RUN, {"probing.strategies": ["fixation", "random"]}))
-    keys = {one.condition.name: one.key for one in plan.conditions}
+    keys = {
+        one.condition.name: one.key
+        for one in plan.conditions
+        if "literal" not in one.condition.name
+    }
     assert len({keys[name_of("any", 3, known, 20)] for known in ("none", "centre", "full")}) == 1
     assert keys[name_of("any", 3, "none", 1)] == keys[name_of("any", 3, "full", 20)]
     assert len(set(keys.values())) == 1 + 2 * DRAWS == 11
+    literal = {one.key for one in plan.conditions if "literal" in one.condition.name}
+    assert len(literal) == 11
     asked = {
         (one.parameters.meshes.turns, one.parameters.meshes.turn_draw)
         for one in plan.recomputations.values()
     }
     turned = {(turns, draw) for turns in POSES if turns != "none" for draw in range(DRAWS)}
     assert asked == turned | {("none", 0)}
-    assert {one.parameters.attention.fixations for one in plan.recomputations.values()} == {20}
+    touches = {key: one.parameters.attention.fixations for key, one in plan.recomputations.items()}
+    assert {touches[key] for key in keys.values()} == {20}
+    assert {touches[key] for key in literal} == {RUN.attention.fixations}
 
 
 def test_no_condition_takes_a_vertical_as_known_that_the_pose_does_not_have():
-    conditions = list(STUDY.conditions(RUN))
+    conditions = [one for one in STUDY.conditions(RUN) if "literal" not in one.name]
     frames = {(one.changes["meshes.turns"], one.changes["recognition.frame"]) for one in conditions}
     assert ("any", "vertical") not in frames
     assert len(frames) == 3 * 4 - 1
@@ -53,6 +61,12 @@ def test_no_condition_takes_a_vertical_as_known_that_the_pose_does_not_have():
     by_paper = {one.name for one in conditions if "paper" in one.changes["recognition.pipelines"]}
     assert all(name.endswith(f"full {RUN.attention.fixations}") for name in by_paper)
     assert len(by_paper) == 11
+
+
+def test_the_literal_variant_is_kept_as_a_pipeline_of_its_own():
+    found = means_over_draws({("any 0 literal 5", *SVM): cell(1.0, 0.5)})
+    (kept,) = found["cells"]
+    assert (kept["pipeline"], kept["known"], kept["turns"]) == ("literal", "full", "any")
 
 
 def test_an_object_has_the_mean_over_the_draws_that_tested_it():

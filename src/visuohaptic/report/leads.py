@@ -1,0 +1,366 @@
+"""The leads of one way to choose places over another, in words: answers to the two questions of the experiment.
+
+A run has leads of its own objects in ``reports/metrics.json``. Leads of more objects, of turned objects and of the most
+literal variant of the paper are kept with the package (`draws` and `turned`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from visuohaptic.evaluation.draws import LeadOverDraws, ObjectAccuracies, in_common, lead_over_draws
+from visuohaptic.evaluation.intervals import compare_paired, holm
+from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
+from visuohaptic.geometry.turning import Turns
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.report.draws import kept_accuracies, read_kept
+from visuohaptic.report.estimates import Figure, estimate, with_interval
+from visuohaptic.report.turned import (
+    HEADLINE_TOUCHES,
+    KNOWN,
+    POSES,
+    STATISTICS,
+    TRAINED_UPRIGHT,
+    Known,
+    TurnedCell,
+    read_turned,
+)
+from visuohaptic.report.wording import counted, listed, percent_points, pipeline_name, points
+
+SIGNIFICANCE = 0.05
+"""A lead is shown if its p value, corrected by Holm for the number of leads of the question, is below this level."""
+
+MARGIN = 0.05
+"""The largest lead, as a share, that an answer ``no`` may leave open: a lead of five points."""
+
+LARGEST_SET = "benchmark"
+"""The set of objects with the kept leads of more objects than a run has."""
+
+Word = Literal["yes", "no", "not settled"]
+
+PLACES: Mapping[str, str] = {
+    "fixation": "fixations",
+    "random": "random places in reach",
+    "random_visible": "random places in sight",
+}
+"""The places of the compared strategies, in words."""
+
+_PIPELINES = ("paper", "literal", "order_free")
+_LEFT_OUT = (STATISTICS, TRAINED_UPRIGHT)
+
+
+@dataclass(frozen=True)
+class Lead:
+    """A lead, the mean over draws, with its intervals over new objects and over new classes.
+
+    Attributes
+    ----------
+    name : str
+        The compared strategies, by name of `LEADS`.
+    pipeline : str
+        The pipeline; ``literal`` is the paper's pipeline in the most literal variant of the paper.
+    turns, known : str
+        The pose of the objects, and the part of their frame that the pipeline knows.
+    draws : int
+        The number of draws of random places, or of the turns with one draw of places each.
+    objects : int
+        The number of objects that both strategies tested.
+    difference : Figure
+        The lead as a share, with its interval for new objects of the same classes.
+    p_value : float
+        The two-sided p value over objects.
+    deviation : float
+        The standard deviation over draws, as a share; 0 for a single draw.
+    by_class : mapping of str to Figure
+        The mean lead of each class's objects; empty for leads of a run.
+    """
+
+    name: LeadName
+    pipeline: str
+    turns: Turns
+    known: Known
+    draws: int
+    objects: int
+    difference: Figure
+    p_value: float
+    deviation: float = 0.0
+    by_class: Mapping[str, Figure] = field(default_factory=dict)
+
+    @property
+    def places(self) -> tuple[str, str]:
+        """The compared places in words: the lead is of the first over the second."""
+        first, second = LEADS[self.name]
+        return PLACES[first], PLACES[second]
+
+    @property
+    def condition(self) -> str:
+        """Pipeline, pose and known part of the frame, in words."""
+        whole = self.known == "full"
+        frame = "" if whole else f", known of the pose: {KNOWN[self.known]}"
+        return f"{name_of_pipeline(self.pipeline)}, {POSES[self.turns]}{frame}"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer to a question by its leads.
+
+    Attributes
+    ----------
+    word : {"yes", "no", "not settled"}
+        ``yes`` if all leads are shown. ``no`` if no lead is shown, and each interval ends at `MARGIN` or below.
+        ``not settled`` in all other cases.
+    ahead, behind : tuple of Lead
+        The leads that are shown: their corrected p value is below `SIGNIFICANCE`; with a mean above or below 0.
+    leads : tuple of Lead
+        All leads of the question.
+    excluded : float, optional
+        The largest upper end of the intervals: a larger lead is excluded in each condition. None if an interval is
+        missing.
+    """
+
+    word: Word
+    ahead: tuple[Lead, ...]
+    behind: tuple[Lead, ...]
+    leads: tuple[Lead, ...]
+    excluded: float | None
+
+
+@dataclass(frozen=True)
+class KeptLeads:
+    """The kept leads of a set of objects, with the days of their measurement."""
+
+    leads: tuple[Lead, ...]
+    objects: int
+    dates: tuple[str, ...]
+
+    def of(self, question: Question) -> tuple[Lead, ...]:
+        """Return the leads of a question."""
+        return tuple(lead for lead in self.leads if lead.name in LEADS_OF[question])
+
+    def by_class(self) -> list[tuple[Lead, ...]]:
+        """Return the leads of each pipeline in its first condition, whose leads by class are shown."""
+        conditions = dict.fromkeys((lead.pipeline, lead.condition) for lead in self.leads)
+        first = dict(reversed(list(conditions)))
+        return [
+            tuple(lead for lead in self.leads if lead.condition == first[pipeline])
+            for pipeline in dict.fromkeys(pipeline for pipeline, _ in conditions)
+        ]
+
+
+def name_of_pipeline(name: str) -> str:
+    """Return a pipeline or the most literal variant of the paper in words."""
+    return "the most literal variant" if name == "literal" else pipeline_name(name)
+
+
+def read_kept_leads(intervals: IntervalParameters, name: str = LARGEST_SET) -> KeptLeads | None:
+    """Read the kept leads of a set of objects; None if the package has none of the set.
+
+    Leads of upright objects with the whole frame known are means over draws of the places, all other leads are means
+    over draws of the turns. Raises `ReportError` if a kept file is damaged.
+    """
+    drawn, turned = read_kept().get(name), read_turned().get(name)
+    leads: list[Lead] = []
+    if drawn is not None:
+        for pipeline in sorted(drawn.pipelines, key=_PIPELINES.index):
+            measured = kept_accuracies(drawn, pipeline)
+            for lead, (plus, minus) in LEADS.items():
+                if plus in measured and minus in measured:
+                    pair = measured[plus].mean, measured[minus].mean
+                    over_draws = lead_over_draws(pair[0], measured[minus].draws)
+                    leads.append(
+                        _lead(lead, (pipeline, "none", "full"), over_draws, pair, intervals)
+                    )
+    if turned is not None:
+        upright = {lead.pipeline for lead in leads}
+        cells = _cells_by_condition(turned.cells)
+        for (pipeline, turns, known), by_strategy in cells.items():
+            if (turns, known) == ("none", "full") and pipeline in upright:
+                continue
+            for lead, (plus, minus) in LEADS.items():
+                if plus in by_strategy and minus in by_strategy:
+                    pair = (
+                        _accuracies(turned.objects, by_strategy[plus]),
+                        _accuracies(turned.objects, by_strategy[minus]),
+                    )
+                    leads.append(
+                        replace(
+                            _lead(lead, (pipeline, turns, known), None, pair, intervals),
+                            draws=by_strategy[minus].draws,
+                        )
+                    )
+    if not leads:
+        return None
+    dates = tuple(sorted({kept.date for kept in (drawn, turned) if kept is not None}))
+    return KeptLeads(tuple(sorted(leads, key=_place)), max(one.objects for one in leads), dates)
+
+
+def run_leads(
+    metrics: Mapping[str, Any], classifiers: Mapping[str, str], turns: Turns, known: Known
+) -> tuple[Lead, ...]:
+    """Return the leads of a run's own objects.
+
+    Parameters
+    ----------
+    metrics : mapping
+        The result of `evaluation.summary.summarise`, or the content of ``reports/metrics.json``.
+    classifiers : mapping of str to str
+        The headline classifier of each pipeline.
+    turns, known : str
+        How the run turned its objects, and the known part of the frame in pipeline ``order_free``.
+    """
+    leads = []
+    for pipeline, classifier in classifiers.items():
+        found = metrics.get("leads", {}).get(pipeline, {}).get(classifier, {})
+        for name, compared in found.items():
+            leads.append(
+                Lead(
+                    name,
+                    pipeline,
+                    turns,
+                    known if pipeline == "order_free" else "full",
+                    compared["draws"]["count"],
+                    compared["objects"],
+                    Figure(**compared["difference"]),
+                    compared["p_value"],
+                    compared["draws"]["standard_deviation"],
+                )
+            )
+    return tuple(leads)
+
+
+def verdict(leads: Iterable[Lead]) -> Verdict:
+    """Answer a question by the rule of `Verdict`; at least one lead is needed.
+
+    The word ``yes`` claims every lead, and the word ``no`` excludes a lead above `Verdict.excluded` in each condition:
+    a claim about all conditions needs no correction for their number (R. Berger, Technometrics 24(4), 1982). Single
+    leads are claimed after Holm's correction only.
+    """
+    leads = tuple(leads)
+    adjusted = holm([lead.p_value for lead in leads])
+    shown = [lead for lead, p in zip(leads, adjusted, strict=True) if p < SIGNIFICANCE]
+    ahead = tuple(lead for lead in shown if lead.difference.mean > 0)
+    behind = tuple(lead for lead in shown if lead.difference.mean < 0)
+    ends = [lead.difference.high for lead in leads]
+    excluded = None if None in ends else max(end for end in ends if end is not None)
+    word: Word = "not settled"
+    if len(ahead) == len(leads):
+        word = "yes"
+    elif not ahead and excluded is not None and excluded <= MARGIN:
+        word = "no"
+    return Verdict(word, ahead, behind, leads, excluded)
+
+
+def lead_in_words(lead: Lead) -> str:
+    """Return a lead with its interval, such as ``+10.3 points (+5.8 to +14.7)``."""
+    return with_interval(lead.difference, points, " points")
+
+
+def question_sentences(question: Question, kept: KeptLeads) -> list[str]:
+    """Answer a question by kept leads, in sentences that stand alone."""
+    found = verdict(kept.of(question))
+    when = f"{counted(kept.objects, 'object')}, measured on {listed(kept.dates)}"
+    if question == "salience":
+        return [f"{_salience(found)} ({when})."]
+    return [f"{_seeing(found)} ({when})."]
+
+
+def _seeing(found: Verdict) -> str:
+    count = len(found.leads)
+    if not found.ahead:
+        return f"In none of {count} comparisons is a place that is seen ahead of a random place in reach{_behind(found)}"
+    most = max(found.ahead, key=lambda lead: lead.difference.mean)
+    return (
+        f"Places that are seen are ahead of random places in reach in {len(found.ahead)} of {count} comparisons, most of "
+        f"all {_described(most)}{_behind(found)}"
+    )
+
+
+def _salience(found: Verdict) -> str:
+    count = len(found.leads)
+    if found.ahead:
+        most = max(found.ahead, key=lambda lead: lead.difference.mean)
+        return (
+            f"Fixations are ahead of random places in sight in {len(found.ahead)} of {count} conditions, most of all "
+            f"{_described(most)}{_behind(found)}"
+        )
+    excluded = ""
+    if found.excluded is not None:
+        excluded = f"; in each, a lead above {percent_points(found.excluded)} points is excluded"
+    return (
+        f"In none of {count} conditions are fixations ahead of random places in sight{excluded}"
+        f"{_behind(found)}"
+    )
+
+
+def _behind(found: Verdict) -> str:
+    if not found.behind:
+        return ""
+    most = min(found.behind, key=lambda lead: lead.difference.mean)
+    return f"; {'they' if found.ahead else 'such places'} are behind in {len(found.behind)}, most of all {_described(most)}"
+
+
+def _described(lead: Lead) -> str:
+    first, second = lead.places
+    return f"in {lead.condition} ({first} minus {second}: {lead_in_words(lead)})"
+
+
+def _cells_by_condition(
+    cells: Sequence[TurnedCell],
+) -> dict[tuple[str, Turns, Known], dict[str, TurnedCell]]:
+    found: dict[tuple[str, Turns, Known], dict[str, TurnedCell]] = {}
+    for cell in cells:
+        if cell.touches == HEADLINE_TOUCHES and cell.known not in _LEFT_OUT:
+            found.setdefault((cell.pipeline, cell.turns, cell.known), {})[cell.strategy] = cell
+    return found
+
+
+def _accuracies(objects: Sequence[str], cell: TurnedCell) -> ObjectAccuracies:
+    numbers = np.array([cell.accuracy, cell.weights], dtype=np.float64)
+    tested = np.flatnonzero(np.isfinite(numbers).all(axis=0))
+    names = (objects[int(index)].partition("/") for index in tested)
+    return ObjectAccuracies(
+        tuple((category, name) for category, _, name in names), *numbers[:, tested]
+    )
+
+
+def _lead(
+    name: LeadName,
+    condition: tuple[str, Turns, Known],
+    over_draws: LeadOverDraws | None,
+    pair: tuple[ObjectAccuracies, ObjectAccuracies],
+    intervals: IntervalParameters,
+) -> Lead:
+    first, second = in_common(*pair)
+    compared = compare_paired(first.accuracy, second.accuracy, first.weights, intervals)
+    categories = np.array([category for category, _ in first.objects])
+    by_class = {}
+    for category in np.unique(categories).tolist():
+        rows = categories == category
+        of_class = compare_paired(
+            first.accuracy[rows], second.accuracy[rows], first.weights[rows], intervals
+        )
+        by_class[category] = estimate(of_class.difference)
+    return Lead(
+        name,
+        *condition,
+        over_draws.count if over_draws else 1,
+        len(first.objects),
+        estimate(compared.difference),
+        compared.p_value,
+        over_draws.standard_deviation if over_draws else 0.0,
+        by_class,
+    )
+
+
+def _place(lead: Lead) -> tuple[int, ...]:
+    """Return a sorting key: the paper's pipeline first, upright first, from all to nothing known."""
+    return (
+        _PIPELINES.index(lead.pipeline),
+        list(POSES).index(lead.turns),
+        list(KNOWN).index(lead.known),
+        list(LEADS).index(lead.name),
+    )
