@@ -12,7 +12,7 @@ from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.leads import read_kept_leads, run_leads
-from visuohaptic.report.questions import Answer, lead_answer, recognition_answer
+from visuohaptic.report.questions import QUESTIONS, Answer, lead_answer, recognition_answer
 from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.variants import read_variants
 from visuohaptic_workflow.closing import REPORT, describe_results
@@ -94,13 +94,14 @@ def answers(metrics: dict[str, Any]) -> str:
     tables = pipeline_tables(metrics)
     kept = read_kept_leads(IntervalParameters())
     leads = run_leads(metrics, {one.name: one.headline.key for one in tables}, "none", "full")
-    found = (
-        recognition_answer(tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN),
-        lead_answer("seeing", leads, kept),
-        lead_answer("salience", leads, kept),
+    recognised = recognition_answer(
+        tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN
     )
-    text = "\n\n".join(map(_answer_lines, found))
-    return text.replace("\N{NO-BREAK SPACE}", " ")
+    found = [
+        _answer_lines(recognised),
+        *(_lead_lines(lead_answer(question, leads, kept)) for question in QUESTIONS),
+    ]
+    return "\n\n".join(found).replace("\N{NO-BREAK SPACE}", " ")
 
 
 def _answer_lines(answer: Answer) -> str:
@@ -109,6 +110,13 @@ def _answer_lines(answer: Answer) -> str:
     lines = [_wrapped(first), ""] if answer.beside else [_wrapped(first)]
     lines += [_wrapped(f"- {sentence}", "  ") for sentence in answer.beside]
     return "\n".join(lines)
+
+
+def _lead_lines(answer: Answer) -> str:
+    """Write the answer on more objects as a paragraph, and the answer on the run's objects as a list item."""
+    (more,) = answer.beside
+    own = f"- On the run's own objects: {answer.finding[0].lower()}{answer.finding[1:]}: {answer.number} {answer.sentence}"
+    return "\n".join([_wrapped(f"**{answer.question}** {more}"), "", _wrapped(own, "  ")])
 
 
 def _wrapped(text: str, indent: str = "") -> str:

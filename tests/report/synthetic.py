@@ -16,6 +16,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.object_pictures import make_pictures
 from visuohaptic.report.run import RunFiles
 from visuohaptic.sensor.frames import column_axes
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.tables import phases
 from visuohaptic.tables.schema import TEXT, build_rows, build_table, matrix, write_table
 from visuohaptic.tables.schemas import SCHEMAS
@@ -237,16 +238,25 @@ def _answers(objects, strategies, pipelines, generator):
 
 
 def _draws(objects, strategies, pipelines):
-    """Make up two further draws of random places, in the paper's pipeline."""
+    """Make up two further draws of random places, in the paper's pipeline, and one draw of places in sight."""
     generator = np.random.default_rng(1)
-    names = ("random#1", "random#2") if "random" in strategies and "paper" in pipelines else ()
+    drawn = []
+    if "random" in strategies and "paper" in pipelines:
+        drawn += [("further draws", "paper", "random#1"), ("further draws", "paper", "random#2")]
+    if {"fixation", "random"} <= {*strategies}:
+        drawn += [("in sight", pipeline, "random_visible") for pipeline in pipelines]
+    headlines = {
+        name: [headline] if headline in CLASSIFIERS else CLASSIFIERS
+        for name, headline in HEADLINE_CLASSIFIERS.items()
+    }
     rows = [
         {
-            "study": "random_draws", "condition": "further draws", "pipeline": "paper", "strategy": name,
-            "classifier": "support_vector_machine", **_owner(key), "split": split, "repeat": 0,
+            "study": "random_draws", "condition": condition, "pipeline": pipeline, "strategy": name,
+            "classifier": classifier, **_owner(key), "split": split, "repeat": 0,
             "sequences": VIEWPOINTS, "accuracy": generator.integers(VIEWPOINTS + 1) / VIEWPOINTS, "seconds": 1.0, "error": None,
         }
-        for name in names
+        for condition, pipeline, name in drawn
+        for classifier in headlines[pipeline]
         for split in range(2)
         for key in objects[split::2]
     ]  # fmt: skip

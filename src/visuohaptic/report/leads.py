@@ -259,53 +259,54 @@ def lead_in_words(lead: Lead) -> str:
     return with_interval(lead.difference, points, " points")
 
 
-def question_sentences(question: Question, kept: KeptLeads) -> list[str]:
-    """Answer a question by kept leads, in sentences that stand alone."""
+def question_sentence(question: Question, kept: KeptLeads) -> str:
+    """Answer a question by kept leads, in one sentence that stands alone."""
     found = verdict(kept.of(question))
-    when = f"{counted(kept.objects, 'object')}, measured on {listed(kept.dates)}"
-    if question == "salience":
-        return [f"{_salience(found)} ({when})."]
-    return [f"{_seeing(found)} ({when})."]
+    said = _salience(found) if question == "salience" else _seeing(found)
+    return f"{said} ({counted(kept.objects, 'object')}, measured on {listed(kept.dates)})."
 
 
 def _seeing(found: Verdict) -> str:
-    count = len(found.leads)
-    if not found.ahead:
-        return f"In none of {count} comparisons is a place that is seen ahead of a random place in reach{_behind(found)}"
-    most = max(found.ahead, key=lambda lead: lead.difference.mean)
-    return (
-        f"Places that are seen are ahead of random places in reach in {len(found.ahead)} of {count} comparisons, most of "
-        f"all {_described(most)}{_behind(found)}"
-    )
+    """Return the number of comparisons in which places that are seen are ahead, by pose of the objects."""
+    poses = [
+        _of_pose(found, turns) for turns in POSES if any(one.turns == turns for one in found.leads)
+    ]
+    helps = "Seeing helps" if found.ahead else "Seeing is not shown to help"
+    return f"{helps} to choose places: compared with random places in reach, places that are seen are {'; '.join(poses)}"
+
+
+def _of_pose(found: Verdict, turns: Turns) -> str:
+    count = sum(lead.turns == turns for lead in found.leads)
+    ahead = [lead for lead in found.ahead if lead.turns == turns]
+    behind = [lead for lead in found.behind if lead.turns == turns]
+    said = f"ahead in {len(ahead) or 'none'} of {counted(count, 'comparison')} on objects {POSES[turns]}"
+    if ahead:
+        most = max(ahead, key=lambda lead: lead.difference.mean)
+        said += f" (at most by {lead_in_words(most)}, {name_of_pipeline(most.pipeline)})"
+    if behind:
+        most = min(behind, key=lambda lead: lead.difference.mean)
+        said += f" and behind in {len(behind)} (at most by {lead_in_words(most)}, {name_of_pipeline(most.pipeline)})"
+    return said
 
 
 def _salience(found: Verdict) -> str:
-    count = len(found.leads)
+    """Return in how many conditions fixations are ahead of random places in sight, and the excluded lead."""
+    count = counted(len(found.leads), "condition")
+    behind = ""
+    if found.behind:
+        most = min(found.behind, key=lambda lead: lead.difference.mean)
+        behind = f"; fixations are behind in {len(found.behind)}, most of all {most.condition} ({lead_in_words(most)})"
     if found.ahead:
         most = max(found.ahead, key=lambda lead: lead.difference.mean)
         return (
-            f"Fixations are ahead of random places in sight in {len(found.ahead)} of {count} conditions, most of all "
-            f"{_described(most)}{_behind(found)}"
+            f"Salience helps in {len(found.ahead)} of {count}: fixations are ahead of random places in sight, most of all "
+            f"in {most.condition} ({lead_in_words(most)}){behind}"
         )
     excluded = ""
     if found.excluded is not None:
-        excluded = f"; in each, a lead above {percent_points(found.excluded)} points is excluded"
-    return (
-        f"In none of {count} conditions are fixations ahead of random places in sight{excluded}"
-        f"{_behind(found)}"
-    )
-
-
-def _behind(found: Verdict) -> str:
-    if not found.behind:
-        return ""
-    most = min(found.behind, key=lambda lead: lead.difference.mean)
-    return f"; {'they' if found.ahead else 'such places'} are behind in {len(found.behind)}, most of all {_described(most)}"
-
-
-def _described(lead: Lead) -> str:
-    first, second = lead.places
-    return f"in {lead.condition} ({first} minus {second}: {lead_in_words(lead)})"
+        excluded = f", and a lead above {percent_points(found.excluded)} points is excluded in each"
+    helps = "Salience does not help" if found.word == "no" else "Salience is not shown to help"
+    return f"{helps}: in none of {count} are fixations ahead of random places in sight{excluded}{behind}"
 
 
 def _cells_by_condition(

@@ -21,7 +21,7 @@ from visuohaptic.report.leads import (
     Word,
     lead_in_words,
     name_of_pipeline,
-    question_sentences,
+    question_sentence,
     verdict,
 )
 from visuohaptic.report.turned import POSES
@@ -175,7 +175,7 @@ def lead_answer(question: Question, leads: Sequence[Lead], kept: KeptLeads | Non
     Answer
         The finding follows the word of `leads.verdict`. The number is the first lead of the question.
     """
-    beside = tuple(question_sentences(question, kept)) if kept is not None else ()
+    beside = (question_sentence(question, kept),) if kept is not None else ()
     own = [lead for lead in leads if lead.name in LEADS_OF[question]]
     missing = {name for lead in LEADS_OF[question] for name in LEADS[lead]}
     rule = (

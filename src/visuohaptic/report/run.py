@@ -111,7 +111,7 @@ class Run:
     all_objects : tuple of str
         All objects of the set and the user's own objects, `class/name`, also objects that no table contains.
     metrics : mapping
-        ``comparisons``, ``method`` and ``results`` of ``reports/metrics.json``, as `evaluation.summary.summarise`
+        ``comparisons``, ``leads``, ``method`` and ``results`` of ``reports/metrics.json``, as `evaluation.summary.summarise`
         returns.
     fixations : pyarrow.Table
         Only the probing locations that were touched, one row per row of `touches` and in the same order. Column
@@ -234,13 +234,13 @@ def read_run(files: RunFiles, parameters: ExperimentParameters, objects: Sequenc
     Raises
     ------
     ReportError
-        If the file of metrics can't be read, or lacks ``comparisons``, ``method`` or ``results``.
+        If the file of metrics can't be read, or lacks one of these entries.
     TableError
         If a table does not fit its schema.
     """
 
     def take_figures(metrics: Any) -> Mapping[str, Any]:
-        return {name: metrics[name] for name in ("comparisons", "method", "results")}
+        return {name: metrics[name] for name in ("comparisons", "leads", "method", "results")}
 
     fault, way_out = "holds no metrics of this workflow", "run rule metrics again"
     metrics = read_json(Path(files.metrics), take_figures, fault, way_out)

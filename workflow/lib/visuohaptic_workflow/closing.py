@@ -10,10 +10,11 @@ from typing import Any
 
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.report.comparison import PipelineTable, pipeline_tables
+from visuohaptic.report.leads import run_leads
 from visuohaptic.report.wording import (
+    counted,
     listed_in_short,
     percent,
-    percent_points,
     points,
     probability,
     strategy_name,
@@ -22,6 +23,8 @@ from visuohaptic.stability.rows import broken_tolerances
 
 METRICS = "reports/metrics.json"
 REPORT = "reports/report.html"
+WORDS = {"seeing": "Seeing", "salience": "Salience"}
+"""First words of the printed lines by name of the lead."""
 MOST_LINES = 20
 """Largest number of left-out objects, and of notes of meshes, that are printed, as in the report."""
 
@@ -69,8 +72,7 @@ def _only_objects(keys: Sequence[str]) -> list[str]:
 def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT) -> list[str]:
     """Return lines with the accuracies of each pipeline's headline classifier, and a line with the report's path.
 
-    Accuracies are in percent by strategy. For each strategy with several random draws, a line compares fixations with
-    this strategy.
+    Accuracies are in percent by strategy. A line per question, seeing and salience, has the lead of fixations.
 
     Parameters
     ----------
@@ -91,8 +93,8 @@ def describe_results(metrics: str | Path = METRICS, report: str | Path = REPORT)
 
 
 def _describe_accuracies(metrics: Mapping[str, Any]) -> list[str]:
-    """Return a line per pipeline with its accuracies, followed by its lines of `_compare_with_draws`."""
-    lines = []
+    """Return a line per pipeline with its accuracies, followed by its lines of `_describe_leads`."""
+    lines: list[str] = []
     for table in pipeline_tables(metrics):
         figures = (
             f"{strategy_name(strategy)} {percent(figure.mean)}{_interval(figure.low, figure.high)}"
@@ -102,25 +104,23 @@ def _describe_accuracies(metrics: Mapping[str, Any]) -> list[str]:
         lines.append(
             f"Pipeline {table.name}, {table.headline.name}, correctly classified: {', '.join(figures)}."
         )
-        lines += _compare_with_draws(table)
+        lines += _describe_leads(metrics, table)
     return lines
 
 
-def _compare_with_draws(table: PipelineTable) -> Iterator[str]:
-    """Yield the accuracy of fixations minus the mean over draws of each strategy with several draws, in points."""
-    for strategy, compared in table.headline.comparisons.items():
-        lead, draws = compared.difference, compared.draws
-        if draws is None or draws.count < 2:
+def _describe_leads(metrics: Mapping[str, Any], table: PipelineTable) -> Iterator[str]:
+    """Yield the leads of fixations, of the headline classifier of a pipeline, one line per question."""
+    # The pose and the known frame, which a line does not name, are those of any run.
+    for lead in run_leads(metrics, {table.name: table.headline.key}, "none", "full"):
+        if lead.name not in WORDS:
             continue
-        ends = (
-            ""
-            if lead.low is None or lead.high is None
-            else f"{points(lead.low)} to {points(lead.high)}; "
-        )
+        first, second = lead.places
+        ends = ""
+        if lead.difference.low is not None and lead.difference.high is not None:
+            ends = f"{points(lead.difference.low)} to {points(lead.difference.high)}; "
         yield (
-            f"Fixation minus {strategy_name(strategy)}, mean of {draws.count} draws: {points(lead.mean)} points "
-            f"({ends}p {probability(compared.p_value)}); standard deviation over draws "
-            f"{percent_points(draws.standard_deviation)} points."
+            f"{WORDS[lead.name]}, {first} minus {second}: {points(lead.difference.mean)} points ({ends}p "
+            f"{probability(lead.p_value)}; {counted(lead.draws, 'draw')} of the places)."
         )
 
 

@@ -1,0 +1,71 @@
+"""Fill docs/two_questions.md and draw its pictures from the kept leads: `make readme` and `make draws`."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import get_args
+
+from filling import DOCS, fill_page, table
+
+from visuohaptic.evaluation.intervals import holm
+from visuohaptic.evaluation.leads import Question
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.report import figures
+from visuohaptic.report.estimates import with_interval
+from visuohaptic.report.leads import KeptLeads, Lead, question_sentence, read_kept_leads
+from visuohaptic.report.questions import QUESTIONS
+from visuohaptic.report.wording import points, probability, titled
+
+PICTURES = DOCS / "pictures"
+
+
+def blocks(kept: KeptLeads) -> dict[str, str]:
+    """Return the sentences and the tables of the page by name of the block."""
+    found = {"sentences": sentences(kept)}
+    for question in get_args(Question):
+        found[question] = leads_table(kept.of(question))
+    return found
+
+
+def sentences(kept: KeptLeads) -> str:
+    """Return each question with its answer, a paragraph each."""
+    return "\n\n".join(
+        wrapped(f"**{words}** {plain(question_sentence(question, kept))}")
+        for question, words in QUESTIONS.items()
+    )
+
+
+def leads_table(leads: tuple[Lead, ...]) -> str:
+    """Return a table with one row per lead; p values are corrected by Holm for the rows of the table."""
+    adjusted = holm([lead.p_value for lead in leads])
+    heads = ["condition", "ahead of what", "draws", "lead", "p, corrected"]
+    rows = [
+        [
+            titled(lead.condition),
+            " minus ".join(lead.places),
+            lead.draws,
+            plain(with_interval(lead.difference, points)),
+            probability(p),
+        ]
+        for lead, p in zip(leads, adjusted, strict=True)
+    ]
+    return table(heads, rows)
+
+
+def plain(text: str) -> str:
+    """Return a text with plain spaces."""
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def wrapped(text: str) -> str:
+    """Return a paragraph of lines of at most 100 characters."""
+    return textwrap.fill(text, 100, break_on_hyphens=False)
+
+
+if __name__ == "__main__":
+    kept = read_kept_leads(IntervalParameters())
+    fill_page(DOCS / "two_questions.md", blocks(kept))
+    figures.leads(kept.leads).savefig(PICTURES / "leads.png", dpi=150, facecolor="white")
+    for leads in kept.by_class():
+        picture = PICTURES / f"leads_by_class_{leads[0].pipeline}.png"
+        figures.leads_by_class(leads).savefig(picture, dpi=150, facecolor="white")
