@@ -95,6 +95,7 @@ draws: $(READY)
 	@python -m draws.keeping $(SET)
 	@python -m draws.make_page
 	@python -m variants.make_page
+	@python docs/make_two_questions.py
 
 # The first touch by ways to choose its place (studies/first_touch/README.md): make first_touch SET=benchmark
 first_touch: $(READY)
@@ -107,6 +108,7 @@ turned: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- reports/turned.json
 	@python -m turned.keeping $(SET)
 	@python -m turned.make_page
+	@python docs/make_two_questions.py
 
 # Simple classifiers of the same touches beside our pipeline (studies/baselines/README.md): make baselines SET=benchmark
 baselines: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
@@ -130,6 +132,7 @@ readme: $(DEVELOP) report
 	python -m known_objects.make_page
 	python -m baselines.make_page
 	python docs/make_claims.py
+	python docs/make_two_questions.py
 	python -m eye_and_touch.make_page
 	python -m touch_curves.make_page
 	python docs/make_scaling.py

@@ -65,7 +65,10 @@ def wrapped(text: str) -> str:
 if __name__ == "__main__":
     kept = read_kept_leads(IntervalParameters())
     fill_page(DOCS / "two_questions.md", blocks(kept))
-    figures.leads(kept.leads).savefig(PICTURES / "leads.png", dpi=150, facecolor="white")
+    fill_page(DOCS.parent / "paper" / "paper.md", {"sentences": sentences(kept)})
+    whole = [lead for lead in kept.leads if lead.known == "full"]
+    for name, leads in (("leads", whole), ("leads_by_frame", kept.leads)):
+        figures.leads(leads).savefig(PICTURES / f"{name}.png", dpi=150, facecolor="white")
     for leads in kept.by_class():
         picture = PICTURES / f"leads_by_class_{leads[0].pipeline}.png"
         figures.leads_by_class(leads).savefig(picture, dpi=150, facecolor="white")

@@ -6,9 +6,12 @@ from pathlib import Path
 
 from filling import fill_page, points, share, table
 
+from draws.study import RANDOM
 from visuohaptic.report.draws import KeptDraws, read_draws, read_kept
+from visuohaptic.report.leads import PLACES
 from visuohaptic.report.wording import classifier_name, percent_points
 
+_ORDER = ("paper", "literal", "order_free")
 PAGE = Path(__file__).parent / "README.md"
 
 
@@ -16,11 +19,13 @@ def blocks() -> dict[str, str]:
     """Return the table of the page by name of the block."""
     kept = read_kept()
     draws = [
-        read_draws(name, pipeline)
+        read_draws(name, pipeline, opponent=opponent)
         for name in sorted(kept)
-        for pipeline in sorted(kept[name].pipelines, key="paper".__ne__)
+        for pipeline in sorted(kept[name].pipelines, key=_ORDER.index)
+        for opponent in RANDOM
     ]
-    heads = ["set", "objects", "pipeline", "draws", "fixation", "random: mean", "lead: lowest"]
+    heads = ["set", "objects", "pipeline", "random places", "draws", "fixation", "random: mean"]
+    heads += ["lead: lowest"]
     heads += ["mean", "highest", "standard deviation", "commit", "day"]
     return {"draws": table(heads, [_row(kept) for kept in draws if kept is not None])}
 
@@ -31,6 +36,7 @@ def _row(kept: KeptDraws) -> list[object]:
         kept.set,
         kept.objects,
         f"{kept.pipeline}, {classifier_name(kept.classifier)}",
+        PLACES[kept.opponent].removeprefix("random places "),
         kept.lead.count,
         share(kept.fixation),
         share(sum(kept.random) / len(kept.random)),

@@ -56,8 +56,9 @@ class KeptDraws:
 
     Attributes
     ----------
-    set, pipeline, classifier : str
-        The set of objects, the pipeline and the classifier; all other parameters have their defaults.
+    set, pipeline, opponent, classifier : str
+        The set of objects, the pipeline, the strategy of the random places and the classifier; all other parameters
+        have their defaults.
     objects : int
         The number of objects.
     fixation : float
@@ -72,6 +73,7 @@ class KeptDraws:
 
     set: str
     pipeline: str
+    opponent: str
     classifier: str
     objects: int
     fixation: float
@@ -81,8 +83,10 @@ class KeptDraws:
     date: str
 
 
-def read_draws(name: str, pipeline: str, path: Path | None = None) -> KeptDraws | None:
-    """Read the kept draws of a set of objects and a pipeline.
+def read_draws(
+    name: str, pipeline: str, path: Path | None = None, opponent: str = "random"
+) -> KeptDraws | None:
+    """Read the kept draws of a set of objects, a pipeline and a strategy of random places.
 
     Parameters
     ----------
@@ -92,6 +96,8 @@ def read_draws(name: str, pipeline: str, path: Path | None = None) -> KeptDraws 
         The pipeline.
     path : Path, optional
         A file that `make draws` wrote; by default the file of the package.
+    opponent : str
+        The strategy of the random places.
 
     Returns
     -------
@@ -108,10 +114,13 @@ def read_draws(name: str, pipeline: str, path: Path | None = None) -> KeptDraws 
         return None
     measured = kept.pipelines[pipeline]
     by_strategy = kept_accuracies(kept, pipeline)
-    (fixation,), random = by_strategy["fixation"].draws, by_strategy["random"].draws
+    if opponent not in by_strategy:
+        return None
+    (fixation,), random = by_strategy["fixation"].draws, by_strategy[opponent].draws
     return KeptDraws(
         set=name,
         pipeline=pipeline,
+        opponent=opponent,
         classifier=measured.classifier,
         objects=len(fixation.objects),
         fixation=fixation.mean,
