@@ -53,7 +53,7 @@ logger = logging.getLogger(__name__)
 def make_candidates(step: StepInputs) -> None:
     """Touch objects at all candidates of `adaptive`, and write `tables.FEATURES`.
 
-    If ``probing.unreachable`` is ``replace``, only candidates in reach are touched.
+    Only candidates in reach are touched, unless ``probing.unreachable`` is ``keep``.
     """
     features, parameters = [], step.run
     for mesh in usable_meshes(step.inputs["meshes"]):
@@ -68,7 +68,7 @@ def make_candidates(step: StepInputs) -> None:
             for number, camera in enumerate(place_cameras(parameters.viewpoints))
         ]
         located = pa.concat_tables(parts).combine_chunks()
-        if parameters.probing.unreachable == "replace":
+        if parameters.probing.unreachable != "keep":
             located = located.filter(pa.array(in_reach(caster, located, parameters.sensor)))
         scene, seed = parameters.scene, parameters.seed
         touches, _ = touch_part(caster, located, parameters.sensor, scene, seed)

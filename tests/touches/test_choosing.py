@@ -63,9 +63,12 @@ def test_places_out_of_reach_are_passed_over():
         ("fixation", "keep", [0, 1], False),
         ("random", "keep", [1, 2], True),
         ("random", "replace", [1, 2], True),
+        ("random", "skip", [1, 2], True),
         ("random_anywhere", "replace", [0, 1], False),
         ("random_visible", "replace", [1, 2], True),
         ("random_visible", "keep", [0, 1], False),
+        ("random_visible", "skip", [1], True),
+        ("random_anywhere", "skip", [0, 1], False),
     ],
 )
 def test_only_some_strategies_ask_what_is_in_reach(reach, strategy, unreachable, ranks, asked):
@@ -88,6 +91,21 @@ def test_fewer_touches_are_the_first_of_more():
         assert {view: ranks for view, ranks in few.items() if len(ranks) == touches} == {
             view: ranks[:touches] for view, ranks in many.items() if len(ranks) >= touches
         }
+
+
+def test_skipped_places_are_not_replaced(reach):
+    table = located("ooooo", "xoxoo", "xxxoo", "ooxxx")
+    assert choose(table, unreachable="skip") == {0: [0, 1, 2], 1: [1], 3: [0, 1]}
+    assert len(reach) == 4 * 3
+    # The bound of places that are passed over is one of replacing.
+    table = located("x" * (SPARE + 1) + "o")
+    assert choose(table, touches=SPARE + 2, unreachable="skip") == {0: [SPARE + 1]}
+
+
+def test_skipping_and_beginning_again_touches_no_other_place():
+    table = located("xoxoo", "xxxoo", "ooooo")
+    found = choose(table, unreachable="skip", when_exhausted="begin_again")
+    assert found == {0: [1, 1, 1], 2: [0, 1, 2]}
 
 
 def test_no_place_is_tried_twice_or_without_need(reach):

@@ -287,6 +287,18 @@ def test_a_place_out_of_reach_is_touched_where_such_are_kept(caster, with_policy
     assert set(found.policy_fixations["unreachable"].to_pylist()) == {"keep"}
 
 
+def test_a_place_out_of_reach_that_is_skipped_counts_as_a_try(caster, with_policy, monkeypatch):
+    unreachable_first(monkeypatch, 2)
+    name = with_policy("walk", walk)
+    found = acquire(caster, name, viewpoints=(0,), touches=3, unreachable="skip")
+    assert found.policy_fixations.num_rows == 3
+    assert found.touches["rank"].to_pylist() == [2]
+    unreachable_first(monkeypatch, 2)
+    own = with_policy("own", walk, unreachable="skip")
+    found = acquire(caster, own, viewpoints=(0,), touches=3)
+    assert found.touches["rank"].to_pylist() == [2]
+
+
 def test_a_policy_may_stop_and_that_is_logged(caster, with_policy, caplog):
     name = with_policy(
         "brief", lambda view, touches: None if len(touches) == 2 else walk(view, touches)
@@ -396,7 +408,7 @@ def test_a_bound_that_is_no_positive_number_is_one_sentence(bound):
 def test_a_treatment_of_places_out_of_reach_that_is_unknown_is_one_sentence(entry):
     with pytest.raises(
         RegistryError,
-        match=r"y walk: unreachable is 'banana'; 'replace', 'keep' or None is allowed\.$",
+        match=r"y walk: unreachable is 'banana'; 'replace', 'skip', 'keep' or None is allowed\.$",
     ):
         entry("walk", "walk", walk, unreachable="banana")
 

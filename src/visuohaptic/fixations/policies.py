@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,13 @@ from visuohaptic.geometry.raycasting import RayCaster
 
 PLACES = 256
 """Locations that are spread over an object; a viewpoint offers the locations that it sees."""
+
+Unreachable = Literal["replace", "skip", "keep"]
+"""Treatment of a location out of the sensor's reach.
+
+``replace``: the next location is touched instead. ``skip``: no location is touched instead, so the sequence is shorter.
+``keep``: the sensor comes as near as it can.
+"""
 
 FARTHEST_POINT = 1e6
 """Limit of the coordinates of a point, object radii: the nearest face is found in float32, which overflows at 1e19."""
@@ -81,9 +88,9 @@ class PolicyView:
 
 def check_unreachable(owner: str, value: object) -> None:
     """Raise `RegistryError` about `owner` if the treatment of locations out of reach is unknown."""
-    if value not in ("replace", "keep", None):
+    if value is not None and value not in get_args(Unreachable):
         raise RegistryError(
-            f"{owner}: unreachable is {value!r}; 'replace', 'keep' or None is allowed."
+            f"{owner}: unreachable is {value!r}; 'replace', 'skip', 'keep' or None is allowed."
         )
 
 
@@ -118,7 +125,7 @@ class Policy:
     label: str
     next_location: Callable[[PolicyView, Sequence[Felt]], ArrayLike | None]
     random: bool = True
-    unreachable: Literal["replace", "keep"] | None = None
+    unreachable: Unreachable | None = None
     chance: str | None = None
     longest_seconds: float = 60.0
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 
 from visuohaptic.base.draws import DRAW_MARK
 from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.registry import Registry
-from visuohaptic.fixations.policies import Policy, check_unreachable
+from visuohaptic.fixations.policies import Policy, Unreachable, check_unreachable
 from visuohaptic.fixations.strategies import (
     anywhere,
     contour,
@@ -27,12 +27,6 @@ from visuohaptic.fixations.strategies import (
     seek_relief,
     visible,
 )
-
-Unreachable = Literal["replace", "keep"]
-"""Treatment of a location out of the sensor's reach.
-
-``replace``: the next location is touched instead. ``keep``: the sensor comes as near as it can.
-"""
 
 
 @dataclass(frozen=True)
@@ -53,7 +47,7 @@ class Strategy:
     looks : bool
         Whether `choose` needs rendered views and saliency: its viewpoint is then an `AttendedView`. Otherwise
         `choose` must work with any `Viewpoint`.
-    unreachable : {"replace", "keep"}, optional
+    unreachable : {"replace", "skip", "keep"}, optional
         Treatment of locations out of reach; by default as parameter `probing.unreachable` says.
     chance : str, optional
         Name from which the random numbers of `choose` and of the sensor noise are seeded, by default `name`.

@@ -10,7 +10,8 @@ from typing import Literal
 from pydantic import Field
 
 from visuohaptic.base.section import Section
-from visuohaptic.fixations.probing import StrategyName, Unreachable, is_policy
+from visuohaptic.fixations.policies import Unreachable
+from visuohaptic.fixations.probing import StrategyName, is_policy
 
 MOST_DRAWS = 1000
 
@@ -24,8 +25,8 @@ class ProbingParameters(Section):
     unreachable: Unreachable = Field(
         "replace",
         description="Locations out of the sensor's reach: `replace` touches the view's next location instead and "
-        "skips at most 16; `keep` touches as far as the sensor comes; strategy `random` always replaces, "
-        "`random_anywhere` never",
+        "passes over at most 16; `skip` touches none instead, so that sequences are shorter; `keep` touches as far as "
+        "the sensor comes; strategy `random` always replaces, `random_anywhere` always keeps",
     )
     when_exhausted: Literal["stop", "begin_again"] = Field(
         "stop",

@@ -132,7 +132,7 @@ FIXATIONS = Schema(
         Column(
             "unreachable",
             TEXT,
-            "replace or keep a location that the sensor can't reach; missing: as probing.unreachable says",
+            "replace, skip or keep a location that the sensor can't reach; missing: as probing.unreachable says",
             nullable=True,
         ),
         Column("chance", TEXT, "name of the random generator of the strategy"),

@@ -12,6 +12,7 @@ import pyarrow.compute as pc
 
 from visuohaptic.base.arrays import BoolArray, IntArray
 from visuohaptic.base.bounded_loops import turns
+from visuohaptic.fixations.policies import Unreachable
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.reaching import reachable
@@ -24,7 +25,7 @@ class Wanted:
     """The most touches of a sequence, and parameters of section `probing`."""
 
     touches: int
-    unreachable: Literal["replace", "keep"] = "replace"
+    unreachable: Unreachable = "replace"
     when_exhausted: Literal["stop", "begin_again"] = "stop"
 
 
@@ -34,7 +35,8 @@ def choose_locations(
     """Choose the probing locations that are touched.
 
     A sequence takes its first locations. If locations out of reach are replaced, it skips them, at most `SPARE`,
-    and takes the next locations. So a sequence with fewer touches is a prefix of a longer sequence.
+    and takes the next locations. If they are skipped, it takes those in reach among its first `wanted.touches`
+    locations. So a sequence with fewer touches is a prefix of a longer sequence.
 
     Parameters
     ----------
@@ -57,12 +59,14 @@ def choose_locations(
     """
     ranks = fixations.column("touch").to_numpy().astype(np.int64)
     when_unreachable = pc.fill_null(fixations.column("unreachable"), wanted.unreachable)
-    unchecked = np.array(pc.equal(when_unreachable, "replace"), dtype=bool)
+    unchecked = np.array(pc.not_equal(when_unreachable, "keep"), dtype=bool)
+    skips = np.array(pc.equal(when_unreachable, "skip"), dtype=bool)
     allowed = np.ones(len(ranks), dtype=bool)
     # Each turn but the last checks a row at least.
     for _ in turns(len(ranks) + 1, "the choice of locations in reach"):
         numbers = _counts_before(allowed, ranks)
-        chosen = allowed & (numbers < wanted.touches) & (ranks - numbers <= SPARE)
+        taken = (numbers < wanted.touches) & (ranks - numbers <= SPARE)
+        chosen = allowed & np.where(skips, ranks < wanted.touches, taken)
         to_check = np.flatnonzero(chosen & unchecked)
         if not len(to_check):
             break

@@ -2,7 +2,7 @@
 
 A try is one location that a policy chooses. The tries of one policy at one viewpoint are a sequence. A location in
 reach is touched. A location out of reach is passed over, or touched if ``unreachable`` is ``keep``; in both cases the
-policy gets a `Felt` with `acquired` False.
+policy gets a `Felt` with `acquired` False. A try that is passed over counts as a touch if ``unreachable`` is ``skip``.
 """
 
 from __future__ import annotations
@@ -96,13 +96,15 @@ class PolicySession:
     seconds: float = 0.0
     clock: Callable[[], float] = time.perf_counter
 
-    def needs_try(self, wanted: int) -> bool:
+    def needs_try(self, wanted: Wanted) -> bool:
         """Return whether the sequence makes another try.
 
-        A sequence ends with `wanted` touches, if its policy has stopped, or if it is exhausted, as in
-        `choosing.choose_locations`.
+        A sequence ends with `wanted.touches` touches, if its policy has stopped, or if it is exhausted, as in
+        `choosing.choose_locations`. If locations out of reach are skipped, it ends with as many tries.
         """
-        return not self.stopped and not self.exhausted and self.touches < wanted
+        if (self.policy.unreachable or wanted.unreachable) == "skip":
+            return not self.stopped and len(self.felt) < wanted.touches
+        return not self.stopped and not self.exhausted and self.touches < wanted.touches
 
     @property
     def exhausted(self) -> bool:
@@ -311,7 +313,7 @@ def touch_by_policies(
     tries = Tries()
     # Each turn is a touch, a location that is passed over, or the end of the session.
     for _ in turns(wanted.touches + SPARE + 2, "the choice of locations by policies"):
-        active = [session for session in sessions if session.needs_try(wanted.touches)]
+        active = [session for session in sessions if session.needs_try(wanted)]
         if not active:
             break
         choices = {session: session.choose() for session in active}
