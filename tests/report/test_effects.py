@@ -1,10 +1,8 @@
 """The page tells what effects cost and change where it was measured, and shows hard places always."""
 
-import pyarrow as pa
-from report.pages import plain
 from report.synthetic import PARAMETERS, write_study
 
-from visuohaptic.report.effects import hard_places, replaced_sentence, rows_of_scenes
+from visuohaptic.report.effects import hard_places, rows_of_scenes
 from visuohaptic.report.studies import read_study
 from visuohaptic.sensor import hard_probes
 from visuohaptic.tables.phases import CONTACT_STATES
@@ -50,22 +48,3 @@ def test_scenes_as_a_whole_have_rows_of_their_own(tmp_path):
     assert [row["condition"] for row in found] == ["ideal", "worn_fsr"]
     failed = read_study(write_study(tmp_path, "effects", [("fsr400", None, None, None)]), "effects")
     assert rows_of_scenes(failed) == []
-
-
-def ranked(ranks, strategy="fixation"):
-    """Touches of one object: the ranks of each view's touches."""
-    rows = [(view, rank) for view, touched in enumerate(ranks) for rank in touched]
-    views, places = zip(*rows, strict=True)
-    columns = {"class": "cup", "object": "mug", "strategy": strategy}
-    columns = {name: [value] * len(rows) for name, value in columns.items()}
-    return pa.table({**columns, "viewpoint": views, "rank": places})
-
-
-def test_touches_at_no_fixation_and_views_without_their_first_are_counted():
-    random = ranked([[7, 8]], "random")
-    touches = pa.concat_tables([ranked([[0, 1], [1, 2], [2, 3], [0, 1]]), random])
-    said = replaced_sentence(touches, 2)
-    assert plain(said).startswith("In this run 38 % of the touches by fixation are not at one of")
-    assert said.endswith("In 2 of 4 views the most salient place is never touched.")
-    assert replaced_sentence(pa.concat_tables([ranked([[0, 1]]), random]), 2) == ""
-    assert replaced_sentence(random, 2) == ""

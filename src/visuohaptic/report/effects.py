@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pyarrow as pa
-import pyarrow.compute as pc
 
 from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.geometry.raycasting import RayCaster
@@ -16,7 +15,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.estimates import Row
 from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.run import Run
-from visuohaptic.report.wording import counted, listed, percent
+from visuohaptic.report.wording import counted, listed
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes
 from visuohaptic.sensor.example_shapes import touch_gallery
 from visuohaptic.studies.effects.influence import measured_scenes
@@ -208,29 +207,6 @@ def count_passed_over(touches: pa.Table) -> Counter[str]:
     for row in ranks.to_pylist():
         counts[row["strategy"]] += row["rank_max"] + 1 - row["rank_count_distinct"]
     return counts
-
-
-def replaced_sentence(touches: pa.Table, fixations: int) -> str:
-    """Return a sentence on touches by fixation that replace a fixation out of reach; empty without such touches.
-
-    Parameters
-    ----------
-    touches : pyarrow.Table
-        Rows of `tables.TOUCHES`.
-    fixations : int
-        The number of fixations per view. A place of rank `fixations` or higher replaces a fixation out of reach.
-    """
-    by_fixation = touches.filter(pc.equal(touches.column("strategy"), "fixation"))
-    replaced = pc.sum(pc.greater_equal(by_fixation.column("rank"), fixations)).as_py() or 0
-    first = by_fixation.group_by(["class", "object", "viewpoint"]).aggregate([("rank", "min")])
-    missed = pc.sum(pc.greater(first.column("rank_min"), 0)).as_py() or 0
-    if not replaced and not missed:
-        return ""
-    return (
-        f"In this run {percent(replaced / by_fixation.num_rows, 0)} of the touches by fixation are not at one of the "
-        f"view's {counted(fixations, 'fixation')}, but at a later place that the sensor can reach. In {missed} of "
-        f"{counted(first.num_rows, 'view')} the most salient place is never touched."
-    )
 
 
 def count_missing(run: Run) -> Counter[str]:

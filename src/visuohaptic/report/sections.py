@@ -27,7 +27,6 @@ from visuohaptic.report.effects import (
     count_states,
     effects_answer,
     hard_places,
-    replaced_sentence,
     rows_of_scenes,
     scene_strips,
     sum_channels,
@@ -37,6 +36,12 @@ from visuohaptic.report.estimates import Row
 from visuohaptic.report.evaluation import odd_sentence
 from visuohaptic.report.gaze import gaze_sentence
 from visuohaptic.report.leads import Lead, read_kept_leads, run_leads
+from visuohaptic.report.own_fixations import (
+    OwnFixations,
+    count_own_fixations,
+    own_fixations_rows,
+    own_fixations_sentence,
+)
 from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
@@ -240,15 +245,20 @@ def method_values(context: ReportContext) -> Values:
     """Return one sequence of the run, from the view to the predicted classes."""
     page = context.explaining
     shown = select(context.run.features, **page.shown_rows, touch=0)
+    own_fixations = _own_fixations(context.run)
     return {
         "page": page,
         "bands": matrix(shown, CONTOURLET_FEATURES)[0].tolist() if shown.num_rows else [],
         "pipelines_text": " ".join(_pipeline_texts(context.run)),
         "gaze": gaze_sentence(context.run.files.gaze),
-        "replaced": replaced_sentence(
-            context.run.touches, context.run.parameters.attention.fixations
-        ),
+        "own_fixations": own_fixations_sentence(own_fixations),
+        "own_fixations_rows": own_fixations_rows(own_fixations),
     }
+
+
+def _own_fixations(run: Run) -> OwnFixations | None:
+    """Return the comparison of the run's touches with the fixations of the eye."""
+    return count_own_fixations(run.touches, run.views, run.parameters.attention.fixations)
 
 
 def _pipeline_texts(run: Run) -> list[str]:
