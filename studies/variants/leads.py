@@ -11,6 +11,7 @@ import numpy as np
 
 from variants.choices import BY_NAME, CHOICES, Choice
 from variants.design import CROSSED, CROSSED_SINGLY, FACTORIAL, is_base_but_for
+from visuohaptic.evaluation.intervals import holm
 from visuohaptic.studies.figures import Row
 
 SIGNIFICANT = 0.05
@@ -31,8 +32,8 @@ class Lead:
         Number of cases.
     ahead, behind : int
         Cases in which fixation is ahead of or behind random probing.
-    ahead_significantly, behind_significantly : int
-        Cases with p value below `SIGNIFICANT`.
+    ahead_singly, behind_singly : int
+        Cases with p value below `SIGNIFICANT`, each case tested by itself.
     middle : float
         Median lead, as a share.
     """
@@ -40,8 +41,8 @@ class Lead:
     cases: int
     ahead: int
     behind: int
-    ahead_significantly: int
-    behind_significantly: int
+    ahead_singly: int
+    behind_singly: int
     middle: float
 
 
@@ -80,10 +81,20 @@ def sum_up(rows: Sequence[Row]) -> Lead:
         cases=len(leads),
         ahead=sum(lead > SAME for lead in leads),
         behind=sum(lead < -SAME for lead in leads),
-        ahead_significantly=sum(lead > SAME for lead in significant),
-        behind_significantly=sum(lead < -SAME for lead in significant),
+        ahead_singly=sum(lead > SAME for lead in significant),
+        behind_singly=sum(lead < -SAME for lead in significant),
         middle=median(leads),
     )
+
+
+def count_after_holm(rows: Sequence[Row]) -> tuple[int, int]:
+    """Count the rows of `VARIANTS` with fixation ahead and behind, p below `SIGNIFICANT` after Holm's correction.
+
+    The correction is for the number of `rows`. Column ``ahead`` of each row must hold a number.
+    """
+    adjusted = holm([row["p_value"] or 1.0 for row in rows])
+    leads = [row["ahead"] for row, p in zip(rows, adjusted, strict=True) if p < SIGNIFICANT]
+    return sum(lead > SAME for lead in leads), sum(lead < -SAME for lead in leads)
 
 
 def _by_option(choice: Choice, rows: Sequence[Row]) -> Iterator[tuple[str, list[Row]]]:

@@ -12,7 +12,7 @@ from filling import DOCS, fill_page, points, share, table
 from variants.choices import BEST_OF_PAPER, BY_NAME, OPPONENTS
 from variants.design import is_default, is_literal
 from variants.kept import OUTSIDE, PAPER_SET, kept_variants
-from variants.leads import leads_by_option, strongest_pair, sum_up
+from variants.leads import count_after_holm, leads_by_option, strongest_pair, sum_up
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from visuohaptic.report.draws import read_draws
 from visuohaptic.report.wording import percent_points
@@ -48,7 +48,8 @@ def spread_table(tables: dict[str, list[Row]]) -> str:
                     ", ".join(map(share, spread)),
                     _lead(run, is_default),
                     _lead(run, is_literal),
-                    *(lead.ahead, lead.ahead_significantly, lead.behind_significantly),
+                    *(lead.ahead, lead.ahead_singly, lead.behind_singly),
+                    "{}, {}".format(*count_after_holm(run)),
                     points(lead.middle),
                     word,
                 ]
@@ -63,8 +64,9 @@ def spread_table(tables: dict[str, list[Row]]) -> str:
     heads += [
         "most literal",
         "fixation ahead",
-        "significantly",
-        "significantly behind",
+        "p < 0.05 singly",
+        "behind, p < 0.05 singly",
+        "after Holm: ahead, behind",
         "median lead",
     ]
     return table([*heads, "verdict"], lines)

@@ -139,8 +139,8 @@ def _outside_sentences(rows: Sequence[Row], objects: int) -> Iterator[str]:
     yield (
         f"On {objects} objects outside the paper's set, fixation is ahead of random probing in "
         f"{total.ahead} of {total.cases} cases (a variant with one classifier), in "
-        f"{total.ahead_significantly} significantly; it is significantly behind in "
-        f"{total.behind_significantly}. The median lead is {points(total.middle)} points."
+        f"{total.ahead_singly} with p below 0.05, each case tested by itself; it is behind with p below 0.05 in "
+        f"{total.behind_singly}. The median lead is {points(total.middle)} points."
     )
     pair = strongest_pair(rows)
     if pair is None:
@@ -306,8 +306,8 @@ def _sentences(summary: Mapping[str, Any], classifier: str) -> list[str]:
     )
     lead = (
         f"Fixations are ahead of random probing in {percent(figures['ahead'] / count, 0)} of the variants, "
-        f"significantly in {percent(figures['ahead_significantly'] / count, 0)} (each tested by itself "
-        f"at 0.05, not adjusted for {count} variants). Half of the leads are above "
+        f"with p below 0.05 in {percent(figures['ahead_singly'] / count, 0)} (each tested by itself, not adjusted for "
+        f"{count} variants). Half of the leads are above "
         f"{points(figures['ahead_median'])} points; the paper's is {points(figures['published_ahead'])}. "
         f"Over all five classifiers fixations are ahead in {ahead} of {cells} cases."
     )

@@ -14,7 +14,7 @@ import visuohaptic.report
 from variants.choices import BEST_OF_PAPER
 from variants.design import is_literal
 from variants.kept import OUTSIDE, PAPER_SET, MeasuredVariants, kept_variants
-from variants.leads import sum_up
+from variants.leads import count_after_holm, sum_up
 from variants.page import variants_figures
 from variants.tables import VARIANTS
 from variants.verdicts import lead_evidence, of_papers_question, verdict
@@ -56,9 +56,17 @@ def _spread(rows: Sequence[Row]) -> list[Spread]:
     if not compared:
         return []
     lead, objects = sum_up(compared), max(row["objects"] for row in compared)
-    counts = (lead.cases, lead.ahead_significantly, lead.behind_significantly)
-    names = ("variants", "ahead", "behind")
-    return [Spread(objects=objects, **dict(zip(names, counts, strict=True)))]
+    ahead, behind = count_after_holm(compared)
+    return [
+        Spread(
+            objects=objects,
+            variants=lead.cases,
+            ahead=lead.ahead_singly,
+            behind=lead.behind_singly,
+            ahead_holm=ahead,
+            behind_holm=behind,
+        )
+    ]
 
 
 def _main_leads(measured: MeasuredVariants) -> list[Lead]:

@@ -1,8 +1,12 @@
 """The sentences of docs/claims.md have the numbers of the tables and of the kept variants."""
 
+import json
 import re
 from collections import Counter
 from pathlib import Path
+
+import numpy as np
+import pandas as pd
 
 from variants.choices import BEST_OF_PAPER
 from variants.design import is_literal
@@ -12,7 +16,10 @@ from variants.verdicts import of_papers_question
 from variants.weighing import summarise_variants
 from visuohaptic.report.wording import points
 
-TEXT = (Path(__file__).parents[2] / "docs/claims.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs/claims.md").read_text(encoding="utf-8")
+VARIANTS = ROOT / "studies/variants"
+SUMMARY = ROOT / "src/visuohaptic/report/variants.json"
 SECOND_OF_PAPER = "quadratic_discriminant"
 LEAD_OF_PAPER = 0.0186
 """Published accuracy of the SVM less the published accuracy of the quadratic discriminant."""
@@ -60,16 +67,72 @@ def test_variants_in_which_fixation_is_ahead_are_counted():
         for opponent in ("reachable", "visible"):
             run = of_papers_question(kept_variants(name).rows, BEST_OF_PAPER, opponent)
             lead = sum_up(run)
-            ahead, behind = lead.ahead_significantly, lead.behind_significantly
+            ahead, behind = lead.ahead_singly, lead.behind_singly
             counts[name, opponent] = f"{ahead} of {len(run)}", f"behind in {behind}"
     text = evidence("Fixations guide touch")
     in_reach, in_sight = text.partition(" Over random places among what the eye sees ")[::2]
     (ahead, behind), (ahead_outside, behind_outside) = (
         counts[name, "reachable"] for name in (PAPER_SET, OUTSIDE)
     )
-    assert f"significantly ahead in {ahead} variants and {behind} on the paper's set" in in_reach
+    assert f"fixation is ahead in {ahead} variants and {behind} on the paper's set" in in_reach
     assert f"ahead in {ahead_outside} and {behind_outside} on the 130 objects" in in_reach
     assert "fixation is ahead in {} and {} on the".format(*counts[OUTSIDE, "visible"]) in in_sight
+
+
+def adjusted_by_holm(p_values):
+    """Return p values with Holm's correction, computed with pandas."""
+    ordered = p_values.sort_values()
+    return (ordered * np.arange(len(ordered), 0, -1)).cummax().clip(upper=1)
+
+
+def counted_with_pandas(file, opponent):
+    """Return the number of variants, and those ahead and behind with p below 0.05, singly and after Holm's correction."""
+    rows = pd.read_parquet(VARIANTS / file)
+    rows = rows[(rows["classifier"] == "support_vector_machine") & rows["ahead"].notna()]
+    rows = rows[(rows["random_probing"] == opponent) & (rows["part"] != "protocol")]
+    rows = rows[rows["order"] == "kept"].reset_index()
+    counts = [len(rows)]
+    for p_values in (rows["p_value"], adjusted_by_holm(rows["p_value"])):
+        leads = rows["ahead"][p_values[p_values < 0.05].index]
+        counts += [int((leads > 0).sum()), int((leads < 0).sum())]
+    return counts
+
+
+def test_variants_that_are_ahead_are_counted_with_pandas():
+    text = evidence("Fixations guide touch")
+    spread = {one["objects"]: one for one in json.loads(SUMMARY.read_text())["spread"]}
+    page = (VARIANTS / "README.md").read_text(encoding="utf-8")
+    for file, objects in (("paper_set.parquet", 12), ("outside.parquet", 130)):
+        total, ahead, behind, ahead_holm, behind_holm = counted_with_pandas(file, "reachable")
+        assert re.search(
+            rf"ahead in {ahead} of {total}( variants)? and behind in {behind} on the", text
+        )
+        assert f"ahead in {ahead_holm} and behind in {behind_holm} on the" in text
+        kept = spread[objects]
+        assert kept == {
+            "objects": objects,
+            "variants": total,
+            "ahead": ahead,
+            "behind": behind,
+            "ahead_holm": ahead_holm,
+            "behind_holm": behind_holm,
+        }
+        (row,) = [one for one in page.splitlines() if re.match(rf"\| {objects} .*`random` \|", one)]
+        assert f" | {ahead} | {behind} | {ahead_holm}, {behind_holm} | " in row
+    total, ahead, behind, ahead_holm, behind_holm = counted_with_pandas(
+        "outside.parquet", "visible"
+    )
+    assert (
+        f"fixation is ahead in {ahead} of {total} and behind in {behind} on the 130 objects, each by itself, and in "
+        f"{ahead_holm} and {behind_holm} after the correction"
+    ) in text
+
+
+def test_twelve_objects_allow_no_lead_after_the_correction():
+    total, *_ = counted_with_pandas("paper_set.parquet", "reachable")
+    smallest = 2 * 0.5**12
+    assert smallest * total > 0.05
+    assert "(with 12 objects no other count is possible)" in evidence("Fixations guide touch")
 
 
 def test_the_most_literal_variant_has_the_leads_of_the_kept_variants():

@@ -40,9 +40,16 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding
 
 
 def test_the_variants_are_counted_by_set():
-    sentence = variant_counts_sentence(variants(objects=12, variants=9, ahead=1, behind=4))
+    counts = {"variants": 9, "ahead": 1, "behind": 4, "ahead_holm": 0, "behind_holm": 2}
+    sentence = variant_counts_sentence(variants(objects=12, **counts))
     assert sentence.endswith(
-        "significantly ahead of random touches in 1 of 9 variants on 12 objects (significantly behind in 4)."
+        "Fixations are ahead of random touches with p below 0.05, each variant tested by itself, in 1 of 9 variants on 12 "
+        "objects (behind in 4). After Holm's correction for the number of variants they are ahead in 0 and behind in 2 of "
+        "the 9 on 12 objects."
+    )
+    few = variant_counts_sentence(variants(objects=5, **counts))
+    assert few.endswith(
+        "on 5 objects (the smallest p value of so few objects, 0.062, is too large)."
     )
     assert variant_counts_sentence(variants()) == ""
 

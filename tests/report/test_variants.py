@@ -9,7 +9,7 @@ from visuohaptic.report.variants import Spread, VariantsSummary, read_variants
 
 MADE = VariantsSummary(
     verdict="no",
-    spread=(Spread(objects=12, variants=9, ahead=1, behind=4),),
+    spread=(Spread(objects=12, variants=9, ahead=1, behind=4, ahead_holm=0, behind_holm=2),),
     sentences=("Nine variants.",),
 )
 

@@ -25,13 +25,14 @@ from visuohaptic.report.leads import (
     verdict,
 )
 from visuohaptic.report.turned import POSES
-from visuohaptic.report.variants import VariantsSummary
+from visuohaptic.report.variants import Spread, VariantsSummary
 from visuohaptic.report.wording import (
     counted,
     listed,
     percent,
     percent_points,
     pipeline_name,
+    probability,
     strategy_name,
     titled,
 )
@@ -291,21 +292,35 @@ def _closeness(here: Figure, published: float) -> Literal["within", "outside", "
 
 
 def variant_counts_sentence(variants: VariantsSummary) -> str:
-    """Return sentences with the number of variants in which fixations are significantly ahead or behind.
+    """Return sentences with the number of variants in which fixations are ahead or behind with p below 0.05.
 
-    The numbers are per set of objects. Empty without variants.
+    The numbers are per set of objects, of each variant tested by itself and after Holm's correction. Empty without
+    variants.
     """
     if not variants.spread:
         return ""
-    counts = [
-        f"in {spread.ahead} of {spread.variants} variants on {spread.objects} objects (significantly behind in "
-        f"{spread.behind})"
+    singly = [
+        f"in {spread.ahead} of {spread.variants} variants on {spread.objects} objects (behind in {spread.behind})"
+        for spread in variants.spread
+    ]
+    corrected = [
+        f"ahead in {spread.ahead_holm} and behind in {spread.behind_holm} of the {spread.variants} on {spread.objects} "
+        f"objects{_why_none(spread)}"
         for spread in variants.spread
     ]
     return (
-        "The paper leaves steps open, so many variants of it were run. Fixations are significantly ahead of "
-        f"random touches {listed(counts)}."
+        "The paper leaves steps open, so many variants of it were run. Fixations are ahead of random touches with p below "
+        f"{SIGNIFICANCE:g}, each variant tested by itself, {listed(singly)}. After Holm's correction for the number of "
+        f"variants they are {listed(corrected)}."
     )
+
+
+def _why_none(spread: Spread) -> str:
+    """Return a note, in brackets, if the sign changes of so few objects allow no p value that Holm's correction keeps."""
+    smallest = 2.0 ** (1 - spread.objects)
+    if spread.variants * smallest < SIGNIFICANCE:
+        return ""
+    return f" (the smallest p value of so few objects, {probability(smallest)}, is too large)"
 
 
 def has_opponent(table: PipelineTable) -> bool:

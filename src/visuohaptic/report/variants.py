@@ -24,7 +24,11 @@ VARIANTS = "reports/variants.json"
 
 
 class Spread(BaseModel):
-    """Numbers of variants on one set of objects: all, and those with fixation significantly ahead or behind."""
+    """Numbers of variants on one set of objects: all, and those with fixation ahead or behind with p below 0.05.
+
+    `ahead` and `behind` test each variant by itself. `ahead_holm` and `behind_holm` count after Holm's correction for
+    `variants` tests.
+    """
 
     model_config = ConfigDict(frozen=True)
 
@@ -32,6 +36,8 @@ class Spread(BaseModel):
     variants: int
     ahead: int
     behind: int
+    ahead_holm: int
+    behind_holm: int
 
 
 class Lead(BaseModel):
