@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import visuohaptic.report
-from variants.choices import BEST_OF_PAPER
+from variants.choices import BEST_OF_PAPER, BY_NAME
 from variants.design import is_literal
 from variants.kept import OUTSIDE, PAPER_SET, MeasuredVariants, kept_variants
 from variants.leads import count_after_holm, sum_up
@@ -19,10 +19,13 @@ from variants.page import variants_figures
 from variants.tables import VARIANTS
 from variants.verdicts import lead_evidence, of_papers_question, verdict
 from variants.weighing import summarise_variants, variant_figures
-from visuohaptic.report.variants import KEPT, Lead, Spread, VariantsSummary
+from visuohaptic.report.variants import KEPT, Changed, Lead, Spread, VariantsSummary
 from visuohaptic.studies.figures import Row, write_json
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.schema import write_table
+
+CHOSEN_AGAIN = Path(__file__).with_name("chosen_again.json")
+"""The default that the rules of `choosing` give on later tables."""
 
 
 def make_variants(step: StepInputs) -> None:
@@ -47,6 +50,7 @@ def summarise(measured: MeasuredVariants, outside: MeasuredVariants | None) -> V
         leads=tuple(lead for of_set in sets.values() for lead in _main_leads(of_set)),
         sentences=tuple(sentence for block in shown for sentence in block["sentences"]),
         literal=_literal(measured.rows),
+        changed=_changed(json.loads(CHOSEN_AGAIN.read_text(encoding="utf-8"))),
         source=measured.source,
     )
 
@@ -94,6 +98,20 @@ def _literal(rows: Sequence[Row]) -> dict[str, dict[str, float]]:
         strategy: {row["classifier"]: row[strategy] for row in literal}
         for strategy in ("fixation", "random")
     }
+
+
+def _changed(again: Mapping[str, Any]) -> tuple[Changed, ...]:
+    """Return the choices in which the rules of `choosing`, applied again, differ from the default."""
+    chosen = again["chosen"]["changed"] | {row["choice"]: row["chosen"] for row in again["options"]}
+    return tuple(
+        Changed(
+            choice=BY_NAME[name].label.lower(),
+            default=BY_NAME[name].default.replace("_", " "),
+            today=option.replace("_", " "),
+        )
+        for name, option in chosen.items()
+        if option != BY_NAME[name].default
+    )
 
 
 def keep(path: Path) -> None:

@@ -1,14 +1,18 @@
 """The report's sentence on people's gaze is that of the table that the workflow hands it."""
 
 import json
+from pathlib import Path
 
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from visuohaptic.base.errors import ReportError
-from visuohaptic.report.gaze import gaze_sentence
+from visuohaptic.report.estimates import Figure
+from visuohaptic.report.gaze import gaze_sentence, relation
 
+KEPT = Path(__file__).parents[2] / "studies/human_gaze/agreement.parquet"
 ROWS = [
     {"object": one, "predictor": predictor, "part": part, "correlation": correlation}
     for predictor, equal in (("equal", 0.1), ("chosen", 0.5), ("facing", 0.9))
@@ -29,8 +33,39 @@ def written(folder, rows, metadata=None):
 def test_means_are_those_of_the_objects_held_out(tmp_path):
     found = gaze_sentence(written(tmp_path, ROWS, {"origin": json.dumps({"date": "2026-01-02"})}))
     assert "on 2 objects with recorded gaze (measured on 2026-01-02, not in this run)" in found
+    # Two objects can't exclude a correlation of 0.
+    assert "saliency is unrelated to people's gaze on 2 objects" in found
     assert "is 0.20 (" in found
-    assert "fitted to other objects it is 0.60 (" in found
+    assert "fitted to other objects, saliency is unrelated to people's gaze: 0.60 (" in found
+
+
+@pytest.mark.parametrize(
+    ("mean", "low", "high", "words"),
+    [
+        (0.16, 0.12, 0.2, "weakly related"),
+        (0.1, 0.05, 0.2, "weakly related"),
+        (0.09, 0.05, 0.2, "unrelated"),
+        (0.16, -0.01, 0.4, "unrelated"),
+        (0.3, 0.2, 0.4, "moderately related"),
+        (0.5, 0.4, 0.6, "strongly related"),
+        (-0.4, -0.5, -0.2, "inversely related"),
+    ],
+)
+def test_words_follow_from_the_correlation(mean, low, high, words):
+    assert relation(Figure(mean, low, high)) == words
+
+
+def test_the_words_on_the_kept_table_are_those_of_its_means():
+    rows = pd.read_parquet(KEPT)
+    rows = rows[rows["part"] == "training"]
+    means = rows.groupby("predictor")["correlation"].mean()
+    assert 0.1 <= means["equal"] < 0.3
+    assert means["chosen"] >= 0.5
+    count = rows[rows["predictor"] == "equal"]["object"].nunique()
+    found = gaze_sentence(KEPT)
+    assert f"saliency is weakly related to people's gaze on {count} objects" in found
+    assert f"looked at each place is {means['equal']:.2f} (" in found
+    assert f"saliency is strongly related to people's gaze: {means['chosen']:.2f} (" in found
 
 
 def test_without_a_table_there_is_no_sentence_and_another_table_is_refused(tmp_path):

@@ -28,9 +28,9 @@ SIGNIFICANCE = 0.05
 """A difference is significant if its p value after Holm's correction is below this level."""
 PIPELINES: Mapping[str, str] = {
     PAPER_PIPELINE: (
-        "Pipeline paper follows the paper: a self-organising map turns the 22 numbers of a "
-        "touch into five, and classifiers with their default settings learn from statistics of the "
-        "sequence."
+        "Pipeline paper is our variant of the paper, which a written rule chose: a self-organising map turns the 22 "
+        "numbers of a touch into five (by default the means of five groups of the numbers), and classifiers with their "
+        "default settings learn from statistics of the sequence."
     ),
     "order_free": (
         "Pipeline order_free is our own. It has no map, since five numbers keep only a part of a touch. It "

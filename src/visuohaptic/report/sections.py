@@ -13,6 +13,7 @@ from typing import Any
 
 from visuohaptic.attention.levels import CENTRE_LEVELS, SURROUND_OFFSETS
 from visuohaptic.evaluation.intervals import EXTRA
+from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
@@ -49,6 +50,7 @@ from visuohaptic.report.questions import (
     Answer,
     has_opponent,
     lead_answer,
+    papers_pipeline_sentences,
     recognition_answer,
     reproduction_answer,
     variant_counts_sentence,
@@ -225,10 +227,18 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         unseen = UNSEEN[recognition.protocol.protocol]
         accuracy = recount_shares(run, first, f'f"{{100 * shares[{first.leading!r}]:.1f}} %"')
         compared = next((table for table in run.pipelines if has_opponent(table)), first)
-        odd = [sentence for sentence in (odd_sentence(context.evaluation),) if sentence]
+        variant = (
+            papers_pipeline_sentences(context.variants) if first.name == PAPER_PIPELINE else ""
+        )
+        beside = [sentence for sentence in (variant, odd_sentence(context.evaluation)) if sentence]
         yield (
             recognition_answer(
-                run.pipelines, len(run.classes), touches, unseen, run.parameters.meshes.turns, odd
+                run.pipelines,
+                len(run.classes),
+                touches,
+                unseen,
+                run.parameters.meshes.turns,
+                beside,
             ),
             accuracy,
         )

@@ -58,6 +58,16 @@ class Lead(BaseModel):
     date: str | None = None
 
 
+class Changed(BaseModel):
+    """A choice for which the rule of the default chooses another option on later tables, in words."""
+
+    model_config = ConfigDict(frozen=True)
+
+    choice: str
+    default: str
+    today: str
+
+
 class VariantsSummary(BaseModel):
     """The result of all variants together.
 
@@ -73,6 +83,8 @@ class VariantsSummary(BaseModel):
         Sentences for the page.
     literal : dict
         Accuracies of the most literal variant, by strategy and classifier.
+    changed : tuple of Changed
+        Choices for which the rule of the default, applied to later tables, chooses another option than the default.
     source : Source or None
         Where kept figures are from; None for figures of this run.
     """
@@ -84,6 +96,7 @@ class VariantsSummary(BaseModel):
     leads: tuple[Lead, ...] = ()
     sentences: tuple[str, ...] = ()
     literal: dict[str, dict[str, float]] = {}
+    changed: tuple[Changed, ...] = ()
     source: Source | None = None
 
 
