@@ -98,9 +98,12 @@ draws: $(READY)
 	@python docs/make_two_questions.py
 
 # The first touch by ways to choose its place (studies/first_touch/README.md): make first_touch SET=benchmark
+first_touch: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 first_touch: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" plugins="[studies/first_touch/plug_in/looking.py]" \
-	  -- reports/first_touch.json
+	  -- results/first_touch.parquet
+	@python -m first_touch.keeping $(SET)
+	@python -m first_touch.make_page
 
 # Objects turned about the vertical and in any way, kept with the package (studies/turned/README.md): make turned SET=benchmark
 turned: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs

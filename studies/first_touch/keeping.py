@@ -1,42 +1,67 @@
-"""Write the accuracies per object that study `first_touch` measured."""
+"""Keep the accuracies per object of study `first_touch` in this folder: ``kept_<set>.parquet``.
+
+`python -m first_touch.keeping SET` copies ``results/first_touch.parquet``, which the study writes.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import sys
+from collections.abc import Mapping
+from pathlib import Path
 
-from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from visuohaptic.base.draws import draw_of
+from visuohaptic.base.errors import ReportError
+from visuohaptic.report.provenance import find_commit
+from visuohaptic.studies.figures import Cell, CellKey, read_cells
 from visuohaptic.studies.study import StepInputs
 
-NAMES = ("looking", "turns", "draw", "known", "touches")
-"""Words of a condition's name."""
+MEASURED = Path("results/first_touch.parquet")
+KEPT = "kept_{}.parquet"
 
 
 def make_first_touch(step: StepInputs) -> None:
-    """Write the accuracy per object of each condition, pipeline and strategy as JSON."""
+    """Write the accuracy of each object, condition, pipeline and strategy of the study's blocks as Parquet."""
     cells = read_cells(step.inputs["blocks"])
-    write_json({"set": step.run.meshes.set, **arrange(cells)}, step.outputs[0])
+    table = arrange(cells).replace_schema_metadata({"set": step.run.meshes.set})
+    pq.write_table(table, step.outputs[0], compression="zstd")
 
 
-def arrange(cells: dict[CellKey, Cell]) -> dict[str, Any]:
-    """Return objects, failed conditions, and one row per cell; an object's value is None if it was not tested."""
-    objects = sorted({key for cell in cells.values() for key in cell.objects})
-    rows, failed = [], []
-    for (condition, pipeline, strategy, classifier), cell in cells.items():
+def arrange(cells: Mapping[CellKey, Cell]) -> pa.Table:
+    """Return one row per object and cell, with the words of the condition's name as columns.
+
+    Columns ``draw`` and ``places`` are the draws of the turns and of the random places. Raises `ReportError` if a
+    condition failed.
+    """
+    rows = []
+    for (condition, pipeline, drawn, _), cell in cells.items():
         if cell.error:
-            failed.append(f"{condition}: {cell.error}")
-            continue
-        accuracy, weights = (
-            dict(zip(cell.objects, values.tolist(), strict=True))
-            for values in (cell.accuracy, cell.weights)
-        )
-        rows.append(
-            {
-                **dict(zip(NAMES, condition.split(), strict=True)),
-                "pipeline": pipeline,
-                "strategy": strategy,
-                "classifier": classifier,
-                "accuracy": [accuracy.get(key) for key in objects],
-                "weights": [weights.get(key) for key in objects],
-            }
-        )
-    return {"objects": ["/".join(key) for key in objects], "failed": failed, "cells": rows}
+            raise ReportError(f"Condition {condition} could not be measured: {cell.error}")
+        looking, turns, draw, known, touches = condition.split()
+        strategy, places = draw_of(drawn)
+        named = {
+            "looking": looking, "turns": turns, "draw": int(draw), "known": known, "touches": int(touches),
+            "pipeline": pipeline, "strategy": strategy, "places": places,
+        }  # fmt: skip
+        objects = zip(cell.objects, cell.accuracy.tolist(), cell.weights.tolist(), strict=True)
+        rows += [
+            {**named, "object": "/".join(key), "accuracy": accuracy, "weight": weight}
+            for key, accuracy, weight in objects
+        ]
+    return pa.Table.from_pylist(rows)
+
+
+def keep(name: str, measured: Path = MEASURED, folder: Path = Path(__file__).parent) -> None:
+    """Copy a measured table into a folder, with the commit that measured it; raise `ReportError` for another set."""
+    table = pq.read_table(measured)
+    found = (table.schema.metadata or {}).get(b"set", b"").decode()
+    if found != name:
+        raise ReportError(f"{measured} has set {found}; set {name} is needed.")
+    kept = table.replace_schema_metadata({"set": name, "commit": find_commit()})
+    pq.write_table(kept, folder / KEPT.format(name), compression="zstd")
+
+
+if __name__ == "__main__":
+    keep(sys.argv[1])

@@ -106,7 +106,7 @@ STUDY = Study(
         Step(
             "first_touch",
             "first_touch.keeping:make_first_touch",
-            ("reports/first_touch.json",),
+            ("results/first_touch.parquet",),
             needs={"include": {"meshes": {"set"}}},
         ),
     ),

@@ -1,0 +1,117 @@
+"""The conditions of the study, the table that it keeps, and leads from this table by hand."""
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from studies.surfaces import RUN
+
+from first_touch.keeping import arrange, keep
+from first_touch.study import FRAMES, PARTS, RULES, TOUCHES, conditions
+from first_touch.summary import LABELS, Place, accuracies, lead
+from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.base.errors import ReportError
+from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.studies.figures import Cell
+
+BOXES = (("box", "a"), ("cup", "b"))
+CONDITIONS = {one.name: one.changes for one in conditions(RUN)}
+
+
+def test_each_setting_is_measured_by_each_number_of_touches():
+    settings = {name.rpartition(" ")[0] for name in CONDITIONS}
+    assert len(CONDITIONS) == len(settings) * len(TOUCHES)
+    assert {name.rpartition(" ")[2] for name in CONDITIONS} == {"1", "2", "3", "5"}
+    assert TOUCHES == (1, 2, 3, 5)
+
+
+def test_upright_objects_have_five_draws_of_places_and_turned_objects_three_draws_of_turns():
+    upright = CONDITIONS["default none 0 full 1"]["probing.strategies"]
+    assert sum(name.startswith("random_visible") for name in upright) == 5
+    assert {*RULES, *PARTS, "human", "fixation"} <= {*upright}
+    for turns in ("vertical", "any"):
+        draws = {
+            CONDITIONS[name]["meshes.turn_draw"] for name in CONDITIONS if name.split()[1] == turns
+        }
+        assert draws == {0, 1, 2}
+
+
+def test_each_channel_looks_alone_once():
+    for channel in CHANNELS:
+        changes = CONDITIONS[f"{channel} none 0 full 1"]
+        weights = {name: changes[f"attention.weights.{name}"] for name in CHANNELS}
+        assert weights == {name: float(name == channel) for name in CHANNELS}
+        assert changes["probing.strategies"] == ("fixation",)
+
+
+def test_only_our_pipeline_is_measured_where_a_part_of_the_pose_is_unknown():
+    for changes in CONDITIONS.values():
+        both = changes["recognition.frame"] == "full"
+        assert len(changes["recognition.pipelines"]) == (2 if both else 1)
+    assert "vertical" not in FRAMES["any"]
+
+
+def test_all_strategies_of_the_study_have_words():
+    named = {
+        strategy.partition("#")[0]
+        for changes in CONDITIONS.values()
+        for strategy in changes["probing.strategies"]
+    }
+    assert named == {*LABELS}
+
+
+def cell(*accuracy, **named):
+    return Cell(BOXES, np.array(accuracy), np.array([1.0, 3.0]), **named)
+
+
+SVM = "support_vector_machine"
+CELLS = {
+    ("default none 0 full 1", "paper", "human", SVM): cell(1.0, 0.5),
+    ("default none 0 full 1", "paper", "random_visible", SVM): cell(0.0, 0.5),
+    ("default none 0 full 1", "paper", "random_visible#1", SVM): cell(1.0, 0.25),
+    ("default none 0 full 2", "paper", "human", SVM): cell(0.0, 0.0),
+    ("colour none 0 full 1", "paper", "human", SVM): cell(0.0, 0.0),
+    ("default any 0 full 1", "paper", "human", SVM): cell(0.5, 0.0),
+    ("default any 1 full 1", "paper", "human", SVM): cell(0.0, 1.0),
+}
+PAPER = Place("paper", 1)
+
+
+@pytest.fixture
+def rows():
+    return arrange(CELLS).to_pandas()
+
+
+def test_accuracies_are_means_over_draws_of_places_and_of_turns(rows):
+    assert accuracies(rows, "human", PAPER).accuracy.tolist() == [1.0, 0.5]
+    assert accuracies(rows, "random_visible", PAPER).accuracy.tolist() == [0.5, 0.375]
+    turned = accuracies(rows, "human", Place("paper", 1, "any"))
+    assert turned.accuracy.tolist() == [0.25, 0.5]
+    assert turned.objects == BOXES
+
+
+def test_a_lead_is_weighted_by_the_objects(rows):
+    found = lead(rows, "human", "random_visible", PAPER, IntervalParameters())
+    assert found.difference.mean == pytest.approx((0.5 + 3 * 0.125) / 4)
+    assert found.objects == 2
+
+
+def test_what_was_not_measured_is_named(rows):
+    with pytest.raises(LookupError, match="highest was not measured in"):
+        accuracies(rows, "highest", PAPER)
+
+
+def test_a_failed_condition_is_refused():
+    failed = {("default none 0 full 5", "paper", "human", SVM): cell(error="no view has 5 touches")}
+    with pytest.raises(ReportError, match="default none 0 full 5 could not be measured: no view"):
+        arrange(failed)
+
+
+def test_only_the_named_set_is_kept(tmp_path):
+    measured = tmp_path / "measured.parquet"
+    pq.write_table(arrange(CELLS).replace_schema_metadata({"set": "paper"}), measured)
+    with pytest.raises(ReportError, match="has set paper; set benchmark is needed"):
+        keep("benchmark", measured, tmp_path)
+    keep("paper", measured, tmp_path)
+    kept = pd.read_parquet(tmp_path / "kept_paper.parquet")
+    pd.testing.assert_frame_equal(kept, arrange(CELLS).to_pandas())
