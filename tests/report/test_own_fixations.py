@@ -60,8 +60,8 @@ def test_the_same_fixations_in_another_order_or_twice_are_not_those_of_the_eye()
 def test_each_sentence_has_its_own_figure():
     said = plain(own_fixations_sentence(count([[0, 1, 2], [0, 2, 3], [1, 2, 4], [0, 1, 2]])))
     assert said == (
-        "50 % of the 4 views are touched at exactly their first 3 fixations. In the others the sensor can't reach one of "
-        "these places at least. Later places of the view then move up: 42 % of the touches are not at the fixation of the "
+        "50 % of the 4 views are touched at exactly their first 3 fixations. In the others the sensor can't reach at least "
+        "one of these places. Later places of the view then move up: 42 % of the touches are not at the fixation of the "
         "same number, and 17 % are at none of the view's first 3 fixations. Of all views 50 % have such a touch. In 1 view "
         "the most salient place is never touched."
     )

@@ -98,7 +98,7 @@ def own_fixations_sentence(found: OwnFixations | None) -> str:
     eyes = f"first {counted(found.fixations, 'fixation')}"
     said = (
         f"{percent(found.views_as_fixated, 0)} of the {counted(found.views, 'view')} are touched at exactly their {eyes}. "
-        "In the others the sensor can't reach one of these places at least."
+        "In the others the sensor can't reach at least one of these places."
     )
     if found.views_replaced:
         said += (

@@ -311,8 +311,9 @@ def _too_wide(accuracies: Sequence[Figure], objects: int) -> str:
     if not widths or min(widths) <= 2 * MARGIN:
         return ""
     return (
-        f" Equality can't be decided with {counted(objects, 'object')}: our intervals are {percent_points(min(widths))} to "
-        f"{percent_points(max(widths))} points wide, wider than the margin of {100 * MARGIN:.0f} points to either side."
+        f" With {counted(objects, 'object')} none can be shown to be reproduced: our intervals are "
+        f"{percent_points(min(widths))} to {percent_points(max(widths))} points wide, wider than the margin of "
+        f"{100 * MARGIN:.0f} points to either side."
     )
 
 
