@@ -87,8 +87,8 @@ UNSEEN: Mapping[Protocol, str] = {
 """Test data that the classifier has not seen, in words, by protocol."""
 
 NO_TOUCH = {
-    "passed over": "no touch: the sensor can't reach the place, and a later place was touched instead",
-    "missing": "no touch: the view has no further place in reach",
+    "passed over": "no touch: the sensor can't reach the place, and the sequence goes on with a later place",
+    "missing": "no touch: the sequence has no further place in reach",
 }
 
 
