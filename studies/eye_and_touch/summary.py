@@ -128,7 +128,10 @@ class _Summary:
 
     def gain(self, first: Cell, second: Cell, over: str) -> Row:
         """Return the gain of the first cell over the second, in pairs over objects; `over` names the second."""
-        comparison = compare_paired(first.accuracy, second.accuracy, first.weights, self.intervals)
+        classes = [category for category, _ in first.objects]
+        comparison = compare_paired(
+            first.accuracy, second.accuracy, first.weights, self.intervals, classes
+        )
         difference = ends("difference", "", comparison.difference)
         return {"over": over, **difference, "p_value": comparison.p_value}
 

@@ -121,5 +121,6 @@ def _area(
     area = object_interval(areas, weights, intervals)
     compared = None
     if reference and reference is not curve and reference[0].objects == curve[0].objects:
-        compared = compare_paired(curve_areas(reference), areas, weights, intervals)
+        classes = [category for category, _ in curve[0].objects]
+        compared = compare_paired(curve_areas(reference), areas, weights, intervals, classes)
     return {**ends("area", "area_", area), **paired("gain", "p_value", compared)}

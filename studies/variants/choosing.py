@@ -37,8 +37,9 @@ from variants.kept import OUTSIDE
 from variants.leads import SIGNIFICANT
 from variants.study import STUDY
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, holm
+from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.published import TABLE_1
+from visuohaptic.evaluation.sign_changes import sign_change_test
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.conditions import plan_study
@@ -116,13 +117,12 @@ def choose_default(
     best = max(scores, key=lambda name: float(scores[name].mean()))
     listed: dict[str, Row] = {}
     for name, score in scores.items():
-        behind = _compared(scores[best], score, intervals)
         options = variants[name].options.items()
         listed[name] = {
             "variant": name,
             "score": float(score.mean()),
-            "behind": behind.difference.mean,
-            "p_value": behind.p_value,
+            "behind": float(np.mean(scores[best] - score)),
+            "p_value": _p_value(scores[best], score, intervals),
             "changed": {choice: option for choice, option in options if option != former[choice]},
         }
     candidates = [
@@ -171,7 +171,7 @@ def choose_options(
     scores = _option_scores(cells)
     alternatives = [(name, option) for name, option in scores if option != former[name]]
     p_values = [
-        _compared(scores[name, option], scores[name, former[name]], intervals).p_value
+        _p_value(scores[name, option], scores[name, former[name]], intervals)
         for name, option in alternatives
     ]
     adjusted = dict(zip(alternatives, holm(p_values), strict=True))
@@ -257,12 +257,16 @@ def acquired_share(features: pa.Table, viewpoints: int, touches: int) -> float:
     return (first.num_rows - (pc.sum(out_of_reach).as_py() or 0)) / requested
 
 
-def _compared(
+def _p_value(
     first: NDArray[np.float64],
     second: NDArray[np.float64],
     intervals: IntervalParameters,
-) -> PairedComparison:
-    return compare_paired(first, second, np.ones(len(first)), intervals)
+) -> float:
+    """Return the p value of the sign-change test alone, as in the rules that were written down."""
+    shares = np.full(len(first), 1 / len(first))
+    return sign_change_test(
+        first - second, shares, intervals.permutations, 1 - intervals.confidence
+    ).p_value
 
 
 def _cells_of_variant(cells: Mapping[CellKey, Cell], name: str) -> list[Cell]:

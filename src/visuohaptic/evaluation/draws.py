@@ -42,6 +42,11 @@ class ObjectAccuracies:
     weights: FloatArray
 
     @property
+    def classes(self) -> tuple[str, ...]:
+        """The class of each object."""
+        return tuple(category for category, _ in self.objects)
+
+    @property
     def mean(self) -> float:
         """The weighted mean of `accuracy`; with all tested objects, the mean over splits of each split's accuracy."""
         return float(self.weights @ self.accuracy / self.weights.sum())

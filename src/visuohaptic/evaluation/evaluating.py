@@ -130,7 +130,7 @@ class Evaluation:
     def compare(
         self, other: Evaluation, parameters: IntervalParameters | None = None
     ) -> PairedComparison:
-        """Compare two classifiers by a sign-change test, paired over the objects that both tested.
+        """Compare two classifiers, paired over the objects that both tested.
 
         Parameters
         ----------
@@ -143,8 +143,8 @@ class Evaluation:
         Returns
         -------
         PairedComparison
-            The mean over objects of this accuracy minus the other, weighted by `self.weights`, its interval, and a
-            two-sided p value, computed by `intervals.compare_paired`.
+            The mean over objects of this accuracy minus the other, weighted by `self.weights`. It has intervals and
+            two-sided p values of new objects and of new classes, computed by `intervals.compare_paired`.
 
         Raises
         ------
@@ -160,7 +160,8 @@ class Evaluation:
             np.array([values[name] for name in objects])
             for values in (self.by_object, other.by_object, self.weights)
         )
-        return compare_paired(first, second, weights, parameters or IntervalParameters())
+        classes = [name.partition("/")[0] for name in objects]
+        return compare_paired(first, second, weights, parameters or IntervalParameters(), classes)
 
 
 def evaluate(

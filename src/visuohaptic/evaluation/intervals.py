@@ -1,11 +1,13 @@
-"""Intervals over objects by one rule, and paired tests over objects.
+"""Intervals over objects and over classes, and paired tests.
 
 Sequences of one object are not independent, so the unit is the object. Each object has one value, such as its mean
-accuracy over the splits that tested the object. The interval is a confidence interval of the mean over all objects of
-the same kind, from the observed sample of objects. The trained classifiers are fixed, so the variation of training
-objects is not included.
+accuracy over the splits that tested the object. The interval of new objects is a confidence interval of the mean over
+all objects of the same classes, from the observed sample of objects. The interval of new classes is that of the mean
+over all classes: classes count as a sample, too. The trained classifiers are fixed, so the variation of training
+objects is not included. docs/intervals.md has the measured coverage.
 
-The rule for the low end, with tail = (1 - confidence) / 2; the high end is its mirror image:
+The rule of an accuracy (`object_interval`) for the low end, with tail = (1 - confidence) / 2; the high end is its mirror
+image:
 
 1. Add an extra object. Its weight is sum(w**2) / sum(w), where w are the weights of the observed objects.
 2. Multiply each weight by a random factor with a gamma distribution. The shape is 1 for observed objects (Bayesian
@@ -19,6 +21,13 @@ The rule for the low end, with tail = (1 - confidence) / 2; the high end is its 
 The quantiles are computed by numerical integration, without random draws. The rule is monotone: both ends stay or
 fall if the value of an object falls. If all values are 0 or 1 and all weights are equal, the random mean has a beta
 distribution.
+
+The rule of a lead, a mean of paired differences (`compare_differences`): the interval has all means that are rejected
+neither by the sign-change test (`sign_changes`) nor by the rule of unobserved failures above. The p value is the larger
+of both tests' p values at a lead of 0. So p is below 1 - confidence exactly if the interval excludes 0.
+
+The rule of new classes (`class_interval`, and the second interval of a lead): all means that are rejected neither by the
+rule of new objects nor by Student's t test of the means of classes.
 """
 
 from __future__ import annotations
@@ -27,15 +36,21 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from visuohaptic.base.arrays import FloatArray, IntArray
-from visuohaptic.base.seeds import spawn_generator
+from visuohaptic.evaluation import student
+from visuohaptic.evaluation.sign_changes import sign_change_test
 from visuohaptic.recognition.parameters import IntervalParameters
 
 Bounds = tuple[float, float]
 """Type of bounds: the lowest and the highest value that an object can have."""
+
+Classes = Sequence[str] | Sequence[int] | IntArray | NDArray[np.str_]
+"""Type of the classes of objects, one per object."""
 
 SHARE: Bounds = (0.0, 1.0)
 """Bounds of a share, such as an accuracy."""
@@ -82,19 +97,48 @@ class Interval:
 class PairedComparison:
     """Result of a paired test of two treatments of the same objects.
 
-    `difference` is the weighted mean of first minus second, with its interval. `p_value` is two-sided. `objects` is
-    the number of objects. `exact` is True if `p_value` comes from all sign changes, False if from a random sample.
+    Attributes
+    ----------
+    difference : Interval
+        The weighted mean of first minus second, with its interval of new objects of the same classes.
+    p_value : float
+        The two-sided p value, below 1 - confidence exactly if `difference` excludes 0.
+    objects : int
+        The number of objects.
+    exact : bool
+        Whether the test used all sign changes, not a random sample.
+    difference_new_classes : Interval
+        The same mean with its interval of new classes. With fewer than two classes, or unknown classes, both ends are
+        NaN.
+    p_value_new_classes : float
+        The p value of `difference_new_classes`; NaN where its ends are.
+    classes : int
+        The number of classes; 0 if they are unknown.
     """
 
     difference: Interval
     p_value: float
     objects: int
     exact: bool
+    difference_new_classes: Interval
+    p_value_new_classes: float
+    classes: int
 
 
 def plain_interval(interval: Interval) -> dict[str, float | None]:
     """Return a dict with keys ``mean``, ``low`` and ``high``, for JSON; NaN becomes None."""
     return {name: None if np.isnan(value) else value for name, value in vars(interval).items()}
+
+
+def plain_comparison(comparison: PairedComparison) -> dict[str, Any]:
+    """Return a dict with a key per attribute of the comparison, for JSON; intervals are dicts, NaN becomes None."""
+    p_value = comparison.p_value_new_classes
+    return {
+        **vars(comparison),
+        "difference": plain_interval(comparison.difference),
+        "difference_new_classes": plain_interval(comparison.difference_new_classes),
+        "p_value_new_classes": None if math.isnan(p_value) else p_value,
+    }
 
 
 def object_interval(
@@ -127,11 +171,7 @@ def object_interval(
     ValueError
         If there is no object, or a value lies outside the bounds by more than 1e-9.
     """
-    lowest, highest = float(values.min()), float(values.max())
-    if lowest < bounds[0] - _ROUNDING or highest > bounds[1] + _ROUNDING:
-        raise ValueError(f"values are from {lowest} to {highest}; they must be within {bounds}.")
-    values = np.clip(values, *bounds)
-    mean = float(np.clip(np.einsum("o,o", weights, values) / np.sum(weights), lowest, highest))
+    values, mean = _checked(values, weights, bounds)
     if len(values) < 2:
         return Interval(mean, math.nan, math.nan)
     tail = (1 - parameters.confidence) / 2
@@ -141,16 +181,114 @@ def object_interval(
     return Interval(mean, min(low, mean), max(high, mean))
 
 
+def class_interval(
+    values: FloatArray,
+    weights: FloatArray,
+    classes: Classes,
+    parameters: IntervalParameters,
+    bounds: Bounds = SHARE,
+) -> Interval:
+    """Compute the weighted mean of the objects' values and its interval of new classes.
+
+    Parameters
+    ----------
+    values, weights, parameters, bounds
+        As in `object_interval`.
+    classes : sequence of length o
+        The class of each object: numbers or names.
+
+    Returns
+    -------
+    Interval
+        The mean of `object_interval`. The interval contains that of `object_interval`, and Student's interval of the
+        means of classes, with one degree of freedom fewer than classes. With one class both ends are NaN.
+
+    Raises
+    ------
+    ValueError
+        As in `object_interval`.
+    """
+    objects = object_interval(values, weights, parameters, bounds)
+    means = _class_means(np.clip(values, *bounds), weights, classes)
+    return _widened(objects, means, bounds, _significance(parameters))
+
+
 def balanced_interval(
-    values: FloatArray, classes: IntArray, parameters: IntervalParameters
+    values: FloatArray, classes: Classes, parameters: IntervalParameters
 ) -> Interval:
     """Compute the mean over classes of the mean over the objects of a class, and its interval over objects.
 
     `values` (o,) are shares in [0, 1], one per object. `classes` (o,) are class labels. The interval is that of
     `object_interval`, with weight 1 / (objects of the class) per object.
     """
-    _, class_index, counts = np.unique(classes, return_inverse=True, return_counts=True)
+    _, class_index, counts = np.unique(np.asarray(classes), return_inverse=True, return_counts=True)
     return object_interval(values, 1.0 / counts[class_index], parameters)
+
+
+def balanced_class_interval(
+    values: FloatArray, classes: Classes, parameters: IntervalParameters
+) -> Interval:
+    """Compute the mean of `balanced_interval` and its interval of new classes, by `class_interval`."""
+    _, class_index, counts = np.unique(np.asarray(classes), return_inverse=True, return_counts=True)
+    return class_interval(values, 1.0 / counts[class_index], classes, parameters)
+
+
+def _checked(values: FloatArray, weights: FloatArray, bounds: Bounds) -> tuple[FloatArray, float]:
+    """Return the values clipped to the bounds, and their weighted mean; raise `ValueError` as `object_interval`."""
+    lowest, highest = float(values.min()), float(values.max())
+    if lowest < bounds[0] - _ROUNDING or highest > bounds[1] + _ROUNDING:
+        raise ValueError(f"values are from {lowest} to {highest}; they must be within {bounds}.")
+    values = np.clip(values, *bounds)
+    mean = np.einsum("o,o", weights, values) / np.sum(weights)
+    return values, float(np.clip(mean, lowest, highest))
+
+
+@dataclass(frozen=True)
+class _ClassMeans:
+    """The number of classes, and mean and standard error of the mean if classes are a sample (NaN for one class)."""
+
+    count: int
+    mean: float
+    error: float
+
+
+def _class_means(values: FloatArray, weights: FloatArray, classes: Classes) -> _ClassMeans:
+    """Compute the standard error of the weighted mean over classes, from the weighted means of classes."""
+    names, index = np.unique(np.asarray(classes), return_inverse=True)
+    total = math.fsum(weights.tolist())
+    shares, means = [], []
+    for number in range(len(names)):
+        inside = index == number
+        weight = math.fsum(weights[inside].tolist())
+        shares.append(weight / total)
+        means.append(math.fsum((weights[inside] * values[inside]).tolist()) / weight)
+    mean = math.fsum(share * value for share, value in zip(shares, means, strict=True))
+    if len(names) < 2:
+        return _ClassMeans(len(names), mean, math.nan)
+    squares = math.fsum(
+        (share * (value - mean)) ** 2 for share, value in zip(shares, means, strict=True)
+    )
+    # The sum of squares, divided by its expectation for means of variance 1, times the variance of the mean.
+    second = math.fsum(share**2 for share in shares)
+    expected = math.fsum(share**2 * (1 - 2 * share + second) for share in shares)
+    return _ClassMeans(len(names), mean, math.sqrt(squares * second / expected))
+
+
+def _widened(
+    objects: Interval, means: _ClassMeans, bounds: Bounds, significance: float
+) -> Interval:
+    """Return the interval of new objects, widened to Student's interval of the means of classes."""
+    if means.count < 2 or math.isnan(objects.low):
+        return Interval(objects.mean, math.nan, math.nan)
+    reach = student.quantile(significance, means.count - 1) * means.error
+    low = max(objects.mean - reach, bounds[0])
+    high = min(objects.mean + reach, bounds[1])
+    return Interval(objects.mean, min(low, objects.low), max(high, objects.high))
+
+
+def _significance(parameters: IntervalParameters) -> float:
+    """Return 1 - confidence, without the rounding of the difference."""
+    return round(1 - parameters.confidence, 12)
 
 
 @lru_cache(maxsize=64)
@@ -270,46 +408,117 @@ def compare_paired(
     second: FloatArray,
     weights: FloatArray,
     parameters: IntervalParameters,
+    classes: Classes | None = None,
 ) -> PairedComparison:
-    """Compare two treatments of the same objects by a sign-change permutation test.
+    """Compare two treatments of the same objects, by `compare_differences` of first minus second.
+
+    `first` and `second` (o,) are shares in [0, 1], one per object, in the same order of objects. Other parameters, result
+    and errors are those of `compare_differences`.
+    """
+    return compare_differences(first - second, weights, parameters, DIFFERENCE, classes)
+
+
+def compare_differences(
+    differences: FloatArray,
+    weights: FloatArray,
+    parameters: IntervalParameters,
+    bounds: Bounds = DIFFERENCE,
+    classes: Classes | None = None,
+) -> PairedComparison:
+    """Test whether the mean of paired differences is 0, and compute the intervals that belong to the test.
 
     Parameters
     ----------
-    first, second : array (o,)
-        Shares in [0, 1], one per object, in the same order of objects; at least one object.
+    differences : array (o,)
+        One finite difference per object, within the bounds; at least one object.
     weights : array (o,)
         One positive weight per object. Only the ratios of weights count.
     parameters : IntervalParameters
-        The confidence of the interval, and the largest number of sign changes.
+        The confidence of the intervals, and the largest number of sign changes. All 2**o sign changes are taken if they
+        are at most `parameters.permutations`; otherwise so many are drawn. The drawn sample depends only on
+        `parameters.permutations` and the number of objects.
+    bounds : tuple of two floats
+        The lowest and the highest possible difference, below and above 0.
+    classes : sequence of length o, optional
+        The class of each object: numbers or names. Without classes there is no interval of new classes.
 
     Returns
     -------
     PairedComparison
-        The weighted mean of first minus second, its interval, and the p value. The p value is the share of sign
-        changes with an absolute weighted mean at least as large as the observed one. All 2**o sign changes are taken
-        if they are at most `parameters.permutations`. Otherwise `parameters.permutations` sign changes are drawn, and
-        the observed signs are added. The drawn sample depends only on `parameters.permutations` and the number of
-        objects, so the p value is reproducible.
+        By the rules of this module. A p value is below 1 - confidence exactly if its interval excludes 0. Intervals
+        lie within the bounds and contain the mean. If the sign-change test can reject no mean, the interval reaches
+        from bound to bound: for confidence 95 % with two to five objects. With a single object both ends are NaN and
+        the p value is 1.
 
     Raises
     ------
     ValueError
-        If there is no object, or a difference lies outside [-1, 1] by more than 1e-9.
+        If there is no object, or a difference lies outside the bounds by more than 1e-9.
     """
-    interval = object_interval(first - second, weights, parameters, DIFFERENCE)
-    differences = (first - second) * weights / weights.sum()
-    count = len(differences)
-    exact = count < 63 and 2**count <= parameters.permutations
-    if exact:
-        bits = np.arange(2**count)[:, None] >> np.arange(count)
-        signs = 1.0 - 2.0 * (bits & 1)
-    else:
-        generator = spawn_generator(0, "sign changes", count)
-        signs = generator.choice([-1.0, 1.0], size=(parameters.permutations, count))
-    # Sums that differ only by rounding count as equal.
-    reached = np.abs(signs @ differences) >= np.abs(differences.sum()) - 1e-12
-    p_value = reached.mean() if exact else (reached.sum() + 1) / (len(signs) + 1)
-    return PairedComparison(interval, float(p_value), count, exact)
+    differences, mean = _checked(differences, weights, bounds)
+    significance = _significance(parameters)
+    tested = sign_change_test(
+        differences, weights / weights.sum(), parameters.permutations, significance
+    )
+    p_value, interval = tested.p_value, Interval(mean, math.nan, math.nan)
+    if len(differences) > 1:
+        tail = significance / 2
+        low = _unobserved_low_end(differences, weights, bounds[0], tail)
+        high = -_unobserved_low_end(-differences, weights, -bounds[1], tail)
+        interval = Interval(
+            mean,
+            max(bounds[0], min(tested.low, low, mean)),
+            min(bounds[1], max(tested.high, high, mean)),
+        )
+        p_value = max(p_value, _unobserved_p_value(differences, weights, mean, bounds))
+    p_value = _agreeing(p_value, interval, significance)
+    missing = Interval(mean, math.nan, math.nan)
+    if classes is None:
+        return PairedComparison(
+            interval, p_value, len(differences), tested.exact, missing, math.nan, 0
+        )
+    means = _class_means(differences, weights, classes)
+    widened = _widened(interval, means, bounds, significance)
+    p_classes = math.nan
+    if not math.isnan(widened.low):
+        p_classes = max(p_value, student.two_sided(means.mean, means.error, means.count - 1))
+        p_classes = _agreeing(p_classes, widened, significance)
+    return PairedComparison(
+        interval, p_value, len(differences), tested.exact, widened, p_classes, means.count
+    )
+
+
+def _unobserved_low_end(
+    values: FloatArray, weights: FloatArray, worst: float, tail: float
+) -> float:
+    """Compute the low end for unobserved failures only; infinite if `worst` is."""
+    if math.isinf(worst):
+        return math.inf
+    unobserved = _unobserved_weight(tuple(weights.tolist()), tail)
+    return (1 - unobserved) * float(values.max()) + unobserved * worst
+
+
+def _unobserved_p_value(
+    differences: FloatArray, weights: FloatArray, mean: float, bounds: Bounds
+) -> float:
+    """Compute the two-sided p value of a mean of 0 by the rule of unobserved failures; 0 for an infinite bound."""
+    best, worst = (
+        (float(differences.max()), bounds[0]) if mean > 0 else (float(differences.min()), bounds[1])
+    )
+    if math.isinf(worst):
+        return 0.0
+    # The mean is 0 if the extra object has this share of the total weight.
+    share = best / (best - worst)
+    extra = np.einsum("o,o", weights, weights) / np.sum(weights)
+    slopes = np.append(weights * share, extra * (share - 1))
+    return min(1.0, 2 * _probability_below_zero(slopes))
+
+
+def _agreeing(p_value: float, interval: Interval, significance: float) -> float:
+    """Return the p value, moved across the significance level where only rounding parts it from the interval."""
+    if interval.low > 0 or interval.high < 0:
+        return min(p_value, math.nextafter(significance, 0))
+    return max(p_value, significance)
 
 
 def holm(p_values: Sequence[float]) -> list[float]:

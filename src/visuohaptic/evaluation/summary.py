@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,9 +24,12 @@ from visuohaptic.evaluation.draws import (
     plain_lead,
 )
 from visuohaptic.evaluation.intervals import (
+    balanced_class_interval,
     balanced_interval,
+    class_interval,
     compare_paired,
     object_interval,
+    plain_comparison,
     plain_interval,
 )
 from visuohaptic.evaluation.leads import DrawnAccuracies, compare_by_lead
@@ -50,8 +53,12 @@ METHOD = {
     "interval": "over objects, for fixed trained classifiers: quantiles of the mean with random weights of the objects "
     "and of an extra object; the extra object has the value of the worst object, or the worst possible value while "
     "the others have the best value, and the wider interval counts",
-    "comparison": "paired over the objects that both strategies tested, weighted as by fixation: mean "
-    "difference, its interval by the same rule, and two-sided p value of the sign-change permutation test",
+    "new_classes": "the interval if classes are a sample, too: the wider of the interval over objects and of Student's "
+    "interval of the means of classes, with one degree of freedom fewer than classes; none with one class",
+    "comparison": "paired over the objects that both strategies tested, weighted as by fixation: mean difference, its "
+    "interval and two-sided p value. The interval over objects has the means that are rejected neither by the "
+    "sign-change permutation test nor for unobserved failures, and the p value is the larger of both; new_classes "
+    "adds Student's test of the means of classes. A p value is below 1 - confidence exactly if its interval excludes 0",
     "leads": "accuracy by one strategy minus accuracy by another, mean over draws: seeing, fixation minus random places "
     "in reach; sight, random places in sight minus random places in reach; salience, fixation minus random places in "
     "sight",
@@ -117,9 +124,10 @@ def summarise(
     -------
     dict
         ``results[pipeline][strategy][classifier]`` has the figures, and ``method`` describes each of them. An interval
-        has ``mean``, ``low`` and ``high``; a missing end is None. ``comparisons[pipeline][classifier][strategy]``
-        compares fixation with the strategy: fixation minus the strategy. ``leads[pipeline][classifier]`` has the leads
-        of `evaluation.leads.LEADS` whose strategies were measured.
+        has ``mean``, ``low`` and ``high``; a missing end is None. The name of an interval of new classes ends in
+        ``_new_classes``. ``comparisons[pipeline][classifier][strategy]`` compares fixation with the strategy: fixation
+        minus the strategy. ``leads[pipeline][classifier]`` has the leads of `evaluation.leads.LEADS` whose
+        strategies were measured.
 
     Raises
     ------
@@ -249,11 +257,19 @@ def _summarise_cell(
     def rate(values: FloatArray, weights: FloatArray) -> dict[str, float | None]:
         return plain_interval(object_interval(values, weights, parameters))
 
+    def rate_of_classes(values: FloatArray, weights: FloatArray) -> dict[str, float | None]:
+        return plain_interval(class_interval(values, weights, figures.classes, parameters))
+
     return {
         "accuracy": rate(figures.accuracy, figures.weights),
+        "accuracy_new_classes": rate_of_classes(figures.accuracy, figures.weights),
         "object_accuracy": rate(figures.vote, figures.vote_weights),
+        "object_accuracy_new_classes": rate_of_classes(figures.vote, figures.vote_weights),
         "balanced_accuracy": plain_interval(
             balanced_interval(figures.accuracy, figures.classes, parameters)
+        ),
+        "balanced_accuracy_new_classes": plain_interval(
+            balanced_class_interval(figures.accuracy, figures.classes, parameters)
         ),
         "class_accuracy": {
             name: rate(figures.accuracy[names == name], np.ones(np.sum(names == name)))
@@ -322,9 +338,13 @@ def _compare_strategies(
                 f"at least one is needed to compare them."
             )
         comparison = compare_paired(
-            reference.accuracy, other.accuracy, reference.weights, parameters
+            reference.accuracy,
+            other.accuracy,
+            reference.weights,
+            parameters,
+            reference.classes,
         )
-        entry = {**asdict(comparison), "difference": plain_interval(comparison.difference)}
+        entry = plain_comparison(comparison)
         if key in further:
             entry["draws"] = plain_lead(lead_over_draws(fixation.object_accuracies, draws))
         comparisons.setdefault(pipeline, {}).setdefault(classifier, {})[strategy] = entry

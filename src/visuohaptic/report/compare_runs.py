@@ -17,7 +17,7 @@ from pydantic import BaseModel, Field, PositiveFloat, ValidationError
 from visuohaptic.base.errors import ReportError
 from visuohaptic.base.optional_packages import require
 from visuohaptic.base.regular_files import read_regular
-from visuohaptic.evaluation.intervals import compare_paired
+from visuohaptic.evaluation.intervals import compare_paired, plain_comparison
 from visuohaptic.parameters import leaves
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure
@@ -29,7 +29,8 @@ LARGEST_BYTES = 100 * 10**6
 CELL = ["pipeline", "strategy", "classifier"]
 VALUE = ["value", "low", "high"]
 DIFFERENCE = ["difference", "difference_low", "difference_high"]
-COLUMNS = ["parameter", *CELL, "run", *VALUE, *DIFFERENCE, "p_value", "objects"]
+NEW_CLASSES = ["new_classes_low", "new_classes_high", "p_value_new_classes"]
+COLUMNS = ["parameter", *CELL, "run", *VALUE, *DIFFERENCE, "p_value", *NEW_CLASSES, "objects"]
 
 
 class Measured(BaseModel):
@@ -107,7 +108,7 @@ def compare_runs(runs: Sequence[Metrics]) -> pd.DataFrame:
     pandas.DataFrame
         Columns `COLUMNS`, with one row per run for each parameter that differs and for each accuracy. ``value`` is a
         parameter as JSON, or an accuracy with its interval. ``difference`` is the run's accuracy minus that of A over
-        the ``objects`` that both tested. It has an interval, and the p value of the sign-change test.
+        the ``objects`` that both tested. It has intervals and p values, of new objects and of new classes.
 
     Raises
     ------
@@ -147,8 +148,11 @@ def _accuracy_rows(runs: Sequence[Metrics]) -> Iterator[dict[str, object]]:
         for run, cells in zip(ascii_uppercase, by_cell, strict=False):
             if cell not in cells:
                 continue
-            accuracy = vars(cells[cell].accuracy).values()
-            row = dict(zip([*CELL, "run", *VALUE], [*cell, run, *accuracy], strict=True))
+            accuracy = cells[cell].accuracy
+            figures = (accuracy.mean, accuracy.low, accuracy.high)
+            row: dict[str, object] = dict(
+                zip([*CELL, "run", *VALUE], [*cell, run, *figures], strict=True)
+            )
             if cells is not first and cell in first:
                 row |= _difference(cells[cell].by_object, first[cell].by_object)
             yield row
@@ -163,11 +167,20 @@ def _difference(
         return {"objects": 0}
     before, weights = np.array([first[name] for name in objects]).T
     after = np.array([later[name][0] for name in objects])
-    compared = compare_paired(after, before, weights, IntervalParameters())
+    classes = [name.partition("/")[0] for name in objects]
+    compared = plain_comparison(
+        compare_paired(after, before, weights, IntervalParameters(), classes)
+    )
     is_equal = np.array_equal(before, after)
-    figures = (0.0, None, None) if is_equal else vars(compared.difference).values()
-    p_value, count = compared.p_value, len(objects)
-    return {**dict(zip(DIFFERENCE, figures, strict=True)), "p_value": p_value, "objects": count}
+    wide = compared["difference_new_classes"]
+    figures = (0.0, None, None) if is_equal else compared["difference"].values()
+    ends = (None, None) if is_equal else (wide["low"], wide["high"])
+    return {
+        **dict(zip(DIFFERENCE, figures, strict=True)),
+        "p_value": compared["p_value"],
+        **dict(zip(NEW_CLASSES, (*ends, compared["p_value_new_classes"]), strict=True)),
+        "objects": len(objects),
+    }
 
 
 def write_lines(table: pd.DataFrame) -> Iterator[str]:

@@ -9,7 +9,7 @@ from typing import Any
 from visuohaptic.evaluation.draws import LeadOverDraws
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.published import PAPER_PIPELINE, TABLE_1
-from visuohaptic.report.estimates import Figure
+from visuohaptic.report.estimates import Figure, measured
 from visuohaptic.report.wording import (
     classifier_name,
     counted,
@@ -56,7 +56,7 @@ class Comparison:
         Accuracy of fixations minus accuracy of the other strategy, as a share. A random strategy with several draws of
         its places has each object's mean accuracy over draws.
     p_value : float
-        The two-sided p value of the sign-change permutation test.
+        The two-sided p value of new objects of the same classes.
     adjusted_p : float
         `p_value` after Holm's correction for all classifiers and strategies of the pipeline.
     objects : int
@@ -281,7 +281,7 @@ def _row(
     """Return the row of classifier `key`; `adjusted` has p values by classifier and strategy."""
     cells = {strategy: by_key[key] for strategy, by_key in results.items() if key in by_key}
     accuracy, by_vote = (
-        {strategy: Figure(**cell[name]) for strategy, cell in cells.items()}
+        {strategy: measured(cell, name) for strategy, cell in cells.items()}
         for name in ("accuracy", "object_accuracy")
     )
     return ClassifierRow(
@@ -296,7 +296,7 @@ def _row(
         published=TABLE_1.get(key, {}) if pipeline == PAPER_PIPELINE else {},
         comparisons={
             strategy: Comparison(
-                Figure(**comparison["difference"]),
+                measured(comparison, "difference"),
                 comparison["p_value"],
                 adjusted[key, strategy],
                 comparison["objects"],

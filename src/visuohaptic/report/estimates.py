@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -13,7 +13,7 @@ from markupsafe import Markup
 from pydantic import ValidationError
 
 from visuohaptic.base.errors import ReportError
-from visuohaptic.evaluation.intervals import Interval
+from visuohaptic.evaluation.intervals import Interval, PairedComparison
 from visuohaptic.report.wording import percent, points
 
 Row = Mapping[str, Any]
@@ -24,11 +24,29 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True)
 class Figure:
-    """A mean and the ends of its interval; missing ends are None."""
+    """A mean with its intervals of new objects and of new classes; missing numbers are None.
+
+    Attributes
+    ----------
+    mean : float
+        The mean.
+    low, high : float, optional
+        Ends of the interval of new objects of the same classes.
+    p_value : float, optional
+        Only of a lead: the p value that belongs to this interval.
+    new_classes_low, new_classes_high : float, optional
+        Ends of the interval of new classes.
+    p_value_new_classes : float, optional
+        Only of a lead: the p value that belongs to the interval of new classes.
+    """
 
     mean: float
     low: float | None = None
     high: float | None = None
+    p_value: float | None = None
+    new_classes_low: float | None = None
+    new_classes_high: float | None = None
+    p_value_new_classes: float | None = None
 
     def holds(self, value: float) -> bool:
         """Return whether a value lies within the interval, ends included."""
@@ -80,11 +98,43 @@ def _first_fault(error: Exception) -> str:
     return f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
 
 
-def estimate(interval: Interval) -> Figure:
-    """Return an interval as `Figure`; without ends where they are NaN, as for a single object."""
-    if math.isnan(interval.low):
-        return Figure(interval.mean)
-    return Figure(interval.mean, interval.low, interval.high)
+def estimate(interval: Interval, new_classes: Interval | None = None) -> Figure:
+    """Return an interval as `Figure`, with that of new classes; ends that are NaN, as for a single object, become None."""
+    wide = (None, None) if new_classes is None else (new_classes.low, new_classes.high)
+    low, high, wide_low, wide_high = map(_known, (interval.low, interval.high, *wide))
+    return Figure(interval.mean, low, high, new_classes_low=wide_low, new_classes_high=wide_high)
+
+
+def lead(comparison: PairedComparison) -> Figure:
+    """Return a paired comparison as `Figure`, with both intervals and both p values."""
+    return replace(
+        estimate(comparison.difference, comparison.difference_new_classes),
+        p_value=comparison.p_value,
+        p_value_new_classes=_known(comparison.p_value_new_classes),
+    )
+
+
+def measured(entry: Row, name: str) -> Figure:
+    """Return a figure of ``reports/metrics.json`` from its entry, with both intervals and, of a lead, both p values.
+
+    `name` is the key of the interval of new objects; that of new classes has ``_new_classes`` after it.
+    """
+    wide = entry[f"{name}_new_classes"]
+    p_values = (
+        (entry["p_value"], entry["p_value_new_classes"]) if name == "difference" else (None, None)
+    )
+    return Figure(
+        **entry[name],
+        p_value=p_values[0],
+        new_classes_low=wide["low"],
+        new_classes_high=wide["high"],
+        p_value_new_classes=p_values[1],
+    )
+
+
+def _known(value: float | None) -> float | None:
+    """Return a number; None for NaN."""
+    return None if value is None or math.isnan(value) else value
 
 
 def with_interval(figure: Figure, write: Callable[[float], str], unit: str = "") -> str:

@@ -17,10 +17,10 @@ from pydantic import BaseModel, ConfigDict
 
 from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.errors import ReportError
-from visuohaptic.evaluation.intervals import object_interval
+from visuohaptic.evaluation.intervals import class_interval, compare_differences, object_interval
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.estimates import Figure, estimate, read_json
+from visuohaptic.report.estimates import Figure, estimate, lead, read_json
 
 KEPT = "turned.json"
 
@@ -96,6 +96,11 @@ class TurnedSet(BaseModel):
     cells: tuple[TurnedCell, ...]
 
     @property
+    def classes(self) -> tuple[str, ...]:
+        """The class of each object."""
+        return tuple(name.partition("/")[0] for name in self.objects)
+
+    @property
     def reports(self) -> BoolArray:
         """Whether an object took no part in choosing descriptors and settings, shape (o,)."""
         return ~np.isin(self.objects, self.choosing)
@@ -122,6 +127,8 @@ class TurnedRow:
         Pose, known part of the frame, touches per sequence and pipeline of all `cells`.
     cells : mapping of str to TurnedCell
         The accuracies by strategy.
+    classes : tuple of str
+        The class of each of o objects.
     tested : ndarray of shape (o,), bool
         Whether an object counts and was tested with all strategies.
     intervals : IntervalParameters
@@ -133,6 +140,7 @@ class TurnedRow:
     touches: int
     pipeline: str
     cells: Mapping[str, TurnedCell]
+    classes: tuple[str, ...]
     tested: BoolArray
     intervals: IntervalParameters
 
@@ -183,7 +191,7 @@ class TurnedRow:
 
     def _figure(self, plus: str, *minus: str) -> Figure:
         subtracted = [self.cells[name] for name in minus]
-        return _figure([self.cells[plus]], subtracted, self.intervals, self.tested)
+        return _figure([self.cells[plus]], subtracted, self.intervals, self.classes, self.tested)
 
 
 def read_turned(path: Path | None = None) -> dict[str, TurnedSet]:
@@ -204,7 +212,8 @@ def turned_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRo
     """Return the accuracies in the full frame, one row per pose and pipeline, the paper's pipeline first."""
     chosen = ("full", HEADLINE_TOUCHES)
     cells = [cell for cell in kept.cells if (cell.known, cell.touches) == chosen]
-    return list(_rows(cells, intervals, np.ones(len(kept.objects), dtype=np.bool_)))
+    counted = np.ones(len(kept.objects), dtype=np.bool_)
+    return list(_rows(cells, intervals, kept.classes, counted))
 
 
 def frame_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
@@ -214,7 +223,7 @@ def frame_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow
     """
     chosen = ("order_free", HEADLINE_TOUCHES)
     cells = [cell for cell in kept.cells if (cell.pipeline, cell.touches) == chosen]
-    return list(_rows(cells, intervals, kept.reports))
+    return list(_rows(cells, intervals, kept.classes, kept.reports))
 
 
 def curve_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow]:
@@ -226,11 +235,14 @@ def curve_rows(kept: TurnedSet, intervals: IntervalParameters) -> list[TurnedRow
     cells = [cell for cell in kept.cells if cell.pipeline == "order_free"]
     longer = {(cell.turns, cell.known) for cell in cells if cell.touches > HEADLINE_TOUCHES}
     chosen = [cell for cell in cells if (cell.turns, cell.known) in longer]
-    return list(_rows(chosen, intervals, _tested(chosen, kept.reports)))
+    return list(_rows(chosen, intervals, kept.classes, _tested(chosen, kept.reports)))
 
 
 def _rows(
-    cells: Sequence[TurnedCell], intervals: IntervalParameters, counted: BoolArray
+    cells: Sequence[TurnedCell],
+    intervals: IntervalParameters,
+    classes: tuple[str, ...],
+    counted: BoolArray,
 ) -> Iterator[TurnedRow]:
     """Yield one row per pose, frame, touches and pipeline that has all strategies; `counted` (o,) selects objects."""
     rows: dict[tuple[Turns, Known, int, str], dict[str, TurnedCell]] = {}
@@ -242,7 +254,7 @@ def _rows(
         if len(by_strategy) < len(STRATEGIES):
             continue
         tested = _tested(list(by_strategy.values()), counted)
-        yield TurnedRow(turns, known, touches, pipeline, by_strategy, tested, intervals)
+        yield TurnedRow(turns, known, touches, pipeline, by_strategy, classes, tested, intervals)
 
 
 def _sorting_key(row: tuple[Turns, Known, int, str]) -> tuple[object, ...]:
@@ -284,7 +296,7 @@ def contrast(
             f"No accuracy of turned objects is kept for {' '.join(map(str, missing[0]))}."
         )
     added, subtracted = ([cells[name] for name in names] for names in (plus, minus))
-    return _figure(added, subtracted, intervals, kept.reports)
+    return _figure(added, subtracted, intervals, kept.classes, kept.reports)
 
 
 def _numbers(cell: TurnedCell) -> FloatArray:
@@ -302,12 +314,23 @@ def _figure(
     plus: Sequence[TurnedCell],
     minus: Sequence[TurnedCell],
     intervals: IntervalParameters,
+    classes: Sequence[str],
     counted: BoolArray,
 ) -> Figure:
-    """Compute a sum of accuracies minus another sum, over the objects that count and that all cells tested."""
+    """Compute a sum of accuracies minus another sum, over the objects that count and that all cells tested.
+
+    Without `minus` the figure is an accuracy, else a lead. `classes` has the class of each object.
+    """
     added, subtracted = (np.array([_numbers(cell)[0] for cell in cells]) for cells in (plus, minus))
     values = added.sum(axis=0) - (subtracted.sum(axis=0) if len(minus) else 0.0)
     tested = _tested([*plus, *minus], counted)
     weights = _numbers(plus[0])[1]
     bounds = (-float(len(minus)), float(len(plus)))
-    return estimate(object_interval(values[tested], weights[tested], intervals, bounds))
+    of_tested = np.array(classes)[tested]
+    chosen = values[tested], weights[tested]
+    if minus:
+        return lead(compare_differences(*chosen, intervals, bounds, of_tested))
+    return estimate(
+        object_interval(*chosen, intervals, bounds),
+        class_interval(*chosen, of_tested, intervals, bounds),
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -145,7 +146,7 @@ def study_figures(
                 "recomputed": condition["recomputed"],
                 "compared_with": None if other == key[0] else other,
                 **_figures(cells[key], cells.get((other, *key[1:])), intervals),
-                **paired("lead", "lead_p", compare(leader, cells[key], intervals)),
+                **_paired_with_classes("lead", "lead_p", compare(leader, cells[key], intervals)),
             }
         )
     _adjust(rows)
@@ -203,7 +204,18 @@ def _figures(cell: Cell, other: Cell | None, intervals: IntervalParameters) -> R
     row |= dict.fromkeys(("accuracy", "low", "high", "adjusted_p"))
     if cell.error is None:
         row |= ends("accuracy", "", condition_interval(cell, intervals))
-    return row | paired("difference", "p_value", compare(cell, other, intervals))
+    return row | _paired_with_classes("difference", "p_value", compare(cell, other, intervals))
+
+
+def _paired_with_classes(name: str, p_value: str, comparison: PairedComparison | None) -> Row:
+    """Return the columns of `paired`, and those of its interval and p value of new classes."""
+    wide = comparison.difference_new_classes if comparison else None
+    low, high = list(ends(name, "", wide).values())[1:]
+    columns = {f"{name}_new_classes_low": low, f"{name}_new_classes_high": high}
+    chance = None
+    if comparison and not math.isnan(comparison.p_value_new_classes):
+        chance = comparison.p_value_new_classes
+    return paired(name, p_value, comparison) | columns | {f"{p_value}_new_classes": chance}
 
 
 def paired(name: str, p_value: str, comparison: PairedComparison | None) -> Row:
@@ -223,7 +235,8 @@ def compare(
         return None
     if not cell.objects or other.objects != cell.objects:
         return None
-    return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals)
+    classes = [category for category, _ in cell.objects]
+    return compare_paired(cell.accuracy, other.accuracy, other.weights, intervals, classes)
 
 
 def ends(name: str, prefix: str, interval: Interval | None) -> Row:

@@ -55,7 +55,18 @@ SECONDS = Column(
     "seconds", REAL, "training and testing all splits", "s of processor", 0, nullable=True
 )
 _OBJECTS = count("objects", "objects tested", 1, nullable=True)
-P_VALUE = share("p_value", "two-sided, sign changes over objects", nullable=True)
+P_VALUE = share("p_value", "two-sided, of new objects of the same classes", nullable=True)
+
+
+def difference_of_classes(name: str, p_value: str) -> tuple[Column, ...]:
+    """Return the columns of the interval of new classes of a difference, and of its p value."""
+    low, high = difference(f"{name}_new_classes", "")[1:]
+    return (
+        replace(low, description="lower end of its interval of new classes"),
+        replace(high, description="upper end of its interval of new classes"),
+        replace(P_VALUE, name=f"{p_value}_new_classes", description="two-sided, of new classes"),
+    )
+
 
 STUDY = Schema(
     "study",
@@ -87,11 +98,13 @@ STUDY_FIGURES = Schema(
         ),
         *difference("difference", "accuracy minus accuracy of the compared condition"),
         P_VALUE,
+        *difference_of_classes("difference", "p_value"),
         share("adjusted_p", "p value adjusted by Holm for the study's conditions", nullable=True),
         *difference(
             "lead", "accuracy of fixation in the same condition minus accuracy of this strategy"
         ),
         replace(P_VALUE, name="lead_p"),
+        *difference_of_classes("lead", "lead_p"),
         _OBJECTS,
         Column("recomputed", TEXT, "first recomputed phase"),
         SECONDS,

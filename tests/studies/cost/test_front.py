@@ -131,7 +131,7 @@ def test_a_setting_loses_what_the_reference_has_more(own, other, mean, low, high
         # Slower on each object, by less than objects differ.
         ([0.5, 0.9], [0.1, [0.12, 0.121, 0.119, 0.12]], [0], [0, 1]),
         # The most accurate of those as quick.
-        ([0.5, 0.6, 0.9, 0.91], [0.1, AROUND, 0.3, [0.31, 0.29, 0.3, 0.301]], [0, 1], [1, 3]),
+        ([0.3, 0.4, 0.9, 0.91], [0.1, AROUND, 0.3, [0.31, 0.29, 0.3, 0.301]], [0, 1], [1, 3]),
     ],
 )
 def test_steps_are_worth_their_time(levels, times, quick, steps):
@@ -148,9 +148,9 @@ def test_a_setting_is_quicker_than_the_runs_own_where_it_is_on_each_object(touch
 
 
 def test_a_gain_that_is_significant_alone_is_not_among_many():
-    # Six objects that all gain have p = 2 / 2 ** 6 = 0.031; Holm multiplies it by the settings.
-    last, better, worse = (cell([accuracy] * 6) for accuracy in (0.5, 0.6, 0.4))
-    cells = [last, better, better, worse, cell([0.6] * 5)]
+    # Six objects that all gain much have p = 2 / 2 ** 6 = 0.031; Holm multiplies it by the settings.
+    last, better, worse = (cell([accuracy] * 6) for accuracy in (0.1, 0.95, 0.05))
+    cells = [last, better, better, worse, cell([0.95] * 5)]
     found = [more_accurate(places, 0, cells, RUN) for places in ([1], [1, 2], [3], [4])]
     assert found == [[1], [], [], []]
 

@@ -6,7 +6,7 @@ import pytest
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.touches_needed import curve_areas, stays_at, touches_needed
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.evaluation.intervals import DIFFERENCE, object_interval
+from visuohaptic.evaluation.intervals import compare_differences
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import Cell
 
@@ -63,9 +63,9 @@ def test_gains_are_those_of_fixations_and_paired():
     assert found["fixation"]["gain"] is None
     for name, gain in (("random", 0.1), ("curvature", 0.3)):
         assert found[name]["gain"] == pytest.approx(gain)
-        same = object_interval(np.full(4, gain), np.ones(4), INTERVALS, DIFFERENCE)
-        assert found[name]["gain_low"] == pytest.approx(same.low)
-        assert found[name]["p_value"] == pytest.approx(2 / 2**4)
+        same = compare_differences(np.full(4, gain), np.ones(4), INTERVALS)
+        assert found[name]["gain_low"] == same.difference.low
+        assert found[name]["p_value"] == pytest.approx(same.p_value)
 
 
 def test_objects_weigh_as_in_the_mean_over_splits():
