@@ -11,7 +11,7 @@ from visuohaptic.evaluation.intervals import holm
 from visuohaptic.evaluation.leads import Question
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report import figures
-from visuohaptic.report.estimates import with_interval
+from visuohaptic.report.estimates import Figure, with_interval
 from visuohaptic.report.leads import KeptLeads, Lead, question_sentence, read_kept_leads
 from visuohaptic.report.questions import QUESTIONS
 from visuohaptic.report.wording import points, probability, titled
@@ -38,7 +38,11 @@ def sentences(kept: KeptLeads) -> str:
 def leads_table(leads: tuple[Lead, ...]) -> str:
     """Return a table with one row per lead; p values are corrected by Holm for the rows of the table."""
     adjusted = holm([lead.p_value for lead in leads])
-    heads = ["condition", "ahead of what", "draws", "lead", "p, corrected"]
+    of_classes = holm(
+        [1.0 if lead.p_value_new_classes is None else lead.p_value_new_classes for lead in leads]
+    )
+    heads = ["condition", "ahead of what", "draws", "lead, new objects", "p, corrected"]
+    heads += ["new classes", "p, corrected"]
     rows = [
         [
             titled(lead.condition),
@@ -46,10 +50,19 @@ def leads_table(leads: tuple[Lead, ...]) -> str:
             lead.draws,
             plain(with_interval(lead.difference, points)),
             probability(p),
+            ends(lead.new_classes),
+            probability(p_of_classes),
         ]
-        for lead, p in zip(leads, adjusted, strict=True)
+        for lead, p, p_of_classes in zip(leads, adjusted, of_classes, strict=True)
     ]
     return table(heads, rows)
+
+
+def ends(figure: Figure) -> str:
+    """Return the ends of an interval in percentage points; empty without an interval."""
+    if figure.low is None or figure.high is None:
+        return ""
+    return f"{points(figure.low)} to {points(figure.high)}"
 
 
 def plain(text: str) -> str:

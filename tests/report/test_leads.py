@@ -25,9 +25,10 @@ from visuohaptic.report.questions import lead_answer
 KEPT = Path(visuohaptic.report.__file__).parent
 
 
-def lead(mean, half=0.03, p=0.5, name="salience", pipeline="paper", turns="none", **more):
-    figure = Figure(mean, mean - half, mean + half)
-    return Lead(name, pipeline, turns, "full", 5, 142, figure, p, **more)
+def lead(mean, half=0.03, p=0.5, name="salience", pipeline="paper", turns="none", p_classes=0.9):
+    """Make a lead whose interval for new classes is twice as wide."""
+    figures = (Figure(mean, mean - wide, mean + wide) for wide in (half, 2 * half))
+    return Lead(name, pipeline, turns, "full", 5, 142, next(figures), p, next(figures), p_classes)
 
 
 def kept_of(*leads):
@@ -52,9 +53,19 @@ def test_the_word_follows_the_rule(leads, word, excluded):
 
 
 def test_a_lead_without_an_interval_excludes_nothing():
-    single = Lead("salience", "paper", "none", "full", 1, 1, Figure(0.0), 1.0)
+    single = Lead("salience", "paper", "none", "full", 1, 1, Figure(0.0), 1.0, Figure(0.0), None)
     found = verdict([lead(0.0), single])
     assert (found.word, found.excluded) == ("not settled", None)
+    assert verdict([lead(0.0), single], "classes").excluded is None
+
+
+def test_new_classes_have_their_own_p_values_and_ends():
+    leads = [lead(0.1, p=0.001, p_classes=0.2), lead(0.08, p=0.001, p_classes=0.03)]
+    assert verdict(leads).word == "yes"
+    found = verdict(leads, "classes")
+    # Holm's correction of 0.03 for two leads.
+    assert found.ahead == ()
+    assert found.excluded == pytest.approx(0.16)
 
 
 def test_p_values_are_corrected_for_the_number_of_leads():
@@ -67,8 +78,9 @@ def test_no_names_the_largest_lead_that_is_excluded_and_where_fixations_are_behi
     leads = [lead(0.01), lead(-0.08, p=0.001, turns="vertical")]
     assert plain(question_sentence("salience", kept_of(*leads))) == (
         "Salience does not help: in none of 2 conditions are fixations ahead of random places in sight, and a lead above "
-        "4.0 points is excluded in each; fixations are behind in 1, most of all the paper's pipeline, upright, turned "
-        "about the vertical (−8.0 points (−11.0 to −5.0)) (142 objects, measured on 2026-11-28)."
+        "4.0 points is excluded in each, above 7.0 points for new classes; fixations are behind in 1, most of all the "
+        "paper's pipeline, upright, turned about the vertical (−8.0 points (new objects −11.0 to −5.0, new classes −14.0 to "
+        "−2.0)) (142 objects, measured on 2026-11-28)."
     )
 
 
@@ -80,15 +92,16 @@ def test_a_lead_that_is_not_excluded_is_not_called_no():
 
 def test_seeing_is_said_by_pose():
     leads = [
-        lead(0.1, p=0.001, name="sight"),
+        lead(0.1, p=0.001, name="sight", p_classes=0.01),
         lead(0.0, name="seeing"),
         lead(-0.07, p=0.001, name="sight", turns="any"),
     ]
     assert plain(question_sentence("seeing", kept_of(*leads))) == (
         "Seeing helps to choose places: compared with random places in reach, places that are seen are ahead in 1 of 2 "
-        "comparisons on objects upright, facing one way (at most by +10.0 points (+7.0 to +13.0), the paper's pipeline); "
-        "ahead in none of 1 comparison on objects turned in any way and behind in 1 (at most by −7.0 points (−10.0 to "
-        "−4.0), the paper's pipeline) (142 objects, measured on 2026-11-28)."
+        "comparisons on objects upright, facing one way (at most by +10.0 points (new objects +7.0 to +13.0, new classes "
+        "+4.0 to +16.0), the paper's pipeline); ahead in none of 1 comparison on objects turned in any way and behind in 1 "
+        "(at most by −7.0 points (new objects −10.0 to −4.0, new classes −13.0 to −1.0), the paper's pipeline). For new "
+        "classes, too, they are ahead in 1 and behind in none of all 3 (142 objects, measured on 2026-11-28)."
     )
 
 
@@ -98,11 +111,15 @@ METRICS = {
             "support_vector_machine": {
                 "seeing": {
                     "difference": {"mean": 0.1, "low": -0.02, "high": 0.22},
+                    "difference_new_classes": {"mean": 0.1, "low": -0.12, "high": 0.32},
+                    "p_value_new_classes": 0.2, "classes": 4,
                     "p_value": 0.08, "objects": 12, "exact": True,
                     "draws": {"count": 5, "leads": [0.1], "standard_deviation": 0.026},
                 },
                 "salience": {
                     "difference": {"mean": 0.01, "low": None, "high": None},
+                    "difference_new_classes": {"mean": 0.01, "low": None, "high": None},
+                    "p_value_new_classes": None, "classes": 1,
                     "p_value": 1.0, "objects": 1, "exact": True,
                     "draws": {"count": 1, "leads": [0.01], "standard_deviation": 0.0},
                 },
@@ -120,10 +137,13 @@ def own_leads(**classifiers):
 def test_a_runs_own_leads_are_answered_first_and_more_objects_beside():
     found = lead_answer("seeing", own_leads(), kept_of(lead(0.0, name="seeing")))
     assert found.finding == "Not settled by 12 objects"
-    assert plain(found.number) == "+10.0 points (−2.0 to +22.0)"
+    assert (
+        plain(found.number)
+        == "+10.0 points (new objects −2.0 to +22.0, new classes −12.0 to +32.0)"
+    )
     assert plain(found.sentence).startswith(
         "is the lead of fixations over random places in reach in the paper's pipeline (mean of 5 draws of the places; "
-        "standard deviation over draws 2.6 points). A lead above 22.0 points is excluded."
+        "standard deviation over draws 2.6 points). A lead above 22.0 points is excluded (new classes: 32.0)."
     )
     (beside,) = found.beside
     assert "142 objects" in beside

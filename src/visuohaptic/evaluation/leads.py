@@ -7,7 +7,7 @@ reach of the sensor. Does salience help, given that one sees? Fixation is compar
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from visuohaptic.evaluation.draws import (
@@ -17,7 +17,7 @@ from visuohaptic.evaluation.draws import (
     mean_over_draws,
     plain_lead,
 )
-from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, plain_interval
+from visuohaptic.evaluation.intervals import PairedComparison, compare_paired, plain_comparison
 from visuohaptic.recognition.parameters import IntervalParameters
 
 Question = Literal["seeing", "salience"]
@@ -58,7 +58,7 @@ def compare_accuracies(
     first, second = in_common(first, second)
     if not first.objects:
         return None
-    return compare_paired(first.accuracy, second.accuracy, first.weights, parameters)
+    return compare_paired(first.accuracy, second.accuracy, first.weights, parameters, first.classes)
 
 
 def compare_by_lead(
@@ -87,8 +87,7 @@ def compare_by_lead(
         compared = compare_accuracies(first, second.mean, parameters)
         if compared is not None:
             found[name] = {
-                **asdict(compared),
-                "difference": plain_interval(compared.difference),
+                **plain_comparison(compared),
                 "draws": plain_lead(lead_over_draws(first, second.draws)),
             }
     return found

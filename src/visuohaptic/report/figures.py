@@ -76,12 +76,15 @@ class Series:
         One estimate per row of the chart; None leaves the row empty.
     ground : str, optional
         The colour that fills the marks; by default the colour of the series.
+    wider : sequence of Figure or None
+        Estimates with wider intervals, which are drawn as thin lines; none by default.
     """
 
     label: str
     place: int
     estimates: Sequence[Estimate | None]
     ground: str | None = None
+    wider: Sequence[Estimate | None] = ()
 
 
 @style()
@@ -108,49 +111,54 @@ def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
 
 @style()
 def leads(shown: Sequence[Lead]) -> Figure:
-    """Draw leads with their intervals, one row per condition and one mark per compared strategies, with a line at 0.
+    """Draw leads, one row per condition and one mark per compared strategies, with a line at 0.
 
-    The order of the rows is the order in which conditions first appear in `shown`.
+    Thick lines are intervals for new objects, thin lines for new classes. The order of the rows is the order in which
+    conditions first appear in `shown`.
     """
-    rows = list(dict.fromkeys(lead.condition for lead in shown))
-    estimates = {(lead.name, lead.condition): lead.difference for lead in shown}
-    return _draw_leads([titled(row) for row in rows], "condition", shown, [
-        {row: estimates.get((name, row)) for row in rows} for name in _lead_names(shown)
-    ])  # fmt: skip
+    by_row: dict[str, dict[LeadName, Lead]] = {}
+    for lead in shown:
+        by_row.setdefault(lead.condition, {})[lead.name] = lead
+    found = {name: [row.get(name) for row in by_row.values()] for name in _lead_names(shown)}
+    series = [
+        Series(
+            LEGENDS[name],
+            list(LEADS).index(name),
+            [None if lead is None else lead.difference for lead in column],
+            wider=[None if lead is None else lead.new_classes for lead in column],
+        )
+        for name, column in found.items()
+    ]
+    return _draw_leads([titled(row) for row in by_row], "condition", series)
 
 
 @style()
 def leads_by_class(shown: Sequence[Lead]) -> Figure:
     """Draw the mean lead of each class's objects with its interval, one row per class, largest first lead on top.
 
-    `shown` are leads of one condition with different compared strategies.
+    `shown` are leads of one condition with different compared strategies, at least one.
     """
     first = shown[0].by_class
     rows = sorted(first, key=lambda name: -first[name].mean)
-    by_name = {lead.name: lead.by_class for lead in shown}
-    return _draw_leads(rows, "class", shown, [
-        {row: by_name[name].get(row) for row in rows} for name in _lead_names(shown)
-    ])  # fmt: skip
+    series = [
+        Series(
+            LEGENDS[lead.name],
+            list(LEADS).index(lead.name),
+            [lead.by_class.get(row) for row in rows],
+        )
+        for lead in shown
+    ]
+    return _draw_leads(rows, "class", series)
 
 
 def _lead_names(shown: Sequence[Lead]) -> list[LeadName]:
     return [name for name in LEADS if any(lead.name == name for lead in shown)]
 
 
-def _draw_leads(
-    rows: Sequence[str],
-    rows_are: str,
-    shown: Sequence[Lead],
-    columns: Sequence[Mapping[str, Estimate | None]],
-) -> Figure:
-    """Draw one row per name; `columns` has estimates by row for each of the names of leads in `shown`."""
-    if not shown:
+def _draw_leads(rows: Sequence[str], rows_are: str, series: Sequence[Series]) -> Figure:
+    """Draw one row per name with mark and intervals of each series, in percentage points."""
+    if not series:
         raise ReportError("No lead was measured, so there is nothing to draw.")
-    names = _lead_names(shown)
-    series = [
-        Series(LEGENDS[name], list(LEADS).index(name), list(column.values()))
-        for name, column in zip(names, columns, strict=True)
-    ]
     labels = [textwrap.fill(row, 30) for row in rows]
     lines = sum(max(len(series) * _ROW, 11.0 * (label.count("\n") + 1)) + _GAP for label in labels)
     chart, axes = new_chart(_AROUND + lines + _LEGEND_LINE * len(series))
@@ -390,6 +398,9 @@ def _draw_series(axes: Axes, series: Series, offset: float) -> None:
         if estimate is not None
     ]
     colour, mark = look(series.place)
+    for row, estimate in enumerate(series.wider):
+        if estimate is not None and estimate.low is not None and estimate.high is not None:
+            axes.hlines(row + offset, estimate.low, estimate.high, colors=colour, linewidth=0.8)
     for y, estimate in rows:
         if estimate.low is not None and estimate.high is not None:
             axes.hlines(y, estimate.low, estimate.high, colors=colour)

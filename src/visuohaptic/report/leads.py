@@ -18,7 +18,7 @@ from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.draws import kept_accuracies, read_kept
-from visuohaptic.report.estimates import Figure, estimate, with_interval
+from visuohaptic.report.estimates import Figure, estimate
 from visuohaptic.report.turned import (
     HEADLINE_TOUCHES,
     KNOWN,
@@ -41,6 +41,9 @@ LARGEST_SET = "benchmark"
 """The set of objects with the kept leads of more objects than a run has."""
 
 Word = Literal["yes", "no", "not settled"]
+
+Over = Literal["objects", "classes"]
+"""Whether an interval is for new objects of the same classes, or for new classes."""
 
 PLACES: Mapping[str, str] = {
     "fixation": "fixations",
@@ -73,6 +76,10 @@ class Lead:
         The lead as a share, with its interval for new objects of the same classes.
     p_value : float
         The two-sided p value over objects.
+    new_classes : Figure
+        The same lead, with its interval for new classes.
+    p_value_new_classes : float, optional
+        The two-sided p value if classes are a sample, too; None with a single class.
     deviation : float
         The standard deviation over draws, as a share; 0 for a single draw.
     by_class : mapping of str to Figure
@@ -87,6 +94,8 @@ class Lead:
     objects: int
     difference: Figure
     p_value: float
+    new_classes: Figure
+    p_value_new_classes: float | None
     deviation: float = 0.0
     by_class: Mapping[str, Figure] = field(default_factory=dict)
 
@@ -226,25 +235,28 @@ def run_leads(
                     compared["objects"],
                     Figure(**compared["difference"]),
                     compared["p_value"],
+                    Figure(**compared["difference_new_classes"]),
+                    compared["p_value_new_classes"],
                     compared["draws"]["standard_deviation"],
                 )
             )
     return tuple(leads)
 
 
-def verdict(leads: Iterable[Lead]) -> Verdict:
-    """Answer a question by the rule of `Verdict`; at least one lead is needed.
+def verdict(leads: Iterable[Lead], over: Over = "objects") -> Verdict:
+    """Answer a question for new objects or for new classes, by the rule of `Verdict`; at least one lead is needed.
 
     The word ``yes`` claims every lead, and the word ``no`` excludes a lead above `Verdict.excluded` in each condition:
     a claim about all conditions needs no correction for their number (R. Berger, Technometrics 24(4), 1982). Single
     leads are claimed after Holm's correction only.
     """
     leads = tuple(leads)
-    adjusted = holm([lead.p_value for lead in leads])
+    evidence = [_evidence(lead, over) for lead in leads]
+    adjusted = holm([p for p, _ in evidence])
     shown = [lead for lead, p in zip(leads, adjusted, strict=True) if p < SIGNIFICANCE]
     ahead = tuple(lead for lead in shown if lead.difference.mean > 0)
     behind = tuple(lead for lead in shown if lead.difference.mean < 0)
-    ends = [lead.difference.high for lead in leads]
+    ends = [end for _, end in evidence]
     excluded = None if None in ends else max(end for end in ends if end is not None)
     word: Word = "not settled"
     if len(ahead) == len(leads):
@@ -254,9 +266,25 @@ def verdict(leads: Iterable[Lead]) -> Verdict:
     return Verdict(word, ahead, behind, leads, excluded)
 
 
+def _evidence(lead: Lead, over: Over) -> tuple[float, float | None]:
+    """Return p value and upper end of a lead; 1 and None where there is no interval."""
+    if over == "objects":
+        return lead.p_value, lead.difference.high
+    return (
+        1.0 if lead.p_value_new_classes is None else lead.p_value_new_classes
+    ), lead.new_classes.high
+
+
 def lead_in_words(lead: Lead) -> str:
-    """Return a lead with its interval, such as ``+10.3 points (+5.8 to +14.7)``."""
-    return with_interval(lead.difference, points, " points")
+    """Return a lead with its intervals, such as ``+2.0 points (new objects −1.0 to +5.0, new classes −4.0 to +8.0)``."""
+    found = ((lead.difference, "new objects"), (lead.new_classes, "new classes"))
+    ends = [
+        f"{words} {points(figure.low)} to {points(figure.high)}"
+        for figure, words in found
+        if figure.low is not None and figure.high is not None
+    ]
+    brackets = f" ({', '.join(ends)})" if ends else ""
+    return f"{points(lead.difference.mean)} points{brackets}"
 
 
 def question_sentence(question: Question, kept: KeptLeads) -> str:
@@ -272,7 +300,12 @@ def _seeing(found: Verdict) -> str:
         _of_pose(found, turns) for turns in POSES if any(one.turns == turns for one in found.leads)
     ]
     helps = "Seeing helps" if found.ahead else "Seeing is not shown to help"
-    return f"{helps} to choose places: compared with random places in reach, places that are seen are {'; '.join(poses)}"
+    drawn = verdict(found.leads, "classes")
+    return (
+        f"{helps} to choose places: compared with random places in reach, places that are seen are {'; '.join(poses)}. For "
+        f"new classes, too, they are ahead in {len(drawn.ahead) or 'none'} and behind in {len(drawn.behind) or 'none'} of all "
+        f"{len(found.leads)}"
+    )
 
 
 def _of_pose(found: Verdict, turns: Turns) -> str:
@@ -304,7 +337,11 @@ def _salience(found: Verdict) -> str:
         )
     excluded = ""
     if found.excluded is not None:
-        excluded = f", and a lead above {percent_points(found.excluded)} points is excluded in each"
+        end = verdict(found.leads, "classes").excluded
+        more = "" if end is None else f", above {percent_points(end)} points for new classes"
+        excluded = (
+            f", and a lead above {percent_points(found.excluded)} points is excluded in each{more}"
+        )
     helps = "Salience does not help" if found.word == "no" else "Salience is not shown to help"
     return f"{helps}: in none of {count} are fixations ahead of random places in sight{excluded}{behind}"
 
@@ -336,8 +373,10 @@ def _lead(
     intervals: IntervalParameters,
 ) -> Lead:
     first, second = in_common(*pair)
-    compared = compare_paired(first.accuracy, second.accuracy, first.weights, intervals)
-    categories = np.array([category for category, _ in first.objects])
+    compared = compare_paired(
+        first.accuracy, second.accuracy, first.weights, intervals, first.classes
+    )
+    categories = np.array(first.classes)
     by_class = {}
     for category in np.unique(categories).tolist():
         rows = categories == category
@@ -352,6 +391,8 @@ def _lead(
         len(first.objects),
         estimate(compared.difference),
         compared.p_value,
+        estimate(compared.difference_new_classes),
+        None if np.isnan(compared.p_value_new_classes) else compared.p_value_new_classes,
         over_draws.standard_deviation if over_draws else 0.0,
         by_class,
     )

@@ -209,7 +209,9 @@ def lead_answer(question: Question, leads: Sequence[Lead], kept: KeptLeads | Non
     )
     excluded = ""
     if found.excluded is not None and not found.ahead:
-        excluded = f" A lead above {percent_points(found.excluded)} points is excluded{' in each' if others else ''}."
+        end = verdict(own, "classes").excluded
+        more = "" if end is None else f" (new classes: {percent_points(end)})"
+        excluded = f" A lead above {percent_points(found.excluded)} points is excluded{' in each' if others else ''}{more}."
     return Answer(
         QUESTIONS[question],
         finding,
