@@ -288,23 +288,28 @@ def lead_in_words(lead: Lead) -> str:
 
 
 def question_sentence(question: Question, kept: KeptLeads) -> str:
-    """Answer a question by kept leads, in one sentence that stands alone."""
+    """Answer a question by kept leads: a short sentence, and the evidence."""
     found = verdict(kept.of(question))
     said = _salience(found) if question == "salience" else _seeing(found)
     return f"{said} ({counted(kept.objects, 'object')}, measured on {listed(kept.dates)})."
 
 
 def _seeing(found: Verdict) -> str:
-    """Return the number of comparisons in which places that are seen are ahead, by pose of the objects."""
-    poses = [
-        _of_pose(found, turns) for turns in POSES if any(one.turns == turns for one in found.leads)
-    ]
-    helps = "Seeing helps" if found.ahead else "Seeing is not shown to help"
+    """Return in which poses seeing helps, and the number of comparisons in which places that are seen are ahead."""
+    poses = [turns for turns in POSES if any(lead.turns == turns for lead in found.leads)]
+    helped = [turns for turns in poses if any(lead.turns == turns for lead in found.ahead)]
+    others = [POSES[turns] for turns in poses if turns not in helped]
+    headline = "Seeing is not shown to help to choose places."
+    if helped:
+        rest = f", and is not shown to help if they are {' or '.join(others)}" if others else ""
+        headline = (
+            f"Seeing helps if objects are {' or '.join(POSES[turns] for turns in helped)}{rest}."
+        )
     drawn = verdict(found.leads, "classes")
     return (
-        f"{helps} to choose places: compared with random places in reach, places that are seen are {'; '.join(poses)}. For "
-        f"new classes, too, they are ahead in {len(drawn.ahead) or 'none'} and behind in {len(drawn.behind) or 'none'} of all "
-        f"{len(found.leads)}"
+        f"{headline} Places that are seen are {'; '.join(_of_pose(found, turns) for turns in poses)}, compared with random "
+        f"places in reach. For new classes, too, they are ahead in {len(drawn.ahead) or 'none'} and behind in "
+        f"{len(drawn.behind) or 'none'} of all {len(found.leads)}"
     )
 
 
@@ -332,7 +337,7 @@ def _salience(found: Verdict) -> str:
     if found.ahead:
         most = max(found.ahead, key=lambda lead: lead.difference.mean)
         return (
-            f"Salience helps in {len(found.ahead)} of {count}: fixations are ahead of random places in sight, most of all "
+            f"Salience helps in {len(found.ahead)} of {count}. Fixations are ahead of random places in sight, most of all "
             f"in {most.condition} ({lead_in_words(most)}){behind}"
         )
     excluded = ""
@@ -343,7 +348,7 @@ def _salience(found: Verdict) -> str:
             f", and a lead above {percent_points(found.excluded)} points is excluded in each{more}"
         )
     helps = "Salience does not help" if found.word == "no" else "Salience is not shown to help"
-    return f"{helps}: in none of {count} are fixations ahead of random places in sight{excluded}{behind}"
+    return f"{helps}. In none of {count} are fixations ahead of random places in sight{excluded}{behind}"
 
 
 def _cells_by_condition(
