@@ -23,6 +23,7 @@ from visuohaptic.tables.phases import CONTOURLET_FEATURES, IMPRINT_FEATURES
 FRAMES = ("none", "centre", "vertical", "full")
 NAMES = (*CONTOURLET_FEATURES, *IMPRINT_FEATURES, "sensor_size", "contact_full", *POSE)
 POSES = ("pose", "relations", "embedding")
+PARTS = ("position", "normal")
 WAVES = draw_waves(OrderFreeParameters(), 1)
 TOLERANCE = 1e-9
 
@@ -109,6 +110,47 @@ def test_what_a_frame_does_not_know_changes_no_descriptor(frame, turns, shift, d
 )
 def test_what_a_frame_knows_changes_descriptors(frame, turns, shift, cue):
     assert change(*SHAPES["random"], frame, turns, np.array(shift), cues=(cue,)) > 0.01
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("cue", PARTS)
+@pytest.mark.parametrize(
+    ("frame", "turns", "shift"),
+    [
+        ("none", "any", [0.3, -0.8, 0.5]),
+        ("centre", "any", [0.0, 0, 0]),
+        ("vertical", "vertical", [0.0, 0, 0]),
+    ],
+)
+def test_parts_of_the_pose_know_no_more_of_the_frame_than_the_pose(frame, turns, shift, cue, shape):
+    assert change(*SHAPES[shape], frame, turns, np.array(shift), cues=(cue,)) < TOLERANCE
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("frame", FRAMES)
+def test_positions_tell_nothing_of_normals_and_normals_nothing_of_positions(frame, shape):
+    points, normals = SHAPES[shape]
+    other_points, other_normals = drawn(points.shape[1], seed=7, count=len(points))
+    for cue, same, changed in (
+        ("position", (points, other_normals), (other_points, normals)),
+        ("normal", (other_points, normals), (points, other_normals)),
+    ):
+        before = describe(points, normals, frame, (cue,))
+        np.testing.assert_array_equal(describe(*same, frame, (cue,)), before)
+        if shape == "random":
+            assert np.abs(describe(*changed, frame, (cue,)) - before).max() > 0.01
+
+
+def test_positions_and_normals_are_found_in_known_descriptors():
+    points, normals = drawn(5)
+    position, normal = (describe(points, normals, "full", (cue,)) for cue in PARTS)
+    pose = describe(points, normals, "full", ("pose",))
+    # Of a pose's first statistic, the means: three coordinates, then three parts of the normal.
+    np.testing.assert_array_equal(position[:, :3], points.mean(axis=1))
+    np.testing.assert_array_equal(position[:, :3], pose[:, :3])
+    np.testing.assert_array_equal(normal[:, 3:6], normals.mean(axis=1))
+    assert not position[:, 3:6].any()
+    assert not normal[:, :3].any()
 
 
 @pytest.mark.parametrize("frame", FRAMES)

@@ -7,8 +7,10 @@ from sklearn.base import clone
 from sklearn.model_selection import StratifiedGroupKFold, cross_val_score
 
 from visuohaptic import recognition
+from visuohaptic.base.errors import RecognitionError
 from visuohaptic.recognition import pipelines
 from visuohaptic.recognition.classifiers import CLASSIFIERS
+from visuohaptic.recognition.parameters import OrderFreeParameters, RecognitionParameters
 from visuohaptic.recognition.pipelines import (
     LEAST_LOG_PROBABILITY,
     fit_calibrated,
@@ -26,6 +28,18 @@ def test_order_free_is_a_pipeline_for_cross_validation_by_objects():
         clone(make_order_free()), rows, classes, groups=objects, cv=StratifiedGroupKFold(4)
     )
     assert scores.mean() > 0.8
+
+
+@pytest.mark.parametrize(
+    "cues", [("relations", "embedding"), ("position",), ("normal",), ("position", "normal")]
+)
+def test_descriptors_that_do_not_vary_are_refused(cues):
+    parameters = RecognitionParameters(
+        frame="none", touches=1, order_free=OrderFreeParameters(cues=cues)
+    )
+    said = rf"cues {', '.join(cues)} has the same value in all sequences \(frame none, touches per sequence: 1\)"
+    with pytest.raises(RecognitionError, match=said):
+        recognition.run_pipeline(features_table(), parameters, 1, "order_free")
 
 
 @pytest.mark.parametrize("name", CLASSIFIERS.names)

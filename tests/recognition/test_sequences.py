@@ -6,9 +6,11 @@ import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table, with_column
 
 from visuohaptic.base.errors import RecognitionError
+from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.sequences import (
     classes_of_two,
     gather_any,
+    gather_pipeline,
     gather_sequences,
     shuffle_touches,
     take_strategy,
@@ -16,6 +18,28 @@ from visuohaptic.recognition.sequences import (
     whole_sequences,
 )
 from visuohaptic.tables.schema import matrix
+
+CONTOURLETS, POINT, NORMAL = PAPER_FEATURES[:16], PAPER_FEATURES[16:19], PAPER_FEATURES[19:]
+
+
+@pytest.mark.parametrize(
+    ("cues", "names"),
+    [
+        (("cutaneous", "kinesthetic"), PAPER_FEATURES),
+        (("kinesthetic",), (*POINT, *NORMAL)),
+        (("position",), ("x", "y", "z")),
+        (("normal",), ("normal_x", "normal_y", "normal_z")),
+        (("normal", "position"), (*POINT, *NORMAL)),
+        (("kinesthetic", "position"), (*POINT, *NORMAL)),
+        (("position", "cutaneous"), (*CONTOURLETS, *POINT)),
+    ],
+)
+def test_cues_of_the_papers_pipeline_are_columns_in_one_order(cues, names):
+    table = features_table(objects=(2, 2))
+    gathered = gather_pipeline(table, RecognitionParameters(cues=cues), "paper")
+    assert gathered.feature_names == names
+    expected = gather_sequences(table, names, 5)
+    np.testing.assert_array_equal(gathered.features, expected.features)
 
 
 def test_rows_come_back_as_sequences_or_their_first_touches_whatever_their_order():

@@ -120,6 +120,7 @@ def describe_sequences(
     pose = features[:, :, [list(names).index(name) for name in POSE]]
     points, normals = pose[:, :, :3], pose[:, :, 3:]
     frame, cues = parameters.frame, parameters.order_free.cues
+    nothing = np.zeros_like(points)
     makers = {
         "contourlet": lambda: statistics(_describe_bands(features, names, frame)),
         "imprint": lambda: statistics(_describe_imprint(features, names, frame)),
@@ -127,6 +128,8 @@ def describe_sequences(
         "pose": lambda: statistics(COORDINATES[frame](points, normals)),
         "relations": lambda: RELATIONS[frame](points, normals),
         "embedding": lambda: EMBEDDINGS[frame](points, normals, waves),
+        "position": lambda: _describe_pose(points, nothing, waves, frame),
+        "normal": lambda: _describe_pose(nothing, normals, waves, frame),
     }
     described = np.concatenate([makers[cue]() for cue in cues], axis=1)
     if not described.shape[1]:
@@ -210,6 +213,18 @@ EMBEDDINGS: Mapping[Frame, Callable[[FloatArray, FloatArray, WaveBasis], FloatAr
     "full": embed_poses,
 }
 """Kernel mean embeddings of what a frame knows of touches and of pairs of touches."""
+
+
+def _describe_pose(
+    points: FloatArray, normals: FloatArray, waves: WaveBasis, frame: Frame
+) -> FloatArray:
+    """Compute the groups `pose`, `relations` and `embedding`; points or normals of 0 add only constants."""
+    groups = (
+        statistics(COORDINATES[frame](points, normals)),
+        RELATIONS[frame](points, normals),
+        EMBEDDINGS[frame](points, normals, waves),
+    )
+    return np.concatenate(groups, axis=1)
 
 
 def _describe_bands(features: FloatArray, names: Sequence[str], frame: Frame) -> FloatArray:

@@ -13,8 +13,10 @@ from visuohaptic.recognition.classifier_parameters import ClassifierParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.maps import MAPS
 
-Cue = Literal["contourlet", "imprint", "sensor", "pose", "relations", "embedding"]
-"""Groups of descriptors: imprint, size and contact of the sensor, and pose of the sensor."""
+Cue = Literal[
+    "contourlet", "imprint", "sensor", "pose", "relations", "embedding", "position", "normal"
+]
+"""Groups of descriptors: imprint, size and contact of the sensor, pose of the sensor, and parts of the pose."""
 
 Frame = Literal["none", "centre", "vertical", "full"]
 """How much of the object's frame is known, from nothing to the whole pose."""
@@ -155,7 +157,8 @@ class OrderFreeParameters(Section):
     cues: tuple[Cue, ...] = Field(
         ("contourlet", "imprint", "sensor", "pose", "relations", "embedding"),
         min_length=1,
-        description="Groups of descriptors; a group whose columns a table lacks is left out",
+        description="Groups of descriptors; a group whose columns a table lacks is left out; `position` "
+        "is `pose`, `relations` and `embedding` of positions only, `normal` of normals only",
     )
     waves: int = Field(
         300,
@@ -193,10 +196,11 @@ class RecognitionParameters(Section):
         min_length=1,
         description="Classifiers to compare (pipeline `paper`)",
     )
-    cues: tuple[Literal["cutaneous", "kinesthetic"], ...] = Field(
+    cues: tuple[Literal["cutaneous", "kinesthetic", "position", "normal"], ...] = Field(
         ("cutaneous", "kinesthetic"),
         min_length=1,
-        description="What is known of a touch: what the skin feels, and where it is (pipeline `paper`)",
+        description="What is known of a touch: what the skin feels, and where it is (pipeline `paper`); "
+        "`kinesthetic` is `position` and `normal`",
     )
     frame: Frame = Field(
         "full",

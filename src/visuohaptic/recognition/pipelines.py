@@ -119,8 +119,18 @@ class OrderFreePipeline:
         return cls(parameters, seed, next(iter(steps.values()))[:-1], classifiers)
 
     def rows(self, sequences: TouchSequences) -> FloatArray:
-        """Compute the descriptors of sequences: (s, d)."""
-        return describe_all(sequences, self.parameters, self.seed)
+        """Compute the descriptors of sequences: (s, d).
+
+        Raises `RecognitionError` if no descriptor varies over several sequences, such as for the pose of a single touch in frame ``none``.
+        """
+        rows = describe_all(sequences, self.parameters, self.seed)
+        if len(rows) > 1 and not np.ptp(rows, axis=0).any():
+            raise RecognitionError(
+                f"Every descriptor of the cues {', '.join(self.parameters.order_free.cues)} has the same value in all "
+                f"sequences (frame {self.parameters.frame}, touches per sequence: {sequences.features.shape[1]}); at least one descriptor that "
+                "varies is needed to distinguish classes."
+            )
+        return rows
 
     def seeds(self, generator: np.random.Generator) -> dict[str, int]:
         """Return an independent seed per classifier."""

@@ -18,6 +18,8 @@ from visuohaptic.tables.phases import (
     CONTACT_STATES,
     CONTOURLET_FEATURES,
     KINESTHETIC_FEATURES,
+    NORMAL_NAMES,
+    POINT_NAMES,
     key_of,
     keys_of,
     owners_of,
@@ -90,8 +92,10 @@ def gather_pipeline(
         logger.warning(sentence)
     bands = filled_bands(features)
     if pipeline == "paper":
-        names = bands if "cutaneous" in parameters.cues else []
-        names = [*names, *(KINESTHETIC_FEATURES if "kinesthetic" in parameters.cues else ())]
+        columns = {"cutaneous": bands, "position": POINT_NAMES, "normal": NORMAL_NAMES}
+        parts = {"kinesthetic": ("position", "normal")}
+        known = {part for cue in parameters.cues for part in parts.get(cue, (cue,))}
+        names = [name for part in columns if part in known for name in columns[part]]
     elif pipeline == "order_free":
         features = spread_contact_states(features)
         extra = [
