@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws first_touch turned baselines bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch turned baselines bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -97,6 +97,13 @@ draws: $(READY)
 	@python -m variants.make_page
 	@python docs/make_two_questions.py
 
+# Accuracy by positions, normals and imprints only, kept with the package (studies/cues/README.md): make cues SET=benchmark
+cues: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
+cues: $(READY)
+	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" -- results/cues.parquet
+	@python -m cues.keeping $(SET)
+	@python -m cues.make_page
+
 # The first touch by ways to choose its place (studies/first_touch/README.md): make first_touch SET=benchmark
 first_touch: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 first_touch: $(READY)
@@ -131,6 +138,7 @@ readme: $(DEVELOP) report
 	python -m variants.summary
 	python -m variants.make_page
 	python -m draws.make_page
+	python -m cues.make_page
 	python -m turned.make_page
 	python -m known_objects.make_page
 	python -m baselines.make_page

@@ -1,0 +1,1 @@
+"""What carries the accuracy: positions, normals, imprints, or all of them."""

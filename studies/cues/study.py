@@ -1,0 +1,114 @@
+"""Study `cues`: the accuracy by positions only, normals only, both, imprints only, and all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from visuohaptic.geometry.turning import Turns
+from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.recognition.parameters import Frame
+from visuohaptic.report.cues import CueName, Tested
+from visuohaptic.studies.conditions import ONE_CLASSIFIER
+from visuohaptic.studies.study import Changes, Condition, Step, Study
+
+STRATEGIES = ("fixation", "random", "random_visible")
+
+TOUCHES = (1, 2, 5)
+"""Numbers of touches per sequence."""
+
+DRAWS = 3
+"""Draws of the turns."""
+
+KNOWN_OF_TOUCH: dict[CueName, Changes] = {
+    "position": {
+        "recognition.cues": ("position",),
+        "recognition.order_free.cues": ("position",),
+    },
+    "normal": {
+        "recognition.cues": ("normal",),
+        "recognition.order_free.cues": ("normal",),
+    },
+    "pose": {
+        "recognition.cues": ("kinesthetic",),
+        "recognition.order_free.cues": ("pose", "relations", "embedding"),
+    },
+    "imprint": {
+        "recognition.cues": ("cutaneous",),
+        "recognition.order_free.cues": ("contourlet", "imprint", "sensor"),
+    },
+    "all": {},
+}
+"""Parameters by cue of a touch."""
+
+
+class Way(NamedTuple):
+    """Test objects, their turns, the known part of their pose, and the pipelines to measure."""
+
+    tested: Tested
+    turns: Turns
+    frame: Frame
+    pipelines: tuple[str, ...]
+
+
+WAYS = (
+    Way("new", "none", "full", ("paper", "order_free")),
+    Way("new", "none", "vertical", ("order_free",)),
+    Way("new", "none", "none", ("order_free",)),
+    Way("new", "vertical", "full", ("paper",)),
+    Way("new", "vertical", "vertical", ("order_free",)),
+    Way("new", "any", "full", ("paper",)),
+    Way("new", "any", "none", ("order_free",)),
+    Way("known", "none", "full", ("paper", "order_free")),
+    Way("known", "none", "none", ("order_free",)),
+)
+"""The measured ways. Pipeline `paper` has no frame: its input is the whole pose, for all turns."""
+
+PROTOCOLS: dict[Tested, str] = {"new": "auto", "known": "new_viewpoint"}
+
+
+def name_of(way: Way, draw: int, cues: CueName, touches: int) -> str:
+    """Return the name of a condition from its parts, without the pipelines."""
+    return f"{way.tested} {way.turns} {draw} {way.frame} {cues} {touches}"
+
+
+def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
+    """Yield one condition per way, draw of the turns, known part of a touch and number of touches.
+
+    If nothing is known of the object's pose, a single touch has neither position nor normal: there is no condition.
+    """
+    for way in WAYS:
+        for draw in range(1 if way.turns == "none" else DRAWS):
+            for cues, changed in KNOWN_OF_TOUCH.items():
+                for touches in TOUCHES:
+                    if way.frame == "none" and touches == 1 and cues not in ("imprint", "all"):
+                        continue
+                    changes = {
+                        **ONE_CLASSIFIER,
+                        **changed,
+                        "meshes.turns": way.turns,
+                        "meshes.turn_draw": draw,
+                        "probing.strategies": STRATEGIES,
+                        "recognition.pipelines": way.pipelines,
+                        "recognition.frame": way.frame,
+                        "recognition.touches": touches,
+                        "recognition.protocol.protocol": PROTOCOLS[way.tested],
+                    }
+                    yield Condition(name_of(way, draw, cues, touches), changes)
+
+
+STUDY = Study(
+    "cues",
+    "What carries the accuracy",
+    conditions,
+    steps=(
+        Step(
+            "cues",
+            "cues.keeping:make_cues",
+            ("results/cues.parquet",),
+            needs={"include": {"meshes": {"set"}}},
+        ),
+    ),
+    has_figures=False,
+    is_on_request=True,
+)
