@@ -1,4 +1,4 @@
-"""Baselines on imprints and poses: the nearest object by kernel density, and a multilayer perceptron."""
+"""Baselines on imprints and poses: the nearest object by kernel density, a multilayer perceptron, and twenty lines."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from scipy.spatial.distance import cdist
 from scipy.special import logsumexp
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.decomposition import PCA
+from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.neural_network import MLPClassifier
-from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import StandardScaler
+from sklearn.pipeline import Pipeline, make_pipeline
+from sklearn.preprocessing import FunctionTransformer, StandardScaler
 
 from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.features.imprint_shape import describe_imprint_shape
@@ -131,6 +132,25 @@ class TouchPerceptron(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         imprints = self.pca_.transform(_rows(sequences, "imprint"))
         parts = [_rows(sequences, "pose"), imprints, _rows(sequences, "sensor_size")]
         return np.concatenate(parts, axis=1)
+
+
+def twenty_lines() -> Pipeline:
+    """Return an unfitted shrunk linear discriminant of `touch_statistics`, as `examples/twenty_lines.py` has it."""
+    discriminant = LinearDiscriminantAnalysis(solver="lsqr", shrinkage="auto")
+    return make_pipeline(FunctionTransformer(touch_statistics), discriminant)
+
+
+def touch_statistics(sequences: NDArray[np.void]) -> FloatArray:
+    """Compute statistics of the touches of sequences: (n, t) to (n, 32).
+
+    A touch has eight numbers: mean and deviation of its imprint, position, and normal. Each has a mean, deviation,
+    minimum and maximum over the touches.
+    """
+    imprints = sequences["imprint"].reshape(*sequences.shape, -1).astype(np.float64)
+    skin = np.stack([imprints.mean(axis=2), imprints.std(axis=2)], axis=2)
+    touches = np.concatenate([skin, sequences["pose"]], axis=2)
+    parts = [touches.mean(axis=1), touches.std(axis=1), touches.min(axis=1), touches.max(axis=1)]
+    return np.concatenate(parts, axis=1)
 
 
 def _shapes(sequences: NDArray[np.void]) -> FloatArray:

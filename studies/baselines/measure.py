@@ -20,7 +20,7 @@ from sklearn.base import clone
 
 import visuohaptic as vh
 from baselines.choose import CHOSEN
-from baselines.estimators import NearestObject, TouchPerceptron
+from baselines.estimators import NearestObject, TouchPerceptron, twenty_lines
 from classifier_settings.choose import choosing_half
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.evaluating import Evaluation
@@ -59,9 +59,12 @@ class Contestant:
     splits: Mapping[str, int] = field(default_factory=dict)
 
     def evaluate(self, table: pa.Table, objects: str, strategy: str, touches: int) -> Evaluation:
-        """Evaluate on the first `touches` of each sequence; estimators of single touches are fitted on `max(LENGTHS)`."""
+        """Evaluate on the first `touches` of each sequence; estimators of single touches are fitted on `max(LENGTHS)`.
+
+        Estimators of single touches have a parameter `tested`.
+        """
         estimator = self.estimator
-        if self.inputs == "touches":
+        if hasattr(estimator, "tested"):
             estimator = clone(estimator).set_params(tested=touches)
             touches = max(LENGTHS)
         parameters = RecognitionParameters(touches=touches)
@@ -76,7 +79,10 @@ class Contestant:
 
 
 class KeptCell(BaseModel):
-    """Accuracy and weight per object (None for untested objects), and processor seconds of fit and predict per split."""
+    """Accuracy and weight per object (None for untested objects), and processor seconds of fit and predict per split.
+
+    `commit` and `date` are those of `KeptBaselines`, unless the cell was measured by itself.
+    """
 
     classifier: str
     strategy: str
@@ -86,6 +92,8 @@ class KeptCell(BaseModel):
     weights: tuple[float | None, ...]
     fit: float
     predict: float
+    commit: str | None = None
+    date: str | None = None
 
 
 class KeptBaselines(BaseModel):
@@ -109,16 +117,23 @@ def contestants() -> dict[str, Contestant]:
         "paper": Contestant("features", "support_vector_machine"),
         "nearest_object": Contestant("touches", nearest),
         "touch_perceptron": Contestant("touches", perceptron, FEWER_SPLITS),
+        "twenty_lines": Contestant("touches", twenty_lines()),
     }
 
 
 def measure(
-    features: pa.Table, touches: pa.Table, objects: Sequence[str], name_of_set: str
+    features: pa.Table,
+    touches: pa.Table,
+    objects: Sequence[str],
+    name_of_set: str,
+    classifiers: Sequence[str],
 ) -> Iterator[KeptCell]:
-    """Evaluate every classifier, strategy and number of touches on a run's tables, and yield the cells."""
-    for name, contestant in contestants().items():
+    """Evaluate classifiers on a run's tables, by every strategy of the run and number of touches, and yield the cells."""
+    strategies = set(features.column("strategy").unique().to_pylist())
+    for name in classifiers:
+        contestant = contestants()[name]
         table = touches if contestant.inputs == "touches" else features
-        for strategy in STRATEGIES:
+        for strategy in filter(strategies.__contains__, STRATEGIES):
             for length in LENGTHS:
                 evaluation = contestant.evaluate(table, name_of_set, strategy, length)
                 print(f"{name} {strategy} {length}: {evaluation}", flush=True)
@@ -141,27 +156,40 @@ def read_kept(name: str) -> KeptBaselines:
 
 
 def main() -> None:
-    """Measure all cells of a run, and write the file after each cell."""
+    """Measure all cells of a run, or those of one classifier, and write the file after each cell."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, help="folder results/ of a run with three strategies")
     parser.add_argument("set", choices=("paper", "benchmark"))
     parser.add_argument("--catalogue", type=Path, default=Path("meshes/catalogue.csv"))
+    parser.add_argument(
+        "--only",
+        choices=contestants(),
+        help="replace only the cells of this classifier, which then have their own commit and date",
+    )
     arguments = parser.parse_args()
     features = read_table(FEATURES, arguments.results / "features")
     touches = read_table(TOUCHES, arguments.results / "touches")
     objects = sorted(set(keys_of(features).to_pylist()))
     half = choosing_half(models_of_set(arguments.catalogue, "outside"))
-    kept = KeptBaselines(
-        commit=find_commit(),
-        date=datetime.now(UTC).strftime("%Y-%m-%d"),
-        objects=tuple(objects),
-        choosing=tuple(sorted(half.intersection(objects))),
-        cells=(),
-    )
-    for cell in measure(features, touches, objects, arguments.set):
-        kept = kept.model_copy(update={"cells": (*kept.cells, cell)})
-        text = f"{kept.model_dump_json()}\n".replace('{"classifier"', '\n{"classifier"')
-        atomic_write_text(FOLDER / f"kept_{arguments.set}.json", text)
+    state = {"commit": find_commit(), "date": datetime.now(UTC).strftime("%Y-%m-%d")}
+    if arguments.only:
+        kept = read_kept(arguments.set)
+        others = tuple(cell for cell in kept.cells if cell.classifier != arguments.only)
+        kept = kept.model_copy(update={"cells": others})
+    else:
+        kept = KeptBaselines(
+            **state,
+            objects=tuple(objects),
+            choosing=tuple(sorted(half.intersection(objects))),
+            cells=(),
+        )
+    classifiers = [arguments.only] if arguments.only else list(contestants())
+    for cell in measure(features, touches, kept.objects, arguments.set, classifiers):
+        own = cell.model_copy(update=state) if arguments.only else cell
+        kept = kept.model_copy(update={"cells": (*kept.cells, own)})
+        text = kept.model_dump_json().replace(',"commit":null,"date":null}', "}")
+        lines = f"{text}\n".replace('{"classifier"', '\n{"classifier"')
+        atomic_write_text(FOLDER / f"kept_{arguments.set}.json", lines)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,17 @@
 """The baselines name a class from imprints and poses, and learn nothing of the touches that they are tested on."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
+import pandas as pd
 import pytest
 from evaluation.test_evaluating_inputs import touches_of
 from recognition.synthetic import features_table
 from scipy.stats import norm
 
 import visuohaptic as vh
-from baselines.estimators import NearestObject, TouchPerceptron
+from baselines.estimators import NearestObject, TouchPerceptron, touch_statistics, twenty_lines
 from visuohaptic.recognition import touch_arrays
 from visuohaptic.recognition.parameters import RecognitionParameters
 
@@ -30,7 +34,8 @@ def known(touches):
 
 
 @pytest.mark.parametrize(
-    ("estimator", "accuracy"), [(NearestObject(), 0.9), (TouchPerceptron((64,)), 0.6)]
+    ("estimator", "accuracy"),
+    [(NearestObject(), 0.9), (TouchPerceptron((64,)), 0.6), (twenty_lines(), 0.9)],
 )
 def test_classes_that_lie_apart_are_told_apart(touches, estimator, accuracy):
     found = vh.evaluate(estimator, touches, FEW, inputs="touches")
@@ -88,3 +93,28 @@ def test_skin_of_no_weight_changes_nothing(known):
     smooth = arrays.copy()
     smooth["imprint"] = 0.5 * arrays["imprint"][::-1]
     assert np.array_equal(estimator.predict(arrays), estimator.predict(smooth))
+
+
+def test_statistics_of_touches_are_those_of_the_frame_and_of_the_example(known):
+    arrays, _, _ = known
+    touches = pd.DataFrame(
+        [
+            {
+                "sequence": number, "mean": touch["imprint"].mean(dtype=float),
+                "deviation": touch["imprint"].std(dtype=float),
+                **dict(zip(("x", "y", "z", "nx", "ny", "nz"), touch["pose"], strict=True)),
+            }
+            for number, sequence in enumerate(arrays)
+            for touch in sequence
+        ],
+        dtype=float,
+    )  # fmt: skip
+    by_sequence = touches.groupby("sequence")
+    parts = [by_sequence.mean(), by_sequence.std(ddof=0), by_sequence.min(), by_sequence.max()]
+    found = touch_statistics(arrays)
+    np.testing.assert_allclose(found, np.hstack(parts), rtol=1e-6, atol=1e-7)
+    example = runpy.run_path(str(Path(__file__).parents[3] / "examples/twenty_lines.py"))
+    np.testing.assert_array_equal(example["touch_statistics"](arrays), found)
+    first, second = example["discriminant"], twenty_lines()[-1]
+    assert type(first) is type(second)
+    assert first.get_params() == second.get_params()
