@@ -21,10 +21,12 @@ LABELS = {
     OURS: "ours: linear discriminant on descriptors",
     "nearest_object": "nearest object by density of touches",
     "touch_perceptron": "multilayer perceptron of touches",
+    "twenty_lines": "twenty lines: discriminant on means of touches",
     "paper": "the paper's: SVM on 60 features",
 }
 INTERVALS = IntervalParameters()
 HEADLINE_TOUCHES = LENGTHS[0]
+NOT_MEASURED = "not measured"
 
 Cells = Mapping[tuple[str, str, int], KeptCell]
 
@@ -43,11 +45,10 @@ def blocks() -> dict[str, str]:
     differences = [row for of_set in kept.values() for row in _differences(of_set)]
     seconds = ["objects", "classifier", "splits"]
     seconds += [f"{kind}, {length}" for kind in ("fit", "predict") for length in LENGTHS]
-    sources = "; ".join(
-        f"{SETS[name]}: {of_set.commit[:12]}, {of_set.date}" for name, of_set in kept.items()
-    )
+    sources = "; ".join(text for name, of_set in kept.items() for text in _sources(name, of_set))
     return {
         "headline": headline(kept),
+        "simplest": simplest(kept),
         **{f"touches_{length}": text for length, text in accuracies.items()},
         "differences": table(
             ["held-out objects", "baseline minus ours", "touches", *strategies], differences
@@ -68,6 +69,7 @@ def headline(kept: Mapping[str, KeptBaselines]) -> str:
             (difference(of_set, name, strategy, HEADLINE_TOUCHES), name, strategy, of_set)
             for name in baselines
             for strategy in STRATEGIES
+            if (name, strategy, HEADLINE_TOUCHES) in _by_name(of_set)
         ]
         for of_set in kept.values()
     ]
@@ -85,10 +87,54 @@ def headline(kept: Mapping[str, KeptBaselines]) -> str:
     return "\n".join([_wrapped(first), "", *lines, "", *filter(None, level)])
 
 
+def simplest(kept: Mapping[str, KeptBaselines], strategy: str = "random") -> str:
+    """Write the accuracy of the twenty lines beside both pipelines, and whether they are ahead of the paper's."""
+    lines = []
+    for name, of_set in kept.items():
+        cells = _by_name(of_set)
+        simple, paper, ours = (
+            percent(_accuracy(cells[classifier, strategy, HEADLINE_TOUCHES]).mean)
+            for classifier in ("twenty_lines", "paper", OURS)
+        )
+        lead = _gap(of_set, "twenty_lines", "paper", strategy)
+        verdict = (
+            "ahead of"
+            if lead.low > 0
+            else "behind"
+            if lead.high < 0
+            else "not shown to differ from"
+        )
+        lines.append(
+            f"- {SETS[name]}: {simple} by twenty lines, {paper} by the paper's pipeline, {ours} by ours. Twenty lines "
+            f"are {verdict} the paper's pipeline: {_text(lead, points)} points."
+        )
+    start = f"**The simplest classifier** of five touches at random places in reach (`{strategy}`):"
+    return "\n".join([_wrapped(start), "", *(_wrapped(_spaced(line), "  ") for line in lines)])
+
+
+def _gap(kept: KeptBaselines, first: str, second: str, strategy: str) -> Interval:
+    """Compute the accuracy of one classifier minus that of another, paired over all objects, by five touches."""
+    cells = _by_name(kept)
+    one, other = (cells[name, strategy, HEADLINE_TOUCHES] for name in (first, second))
+    rows = [
+        row
+        for row in zip(one.accuracy, other.accuracy, other.weights, strict=True)
+        if None not in row
+    ]
+    values, others, weights = np.array(rows, dtype=np.float64).T
+    return compare_paired(values, others, weights, INTERVALS).difference
+
+
+def _spaced(text: str) -> str:
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
 def _level(kept: KeptBaselines, names: Sequence[str]) -> str:
     """Write the baselines whose paired intervals contain 0 for all strategies; empty if there are none."""
     labels = []
     for name in names:
+        if any((name, strategy, HEADLINE_TOUCHES) not in _by_name(kept) for strategy in STRATEGIES):
+            continue
         intervals = [difference(kept, name, strategy, HEADLINE_TOUCHES) for strategy in STRATEGIES]
         if all(interval.low <= 0 <= interval.high for interval in intervals):
             labels.append(LABELS[name])
@@ -115,11 +161,20 @@ def difference(kept: KeptBaselines, name: str, strategy: str, touches: int) -> I
     return compare_paired(theirs, ours, weights, INTERVALS).difference
 
 
+def _sources(name: str, kept: KeptBaselines) -> Iterator[str]:
+    """Yield commit and date of a set, and of the classifiers that were measured by themselves."""
+    yield f"{SETS[name]}: {kept.commit[:12]}, {kept.date}"
+    later = {cell.classifier: cell for cell in kept.cells if cell.commit and cell.date}
+    for classifier, cell in later.items():
+        yield f"{SETS[name]}, {classifier}: {str(cell.commit)[:12]}, {cell.date}"
+
+
 def _accuracies(kept: KeptBaselines, touches: int) -> Iterator[list[object]]:
     cells = _by_name(kept)
     for name, label in LABELS.items():
-        accuracies = [_accuracy(cells[name, strategy, touches]) for strategy in STRATEGIES]
-        yield [len(kept.objects), label, *(_text(accuracy, percent) for accuracy in accuracies)]
+        own = [cells.get((name, strategy, touches)) for strategy in STRATEGIES]
+        texts = [_text(_accuracy(cell), percent) if cell else NOT_MEASURED for cell in own]
+        yield [len(kept.objects), label, *texts]
 
 
 def _accuracy(cell: KeptCell) -> Interval:
@@ -133,8 +188,13 @@ def _differences(kept: KeptBaselines) -> Iterator[list[object]]:
     for touches in LENGTHS:
         for name, label in LABELS.items():
             if name != OURS:
-                leads = [difference(kept, name, strategy, touches) for strategy in STRATEGIES]
-                yield [reporting, label, touches, *(_text(lead, points) for lead in leads)]
+                texts = [
+                    _text(difference(kept, name, strategy, touches), points)
+                    if (name, strategy, touches) in _by_name(kept)
+                    else NOT_MEASURED
+                    for strategy in STRATEGIES
+                ]
+                yield [reporting, label, touches, *texts]
 
 
 def _seconds(kept: KeptBaselines) -> Iterator[list[object]]:

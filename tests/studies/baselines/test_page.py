@@ -1,15 +1,18 @@
 """The page of the baselines says first what is ahead of ours, on objects that chose nothing."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 sys.path.append(str(Path(__file__).parents[3] / "docs"))
 
 from baselines.choose import CHOSEN, GRIDS, LEVEL
-from baselines.make_page import LABELS, difference, headline
+from baselines.make_page import LABELS, blocks, difference, headline
 from baselines.measure import LENGTHS, OURS, STRATEGIES, KeptBaselines, KeptCell, read_kept
 from classifier_settings.choose import first_near_best
 
@@ -43,6 +46,7 @@ def test_a_baseline_that_is_ahead_stands_first():
     )
     assert ahead.count("- nearest object") == ahead.count("+40.0 (+") == len(STRATEGIES)
     accuracies = {"nearest_object": [0.0] * 20, "touch_perceptron": [0.1] * 20, "paper": [0.0] * 20}
+    accuracies["twenty_lines"] = [0.0] * 20
     behind = headline({"paper": kept(accuracies)})
     assert behind.startswith(
         "**No baseline is significantly better than our pipeline at five touches**"
@@ -53,7 +57,13 @@ def test_a_baseline_that_is_ahead_stands_first():
 
 def test_baselines_with_intervals_that_include_0_are_named():
     mixed = [0.3, 0.8] * 10
-    text = headline({"paper": kept({"touch_perceptron": mixed, "paper": [0.0] * 20})})
+    text = headline(
+        {
+            "paper": kept(
+                {"touch_perceptron": mixed, "paper": [0.0] * 20, "twenty_lines": [0.0] * 20}
+            )
+        }
+    )
     assert text.startswith("**No baseline is significantly better")
     assert "multilayer perceptron of touches, eye fixations, 20 objects: +5.0 (" in text
     named = " ".join(
@@ -88,3 +98,41 @@ def test_every_cell_of_a_set_is_kept(name, objects, choosing):
         for strategy in STRATEGIES
         for length in LENGTHS
     }
+
+
+@pytest.mark.parametrize(("name", "count"), [("paper", "12 objects"), ("benchmark", "142 objects")])
+def test_the_sentence_on_the_simplest_classifier_has_the_numbers_and_the_verdict_of_the_cells(
+    name, count
+):
+    held = json.loads((CHOSEN.parent / f"kept_{name}.json").read_text())
+    cells = {
+        cell["classifier"]: pd.DataFrame(
+            {"accuracy": cell["accuracy"], "weight": cell["weights"]}, dtype=float
+        ).dropna()
+        for cell in held["cells"]
+        if (cell["strategy"], cell["touches"]) == ("random", 5)
+    }
+    means = [
+        np.average(cells[key]["accuracy"], weights=cells[key]["weight"])
+        for key in ("twenty_lines", "paper", OURS)
+    ]
+    (line,) = [
+        " ".join(part.split())
+        for part in blocks()["simplest"].split("\n- ")
+        if part.removeprefix("- ").startswith(count)
+    ]
+    assert line.startswith(
+        "{}: {:.1f} % by twenty lines, {:.1f} % by the paper's pipeline, {:.1f} % by ours.".format(
+            count, *(100 * mean for mean in means)
+        )
+    )
+    mean, low, high = (
+        float(number.replace("\N{MINUS SIGN}", "-"))
+        for number in re.search(r"(\S+) \((\S+) to (\S+)\) points", line).groups()
+    )
+    both = cells["twenty_lines"].join(cells["paper"], lsuffix="_one", how="inner")
+    expected = np.average(both["accuracy_one"] - both["accuracy"], weights=both["weight"])
+    assert mean == pytest.approx(100 * expected, abs=0.051)
+    verdict = "ahead of" if low > 0 else "behind" if high < 0 else "not shown to differ from"
+    assert f"Twenty lines are {verdict} the paper's pipeline: " in line
+    assert low <= mean <= high
