@@ -1,5 +1,6 @@
 """The pages on places out of reach have the figures of the kept tables, counted with pandas."""
 
+import json
 import re
 from pathlib import Path
 
@@ -13,8 +14,8 @@ def words_of(page):
     return re.sub(r"\s+", " ", (ROOT / page).read_text(encoding="utf-8"))
 
 
-def shares_of(touches):
-    """Return the four shares in whole per cent, and the views in which the first fixation is never touched."""
+def shares_of(touches, decimals=0):
+    """Return the four shares in per cent, and the views in which the first fixation is never touched."""
     own = touches[touches["strategy"] == "fixation"].sort_values("touch")
     ranks = own.groupby(["class", "object", "viewpoint"])["rank"].agg(list)
     shares = {
@@ -25,7 +26,7 @@ def shares_of(touches):
     }
     missed = int(ranks.map(lambda view: 0 not in view).sum())
     return (
-        {name: f"{100 * share.mean():.0f} %" for name, share in shares.items()},
+        {name: f"{100 * share.mean():.{decimals}f} %" for name, share in shares.items()},
         missed,
         len(ranks),
     )
@@ -42,3 +43,56 @@ def test_the_page_on_the_method_says_what_is_not_at_the_eyes_fixations():
     )
     assert f"and {shares['elsewhere']} are at the sixth or a later fixation" in text
     assert f"In {missed} of {views} views the most salient place is never touched" in text
+
+
+def cells(line):
+    return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+def test_the_page_on_probing_has_the_shares_of_the_kept_ranks():
+    ranks = pd.read_parquet(ROOT / "docs/figures/ranks.parquet")
+    default = pd.read_parquet(DEFAULT_RUN)
+    default = default[default["strategy"] == "fixation"]
+    keys = ["class", "object", "viewpoint", "touch", "rank"]
+    own = ranks[ranks["set"] == "paper"]
+    assert sorted(map(tuple, own[keys].to_numpy())) == sorted(map(tuple, default[keys].to_numpy()))
+    by_set = [shares_of(ranks[ranks["set"] == name], 1)[0] for name in ("paper", "benchmark")]
+    text = (ROOT / "docs/probing.md").read_text(encoding="utf-8")
+    block = text.split("<!-- shares -->")[1].split("<!-- /shares -->")[0].strip().splitlines()
+    assert [cells(line)[1:] for line in block[2:]] == [
+        [shares[name] for shares in by_set]
+        for name in ("as fixated", "replaced", "out of turn", "elsewhere")
+    ]
+
+
+def test_the_page_on_probing_has_the_accuracies_of_the_kept_study():
+    text = (ROOT / "docs/probing.md").read_text(encoding="utf-8")
+    block = text.split("<!-- accuracies -->")[1].split("<!-- /accuracies -->")[0].strip()
+    shown = [cells(line)[2:] for line in block.splitlines()[2:]]
+    expected = []
+    files = sorted(ROOT.glob("docs/figures/out_of_reach_*.json"), reverse=True)
+    for file in files:
+        kept = json.loads(file.read_text())["figures"]
+        for condition in ("as run", "skip", "keep"):
+            row = []
+            for pipeline, classifier in (
+                ("paper", "support_vector_machine"),
+                ("order_free", "linear_discriminant"),
+            ):
+                fixation, random = (
+                    kept[pipeline][strategy][classifier][condition]
+                    for strategy in ("fixation", "random_visible")
+                )
+                row += [f"{100 * fixation['accuracy']:.1f} %", f"{100 * random['accuracy']:.1f} %"]
+                lead = 100 * (fixation["accuracy"] - random["accuracy"])
+                row += [lead]
+            expected.append(row)
+    assert len(shown) == len(expected) == 3 * len(files) >= 3
+    for line, row in zip(shown, expected, strict=True):
+        for cell, value in zip(line, row, strict=True):
+            if isinstance(value, str):
+                assert cell.startswith(f"{value} (")
+            else:
+                number = float(cell.split(" ")[0].replace("\N{MINUS SIGN}", "-"))
+                # Pairs leave out objects that one strategy lacks; both figures are rounded.
+                assert abs(number - value) < 0.2

@@ -1,0 +1,126 @@
+"""Fill the tables of places out of reach from kept figures: `make readme`.
+
+docs/figures/out_of_reach_paper.json and out_of_reach_benchmark.json have, by set, the command, commit and day of study
+`out_of_reach`, its figures (``reports/studies/out_of_reach.json``), and the views of each condition and strategy.
+docs/figures/ranks.parquet has the columns ``touch`` and ``rank`` of all touches by fixation in the same runs.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Mapping
+
+import pyarrow as pa
+import pyarrow.compute as pc
+from filling import DOCS, SETS, Figures, accuracy, difference, fill_page, read_json, share, table
+
+from visuohaptic.evaluation.intervals import holm
+from visuohaptic.report.comparison import SIGNIFICANCE
+from visuohaptic.report.own_fixations import count_own_fixations
+from visuohaptic.tables.schema import open_parquet
+
+PAGE = DOCS / "probing.md"
+KEPT = DOCS / "figures" / "out_of_reach"
+RANKS = DOCS / "figures" / "ranks.parquet"
+CONDITIONS = {"replace": "as run", "skip": "skip", "keep": "keep"}
+STRATEGIES = ("fixation", "random_visible")
+FIXATIONS = 5
+
+
+def shares_table(ranks: pa.Table) -> str:
+    """Set the four shares of views and touches that are not at the eye's first five fixations, by set."""
+    found = []
+    for name in SETS:
+        of_set = ranks.filter(pc.equal(ranks.column("set"), name))
+        found.append(count_own_fixations(of_set, of_set, FIXATIONS))
+    counted = {
+        "views touched at exactly their first five fixations, in order": "views_as_fixated",
+        "views with a touch at none of their first five fixations": "views_replaced",
+        "touches that are not at the fixation of the same number": "touches_out_of_turn",
+        "touches at none of the view's first five fixations": "touches_elsewhere",
+    }
+    rows = [
+        [words, *(share(getattr(one, name)) for one in found)] for words, name in counted.items()
+    ]
+    return table(["with `replace`", *SETS.values()], rows)
+
+
+def accuracies_table(sets: Mapping[str, Figures]) -> str:
+    """Set the accuracies by fixation and by random places in sight, and the lead, by set and treatment."""
+    rows = []
+    for name, kept in sets.items():
+        for treatment, condition in CONDITIONS.items():
+            cells = []
+            for pipeline in ("paper", "order_free"):
+                fixation, random = (
+                    _cell(kept, pipeline, strategy, condition) for strategy in STRATEGIES
+                )
+                lead = difference(random, "lead", "lead_low", "lead_high", "lead_p")
+                cells += [accuracy(fixation), accuracy(random), lead]
+            rows.append([SETS[name], f"`{treatment}`", *cells])
+    heads = ["paper's pipeline: fixation", "random in sight", "fixation ahead by"]
+    heads += ["ours: fixation", "random in sight", "fixation ahead by"]
+    return table(["objects", "out of reach", *heads], rows)
+
+
+def changes_sentence(sets: Mapping[str, Figures]) -> str:
+    """Write which changes from `replace` have p below 0.05 after Holm's correction for all, and the views left out."""
+    changes = list(_changes(sets))
+    adjusted = holm([cell["p_value"] for *_, cell in changes])
+    clear = [
+        f"{SETS[name]}, pipeline `{pipeline}`, `{strategy}`, `{condition}`: "
+        f"{difference({**cell, 'holm': p_value}, 'difference', 'difference_low', 'difference_high', 'holm')}"
+        for (name, pipeline, strategy, condition, cell), p_value in zip(
+            changes, adjusted, strict=True
+        )
+        if p_value < SIGNIFICANCE
+    ]
+    text = (
+        f"Of {len(changes)} changes of accuracy from `replace` to `skip` or `keep`, in pairs over objects, "
+        f"{len(clear)} have p < {SIGNIFICANCE:g} after Holm's correction for all of them"
+    )
+    text += f" ({'; '.join(clear)})." if clear else "."
+    left_out = [
+        f"{views['as run'] - views['skip']} of {views['as run']:,} by `{strategy}` on {SETS[name]}"
+        for name, kept in sets.items()
+        for strategy, views in kept["views"].items()
+        if views["skip"] < views["as run"]
+    ]
+    text += f" With `skip`, views without a place in reach are left out: {', '.join(left_out) or 'none'}."
+    measured = {f"{kept['date']}, commit {kept['commit']}" for kept in sets.values()}
+    text += f" Measured on {' and '.join(sorted(measured))}."
+    return textwrap.fill(text, 100, break_on_hyphens=False, break_long_words=False)
+
+
+def blocks() -> dict[str, str]:
+    """Return the blocks of the page by name."""
+    files = {name: KEPT.with_name(f"{KEPT.name}_{name}.json") for name in SETS}
+    sets = {name: read_json(file) for name, file in files.items() if file.exists()}
+    return {
+        "shares": shares_table(open_parquet(RANKS).read()),
+        "accuracies": accuracies_table(sets),
+        "changes": changes_sentence(sets),
+    }
+
+
+def _changes(sets: Mapping[str, Figures]) -> Iterator[tuple[str, str, str, str, Figures]]:
+    for name, kept in sets.items():
+        for pipeline in ("paper", "order_free"):
+            for strategy in STRATEGIES:
+                for condition in ("skip", "keep"):
+                    yield (
+                        name,
+                        pipeline,
+                        strategy,
+                        condition,
+                        _cell(kept, pipeline, strategy, condition),
+                    )
+
+
+def _cell(kept: Figures, pipeline: str, strategy: str, condition: str) -> Figures:
+    (by_condition,) = kept["figures"][pipeline][strategy].values()
+    return by_condition[condition]
+
+
+if __name__ == "__main__":
+    fill_page(PAGE, blocks())
