@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 
 import pyarrow as pa
 import pyarrow.compute as pc
-from filling import DOCS, SETS, Figures, accuracy, difference, fill_page, read_json, share, table
+from filling import DOCS, SETS, Figures, accuracy, difference, fill_page, kept_figures, share, table
 
 from visuohaptic.evaluation.intervals import holm
 from visuohaptic.report.comparison import SIGNIFICANCE
@@ -94,8 +94,7 @@ def changes_sentence(sets: Mapping[str, Figures]) -> str:
 
 def blocks() -> dict[str, str]:
     """Return the blocks of the page by name."""
-    files = {name: KEPT.with_name(f"{KEPT.name}_{name}.json") for name in SETS}
-    sets = {name: read_json(file) for name, file in files.items() if file.exists()}
+    sets = kept_figures(KEPT)
     return {
         "shares": shares_table(open_parquet(RANKS).read()),
         "accuracies": accuracies_table(sets),
