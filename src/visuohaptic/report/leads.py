@@ -224,7 +224,10 @@ def run_leads(
     leads = []
     for pipeline, classifier in classifiers.items():
         found = metrics.get("leads", {}).get(pipeline, {}).get(classifier, {})
-        for name, compared in found.items():
+        for name in LEADS:
+            if name not in found:
+                continue
+            compared = found[name]
             leads.append(
                 Lead(
                     name,
