@@ -1,7 +1,7 @@
 """Compare rules for intervals over objects: `python -m benchmarks.intervals [OBJECTS] [TRIALS]`.
 
-Prints the smallest coverage of each rule over simulated sets of objects, and mean widths in points. With `--leads` the
-sets are of paired differences, with `--classes` of classes (benchmarks/leads.py). The results are in docs/intervals.md.
+Prints the smallest coverage of each rule over simulated sets of objects, and mean widths in points. The results are in
+docs/intervals.md. `python -m benchmarks.leads` compares rules for leads and for new classes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 from scipy.stats import beta, binom
 
-from benchmarks.leads import measure_classes, measure_leads
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.evaluation.intervals import EXTRA
 
@@ -154,19 +153,7 @@ def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.intervals")
     parser.add_argument("objects", nargs="?", type=int, default=12)
     parser.add_argument("trials", nargs="?", type=int, default=2000)
-    parser.add_argument("--leads", action="store_true", help="rules for paired differences")
-    parser.add_argument("--classes", type=int, help="rules for this number of classes")
     arguments = parser.parse_args()
-    if arguments.leads or arguments.classes:
-        objects, trials, classes = arguments.objects, arguments.trials, arguments.classes
-        found = (
-            measure_classes(classes, objects // classes, trials)
-            if classes
-            else measure_leads(objects, trials)
-        )
-        for line in found:
-            print(line)
-        return
     drawn = accuracies(arguments.objects, arguments.trials)
     print(" | ".join(["rule", "all or nothing", "accuracies", *drawn]))
     for name, make in RULES.items():

@@ -262,7 +262,7 @@ def _p_value(
     second: NDArray[np.float64],
     intervals: IntervalParameters,
 ) -> float:
-    """Return the p value of the sign-change test alone, as in the rules that were written down."""
+    """Return the p value of sign changes only, as in the rules that were written down."""
     shares = np.full(len(first), 1 / len(first))
     return sign_change_test(
         first - second, shares, intervals.permutations, 1 - intervals.confidence

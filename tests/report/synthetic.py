@@ -104,6 +104,12 @@ def write_study(folder, name, rows, **columns):
         "adjusted_p": [None if row[3] is None else 1.0 for row in rows],
         "objects": [None if gone else 12 for gone in missing], "recomputed": "touches",
         **{name: [None] * len(rows) for name in ("lead", "lead_low", "lead_high", "lead_p")},
+        **{
+            f"{lead}_new_classes{end}": [None] * len(rows)
+            for lead in ("difference", "lead")
+            for end in ("_low", "_high")
+        },
+        **{f"{p_value}_new_classes": [None] * len(rows) for p_value in ("p_value", "lead_p")},
         "seconds": [None if gone else 2.0 for gone in missing],
         "error": ["too small." if gone else None for gone in missing],
     }  # fmt: skip

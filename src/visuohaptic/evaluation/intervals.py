@@ -516,6 +516,8 @@ def _unobserved_p_value(
 
 def _agreeing(p_value: float, interval: Interval, significance: float) -> float:
     """Return the p value, moved across the significance level where only rounding parts it from the interval."""
+    if abs(p_value - significance) > _ROUNDING:
+        return p_value
     if interval.low > 0 or interval.high < 0:
         return min(p_value, math.nextafter(significance, 0))
     return max(p_value, significance)

@@ -2,7 +2,7 @@
 
 The test of a mean m takes the differences minus m, and changes their signs in all ways. Its p value is the share of sign
 changes with an absolute weighted mean at least as large as the observed one. A sign change divides the objects into two
-groups: those that change and those that keep their sign. The absolute mean is at least as large exactly if m lies
+groups: objects that change and objects that keep their sign. The absolute mean is at least as large exactly if m lies
 between the weighted means of both groups, or outside on the far side from the mean of all objects. So p falls steadily
 with the distance of m from the mean of all objects, and the ends of the interval are order statistics of the means of
 groups (J. Hartigan, Journal of the American Statistical Association 64, 1969: typical values). A test statistic divided
@@ -80,10 +80,8 @@ def sign_change_test(
 
 @lru_cache(maxsize=16)
 def _sign_changes(count: int, permutations: int) -> tuple[NDArray[np.uint8], bool]:
-    """Return sign changes as bits (bytes, changes), a bit per object, and whether these are all.
-
-    All sign changes are halved: a change and its opposite form the same two groups.
-    """
+    """Return sign changes as bits (bytes, changes), a bit per object, and whether these are all."""
+    # All sign changes are halved: a change and its opposite form the same two groups.
     exact = count <= _MOST_ENUMERATED and 2**count <= permutations
     if exact:
         numbers = np.arange(2 ** (count - 1), dtype="<u8")

@@ -317,10 +317,7 @@ def _figure(
     classes: Sequence[str],
     counted: BoolArray,
 ) -> Figure:
-    """Compute a sum of accuracies minus another sum, over the objects that count and that all cells tested.
-
-    Without `minus` the figure is an accuracy, else a lead. `classes` has the class of each object.
-    """
+    """Compute a sum of accuracies minus another sum, over the objects that count and that all cells tested."""
     added, subtracted = (np.array([_numbers(cell)[0] for cell in cells]) for cells in (plus, minus))
     values = added.sum(axis=0) - (subtracted.sum(axis=0) if len(minus) else 0.0)
     tested = _tested([*plus, *minus], counted)
