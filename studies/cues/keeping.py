@@ -27,31 +27,22 @@ KEPT_FOLDER = Path(visuohaptic.report.__file__).parent
 
 
 def make_cues(step: StepInputs) -> None:
-    """Write the accuracy per object, a mean over the draws of the turns."""
-    write_table(SCHEMA, means_over_draws(read_cells(step.inputs["blocks"])), step.outputs[0])
+    """Write the accuracy per object of the study's blocks."""
+    write_table(SCHEMA, accuracies_of(read_cells(step.inputs["blocks"])), step.outputs[0])
 
 
-def means_over_draws(cells: Mapping[CellKey, Cell]) -> pa.Table:
-    """Arrange the cells of study `cues` as `SCHEMA`; an object's mean is over the draws that tested the object.
-
-    Raises `ReportError` if a condition failed.
-    """
-    failed = [f"{key[0]}: {cell.error}" for key, cell in cells.items() if cell.error]
-    if failed:
-        raise ReportError(f"Accuracies by cue could not be measured, {failed[0]}")
-    drawn: dict[tuple[object, ...], list[tuple[float, float]]] = {}
-    for (condition, pipeline, strategy, classifier), cell in cells.items():
-        tested, turns, _, frame, cues, touches = condition.split()
-        for owner, *numbers in zip(
-            cell.objects, cell.accuracy.tolist(), cell.weights.tolist(), strict=True
-        ):
-            key = (tested, turns, frame, int(touches), cues, pipeline, strategy, classifier, *owner)
-            drawn.setdefault(key, []).append((numbers[0], numbers[1]))
+def accuracies_of(cells: Mapping[CellKey, Cell]) -> pa.Table:
+    """Arrange the cells of study `cues` as `SCHEMA`. Raises `ReportError` if a condition failed."""
     rows: list[dict[str, Any]] = []
-    for key, values in drawn.items():
-        accuracy, weight = (sum(each) / len(values) for each in zip(*values, strict=True))
-        figures = {"draws": len(values), "accuracy": accuracy, "weight": weight}
-        rows.append({**dict(zip(SCHEMA.keys, key, strict=True)), **figures})
+    for (condition, pipeline, strategy, classifier), cell in cells.items():
+        if cell.error:
+            raise ReportError(f"Accuracies by cue could not be measured, {condition}: {cell.error}")
+        tested, turns, frame, cues, touches = condition.split()
+        named = (tested, turns, frame, int(touches), cues, pipeline, strategy, classifier)
+        numbers = zip(cell.objects, cell.accuracy.tolist(), cell.weights.tolist(), strict=True)
+        for owner, accuracy, weight in numbers:
+            keys = dict(zip(SCHEMA.keys, (*named, *owner), strict=True))
+            rows.append({**keys, "accuracy": accuracy, "weight": weight})
     return build_rows(SCHEMA, rows)
 
 

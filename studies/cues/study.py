@@ -17,9 +17,6 @@ STRATEGIES = ("fixation", "random", "random_visible")
 TOUCHES = (1, 2, 5)
 """Numbers of touches per sequence."""
 
-DRAWS = 3
-"""Draws of the turns."""
-
 KNOWN_OF_TOUCH: dict[CueName, Changes] = {
     "position": {
         "recognition.cues": ("position",),
@@ -53,48 +50,48 @@ class Way(NamedTuple):
 
 WAYS = (
     Way("new", "none", "full", ("paper", "order_free")),
-    Way("new", "none", "vertical", ("order_free",)),
     Way("new", "none", "none", ("order_free",)),
-    Way("new", "vertical", "full", ("paper",)),
     Way("new", "vertical", "vertical", ("order_free",)),
-    Way("new", "any", "full", ("paper",)),
     Way("new", "any", "none", ("order_free",)),
     Way("known", "none", "full", ("paper", "order_free")),
     Way("known", "none", "none", ("order_free",)),
 )
-"""The measured ways. Pipeline `paper` has no frame: its input is the whole pose, for all turns."""
+"""The measured ways. Pipeline `paper` has no frame: its input is the whole pose."""
 
 PROTOCOLS: dict[Tested, str] = {"new": "auto", "known": "new_viewpoint"}
 
 
-def name_of(way: Way, draw: int, cues: CueName, touches: int) -> str:
+def name_of(way: Way, cues: CueName, touches: int) -> str:
     """Return the name of a condition from its parts, without the pipelines."""
-    return f"{way.tested} {way.turns} {draw} {way.frame} {cues} {touches}"
+    return f"{way.tested} {way.turns} {way.frame} {cues} {touches}"
+
+
+def is_bare(frame: Frame, touches: int) -> bool:
+    """Return whether positions and normals tell nothing: those of a single touch, if nothing is known of the pose."""
+    return frame == "none" and touches == 1
 
 
 def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield one condition per way, draw of the turns, known part of a touch and number of touches.
+    """Yield one condition per way, cue and number of touches.
 
     If nothing is known of the object's pose, a single touch has neither position nor normal: there is no condition.
     """
     for way in WAYS:
-        for draw in range(1 if way.turns == "none" else DRAWS):
-            for cues, changed in KNOWN_OF_TOUCH.items():
-                for touches in TOUCHES:
-                    if way.frame == "none" and touches == 1 and cues not in ("imprint", "all"):
-                        continue
-                    changes = {
-                        **ONE_CLASSIFIER,
-                        **changed,
-                        "meshes.turns": way.turns,
-                        "meshes.turn_draw": draw,
-                        "probing.strategies": STRATEGIES,
-                        "recognition.pipelines": way.pipelines,
-                        "recognition.frame": way.frame,
-                        "recognition.touches": touches,
-                        "recognition.protocol.protocol": PROTOCOLS[way.tested],
-                    }
-                    yield Condition(name_of(way, draw, cues, touches), changes)
+        for cues, changed in KNOWN_OF_TOUCH.items():
+            for touches in TOUCHES:
+                if is_bare(way.frame, touches) and cues not in ("imprint", "all"):
+                    continue
+                changes = {
+                    **ONE_CLASSIFIER,
+                    **changed,
+                    "meshes.turns": way.turns,
+                    "probing.strategies": STRATEGIES,
+                    "recognition.pipelines": way.pipelines,
+                    "recognition.frame": way.frame,
+                    "recognition.touches": touches,
+                    "recognition.protocol.protocol": PROTOCOLS[way.tested],
+                }
+                yield Condition(name_of(way, cues, touches), changes)
 
 
 STUDY = Study(

@@ -57,7 +57,6 @@ SCHEMA = Schema(
         *OBJECT_KEYS,
     ),
     (
-        count("draws", "draws of the turns; accuracy and weight are means over the draws", 1),
         share("accuracy", "share of the object's test sequences that is correctly classified"),
         Column("weight", REAL, "weight of the object in the mean over splits", "", 0),
     ),
