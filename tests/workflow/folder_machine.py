@@ -383,6 +383,8 @@ class FolderMachine(RuleBasedStateMachine):
         if "--queue" in words:
             self.command("dvc", "exp", "run", "--run-all")
         elif command in CHECKED:
+            # Before an experiment, DVC makes its folders as they are committed, without other files.
+            self.mine = self.own_files()
             self.check("all")
 
     def ask(self, question):
