@@ -439,6 +439,7 @@ def test_two_evaluations_compare_in_pairs_over_objects(features):
         np.array([second.by_object[name] for name in names]),
         np.array([first.weights[name] for name in names]),
         FEW.intervals,
+        [name.split("/")[0] for name in names],
     )
     assert compared == expected
     assert compared.difference.mean == pytest.approx(first.accuracy - second.accuracy)
