@@ -59,6 +59,17 @@ def table(p_values):
     return pipeline_tables(metrics(*accuracies, dict(zip((SVM, BAYES), p_values, strict=True))))[0]
 
 
+def test_leads_and_accuracies_carry_the_interval_of_new_classes():
+    row = table((0.01, 0.3)).rows[0]
+    compared = row.comparisons["random"].difference
+    assert compared.p_value == 0.01
+    assert compared.p_value_new_classes == 0.2
+    assert compared.new_classes_low < compared.low < compared.high < compared.new_classes_high
+    accuracy = row.accuracy["fixation"]
+    assert accuracy.new_classes_low == pytest.approx(accuracy.mean - 0.15)
+    assert accuracy.p_value is None
+
+
 def test_the_gain_is_said_with_what_is_significant():
     sentence = gain_sentence(table((0.001, 0.6)))
     assert (

@@ -73,6 +73,23 @@ def test_differences_are_paired_and_adjusted_over_the_conditions():
     assert [better["adjusted_p"], worse["adjusted_p"]] == adjusted
 
 
+def test_differences_and_leads_have_intervals_of_new_classes():
+    # Objects alternate between two classes.
+    row = rows_of({})["better"]
+    gain = np.array([0.1, 0.0, 0.1, 0.0, 0.1, 0.0])
+    wide = compare_paired(gain, 0 * gain, np.ones(6), INTERVALS, [0, 1, 0, 1, 0, 1])
+    found = [row[f"difference_new_classes_{end}"] for end in ("low", "high")]
+    expected = wide.difference_new_classes
+    assert found == pytest.approx([expected.low, expected.high])
+    assert row["p_value_new_classes"] == pytest.approx(wide.p_value_new_classes)
+    lead = rows_of({key("whole", "random"): cell(WHOLE - 0.1)}, "random")["whole"]
+    assert lead["lead_new_classes_low"] <= lead["lead_low"]
+    assert lead["lead_new_classes_high"] >= lead["lead_high"]
+    assert lead["lead_p_new_classes"] >= lead["lead_p"]
+    first = rows_of({})["whole"]
+    assert first["difference_new_classes_low"] is first["p_value_new_classes"] is None
+
+
 def test_equal_conditions_have_no_difference_and_those_of_other_objects_are_not_compared():
     found = rows_of({key("better"): cell(WHOLE), key("worse"): cell(WHOLE[:4])})
     assert found["better"]["low"] == found["whole"]["low"]
