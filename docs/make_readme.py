@@ -11,8 +11,15 @@ from filling import DOCS, SETS, fill_page, read_json, share, table
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
+from visuohaptic.report.cues import carries_sentence, imprints_sentence
 from visuohaptic.report.leads import read_kept_leads, run_leads
-from visuohaptic.report.questions import QUESTIONS, Answer, lead_answer, recognition_answer
+from visuohaptic.report.questions import (
+    QUESTIONS,
+    Answer,
+    lead_answer,
+    papers_pipeline_sentences,
+    recognition_answer,
+)
 from visuohaptic.report.turned import POSES, read_turned, turned_rows
 from visuohaptic.report.variants import read_variants
 from visuohaptic_workflow.closing import REPORT, describe_results
@@ -95,7 +102,15 @@ def answers(metrics: dict[str, Any]) -> str:
     kept = read_kept_leads(IntervalParameters())
     leads = run_leads(metrics, {one.name: one.headline.key for one in tables}, "none", "full")
     recognised = recognition_answer(
-        tables, len(tables[0].best.class_accuracy["fixation"]), 5, UNSEEN
+        tables,
+        len(tables[0].best.class_accuracy["fixation"]),
+        5,
+        UNSEEN,
+        beside=(
+            carries_sentence("paper", IntervalParameters()),
+            imprints_sentence("benchmark", IntervalParameters()),
+            papers_pipeline_sentences(read_variants()),
+        ),
     )
     found = [
         _answer_lines(recognised),

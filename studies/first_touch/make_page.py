@@ -77,7 +77,7 @@ def lead_table(rows: pd.DataFrame) -> str:
 
 
 def part_table(rows: pd.DataFrame) -> str:
-    """Return the lead over random places in sight at the first touch, of each strategy and each channel alone."""
+    """Return the lead over random places in sight at the first touch, of each strategy and of each single channel."""
     cells = [
         (label, strategy, Place(pipeline))
         for strategy, label in LABELS.items()
@@ -85,7 +85,7 @@ def part_table(rows: pd.DataFrame) -> str:
         if strategy not in {"random", "random_visible"}
     ]
     cells += [
-        (f"fixations by channel {channel} alone", "fixation", Place(pipeline, looking=channel))
+        (f"fixations by channel {channel} only", "fixation", Place(pipeline, looking=channel))
         for channel in CHANNELS
         for pipeline in PIPELINES
     ]

@@ -49,7 +49,7 @@ def name_of(looking: str, turns: Turns, draw: int, frame: Frame, touches: int) -
 
 
 def conditions(_run: ExperimentParameters) -> Iterator[Condition]:
-    """Yield the conditions: all strategies on upright objects, some on turned objects, and each channel alone."""
+    """Yield the conditions: all strategies on upright objects, some on turned objects, and each channel by itself."""
     drawn = tuple(
         name_of_draw(strategy, draw) for strategy in RANDOM for draw in range(DRAWS_OF_PLACES)
     )

@@ -41,7 +41,7 @@ LABELS = {
 
 @dataclass(frozen=True)
 class Place:
-    """A setting of the study: which cells of the table belong together, but for their strategy and draws."""
+    """A setting of the study: cells of one setting differ in strategy and draws only."""
 
     pipeline: str = "order_free"
     touches: int = 1

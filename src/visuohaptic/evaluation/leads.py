@@ -64,7 +64,7 @@ def compare_accuracies(
 def compare_by_lead(
     measured: Mapping[str, DrawnAccuracies], parameters: IntervalParameters
 ) -> dict[LeadName, dict[str, Any]]:
-    """Compute the leads whose strategies were measured, in types that JSON has.
+    """Compute all leads between measured strategies, in types that JSON has.
 
     Parameters
     ----------

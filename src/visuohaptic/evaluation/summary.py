@@ -126,8 +126,8 @@ def summarise(
         ``results[pipeline][strategy][classifier]`` has the figures, and ``method`` describes each of them. An interval
         has ``mean``, ``low`` and ``high``; a missing end is None. The name of an interval of new classes ends in
         ``_new_classes``. ``comparisons[pipeline][classifier][strategy]`` compares fixation with the strategy: fixation
-        minus the strategy. ``leads[pipeline][classifier]`` has the leads of `evaluation.leads.LEADS` whose
-        strategies were measured.
+        minus the strategy. ``leads[pipeline][classifier]`` has the leads of `evaluation.leads.LEADS`
+        between measured strategies.
 
     Raises
     ------

@@ -151,7 +151,7 @@ class KeptLeads:
         return tuple(lead for lead in self.leads if lead.name in LEADS_OF[question])
 
     def by_class(self) -> list[tuple[Lead, ...]]:
-        """Return the leads of each pipeline in its first condition, whose leads by class are shown."""
+        """Return the leads of each pipeline in its first condition, to be shown by class."""
         conditions = dict.fromkeys((lead.pipeline, lead.condition) for lead in self.leads)
         first = dict(reversed(list(conditions)))
         return [

@@ -41,6 +41,7 @@ _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
     "drawn": "results/study_blocks/random_draws",
+    "cues": "results/cues.parquet",
     "effect_influence": "results/effect_influence.parquet",
     "evaluation": "reports/evaluation.parquet",
     "stability": "results/stability",
@@ -274,7 +275,7 @@ def extra_paths(run: str | Path, checkout: str | Path) -> dict[str, Path]:
     Returns
     -------
     dict of str to Path
-        By ``studies``, ``frontier``, ``drawn``, ``effect_influence``, ``evaluation``, ``stability`` and
+        By ``studies``, ``frontier``, ``drawn``, ``cues``, ``effect_influence``, ``evaluation``, ``stability`` and
         ``hard_cases``.
     """
     extras = {name: Path(run, path) for name, path in _EXTRAS.items()}

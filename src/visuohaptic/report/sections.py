@@ -21,6 +21,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
+from visuohaptic.report.cues import carries_sentence, imprints_sentence
 from visuohaptic.report.draws import kept_sentence, read_draws
 from visuohaptic.report.effects import (
     count_missing,
@@ -188,6 +189,13 @@ def leads_of_run(run: Run) -> tuple[Lead, ...]:
     )
 
 
+def what_carries(run: Run) -> tuple[str, ...]:
+    """Return sentences on what carries the accuracy: positions and normals of touches, or imprints."""
+    name, intervals = run.parameters.meshes.set, run.parameters.recognition.intervals
+    own = run.extra_path("cues")
+    return carries_sentence(name, intervals, own), imprints_sentence(name, intervals, own)
+
+
 def kept_turned(run: Run) -> Values | None:
     """Return the kept accuracies of turned objects of the run's set; None where none are kept."""
     kept = read_turned().get(run.parameters.meshes.set)
@@ -230,7 +238,12 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         variant = (
             papers_pipeline_sentences(context.variants) if first.name == PAPER_PIPELINE else ""
         )
-        beside = [sentence for sentence in (variant, odd_sentence(context.evaluation)) if sentence]
+        carried = what_carries(run)
+        beside = [
+            sentence
+            for sentence in (*carried, variant, odd_sentence(context.evaluation))
+            if sentence
+        ]
         yield (
             recognition_answer(
                 run.pipelines,

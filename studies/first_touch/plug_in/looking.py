@@ -63,7 +63,7 @@ def look_with(
         {name: value if name in kept else 0.0 for name, value in fitted[kind].items()}
         for kind in ("channels", "terms")
     )
-    # A copy is not validated: parameters need a channel of weight above 0, terms alone have none.
+    # A copy is not validated: parameters need a channel of weight above 0, and a part may have terms only.
     weights = attention.weights.model_copy(update=channels)
     (attended,) = attend(
         **view.views.attend_arguments(slice(view.index, view.index + 1)),
