@@ -11,7 +11,7 @@ from filling import DOCS, SETS, fill_page, read_json, share, table
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
-from visuohaptic.report.cues import carries_sentence, imprints_sentence
+from visuohaptic.report.cues import carries_sentence
 from visuohaptic.report.leads import read_kept_leads, run_leads
 from visuohaptic.report.questions import (
     QUESTIONS,
@@ -108,13 +108,12 @@ def answers(metrics: dict[str, Any]) -> str:
         UNSEEN,
         beside=(
             carries_sentence("paper", IntervalParameters()),
-            imprints_sentence("benchmark", IntervalParameters()),
             papers_pipeline_sentences(read_variants()),
         ),
     )
     found = [
-        _answer_lines(recognised),
         *(_lead_lines(lead_answer(question, leads, kept)) for question in QUESTIONS),
+        _answer_lines(recognised),
     ]
     return "\n\n".join(found).replace("\N{NO-BREAK SPACE}", " ")
 
@@ -130,7 +129,8 @@ def _answer_lines(answer: Answer) -> str:
 def _lead_lines(answer: Answer) -> str:
     """Write the answer on more objects as a paragraph, and the answer on the run's objects as a list item."""
     (more,) = answer.beside
-    own = f"- On the run's own objects: {answer.finding[0].lower()}{answer.finding[1:]}: {answer.number} {answer.sentence}"
+    first, *_ = answer.sentence.split(". ")
+    own = f"- On the run's objects: {answer.finding[0].lower()}{answer.finding[1:]}; {answer.number} {first}."
     return "\n".join([_wrapped(f"**{answer.question}** {more}"), "", _wrapped(own, "  ")])
 
 

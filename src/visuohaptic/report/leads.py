@@ -6,7 +6,7 @@ literal variant of the paper are kept with the package (`draws` and `turned`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -301,33 +301,33 @@ def _seeing(found: Verdict) -> str:
     """Return in which poses seeing helps, and the number of comparisons in which places that are seen are ahead."""
     poses = [turns for turns in POSES if any(lead.turns == turns for lead in found.leads)]
     helped = [turns for turns in poses if any(lead.turns == turns for lead in found.ahead)]
-    others = [POSES[turns] for turns in poses if turns not in helped]
     headline = "Seeing is not shown to help to choose places."
     if helped:
-        rest = f", and is not shown to help if they are {' or '.join(others)}" if others else ""
-        headline = (
-            f"Seeing helps if objects are {' or '.join(POSES[turns] for turns in helped)}{rest}."
-        )
+        others = [turns for turns in poses if turns not in helped]
+        rest = f", and is not shown to help if they are {_poses(others)}" if others else ""
+        headline = f"Seeing can help if objects are {_poses(helped)}{rest}."
     drawn = verdict(found.leads, "classes")
     return (
-        f"{headline} Places that are seen are {'; '.join(_of_pose(found, turns) for turns in poses)}, compared with random "
-        f"places in reach. For new classes, too, they are ahead in {len(drawn.ahead) or 'none'} and behind in "
-        f"{len(drawn.behind) or 'none'} of all {len(found.leads)}"
+        f"{headline} In {len(found.ahead) or 'none'} of {counted(len(found.leads), 'comparison')} places that are seen are "
+        f"ahead of random places in reach{_most(found.ahead, max)}, and in {len(found.behind) or 'none'} they are "
+        f"behind{_most(found.behind, min)}; for new classes, too, they are ahead in {len(drawn.ahead) or 'none'} and behind "
+        f"in {len(drawn.behind) or 'none'}"
     )
 
 
-def _of_pose(found: Verdict, turns: Turns) -> str:
-    count = sum(lead.turns == turns for lead in found.leads)
-    ahead = [lead for lead in found.ahead if lead.turns == turns]
-    behind = [lead for lead in found.behind if lead.turns == turns]
-    said = f"ahead in {len(ahead) or 'none'} of {counted(count, 'comparison')} on objects {POSES[turns]}"
-    if ahead:
-        most = max(ahead, key=lambda lead: lead.difference.mean)
-        said += f" (at most by {lead_in_words(most)}, {name_of_pipeline(most.pipeline)})"
-    if behind:
-        most = min(behind, key=lambda lead: lead.difference.mean)
-        said += f" and behind in {len(behind)} (at most by {lead_in_words(most)}, {name_of_pipeline(most.pipeline)})"
-    return said
+def _poses(turns: Sequence[Turns]) -> str:
+    """Return poses of objects in words."""
+    if [*turns] == ["none", "vertical"]:
+        return "upright"
+    return " or ".join(POSES[one] for one in turns)
+
+
+def _most(leads: Sequence[Lead], end: Callable[..., Lead]) -> str:
+    """Return the largest or smallest lead with its condition, after a comma; empty without leads."""
+    if not leads:
+        return ""
+    most = end(leads, key=lambda lead: lead.difference.mean)
+    return f", most of all in {most.condition} ({lead_in_words(most)})"
 
 
 def _salience(found: Verdict) -> str:
@@ -350,7 +350,11 @@ def _salience(found: Verdict) -> str:
         excluded = (
             f", and a lead above {percent_points(found.excluded)} points is excluded in each{more}"
         )
-    helps = "Salience does not help" if found.word == "no" else "Salience is not shown to help"
+    helps = (
+        "Salience does not help on objects of these classes"
+        if found.word == "no"
+        else "Salience is not shown to help"
+    )
     return f"{helps}. In none of {count} are fixations ahead of random places in sight{excluded}{behind}"
 
 
