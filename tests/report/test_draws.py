@@ -1,5 +1,6 @@
 """Draws of random places that are kept with the package."""
 
+import itertools
 import json
 
 import numpy as np
@@ -59,5 +60,6 @@ def test_what_is_not_kept_is_none_and_a_damaged_file_is_named(path):
 
 def test_the_kept_draws_of_the_package_can_be_read():
     for name, kept in read_kept().items():
-        for pipeline in kept.pipelines:
-            assert read_draws(name, pipeline).lead.count == 20
+        for pipeline, opponent in itertools.product(kept.pipelines, ("random", "random_visible")):
+            drawn = read_draws(name, pipeline, opponent=opponent)
+            assert drawn.lead.count == (5 if pipeline == "literal" else 20)

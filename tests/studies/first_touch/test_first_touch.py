@@ -1,5 +1,8 @@
 """The conditions of the study, the table that it keeps, and leads from this table by hand."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
@@ -10,52 +13,69 @@ from first_touch.keeping import arrange, keep
 from first_touch.study import FRAMES, PARTS, RULES, TOUCHES, conditions
 from first_touch.summary import LABELS, Place, accuracies, lead
 from visuohaptic.attention.registry import CHANNELS
+from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import ReportError
+from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import Cell
 
+PLUG_IN = Path(__file__).parents[3] / "studies/first_touch/plug_in/looking.py"
 BOXES = (("box", "a"), ("cup", "b"))
-CONDITIONS = {one.name: one.changes for one in conditions(RUN)}
 
 
-def test_each_setting_is_measured_by_each_number_of_touches():
-    settings = {name.rpartition(" ")[0] for name in CONDITIONS}
-    assert len(CONDITIONS) == len(settings) * len(TOUCHES)
-    assert {name.rpartition(" ")[2] for name in CONDITIONS} == {"1", "2", "3", "5"}
+@pytest.fixture(scope="module")
+def changes():
+    """The changes of each condition by name, with the strategies of the plug-in."""
+    with pytest.MonkeyPatch.context() as patch:
+        for held in ("_entries", "_sources"):
+            patch.setattr(STRATEGIES, held, dict(getattr(STRATEGIES, held)))
+        runpy.run_path(str(PLUG_IN))
+        yield {one.name: one.changes for one in conditions(RUN)}
+
+
+def test_without_the_plug_in_the_strategies_of_the_package_are_left():
+    for condition in conditions(RUN):
+        named = {draw_of(name)[0] for name in condition.changes["probing.strategies"]}
+        assert named <= {*STRATEGIES.names}
+        assert "fixation" in named
+
+
+def test_each_setting_is_measured_by_each_number_of_touches(changes):
+    settings = {name.rpartition(" ")[0] for name in changes}
+    assert len(changes) == len(settings) * len(TOUCHES)
+    assert {name.rpartition(" ")[2] for name in changes} == {"1", "2", "3", "5"}
     assert TOUCHES == (1, 2, 3, 5)
 
 
-def test_upright_objects_have_five_draws_of_places_and_turned_objects_three_draws_of_turns():
-    upright = CONDITIONS["default none 0 full 1"]["probing.strategies"]
+def test_upright_objects_have_five_draws_of_places_and_turned_objects_three_draws_of_turns(changes):
+    upright = changes["default none 0 full 1"]["probing.strategies"]
     assert sum(name.startswith("random_visible") for name in upright) == 5
     assert {*RULES, *PARTS, "human", "fixation"} <= {*upright}
     for turns in ("vertical", "any"):
-        draws = {
-            CONDITIONS[name]["meshes.turn_draw"] for name in CONDITIONS if name.split()[1] == turns
-        }
+        draws = {changes[name]["meshes.turn_draw"] for name in changes if name.split()[1] == turns}
         assert draws == {0, 1, 2}
 
 
-def test_each_channel_looks_alone_once():
+def test_each_channel_looks_alone_once(changes):
     for channel in CHANNELS:
-        changes = CONDITIONS[f"{channel} none 0 full 1"]
-        weights = {name: changes[f"attention.weights.{name}"] for name in CHANNELS}
+        own = changes[f"{channel} none 0 full 1"]
+        weights = {name: own[f"attention.weights.{name}"] for name in CHANNELS}
         assert weights == {name: float(name == channel) for name in CHANNELS}
-        assert changes["probing.strategies"] == ("fixation",)
+        assert own["probing.strategies"] == ("fixation",)
 
 
-def test_only_our_pipeline_is_measured_where_a_part_of_the_pose_is_unknown():
-    for changes in CONDITIONS.values():
-        both = changes["recognition.frame"] == "full"
-        assert len(changes["recognition.pipelines"]) == (2 if both else 1)
+def test_only_our_pipeline_is_measured_where_a_part_of_the_pose_is_unknown(changes):
+    for own in changes.values():
+        both = own["recognition.frame"] == "full"
+        assert len(own["recognition.pipelines"]) == (2 if both else 1)
     assert "vertical" not in FRAMES["any"]
 
 
-def test_all_strategies_of_the_study_have_words():
+def test_all_strategies_of_the_study_have_words(changes):
     named = {
         strategy.partition("#")[0]
-        for changes in CONDITIONS.values()
-        for strategy in changes["probing.strategies"]
+        for own in changes.values()
+        for strategy in own["probing.strategies"]
     }
     assert named == {*LABELS}
 
