@@ -280,14 +280,18 @@ def _evidence(lead: Lead, over: Over) -> tuple[float, float | None]:
 
 def lead_in_words(lead: Lead) -> str:
     """Return a lead with its intervals, such as ``+2.0 points (new objects −1.0 to +5.0, new classes −4.0 to +8.0)``."""
+    return f"{points(lead.difference.mean)} points {ends_in_words(lead)}".rstrip()
+
+
+def ends_in_words(lead: Lead) -> str:
+    """Return the intervals of a lead in brackets; empty without intervals."""
     found = ((lead.difference, "new objects"), (lead.new_classes, "new classes"))
     ends = [
         f"{words} {points(figure.low)} to {points(figure.high)}"
         for figure, words in found
         if figure.low is not None and figure.high is not None
     ]
-    brackets = f" ({', '.join(ends)})" if ends else ""
-    return f"{points(lead.difference.mean)} points{brackets}"
+    return f"({', '.join(ends)})" if ends else ""
 
 
 def question_sentence(question: Question, kept: KeptLeads) -> str:

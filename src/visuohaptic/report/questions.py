@@ -20,6 +20,7 @@ from visuohaptic.report.leads import (
     KeptLeads,
     Lead,
     Word,
+    ends_in_words,
     lead_in_words,
     name_of_pipeline,
     question_sentence,
@@ -34,6 +35,7 @@ from visuohaptic.report.wording import (
     percent,
     percent_points,
     pipeline_name,
+    points,
     probability,
     strategy_name,
     titled,
@@ -215,8 +217,9 @@ def lead_answer(question: Question, leads: Sequence[Lead], kept: KeptLeads | Non
     return Answer(
         QUESTIONS[question],
         finding,
-        lead_in_words(first),
-        f"is the lead of {plus} over {minus} in {name_of_pipeline(first.pipeline)}{_over_draws(first)}.{further}{excluded}",
+        f"{points(first.difference.mean)} points",
+        f"{ends_in_words(first)} is the lead of {plus} over {minus} in "
+        f"{name_of_pipeline(first.pipeline)}{_over_draws(first)}.{further}{excluded}".lstrip(),
         "comparison",
         beside=beside,
         rule=rule,

@@ -18,7 +18,7 @@ from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.parameters import Protocol
+from visuohaptic.recognition.parameters import IntervalParameters, Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
 from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
 from visuohaptic.report.cues import carries_sentence, imprints_sentence
@@ -189,11 +189,10 @@ def leads_of_run(run: Run) -> tuple[Lead, ...]:
     )
 
 
-def what_carries(run: Run) -> tuple[str, ...]:
-    """Return sentences on what carries the accuracy: positions and normals of touches, or imprints."""
-    name, intervals = run.parameters.meshes.set, run.parameters.recognition.intervals
-    own = run.extra_path("cues")
-    return carries_sentence(name, intervals, own), imprints_sentence(name, intervals, own)
+def of_cues(run: Run) -> tuple[str, IntervalParameters, Path | None]:
+    """Return set of objects, intervals and the run's own file, as sentences on the cues of a touch take them."""
+    parameters = run.parameters
+    return parameters.meshes.set, parameters.recognition.intervals, run.extra_path("cues")
 
 
 def kept_turned(run: Run) -> Values | None:
@@ -238,10 +237,10 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         variant = (
             papers_pipeline_sentences(context.variants) if first.name == PAPER_PIPELINE else ""
         )
-        carried = what_carries(run)
+        carried = carries_sentence(*of_cues(run))
         beside = [
             sentence
-            for sentence in (*carried, variant, odd_sentence(context.evaluation))
+            for sentence in (carried, variant, odd_sentence(context.evaluation))
             if sentence
         ]
         yield (
@@ -298,6 +297,7 @@ def comparison_values(context: ReportContext) -> Values | None:
     against = others[0] if len(others) == 1 else f"{len(others)} other strategies"
     sentences = (
         gain_sentence(run.pipelines[0]),
+        imprints_sentence(*of_cues(run)),
         draws_sentence(run.pipelines[0]),
         *_kept_draws(run),
         variant_counts_sentence(context.variants),
