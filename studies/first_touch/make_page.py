@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from itertools import product
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.turned import KNOWN, POSES
-from visuohaptic.report.wording import probability
+from visuohaptic.report.wording import listed, probability
 
 PAGE = Path(__file__).parent / "README.md"
 SETS = {"paper": "12 objects", "benchmark": "142 objects"}
@@ -24,11 +25,14 @@ RIVALS = ("random_visible", *RULES)
 """Opponents of strategy `human`."""
 
 INTERVALS = IntervalParameters()
+LEVEL = 0.05
+"""A lead is shown if its p value, corrected by Holm where several leads are compared, is below this level."""
 
 
 def blocks(name: str, rows: pd.DataFrame) -> dict[str, str]:
     """Return the tables of a set of objects by name of the block."""
     return {
+        f"sentence {name}": textwrap.fill(sentence(rows), 100, break_on_hyphens=False),
         f"accuracies {name}": accuracy_table(rows),
         f"leads {name}": lead_table(rows),
         f"parts {name}": part_table(rows),
@@ -41,14 +45,20 @@ def accuracy_table(rows: pd.DataFrame) -> str:
     heads = ["places of touch"]
     heads += [f"{PIPELINES[one.pipeline]}, {counted(one.touches)}" for one in settings]
     lines = [
-        [label, *(share(accuracies(rows, strategy, one).mean) for one in settings)]
+        [
+            label,
+            *(
+                share(accuracies(rows, strategy, one).mean) if measured(rows, strategy, one) else ""
+                for one in settings
+            ),
+        ]
         for strategy, label in LABELS.items()
     ]
     return table(heads, lines)
 
 
 def lead_table(rows: pd.DataFrame) -> str:
-    """Return the lead of strategy `human` over each rival by setting; p values are corrected for the whole table."""
+    """Return the lead of strategy `human` over each rival by measured setting; p values are corrected for the whole table."""
     settings = [
         Place(pipeline, touches, turns, known)
         for turns, frames in FRAMES.items()
@@ -56,6 +66,7 @@ def lead_table(rows: pd.DataFrame) -> str:
         for pipeline in (PIPELINES if known == "full" else ("order_free",))
         for touches in TOUCHES
     ]
+    settings = [one for one in settings if measured(rows, "human", one)]
     cells = list(product(settings, RIVALS))
     found = [lead(rows, "human", rival, setting, INTERVALS) for setting, rival in cells]
     written = dict(zip(cells, in_words(found), strict=True))
@@ -78,19 +89,16 @@ def lead_table(rows: pd.DataFrame) -> str:
 
 def part_table(rows: pd.DataFrame) -> str:
     """Return the lead over random places in sight at the first touch, of each strategy and of each single channel."""
+    looks = [(label, strategy, "default") for strategy, label in LABELS.items()]
+    looks += [(f"fixations by channel {name} only", "fixation", name) for name in CHANNELS]
     cells = [
-        (label, strategy, Place(pipeline))
-        for strategy, label in LABELS.items()
+        (label, strategy, Place(pipeline, looking=looking))
+        for label, strategy, looking in looks
         for pipeline in PIPELINES
         if strategy not in {"random", "random_visible"}
     ]
-    cells += [
-        (f"fixations by channel {channel} only", "fixation", Place(pipeline, looking=channel))
-        for channel in CHANNELS
-        for pipeline in PIPELINES
-    ]
-    found = [_over_sight(rows, strategy, setting) for _, strategy, setting in cells]
-    written = in_words(found)
+    cells = [cell for cell in cells if measured(rows, *cell[1:])]
+    written = in_words([_over_sight(rows, strategy, setting) for _, strategy, setting in cells])
     by_label: dict[str, list[str]] = {}
     for (label, *_), words in zip(cells, written, strict=True):
         by_label.setdefault(label, []).append(words)
@@ -99,6 +107,63 @@ def part_table(rows: pd.DataFrame) -> str:
         *(f"{words}: minus random in sight" for words in PIPELINES.values()),
     ]
     return table(heads, [[label, *words] for label, words in by_label.items()])
+
+
+def sentence(rows: pd.DataFrame) -> str:
+    """Return sentences on the first touch by predicted gaze, upright, the whole pose known, in our pipeline."""
+    one, two = Place(touches=1), Place(touches=2)
+    right = accuracies(rows, "human", one).mean
+    over = {rival: lead(rows, "human", rival, one, INTERVALS) for rival in RIVALS}
+    adjusted = dict(zip(RIVALS, holm([over[rival].p_value for rival in RIVALS]), strict=True))
+    ahead = [
+        rival for rival in RIVALS if adjusted[rival] < LEVEL and over[rival].difference.mean > 0
+    ]
+    level = [rival for rival in RIVALS if rival not in ahead]
+    gone = lead(rows, "human", "random_visible", two, INTERVALS)
+    fixation = lead(rows, "fixation", "random_visible", one, INTERVALS)
+    said = (
+        f"With a single touch, a place where people are predicted to look is right in {share(right)} of views of upright "
+        f"objects in our pipeline"
+    )
+    if ahead:
+        said += (
+            f": ahead of {listed([f'{LABELS[rival]} by {_both(over[rival])}' for rival in ahead])}"
+        )
+    if level:
+        said += f"; a lead over {listed([f'{LABELS[rival]} ({_both(over[rival])})' for rival in level])} is not shown"
+    rest = "stands" if gone.p_value < LEVEL and gone.difference.mean > 0 else "is gone"
+    shown = (
+        "is ahead" if fixation.p_value < LEVEL and fixation.difference.mean > 0 else "is not ahead"
+    )
+    return (
+        f"{said}. With two touches the lead over random places in sight {rest} ({_both(gone)}), and the first fixation {shown} "
+        f"of random places in sight ({_both(fixation)})."
+    )
+
+
+def _both(compared: PairedComparison) -> str:
+    """Return a lead in points with its intervals for new objects and for new classes."""
+    new, drawn = estimate(compared.difference), estimate(compared.difference_new_classes)
+    classes = (
+        f", new classes {points(drawn.low)} to {points(drawn.high)}"
+        if drawn.low is not None and drawn.high is not None
+        else ""
+    )
+    objects = (
+        f" (new objects {points(new.low)} to {points(new.high)}{classes})"
+        if new.low is not None and new.high is not None
+        else ""
+    )
+    return f"{points(new.mean)} points{objects}"
+
+
+def measured(rows: pd.DataFrame, strategy: str, place: Place) -> bool:
+    """Return whether a strategy was measured in a setting."""
+    try:
+        accuracies(rows, strategy, place)
+    except LookupError:
+        return False
+    return True
 
 
 def _over_sight(rows: pd.DataFrame, strategy: str, setting: Place) -> PairedComparison:
@@ -117,7 +182,7 @@ def in_words(found: list[PairedComparison]) -> list[str]:
     written = []
     for one, p in zip(found, holm([one.p_value for one in found]), strict=True):
         words = with_interval(estimate(one.difference), points)
-        written.append(f"**{words}**, p {probability(p)}" if p < 0.05 else words)
+        written.append(f"**{words}**, p {probability(p)}" if p < LEVEL else words)
     return written
 
 
