@@ -38,9 +38,7 @@ def sentences(kept: KeptLeads) -> str:
 def leads_table(leads: tuple[Lead, ...]) -> str:
     """Return a table with one row per lead; p values are corrected by Holm for the rows of the table."""
     adjusted = holm([lead.p_value for lead in leads])
-    of_classes = holm(
-        [1.0 if lead.p_value_new_classes is None else lead.p_value_new_classes for lead in leads]
-    )
+    of_classes = holm([lead.p_value_new_classes for lead in leads])
     heads = ["condition", "ahead of what", "draws", "lead, new objects", "p, corrected"]
     heads += ["new classes", "p, corrected"]
     rows = [
@@ -50,7 +48,7 @@ def leads_table(leads: tuple[Lead, ...]) -> str:
             lead.draws,
             plain(with_interval(lead.difference, points)),
             probability(p),
-            ends(lead.new_classes),
+            ends(figures.of_new_classes(lead.difference)),
             probability(p_of_classes),
         ]
         for lead, p, p_of_classes in zip(leads, adjusted, of_classes, strict=True)

@@ -26,9 +26,9 @@ KEPT = Path(visuohaptic.report.__file__).parent
 
 
 def lead(mean, half=0.03, p=0.5, name="salience", pipeline="paper", turns="none", p_classes=0.9):
-    """Make a lead whose interval for new classes is twice as wide."""
-    figures = (Figure(mean, mean - wide, mean + wide) for wide in (half, 2 * half))
-    return Lead(name, pipeline, turns, "full", 5, 142, next(figures), p, next(figures), p_classes)
+    """Make a lead with an interval for new classes of twice the width."""
+    figure = Figure(mean, mean - half, mean + half, p, mean - 2 * half, mean + 2 * half, p_classes)
+    return Lead(name, pipeline, turns, "full", 5, 142, figure)
 
 
 def kept_of(*leads):
@@ -53,7 +53,7 @@ def test_the_word_follows_the_rule(leads, word, excluded):
 
 
 def test_a_lead_without_an_interval_excludes_nothing():
-    single = Lead("salience", "paper", "none", "full", 1, 1, Figure(0.0), 1.0, Figure(0.0), None)
+    single = Lead("salience", "paper", "none", "full", 1, 1, Figure(0.0, p_value=1.0))
     found = verdict([lead(0.0), single])
     assert (found.word, found.excluded) == ("not settled", None)
     assert verdict([lead(0.0), single], "classes").excluded is None

@@ -32,8 +32,11 @@ def variants(verdict="not shown", **spread):
 def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding):
     found = recognition_answer(run_of(accuracy), 4, 5, "unseen objects", "vertical")
     assert found.finding == finding
-    assert plain(found.number).startswith(f"{100 * accuracy:.1f} % (")
-    assert plain(found.sentence).startswith("of 5-touch sequences of unseen objects are correctly")
+    assert plain(found.number) == f"{100 * accuracy:.1f} %"
+    assert plain(found.sentence).startswith(
+        f"(new objects {100 * accuracy - 5:.1f} % to {100 * accuracy + 5:.1f} %"
+    )
+    assert ") of 5-touch sequences of unseen objects are correctly" in plain(found.sentence)
     assert plain(found.sentence).endswith(
         "(support vector machine, 12 objects); guessing gives 25 %."
     )

@@ -147,6 +147,23 @@ def with_interval(figure: Figure, write: Callable[[float], str], unit: str = "")
     return f"{write(figure.mean)}{unit} ({write(figure.low)} to {write(figure.high)})"
 
 
+def both_intervals(figure: Figure, write: Callable[[float], str]) -> str:
+    """Return the intervals in brackets, such as ``(new objects 65.0 % to 75.0 %, new classes 60.0 % to 80.0 %)``.
+
+    `write` formats each number. Empty without intervals.
+    """
+    found = (
+        ("new objects", figure.low, figure.high),
+        ("new classes", figure.new_classes_low, figure.new_classes_high),
+    )
+    ends = [
+        f"{words} {write(low)} to {write(high)}"
+        for words, low, high in found
+        if low is not None and high is not None
+    ]
+    return f"({', '.join(ends)})" if ends else ""
+
+
 def share_above_interval(figure: Figure) -> Markup:
     """Return `above_interval` of a share, in per cent."""
     return above_interval(figure, percent)

@@ -125,7 +125,7 @@ def leads(shown: Sequence[Lead]) -> Figure:
             LEGENDS[name],
             list(LEADS).index(name),
             [None if lead is None else lead.difference for lead in column],
-            wider=[None if lead is None else lead.new_classes for lead in column],
+            wider=[None if lead is None else of_new_classes(lead.difference) for lead in column],
         )
         for name, column in found.items()
     ]
@@ -149,6 +149,11 @@ def leads_by_class(shown: Sequence[Lead]) -> Figure:
         for lead in shown
     ]
     return _draw_leads(rows, "class", series)
+
+
+def of_new_classes(figure: Estimate) -> Estimate:
+    """Return a figure with its interval of new classes in place of that of new objects."""
+    return Estimate(figure.mean, figure.new_classes_low, figure.new_classes_high)
 
 
 def _lead_names(shown: Sequence[Lead]) -> list[LeadName]:

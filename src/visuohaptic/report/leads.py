@@ -18,7 +18,9 @@ from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.draws import kept_accuracies, read_kept
-from visuohaptic.report.estimates import Figure, estimate
+from visuohaptic.report.estimates import Figure, both_intervals, estimate
+from visuohaptic.report.estimates import lead as lead_figure
+from visuohaptic.report.estimates import measured as measured_figure
 from visuohaptic.report.turned import (
     HEADLINE_TOUCHES,
     KNOWN,
@@ -73,13 +75,7 @@ class Lead:
     objects : int
         The number of objects that both strategies tested.
     difference : Figure
-        The lead as a share, with its interval for new objects of the same classes.
-    p_value : float
-        The two-sided p value over objects.
-    new_classes : Figure
-        The same lead, with its interval for new classes.
-    p_value_new_classes : float, optional
-        The two-sided p value if classes are a sample, too; None with a single class.
+        The lead as a share, with intervals and p values for new objects of the same classes and for new classes.
     deviation : float
         The standard deviation over draws, as a share; 0 for a single draw.
     by_class : mapping of str to Figure
@@ -93,11 +89,19 @@ class Lead:
     draws: int
     objects: int
     difference: Figure
-    p_value: float
-    new_classes: Figure
-    p_value_new_classes: float | None
     deviation: float = 0.0
     by_class: Mapping[str, Figure] = field(default_factory=dict)
+
+    @property
+    def p_value(self) -> float:
+        """The two-sided p value over objects; 1 where there is none."""
+        return 1.0 if self.difference.p_value is None else self.difference.p_value
+
+    @property
+    def p_value_new_classes(self) -> float:
+        """The two-sided p value if classes are a sample, too; 1 where there is none, as with a single class."""
+        p_value = self.difference.p_value_new_classes
+        return 1.0 if p_value is None else p_value
 
     @property
     def places(self) -> tuple[str, str]:
@@ -236,10 +240,7 @@ def run_leads(
                     known if pipeline == "order_free" else "full",
                     compared["draws"]["count"],
                     compared["objects"],
-                    Figure(**compared["difference"]),
-                    compared["p_value"],
-                    Figure(**compared["difference_new_classes"]),
-                    compared["p_value_new_classes"],
+                    measured_figure(compared, "difference"),
                     compared["draws"]["standard_deviation"],
                 )
             )
@@ -273,25 +274,14 @@ def _evidence(lead: Lead, over: Over) -> tuple[float, float | None]:
     """Return p value and upper end of a lead; 1 and None where there is no interval."""
     if over == "objects":
         return lead.p_value, lead.difference.high
-    return (
-        1.0 if lead.p_value_new_classes is None else lead.p_value_new_classes
-    ), lead.new_classes.high
+    return lead.p_value_new_classes, lead.difference.new_classes_high
 
 
 def lead_in_words(lead: Lead) -> str:
     """Return a lead with its intervals, such as ``+2.0 points (new objects −1.0 to +5.0, new classes −4.0 to +8.0)``."""
-    return f"{points(lead.difference.mean)} points {ends_in_words(lead)}".rstrip()
-
-
-def ends_in_words(lead: Lead) -> str:
-    """Return the intervals of a lead in brackets; empty without intervals."""
-    found = ((lead.difference, "new objects"), (lead.new_classes, "new classes"))
-    ends = [
-        f"{words} {points(figure.low)} to {points(figure.high)}"
-        for figure, words in found
-        if figure.low is not None and figure.high is not None
-    ]
-    return f"({', '.join(ends)})" if ends else ""
+    return (
+        f"{points(lead.difference.mean)} points {both_intervals(lead.difference, points)}".rstrip()
+    )
 
 
 def question_sentence(question: Question, kept: KeptLeads) -> str:
@@ -405,10 +395,7 @@ def _lead(
         *condition,
         over_draws.count if over_draws else 1,
         len(first.objects),
-        estimate(compared.difference),
-        compared.p_value,
-        estimate(compared.difference_new_classes),
-        None if np.isnan(compared.p_value_new_classes) else compared.p_value_new_classes,
+        lead_figure(compared),
         over_draws.standard_deviation if over_draws else 0.0,
         by_class,
     )

@@ -10,7 +10,7 @@ from visuohaptic.evaluation.leads import LEADS, LEADS_OF, Question
 from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.report.comparison import REFERENCE, PipelineTable
-from visuohaptic.report.estimates import Figure, with_interval
+from visuohaptic.report.estimates import Figure, both_intervals, with_interval
 from visuohaptic.report.leads import (
     MARGIN as LARGEST_NO,
 )
@@ -20,7 +20,6 @@ from visuohaptic.report.leads import (
     KeptLeads,
     Lead,
     Word,
-    ends_in_words,
     lead_in_words,
     name_of_pipeline,
     question_sentence,
@@ -124,17 +123,18 @@ def recognition_answer(
     elif all(figure.high is not None and figure.high < chance + GAIN for figure in accuracies):
         finding = "No"
     others = [
-        f"{with_interval(figure, percent)} by our own {pipeline_name(table.name)}"
+        f"{percent(figure.mean)} {both_intervals(figure, percent)}".rstrip()
+        + f" by our own {pipeline_name(table.name)}"
         for table, figure in zip(tables[1:], accuracies[1:], strict=True)
     ]
     first = tables[0]
     return Answer(
         "Can an object be recognised by touch?",
         finding,
-        with_interval(accuracies[0], percent),
-        f"of {touches}-touch sequences of {unseen} are correctly classified by {pipeline_name(first.name)} "
+        percent(accuracies[0].mean),
+        f"{both_intervals(accuracies[0], percent)} of {touches}-touch sequences of {unseen} are correctly classified by {pipeline_name(first.name)} "
         f"({first.headline.name}, {counted(first.objects, 'object')}); "
-        f"{', '.join([*others, f'guessing gives {percent(chance, 0)}'])}.",
+        f"{', '.join([*others, f'guessing gives {percent(chance, 0)}'])}.".lstrip(),
         "comparison",
         beside=(f"Objects are {POSES[turns]}, in training and test.", *beside),
         rule="Rule: yes if the whole interval of every pipeline lies above guessing; no if every interval ends less "
@@ -218,7 +218,7 @@ def lead_answer(question: Question, leads: Sequence[Lead], kept: KeptLeads | Non
         QUESTIONS[question],
         finding,
         f"{points(first.difference.mean)} points",
-        f"{ends_in_words(first)} is the lead of {plus} over {minus} in "
+        f"{both_intervals(first.difference, points)} is the lead of {plus} over {minus} in "
         f"{name_of_pipeline(first.pipeline)}{_over_draws(first)}.{further}{excluded}".lstrip(),
         "comparison",
         beside=beside,
