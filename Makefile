@@ -138,6 +138,7 @@ readme: $(DEVELOP) report
 	python -m variants.summary
 	python -m variants.make_page
 	python -m draws.make_page
+	python -m first_touch.make_page
 	python -m cues.make_page
 	python -m turned.make_page
 	python -m known_objects.make_page

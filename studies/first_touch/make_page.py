@@ -6,8 +6,9 @@ import textwrap
 from itertools import product
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
-from filling import fill_page, points, share, table
+from filling import DOCS, fill_page, points, share, table
 
 from first_touch.keeping import KEPT
 from first_touch.study import FRAMES, RULES, TOUCHES
@@ -17,10 +18,11 @@ from visuohaptic.evaluation.intervals import PairedComparison, holm
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.turned import KNOWN, POSES
-from visuohaptic.report.wording import listed, probability
+from visuohaptic.report.wording import probability
 
 PAGE = Path(__file__).parent / "README.md"
-SETS = {"paper": "12 objects", "benchmark": "142 objects"}
+SETS = ("benchmark",)
+"""Sets of objects with tables on the page."""
 RIVALS = ("random_visible", *RULES)
 """Opponents of strategy `human`."""
 
@@ -32,7 +34,7 @@ LEVEL = 0.05
 def blocks(name: str, rows: pd.DataFrame) -> dict[str, str]:
     """Return the tables of a set of objects by name of the block."""
     return {
-        f"sentence {name}": textwrap.fill(sentence(rows), 100, break_on_hyphens=False),
+        f"sentence {name}": textwrap.fill(f"{sentence(rows)}.", 100, break_on_hyphens=False),
         f"accuracies {name}": accuracy_table(rows),
         f"leads {name}": lead_table(rows),
         f"parts {name}": part_table(rows),
@@ -113,32 +115,24 @@ def sentence(rows: pd.DataFrame) -> str:
     """Return sentences on the first touch by predicted gaze, upright, the whole pose known, in our pipeline."""
     one, two = Place(touches=1), Place(touches=2)
     right = accuracies(rows, "human", one).mean
-    over = {rival: lead(rows, "human", rival, one, INTERVALS) for rival in RIVALS}
-    adjusted = dict(zip(RIVALS, holm([over[rival].p_value for rival in RIVALS]), strict=True))
-    ahead = [
-        rival for rival in RIVALS if adjusted[rival] < LEVEL and over[rival].difference.mean > 0
-    ]
-    level = [rival for rival in RIVALS if rival not in ahead]
-    gone = lead(rows, "human", "random_visible", two, INTERVALS)
-    fixation = lead(rows, "fixation", "random_visible", one, INTERVALS)
-    said = (
-        f"With a single touch, a place where people are predicted to look is right in {share(right)} of views of upright "
-        f"objects in our pipeline"
-    )
-    if ahead:
-        said += (
-            f": ahead of {listed([f'{LABELS[rival]} by {_both(over[rival])}' for rival in ahead])}"
-        )
-    if level:
-        said += f"; a lead over {listed([f'{LABELS[rival]} ({_both(over[rival])})' for rival in level])} is not shown"
-    rest = "stands" if gone.p_value < LEVEL and gone.difference.mean > 0 else "is gone"
-    shown = (
-        "is ahead" if fixation.p_value < LEVEL and fixation.difference.mean > 0 else "is not ahead"
-    )
+    gaze, later = (lead(rows, "human", "random_visible", place, INTERVALS) for place in (one, two))
+    highest = lead(rows, "human", "highest", one, INTERVALS)
+    channels = lead(rows, "gaze_channels", "random_visible", one, INTERVALS)
+    answer = "Yes, on upright objects" if _sign(gaze) > 0 else "Not shown"
+    beside = {1: "worse", 0: "as well, as far as is shown", -1: "better"}[_sign(highest)]
+    saliency = "help" if _sign(channels) > 0 else "do not help"
+    stands = "stands" if _sign(later) > 0 else "is gone"
     return (
-        f"{said}. With two touches the lead over random places in sight {rest} ({_both(gone)}), and the first fixation {shown} "
-        f"of random places in sight ({_both(fixation)})."
+        f"{answer}. With one touch where people are predicted to look, {share(right)} of the views are right in our pipeline; "
+        f"the lead over random places in sight is {_both(gaze)}. The highest visible place, a rule without a model, does "
+        f"{beside} (lead over it {_both(highest)}), and the model's channels of saliency by themselves {saliency} "
+        f"({_both(channels)}). With two touches the lead {stands} ({_both(later)})"
     )
+
+
+def _sign(compared: PairedComparison) -> int:
+    """Return 1 for a lead that is ahead, -1 for a lead that is behind, and 0 if the p value is no smaller than `LEVEL`."""
+    return int(np.sign(compared.difference.mean)) if compared.p_value < LEVEL else 0
 
 
 def _both(compared: PairedComparison) -> str:
@@ -197,3 +191,12 @@ if __name__ == "__main__":
     for name in SETS:
         if PAGE.with_name(KEPT.format(name)).exists():
             fill_page(PAGE, blocks(name, read_kept(name)))
+    said = f"**Does an eye help to choose the first touch?** {sentence(read_kept('benchmark'))}"
+    link = " ([first_touch]({}studies/first_touch/README.md))"
+    for page, more in (
+        (DOCS.parent / "README.md", link.format("")),
+        (DOCS / "two_questions.md", link.format("../")),
+        (DOCS.parent / "paper" / "paper.md", ""),
+    ):
+        text = textwrap.fill(f"{said}{more}.", 100, break_on_hyphens=False)
+        fill_page(page, {"first touch": text})

@@ -1,0 +1,67 @@
+"""The sentences on the first touch say what the kept table says, recomputed with pandas."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+ROOT = Path(__file__).parents[3]
+PAGES = (ROOT / "README.md", ROOT / "docs/two_questions.md", ROOT / "paper/paper.md")
+
+
+def text_of(page):
+    block = re.search(r"<!-- first touch -->\n(.*?)<!-- /first touch -->", page.read_text(), re.S)[
+        1
+    ]
+    return " ".join(block.split()).replace("\N{MINUS SIGN}", "-")
+
+
+@pytest.fixture(scope="module")
+def rows():
+    kept = pd.read_parquet(ROOT / "studies/first_touch/kept_benchmark.parquet")
+    setting = {"pipeline": "order_free", "turns": "none", "known": "full", "looking": "default"}
+    return kept[(kept[list(setting)] == pd.Series(setting)).all(axis=1)]
+
+
+def by_object(rows, strategy, touches):
+    chosen = rows[(rows["strategy"] == strategy) & (rows["touches"] == touches)]
+    return chosen.groupby("object")[["accuracy", "weight"]].mean()
+
+
+def lead(rows, first, second, touches):
+    """Return the lead in points, and whether sign changes reject a lead of 0."""
+    one, other = (by_object(rows, strategy, touches) for strategy in (first, second))
+    terms = ((one["accuracy"] - other["accuracy"]) * one["weight"] / one["weight"].sum()).dropna()
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(20_000, len(terms)))
+    p = np.mean(np.abs(signs @ terms.to_numpy()) >= abs(terms.sum()) - 1e-12)
+    return 100 * terms.sum(), p < 0.05
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_the_sentences_have_the_numbers_and_words_of_the_table(page, rows):
+    said = text_of(page)
+    human = by_object(rows, "human", 1)
+    right = 100 * np.average(human["accuracy"], weights=human["weight"])
+    assert f"{right:.1f} % of the views are right in our pipeline" in said
+    gaze, is_ahead = lead(rows, "human", "random_visible", 1)
+    assert is_ahead
+    assert gaze > 0
+    assert "Yes, on upright objects." in said
+    assert f"the lead over random places in sight is {gaze:+.1f} points (" in said
+    highest, differs = lead(rows, "human", "highest", 1)
+    assert not differs
+    assert f"does as well, as far as is shown (lead over it {highest:+.1f} points" in said
+    channels, help_ = lead(rows, "gaze_channels", "random_visible", 1)
+    assert not help_
+    assert f"by themselves do not help ({channels:+.1f} points" in said
+    later, stands = lead(rows, "human", "random_visible", 2)
+    assert not stands
+    assert f"With two touches the lead is gone ({later:+.1f} points" in said
+
+
+def test_random_places_have_five_draws(rows):
+    drawn = rows[(rows["strategy"] == "random_visible") & (rows["touches"] == 1)]
+    assert drawn["places"].nunique() == 5
+    assert drawn["object"].nunique() == 142
