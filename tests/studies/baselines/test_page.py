@@ -130,7 +130,7 @@ def test_the_sentence_on_the_simplest_classifier_has_the_numbers_and_the_verdict
         float(number.replace("\N{MINUS SIGN}", "-"))
         for number in re.search(r"(\S+) \((\S+) to (\S+)\) points", line).groups()
     )
-    both = cells["twenty_lines"].join(cells["paper"], lsuffix="_one", how="inner")
+    both = cells["twenty_lines"].add_suffix("_one").join(cells["paper"], how="inner")
     expected = np.average(both["accuracy_one"] - both["accuracy"], weights=both["weight"])
     assert mean == pytest.approx(100 * expected, abs=0.051)
     verdict = "ahead of" if low > 0 else "behind" if high < 0 else "not shown to differ from"
