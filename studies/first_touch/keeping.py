@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pyarrow as pa
@@ -59,7 +60,9 @@ def keep(name: str, measured: Path = MEASURED, folder: Path = Path(__file__).par
     found = (table.schema.metadata or {}).get(b"set", b"").decode()
     if found != name:
         raise ReportError(f"{measured} has set {found}; set {name} is needed.")
-    kept = table.replace_schema_metadata({"set": name, "commit": find_commit()})
+    kept = table.replace_schema_metadata(
+        {"set": name, "commit": find_commit(), "date": datetime.now(UTC).strftime("%Y-%m-%d")}
+    )
     pq.write_table(kept, folder / KEPT.format(name), compression="zstd")
 
 

@@ -121,12 +121,13 @@ def sentence(rows: pd.DataFrame) -> str:
     answer = "Yes, on upright objects" if _sign(gaze) > 0 else "Not shown"
     beside = {1: "worse", 0: "as well, as far as is shown", -1: "better"}[_sign(highest)]
     saliency = "help" if _sign(channels) > 0 else "do not help"
-    stands = "stands" if _sign(later) > 0 else "is gone"
+    stands = "stands" if _sign(later) > 0 else "is no longer shown"
     return (
         f"{answer}. With one touch where people are predicted to look, {share(right)} of the views are right in our pipeline; "
         f"the lead over random places in sight is {_both(gaze)}. The highest visible place, a rule without a model, does "
         f"{beside} (lead over it {_both(highest)}), and the model's channels of saliency by themselves {saliency} "
-        f"({_both(channels)}). With two touches the lead {stands} ({_both(later)})"
+        f"({_both(channels)}). With two touches the lead {stands} ({_both(later)}) ({gaze.objects} objects, measured on "
+        f"{rows.attrs['date']})"
     )
 
 
@@ -191,7 +192,7 @@ if __name__ == "__main__":
     for name in SETS:
         if PAGE.with_name(KEPT.format(name)).exists():
             fill_page(PAGE, blocks(name, read_kept(name)))
-    said = f"**Does an eye help to choose the first touch?** {sentence(read_kept('benchmark'))}"
+    said = f"**Does a model of gaze help to choose the first touch?** {sentence(read_kept('benchmark'))}"
     link = " ([first_touch]({}studies/first_touch/README.md))"
     for page, more in (
         (DOCS.parent / "README.md", link.format("")),

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet as pq
 
 from first_touch.keeping import KEPT
 from visuohaptic.evaluation.draws import ObjectAccuracies, mean_over_draws
@@ -51,8 +52,11 @@ class Place:
 
 
 def read_kept(name: str, folder: Path = Path(__file__).parent) -> pd.DataFrame:
-    """Read the kept rows of a set of objects."""
-    return pd.read_parquet(folder / KEPT.format(name))
+    """Read the kept rows of a set of objects, with the day of the measurement as attribute ``date``."""
+    table = pq.read_table(folder / KEPT.format(name))
+    rows = table.to_pandas()
+    rows.attrs["date"] = (table.schema.metadata or {}).get(b"date", b"").decode()
+    return rows
 
 
 def accuracies(rows: pd.DataFrame, strategy: str, place: Place) -> ObjectAccuracies:

@@ -113,7 +113,7 @@ class Lead:
     def condition(self) -> str:
         """Pipeline, pose and known part of the frame, in words."""
         whole = self.known == "full"
-        frame = "" if whole else f", known of the pose: {KNOWN[self.known]}"
+        frame = "" if whole else f", {KNOWN[self.known]} of the pose known"
         return f"{name_of_pipeline(self.pipeline)}, {POSES[self.turns]}{frame}"
 
 
@@ -321,7 +321,7 @@ def _most(leads: Sequence[Lead], end: Callable[..., Lead]) -> str:
     if not leads:
         return ""
     most = end(leads, key=lambda lead: lead.difference.mean)
-    return f", most of all in {most.condition} ({lead_in_words(most)})"
+    return f",{' most of all' * (len(leads) > 1)} in {most.condition} ({lead_in_words(most)})"
 
 
 def _salience(found: Verdict) -> str:
@@ -329,20 +329,22 @@ def _salience(found: Verdict) -> str:
     count = counted(len(found.leads), "condition")
     behind = ""
     if found.behind:
-        most = min(found.behind, key=lambda lead: lead.difference.mean)
-        behind = f"; fixations are behind in {len(found.behind)}, most of all {most.condition} ({lead_in_words(most)})"
+        behind = f"; fixations are behind in {len(found.behind)}{_most(found.behind, min)}"
     if found.ahead:
-        most = max(found.ahead, key=lambda lead: lead.difference.mean)
         return (
-            f"Salience helps in {len(found.ahead)} of {count}. Fixations are ahead of random places in sight, most of all "
-            f"in {most.condition} ({lead_in_words(most)}){behind}"
+            f"Salience helps in {len(found.ahead)} of {count}. Fixations are ahead of random places in "
+            f"sight{_most(found.ahead, max)}{behind}"
         )
     excluded = ""
     if found.excluded is not None:
         end = verdict(found.leads, "classes").excluded
-        more = "" if end is None else f", above {percent_points(end)} points for new classes"
+        more = (
+            ""
+            if end is None
+            else f"; for new classes only a lead above {percent_points(end)} points is excluded"
+        )
         excluded = (
-            f", and a lead above {percent_points(found.excluded)} points is excluded in each{more}"
+            f". A lead above {percent_points(found.excluded)} points is excluded in each{more}"
         )
     helps = (
         "Salience does not help on objects of these classes"

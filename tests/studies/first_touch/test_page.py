@@ -58,7 +58,7 @@ def test_the_sentences_have_the_numbers_and_words_of_the_table(page, rows):
     assert f"by themselves do not help ({channels:+.1f} points" in said
     later, stands = lead(rows, "human", "random_visible", 2)
     assert not stands
-    assert f"With two touches the lead is gone ({later:+.1f} points" in said
+    assert f"With two touches the lead is no longer shown ({later:+.1f} points" in said
 
 
 def test_random_places_have_five_draws(rows):
