@@ -12,6 +12,8 @@ from visuohaptic.base.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import look
+from visuohaptic.report.estimates import Figure as Estimate
+from visuohaptic.report.leads import Lead
 from visuohaptic.report.studies import read_figures
 from visuohaptic.report.wording import strategy_place
 from visuohaptic.stability.rows import result_table
@@ -107,3 +109,46 @@ def test_each_strategy_has_a_mark_and_a_colour_of_its_own():
 def test_learning_policies_of_plug_ins_look_different():
     names = (*STRATEGIES.names, "adaptive", "in_order", "far")
     assert len({look(strategy_place(name)) for name in names}) == len(names)
+
+
+def lead_of(name, mean, turns="none", **more):
+    figure = Estimate(mean, mean - 0.02, mean + 0.02, 0.5, mean - 0.05, mean + 0.05, 0.9)
+    return Lead(name, "paper", turns, "full", 5, 142, figure, **more)
+
+
+def test_leads_have_a_row_per_condition_and_both_intervals_of_each_lead():
+    shown = [lead_of("seeing", 0.1), lead_of("salience", -0.01), lead_of("salience", 0.03, "any")]
+    (axes,) = figures.leads(shown).axes
+    labels = [label.get_text().replace("\n", " ") for label in axes.get_yticklabels()]
+    assert labels == [
+        "The paper's pipeline, upright, facing one way",
+        "The paper's pipeline, turned in any way",
+    ]
+    places = [[*line.get_xdata()] for line in axes.lines if line.get_marker() != "None"]
+    assert places == [[0.1], [-0.01, 0.03]]
+    drawn = sorted(
+        (round(float(segment[0][0]), 3), round(float(segment[1][0]), 3), lines.get_linewidth()[0])
+        for lines in axes.collections
+        for segment in lines.get_segments()
+    )
+    thin = [(-0.06, 0.04), (-0.02, 0.08), (0.05, 0.15)]
+    thick = [(-0.03, 0.01), (0.01, 0.05), (0.08, 0.12)]
+    assert [one[:2] for one in drawn if one[2] < 1] == thin
+    assert [one[:2] for one in drawn if one[2] > 1] == thick
+
+
+def test_leads_by_class_are_ordered_by_the_first_lead():
+    by_class = {"cup": Estimate(-0.2), "sofa": Estimate(0.4), "bed": Estimate(0.1)}
+    shown = [
+        lead_of("seeing", 0.1, by_class=by_class),
+        lead_of("salience", 0.1, by_class={"sofa": Estimate(0.2)}),
+    ]
+    (axes,) = figures.leads_by_class(shown).axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["sofa", "bed", "cup"]
+    places = [[*line.get_xdata()] for line in axes.lines if line.get_marker() != "None"]
+    assert places == [[0.4, 0.1, -0.2], [0.2]]
+
+
+def test_no_lead_is_nothing_to_draw():
+    with pytest.raises(ReportError, match="No lead was measured"):
+        figures.leads([])
