@@ -21,6 +21,7 @@ from visuohaptic.report.leads import (
     verdict,
 )
 from visuohaptic.report.questions import lead_answer
+from visuohaptic.report.turned import TurnedSet
 
 KEPT = Path(visuohaptic.report.__file__).parent
 
@@ -252,3 +253,28 @@ def test_the_counts_of_the_sentences_follow_from_sign_changes_of_the_files(kept)
         found = verdict(kept.of(question))
         assert {(one.name, one.pipeline, one.turns, one.known) for one in found.ahead} == ahead
         assert {(one.name, one.pipeline, one.turns, one.known) for one in found.behind} == behind
+
+
+def test_leads_are_of_five_touches_also_if_others_stand_behind_them(monkeypatch):
+    named = {"turns": "any", "known": "full", "pipeline": "paper", "classifier": "svm", "draws": 5}
+    cells = [
+        {**named, "touches": touches, "strategy": strategy, "accuracy": [value, value], "weights": [1.0, 1.0]}
+        for touches, strategy, value in (
+            (5, "fixation", 0.5), (5, "random", 0.25), (20, "fixation", 1.0), (20, "random", 0.0),
+        )
+    ]  # fmt: skip
+    kept = TurnedSet.model_validate(
+        {
+            "commit": "0",
+            "date": "2026-11-28",
+            "objects": ["a/b", "c/d"],
+            "choosing": [],
+            "cells": cells,
+        }
+    )
+    monkeypatch.setattr("visuohaptic.report.leads.read_turned", lambda: {"benchmark": kept})
+    monkeypatch.setattr("visuohaptic.report.leads.read_kept", dict)
+    (found,) = read_kept_leads(IntervalParameters()).leads
+    assert (found.difference.mean, found.draws, found.objects) == (0.25, 5, 2)
+    monkeypatch.setattr("visuohaptic.report.leads.read_turned", dict)
+    assert read_kept_leads(IntervalParameters()) is None
