@@ -31,6 +31,21 @@ def test_what_is_dumped_reads_back():
         ({"probing": {"strategies": ["fixation", "guessing"]}}, "strategies.1 is 'guessing'"),
         ({"attention": {"weights": {"glare": 1}}}, r"attention\.weights\.glare is no parameter"),
         ({"scene": {"effects": {"rust": "auto"}}}, r"scene\.effects\.rust is no parameter"),
+        (
+            {"sensor": {"resolutoin": 8}},
+            r"resolutoin is no parameter; did you mean sensor\.resolution\?$",
+        ),
+        ({"senser": {}}, r"senser is no parameter; did you mean sensor\?$"),
+        (
+            {"recognition": {"order_free": {"wave": 3}}},
+            r"did you mean recognition\.order_free\.waves\?$",
+        ),
+        ({"sensor": {"zzz": 1}}, r"sensor\.zzz is no parameter\.$"),
+        (
+            {"probing": {"strategies": ["guessing"]}},
+            r"strategies.0 is 'guessing': input should be [^;]*'\.$",
+        ),
+        ({"probing": {"strategies": []}}, r"strategies is .*: .* at least 1 item"),
         ({"seed": True}, "seed is True: a number is needed"),
         ({"cost": {"touches": [2, True]}}, r"cost.touches is \[2, True\]: a number is needed"),
         ({"sensor": {"smallest_size": 1.0}}, "smallest_size is 1.0; at most largest_size"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from operator import attrgetter
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -204,8 +204,7 @@ class ExperimentParameters(Section):
         try:
             return cls.model_validate(dict(values))
         except ValidationError as error:
-            faults = "; ".join(_sentence(problem) for problem in error.errors())
-            raise ParameterError(f"{source}: {faults}.") from None
+            raise ParameterError(f"{source}: {_sentences(error.errors())}") from None
 
 
 def _repetitions(parameters: ExperimentParameters) -> Iterator[str]:
@@ -393,12 +392,30 @@ def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, An
             yield f"{above}{name}", value
 
 
+def _sentences(problems: Sequence[Mapping[str, Any]]) -> str:
+    """Return the messages of pydantic's errors; a list that is too short only without its wrong values has one message."""
+    wrong = {problem["loc"][:-1] for problem in problems}
+    told = [one for one in problems if one["type"] != "too_short" or one["loc"] not in wrong]
+    said = "; ".join(map(_sentence, told))
+    return said if said.endswith("?") else f"{said}."
+
+
+def _siblings(location: tuple[object, ...]) -> Sequence[str]:
+    """Return the names of the section that a location names; empty if the section is none of the parameters."""
+    section: Any = ExperimentParameters
+    for part in location[:-1]:
+        field = getattr(section, "model_fields", {}).get(part)
+        section = field.annotation if field else None
+    return [*getattr(section, "model_fields", ())]
+
+
 def _sentence(problem: Mapping[str, object]) -> str:
     """Return the message of one of pydantic's errors."""
     location = problem["loc"]
     path = ".".join(str(part) for part in location) if isinstance(location, tuple) else ""
     if problem["type"] == "extra_forbidden":
-        return unknown_parameter(path)
+        siblings = _siblings(location) if isinstance(location, tuple) else ()
+        return unknown_parameter(path, siblings)
     message = str(problem["msg"]).removeprefix("Value error, ").rstrip(".")
     if problem["type"] == "value_error":
         return f"{path}: {message}" if path else message

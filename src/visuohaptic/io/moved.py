@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
 CONSTANTS = {
     "attention.centre_levels": "attention.levels.CENTRE_LEVELS",
     "attention.entropy_bins": "attention.channels.ENTROPY_BINS",
@@ -95,12 +98,19 @@ FOLDERS = {"plugins/": "plug_ins/"}
 """Former folders for the user's files, with the new folders."""
 
 
-def unknown_parameter(name: str) -> str:
-    """Return the clause that no parameter has this dotted name, with its successor if the parameter was renamed."""
+def unknown_parameter(name: str, siblings: Iterable[str] = ()) -> str:
+    """Return the clause that no parameter has this dotted name, with its successor if the parameter was renamed.
+
+    Without a successor, the most similar of `siblings`, the names of the same section, is suggested.
+    """
     parts = name.split(".")
     prefixes = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
     successor = next((PARAMETERS[prefix] for prefix in prefixes if prefix in PARAMETERS), None)
-    return f"{name} is no parameter" + (f": {successor}" if successor else "")
+    if successor:
+        return f"{name} is no parameter: {successor}"
+    similar = get_close_matches(parts[-1], siblings, 1, 0.7)
+    suggested = ".".join([*parts[:-1], *similar])
+    return f"{name} is no parameter" + (f"; did you mean {suggested}?" if similar else "")
 
 
 def moved_value(name: str, value: object) -> str:
