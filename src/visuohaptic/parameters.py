@@ -401,7 +401,7 @@ def _sentences(problems: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _siblings(location: tuple[object, ...]) -> Sequence[str]:
-    """Return the names of the section that a location names; empty if the section is none of the parameters."""
+    """Return the names in the section of a location; empty if there is no such section."""
     section: Any = ExperimentParameters
     for part in location[:-1]:
         field = getattr(section, "model_fields", {}).get(part)

@@ -13,7 +13,8 @@ from first_touch.keeping import KEPT
 from visuohaptic.evaluation.draws import ObjectAccuracies, mean_over_draws
 from visuohaptic.evaluation.intervals import PairedComparison
 from visuohaptic.evaluation.leads import compare_accuracies
-from visuohaptic.recognition.parameters import IntervalParameters
+from visuohaptic.geometry.turning import Turns
+from visuohaptic.recognition.parameters import Frame, IntervalParameters
 
 LABELS = {
     "human": "where people are predicted to look",
@@ -46,8 +47,8 @@ class Place:
 
     pipeline: str = "order_free"
     touches: int = 1
-    turns: str = "none"
-    known: str = "full"
+    turns: Turns = "none"
+    known: Frame = "full"
     looking: str = "default"
 
 

@@ -89,7 +89,8 @@ def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, 
     experiment.set(
         workflow={"keep_studies_current": False}, recognition={"classifier": {"svm_penalty": 3.0}}
     )
-    assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED}
+    in_sight = {"block_of_study": 1}
+    assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED, **in_sight}
     experiment.snakemake()
     assert figures.read_bytes() == measured
     assert page.read_text().count(EARLIER) == 2  # among the warnings, and in its section
@@ -117,7 +118,8 @@ def test_what_was_lost_added_or_changed_is_measured_again_and_nothing_else(studi
     experiment.set(recognition={"intervals": {"confidence": 0.9}})
     assert planned(experiment) == {**AFTER, "figures_of_study": 1, "frontier": 1}
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
-    follows = {**RECOGNISED, "figures_of_study": 1, "block_of_study": 3}
+    # Three blocks of the study, and the block of random places in sight.
+    follows = {**RECOGNISED, "figures_of_study": 1, "block_of_study": 4}
     assert planned(experiment) == {**FRONTIER, **AFTER, **follows}
 
 
@@ -127,7 +129,8 @@ def test_every_run_has_further_draws_and_touches_them_once(finished, tmp_path):
     measured = {"features_of_study": 1, "block_of_study": 1}
     assert experiment.planned() == {**FRONTIER, **AFTER, **measured}
     said = experiment.snakemake()
-    assert "mean of 3 draws" in said.stdout
+    assert "; 3 draws of the places)" in said.stdout
+    assert "Salience, fixations minus random places in sight" in said.stdout
     metrics = json.loads((experiment.folder / "reports/metrics.json").read_text())
     draws = metrics["comparisons"]["paper"]["support_vector_machine"]["random"]["draws"]
     assert (draws["count"], len(draws["leads"])) == (3, 3)
@@ -136,7 +139,8 @@ def test_every_run_has_further_draws_and_touches_them_once(finished, tmp_path):
     experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
     assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED, "block_of_study": 1}
     experiment.set(probing={"random_draws": 1}, recognition={"classifier": {"svm_penalty": 1.0}})
-    assert experiment.planned() == AFTER
+    # Random places in sight are left, and the features of the study have no other strategy.
+    assert experiment.planned() == {**AFTER, **measured}
 
 
 def test_dvc_keeps_a_study_once_it_is_asked_to(repository, tmp_path):
