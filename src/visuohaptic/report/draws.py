@@ -137,7 +137,10 @@ def kept_accuracies(kept: KeptSet, pipeline: str) -> dict[str, DrawnAccuracies]:
     lists = {"fixation": (measured.fixation,), **measured.draws}
     return {
         strategy: DrawnAccuracies(
-            tuple(_draw(kept.objects, accuracies, measured.weights) for accuracies in draws)
+            tuple(
+                tested_accuracies(kept.objects, accuracies, measured.weights)
+                for accuracies in draws
+            )
         )
         for strategy, draws in lists.items()
     }
@@ -165,9 +168,10 @@ def kept_sentence(kept: KeptDraws) -> str:
     )
 
 
-def _draw(
+def tested_accuracies(
     objects: tuple[str, ...], values: tuple[float | None, ...], weights: tuple[float | None, ...]
 ) -> ObjectAccuracies:
+    """Return the accuracies and weights of objects, ``class/name``, without objects that were not tested (None)."""
     numbers: FloatArray = np.array([values, weights], dtype=np.float64)
     tested = np.flatnonzero(np.isfinite(numbers).all(axis=0))
     names = [objects[index].partition("/") for index in tested]

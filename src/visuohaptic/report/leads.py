@@ -17,7 +17,7 @@ from visuohaptic.evaluation.intervals import compare_paired, holm
 from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.draws import kept_accuracies, read_kept
+from visuohaptic.report.draws import kept_accuracies, read_kept, tested_accuracies
 from visuohaptic.report.estimates import Figure, both_intervals, estimate
 from visuohaptic.report.estimates import lead as lead_figure
 from visuohaptic.report.estimates import measured as measured_figure
@@ -29,6 +29,7 @@ from visuohaptic.report.turned import (
     TRAINED_UPRIGHT,
     Known,
     TurnedCell,
+    TurnedSet,
     read_turned,
 )
 from visuohaptic.report.wording import counted, listed, percent_points, pipeline_name, points
@@ -196,8 +197,8 @@ def read_kept_leads(intervals: IntervalParameters, name: str = LARGEST_SET) -> K
             for lead, (plus, minus) in LEADS.items():
                 if plus in by_strategy and minus in by_strategy:
                     pair = (
-                        _accuracies(turned.objects, by_strategy[plus]),
-                        _accuracies(turned.objects, by_strategy[minus]),
+                        _tested(turned, by_strategy[plus]),
+                        _tested(turned, by_strategy[minus]),
                     )
                     leads.append(
                         replace(
@@ -364,13 +365,8 @@ def _cells_by_condition(
     return found
 
 
-def _accuracies(objects: Sequence[str], cell: TurnedCell) -> ObjectAccuracies:
-    numbers = np.array([cell.accuracy, cell.weights], dtype=np.float64)
-    tested = np.flatnonzero(np.isfinite(numbers).all(axis=0))
-    names = (objects[int(index)].partition("/") for index in tested)
-    return ObjectAccuracies(
-        tuple((category, name) for category, _, name in names), *numbers[:, tested]
-    )
+def _tested(kept: TurnedSet, cell: TurnedCell) -> ObjectAccuracies:
+    return tested_accuracies(kept.objects, cell.accuracy, cell.weights)
 
 
 def _lead(
