@@ -147,7 +147,7 @@ def test_a_runs_own_leads_are_answered_first_and_more_objects_beside():
     assert plain(found.number) == "+10.0 points"
     assert plain(found.sentence).startswith(
         "(new objects −2.0 to +22.0, new classes −12.0 to +32.0) is the lead of fixations over random places in reach in the "
-        "paper's pipeline (mean of 5 draws of the places; standard deviation over draws 2.6 points). A lead above 22.0 points is excluded (new classes: 32.0)."
+        "paper's pipeline (mean of 5 draws of random places in reach; standard deviation over draws 2.6 points). A lead above 22.0 points is excluded (new classes: 32.0)."
     )
     (beside,) = found.beside
     assert "142 objects" in beside

@@ -237,9 +237,9 @@ def _other(lead: Lead, first: Lead) -> str:
 def _over_draws(lead: Lead) -> str:
     """Return, in brackets, the number of draws of random places and the standard deviation of the lead over draws."""
     if lead.draws < 2:
-        return " (one draw of the places)"
+        return f" (one draw of {lead.places[1]})"
     spread = percent_points(lead.deviation)
-    return f" (mean of {lead.draws} draws of the places; standard deviation over draws {spread} points)"
+    return f" (mean of {lead.draws} draws of {lead.places[1]}; standard deviation over draws {spread} points)"
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:
