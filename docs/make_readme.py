@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from filling import DOCS, SETS, fill_page, read_json, share, table
 
+from visuohaptic.evaluation.leads import Question
 from visuohaptic.evaluation.published import TABLE_1
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.cues import carries_sentence
-from visuohaptic.report.leads import read_kept_leads, run_leads
-from visuohaptic.report.questions import (
-    QUESTIONS,
-    Answer,
-    lead_answer,
-    papers_pipeline_sentences,
-    recognition_answer,
-)
+from visuohaptic.report.leads import KeptLeads, Lead, question_sentence, read_kept_leads, run_leads
+from visuohaptic.report.questions import QUESTIONS, Answer, lead_answer, recognition_answer
 from visuohaptic.report.turned import POSES, read_turned, turned_rows
-from visuohaptic.report.variants import read_variants
+from visuohaptic.report.variants import papers_pipeline_sentences, read_variants
 from visuohaptic_workflow.closing import REPORT, describe_results
 
 ROOT = DOCS.parent
@@ -100,6 +96,8 @@ def answers(metrics: dict[str, Any]) -> str:
     """Answer the questions of the experiment from the figures of twelve objects and the kept leads of 142."""
     tables = pipeline_tables(metrics)
     kept = read_kept_leads(IntervalParameters())
+    if kept is None:
+        raise FileNotFoundError("the package has no kept leads; run `make draws SET=benchmark`.")
     leads = run_leads(metrics, {one.name: one.headline.key for one in tables}, "none", "full")
     recognised = recognition_answer(
         tables,
@@ -112,7 +110,7 @@ def answers(metrics: dict[str, Any]) -> str:
         ),
     )
     found = [
-        *(_lead_lines(lead_answer(question, leads, kept)) for question in QUESTIONS),
+        *(_lead_lines(question, leads, kept) for question in QUESTIONS),
         _answer_lines(recognised),
     ]
     return "\n\n".join(found).replace("\N{NO-BREAK SPACE}", " ")
@@ -126,9 +124,9 @@ def _answer_lines(answer: Answer) -> str:
     return "\n".join(lines)
 
 
-def _lead_lines(answer: Answer) -> str:
+def _lead_lines(question: Question, leads: Sequence[Lead], kept: KeptLeads) -> str:
     """Write the answer on more objects as a paragraph, and the answer on the run's objects as a list item."""
-    (more,) = answer.beside
+    answer, more = lead_answer(question, leads), question_sentence(question, kept)
     first, *_ = answer.sentence.split(". ")
     own = f"- On the run's objects: {answer.finding[0].lower()}{answer.finding[1:]}; {answer.number} {first}."
     return "\n".join([_wrapped(f"**{answer.question}** {more}"), "", _wrapped(own, "  ")])

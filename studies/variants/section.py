@@ -1,4 +1,4 @@
-"""The section of the report on all variants, of this run or as kept with the package."""
+"""The section of the report on all variants of this run."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from variants.study import STUDY
 from visuohaptic.report.section import ReportContext, Section, Values
 
 
-def variants_values(context: ReportContext) -> Values:
-    """Return the summary of the variants for the template."""
+def variants_values(context: ReportContext) -> Values | None:
+    """Return the summary of the variants of this run; None if the run has none."""
+    if context.variants.source is not None:
+        return None
     return {"variants": context.variants}
 
 

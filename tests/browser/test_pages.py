@@ -77,7 +77,7 @@ def test_the_filter_finds_objects_and_an_anchor_leads_past_it(report, keep):
     keep(report.locator(".filter"), "filter")
     hidden = report.locator('article.object[data-name="ball/marble"]')
     assert not hidden.is_visible()
-    report.locator('#object-table a:has-text("marble")').click()
+    report.locator('#credits a:has-text("marble")').click()
     hidden.wait_for(state="visible")
     report.locator("#object-filter").fill("")
     assert shown.count() == len(NAMES)

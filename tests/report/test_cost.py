@@ -6,7 +6,13 @@ from report.synthetic import PARAMETERS
 from studies.cost.test_front import RENDER, cost_rows
 
 from visuohaptic.parameters import CostParameters
-from visuohaptic.report.cost import cost_answer, cost_figures, cue_sentences, read_cost, time_parts
+from visuohaptic.report.cost import (
+    compared_sentence,
+    cost_answer,
+    cost_figures,
+    read_cost,
+    time_parts,
+)
 from visuohaptic.report.estimates import Figure
 from visuohaptic.tables.schema import write_table
 from visuohaptic.tables.studies import COST
@@ -45,12 +51,12 @@ def test_what_positions_imprints_and_the_map_give_is_stated_where_it_was_measure
     rows = cost_rows([(name, 0.1, error) for name, error in errors.items()])
     for row in rows:
         row["family"] = "cues" if "alone" in row["setting"] else "paper"
-    pose, mapped = map(plain, cue_sentences(rows))
+    pose, mapped = (plain(compared_sentence(rows, family)) for family in ("cues", "paper"))
     assert "normals without imprints reach 99.0 %" in pose
     assert "imprints without positions and normals 75.0 % (40.0 % to 87.5 %)" in pose
     assert "With the map, the paper's pipeline reaches 80.0 %" in mapped
     assert "without the map 90.0 %" in mapped
-    assert cue_sentences(rows[:1]) == []
+    assert compared_sentence(rows[:1], "cues") == ""
 
 
 def test_the_answer_goes_by_the_clock_of_a_robot():

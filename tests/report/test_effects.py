@@ -2,7 +2,12 @@
 
 from report.synthetic import PARAMETERS, write_study
 
-from visuohaptic.report.effects import hard_places, rows_of_scenes
+from visuohaptic.report.effects import (
+    effect_rows,
+    hard_places,
+    influence_figures,
+    rows_of_scenes,
+)
 from visuohaptic.report.studies import read_study
 from visuohaptic.sensor import hard_probes
 from visuohaptic.tables.phases import CONTACT_STATES
@@ -48,3 +53,17 @@ def test_scenes_as_a_whole_have_rows_of_their_own(tmp_path):
     assert [row["condition"] for row in found] == ["ideal", "worn_fsr"]
     failed = read_study(write_study(tmp_path, "effects", [("fsr400", None, None, None)]), "effects")
     assert rows_of_scenes(failed) == []
+
+
+def test_an_effect_has_its_count_its_time_and_its_shift_in_the_scene_of_the_run(tmp_path):
+    influence = influence_figures(write_influence(tmp_path / "influence.parquet"), "worn_fsr")
+    summed = [
+        {"effect": name, "touches_sum": 1, "runs_sum": 1} for name in ("shading", "noise", "mine")
+    ]
+    shading, noise, mine = effect_rows(summed, influence, "worn_fsr")
+    assert (shading["of"], noise["of"]) == ("1 view", "1 touch")
+    assert shading["milliseconds"] == 10
+    assert shading["shift"] == 0.06
+    assert (noise["milliseconds"], noise["shift"]) == (600, 0.0125)
+    assert (mine["milliseconds"], mine["milliseconds_always"], mine["shift"]) == (None, None, None)
+    assert [row["shift"] for row in effect_rows(summed, None, "ideal")] == [None, None, None]

@@ -11,6 +11,7 @@ from studies.cost.test_front import cost_rows, cost_table
 from visuohaptic.base.errors import ReportError
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.report import figures
+from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.drawing import look
 from visuohaptic.report.estimates import Figure as Estimate
 from visuohaptic.report.leads import Lead
@@ -49,7 +50,7 @@ def measured(tmp_path):
 
 def test_every_axis_has_a_name(metrics, measured):
     for figure in (
-        figures.comparison(metrics),
+        figures.comparison(pipeline_tables(metrics)[0]),
         figures.conditions(measured),
         figures.cost(cost_table(POINTS)),
         figures.stability(result_table([GRAZING, EXACT], "cup/mug")),
@@ -61,7 +62,7 @@ def test_every_axis_has_a_name(metrics, measured):
 
 
 def test_marks_of_the_comparison_lie_at_the_accuracies(metrics):
-    figure = figures.comparison(metrics)
+    figure = figures.comparison(pipeline_tables(metrics)[0])
     for strategy, label in (("fixation", "eye fixations"), ("random", "random probing")):
         cells = metrics["results"]["paper"][strategy].values()
         means = sorted(cell["accuracy"]["mean"] for cell in cells)

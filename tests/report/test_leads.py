@@ -141,20 +141,19 @@ def own_leads(**classifiers):
     return run_leads(METRICS, chosen, "none", "full")
 
 
-def test_a_runs_own_leads_are_answered_first_and_more_objects_beside():
-    found = lead_answer("seeing", own_leads(), kept_of(lead(0.0, name="seeing")))
+def test_an_answer_has_the_lead_of_the_run_and_what_is_excluded():
+    found = lead_answer("seeing", own_leads())
     assert found.finding == "Not settled by 12 objects"
     assert plain(found.number) == "+10.0 points"
     assert plain(found.sentence).startswith(
         "(new objects −2.0 to +22.0, new classes −12.0 to +32.0) is the lead of fixations over random places in reach in the "
         "paper's pipeline (mean of 5 draws of random places in reach; standard deviation over draws 2.6 points). A lead above 22.0 points is excluded (new classes: 32.0)."
     )
-    (beside,) = found.beside
-    assert "142 objects" in beside
+    assert found.beside == ()
 
 
 def test_a_lead_of_one_object_has_no_interval_and_excludes_nothing():
-    found = lead_answer("salience", own_leads(), None)
+    found = lead_answer("salience", own_leads())
     assert found.finding == "Not settled by 1 object"
     assert plain(found.number) == "+1.0 points"
     assert found.sentence.startswith("is the lead of fixations over random places in sight")
@@ -166,7 +165,7 @@ def test_a_lead_of_one_object_has_no_interval_and_excludes_nothing():
     ("question", "missing"), [("seeing", "`random`"), ("salience", "`random_visible`")]
 )
 def test_a_run_that_lacks_a_strategy_says_what_it_can_not_say(question, missing):
-    found = lead_answer(question, own_leads(order_free="linear_discriminant"), None)
+    found = lead_answer(question, own_leads(order_free="linear_discriminant"))
     assert found.finding == "This run can't say"
     assert found.number == ""
     assert missing in found.sentence

@@ -1,19 +1,17 @@
-"""The two questions are answered by a rule, from tables alone."""
+"""The questions are answered by written rules, from tables only."""
 
 import pytest
 from report.pages import plain
-from report.test_comparison import BAYES, SVM, metrics
+from report.test_comparison import BAYES, SVM, lead, metrics
 
 from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.questions import (
-    papers_pipeline_sentences,
     recognition_answer,
     reproduction_answer,
-    variant_counts_sentence,
+    strategies_answer,
     verdict_on,
 )
-from visuohaptic.report.variants import Changed, Spread, VariantsSummary
 
 
 def run_of(fixation=0.7, random=0.6):
@@ -22,8 +20,35 @@ def run_of(fixation=0.7, random=0.6):
     return pipeline_tables(metrics(*accuracies, {SVM: 0.1, BAYES: 0.5}))
 
 
-def variants(verdict="not shown", **spread):
-    return VariantsSummary(verdict=verdict, spread=(Spread(**spread),) if spread else ())
+def other_strategies(**leads):
+    """Give the table of a run with leads of fixations over other strategies, as (points, p)."""
+    figures = metrics({SVM: 0.7}, {SVM: 0.6}, {SVM: 0.5})
+    compared = figures["comparisons"]["paper"][SVM]
+    compared |= {name: lead(mean, p) for name, (mean, p) in leads.items()}
+    return pipeline_tables(figures)[0]
+
+
+def test_a_run_with_random_places_only_has_no_answer_on_other_strategies():
+    assert strategies_answer(other_strategies()) is None
+    assert strategies_answer(other_strategies(random_visible=(0.1, 0.001))) is None
+
+
+def test_another_strategy_is_ahead_or_behind_after_holms_correction():
+    # With random places four comparisons: the p values are multiplied by 4, 3, 2 and 1.
+    found = strategies_answer(
+        other_strategies(mine=(-0.12, 0.001), curvature=(0.2, 0.01), grid=(0.05, 0.2))
+    )
+    assert found.finding == "Fixations are behind mine and ahead of the most curved places"
+    assert plain(found.number) == "−12.0 points"
+    assert plain(found.sentence) == (
+        "(new objects −17.0 to −7.0, new classes −27.0 to +3.0) is the lead of fixations over mine, over the most curved "
+        "places +20.0 (+15.0 to +25.0), over grid +5.0 (+0.0 to +10.0) (support vector machine, the paper's pipeline)."
+    )
+
+
+def test_a_strategy_that_is_neither_ahead_nor_behind_is_said_to_be_not_shown():
+    found = strategies_answer(other_strategies(mine=(0.12, 0.03)))
+    assert found.finding == "No difference is shown by 12 objects"
 
 
 @pytest.mark.parametrize(
@@ -43,21 +68,6 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding
     assert found.beside == (
         "Objects are upright, turned about the vertical, in training and test.",
     )
-
-
-def test_the_variants_are_counted_by_set():
-    counts = {"variants": 9, "ahead": 1, "behind": 4, "ahead_holm": 0, "behind_holm": 2}
-    sentence = variant_counts_sentence(variants(objects=12, **counts))
-    assert sentence.endswith(
-        "Fixations are ahead of random touches with p below 0.05, each variant tested by itself, in 1 of 9 variants on 12 "
-        "objects (behind in 4). After Holm's correction for the number of variants they are ahead in 0 and behind in 2 of "
-        "the 9 on 12 objects."
-    )
-    few = variant_counts_sentence(variants(objects=5, **counts))
-    assert few.endswith(
-        "on 5 objects (the smallest p value of so few objects, 0.062, is too large)."
-    )
-    assert variant_counts_sentence(variants()) == ""
 
 
 NEAR = ({SVM: 0.93, BAYES: 0.57}, {SVM: 0.86, BAYES: 0.57})
@@ -111,15 +121,3 @@ def test_the_third_answer_counts_what_differs_and_what_is_reproduced(
         f"here, 93.45 % published (support vector machine, eye fixations): {word}. "
     )
     assert ("With 12 objects none can be shown to be reproduced" in said) == (2 * reach > 0.1)
-
-
-def test_the_papers_pipeline_is_called_a_variant():
-    changed = Changed(choice="channels of attention", default="five named", today="eight equal")
-    literal = {"fixation": {SVM: 0.478}}
-    kept = VariantsSummary(verdict="no", literal=literal, changed=(changed,))
-    assert plain(papers_pipeline_sentences(kept)).endswith(
-        "not the touches. Applied to later tables, the rule chooses other channels of attention: eight equal in place of "
-        "five named; the default stays. The most literal variant classifies 47.8 % of the sequences by fixation correctly "
-        "(support vector machine, the paper's set)."
-    )
-    assert papers_pipeline_sentences(VariantsSummary(verdict="no")).endswith("not the touches.")

@@ -15,7 +15,6 @@ from visuohaptic.report.stability import (
     describe_checks,
     describe_hard_cases,
     read_hard_cases,
-    stability_answer,
     stability_figures,
 )
 from visuohaptic.stability.findings import Result
@@ -87,19 +86,15 @@ def test_objects_share_a_requirement_and_the_one_that_exceeds_it_is_named(tmp_pa
     assert set(figures.objects) == {"cup/mug", "ball/marble"}
 
 
-def test_the_answer_is_one_line_and_the_section_names_the_requirement_nearest_to_its_tolerance():
+def test_the_section_names_the_requirement_nearest_to_its_tolerance():
     figures = stability_figures(result_table([GRAZING, EXACT], KEY))
-    assert stability_answer(figures) == (
-        "In 1,240 cases that are hard for arithmetic, such as flat or tiny shapes, no error exceeds its tolerance."
-    )
     said = plain(describe_checks(figures.checks))
     assert "1,240 hard cases of 2 kinds were tried" in said
     assert "1 kind has no error at all" in said
     assert said.endswith("The largest error is 11.26 % of its tolerance (cup/mug: grazing rays).")
     exceeded = stability_figures(result_table([broken(EXACT), GRAZING], KEY))
-    sentence = stability_answer(exceeded)
+    sentence = describe_checks(exceeded.checks)
     assert sentence.endswith("1 tolerance exceeded (cup/mug: stretched imprints).")
-    assert describe_checks(exceeded.checks) == sentence
 
 
 def test_totals_of_the_hard_cases_are_one_sentence_and_another_file_is_refused(tmp_path):

@@ -3,9 +3,18 @@
 import json
 
 import pytest
+from report.pages import plain
+from report.test_comparison import SVM
 
 from visuohaptic.base.errors import ReportError
-from visuohaptic.report.variants import Spread, VariantsSummary, read_variants
+from visuohaptic.report.variants import (
+    Changed,
+    Spread,
+    VariantsSummary,
+    papers_pipeline_sentences,
+    read_variants,
+    variant_counts_sentence,
+)
 
 MADE = VariantsSummary(
     verdict="no",
@@ -27,3 +36,34 @@ def test_a_file_without_a_summary_is_refused_with_the_command_that_makes_one(tmp
     path.write_text(text)
     with pytest.raises(ReportError, match=r"has no summary of the variants .* variants_all` again"):
         read_variants(path)
+
+
+def variants(verdict="not shown", **spread):
+    return VariantsSummary(verdict=verdict, spread=(Spread(**spread),) if spread else ())
+
+
+def test_the_variants_are_counted_by_set():
+    counts = {"variants": 9, "ahead": 1, "behind": 4, "ahead_holm": 0, "behind_holm": 2}
+    sentence = variant_counts_sentence(variants(objects=12, **counts))
+    assert sentence.endswith(
+        "Fixations are ahead of random touches with p below 0.05, each variant tested by itself, in 1 of 9 variants on 12 "
+        "objects (behind in 4). After Holm's correction for the number of variants they are ahead in 0 and behind in 2 of "
+        "the 9 on 12 objects."
+    )
+    few = variant_counts_sentence(variants(objects=5, **counts))
+    assert few.endswith(
+        "on 5 objects (the smallest p value of so few objects, 0.062, is too large)."
+    )
+    assert variant_counts_sentence(variants()) == ""
+
+
+def test_the_papers_pipeline_is_called_a_variant():
+    changed = Changed(choice="channels of attention", default="five named", today="eight equal")
+    literal = {"fixation": {SVM: 0.478}}
+    kept = VariantsSummary(verdict="no", literal=literal, changed=(changed,))
+    assert plain(papers_pipeline_sentences(kept)).endswith(
+        "not the touches. Applied to later tables, the rule chooses other channels of attention: eight equal in place of "
+        "five named; the default stays. The most literal variant classifies 47.8 % of the sequences by fixation correctly "
+        "(support vector machine, the paper's set)."
+    )
+    assert papers_pipeline_sentences(VariantsSummary(verdict="no")).endswith("not the touches.")

@@ -103,6 +103,7 @@ rule report:
         key=key_of_job,
         parameters=PARAMETERS.model_dump(exclude={"workflow"}),
         objects=OBJECTS,
+        own_objects=sorted(OWN),
         studies=shown_studies,
     message:
         "writing the report"

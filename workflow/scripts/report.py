@@ -36,6 +36,7 @@ with job(snakemake):
             logs="logs",
             extras=extra_paths(folder, checkout="."),
             folder=folder,
+            own_objects=snakemake.params.own_objects,
             key=key_of(snakemake.params.key["parts"]) if snakemake.params.key else "",
         ),
         output=snakemake.output.page,

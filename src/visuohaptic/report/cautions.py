@@ -15,7 +15,7 @@ from visuohaptic.report.wording import counted, listed, listed_in_short
 from visuohaptic.studies.registry import section_files
 from visuohaptic.tables.phases import key_of
 
-_SECTION_OF_STUDY = {"effects": "influence"}
+_SECTION_OF_STUDY = {"effects": "effects"}
 
 _TOO_FEW = "left out of recognition if it needs more touches"
 _MOST_REASONS = 20

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
+from visuohaptic.report.measured_before import measured_before_values
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import Section, SourceTable, figures_of, study_sections
 from visuohaptic.report.studies import names_of_own_studies
@@ -22,7 +23,6 @@ from visuohaptic.tables.studies import (
 )
 
 _SHARE = "share of rows with predicted = class, averaged over splits"
-_VOTES = "Whole objects: voted, or the majority of predicted where it is missing"
 
 
 def _of_own_studies(run: Run) -> list[SourceTable]:
@@ -38,54 +38,19 @@ INFLUENCE = SourceTable(
 )
 
 CHAPTERS = {
-    "Answers": (
-        Section(
-            "answer", "Answers", sections.answer_values, (BEST, DRAWN, COSTS, STABLE, INFLUENCE),
-        ),
+    "Method": (
         Section(
             "method", "The method on one object of this run", sections.method_values,
             (
                 SourceTable("The touches shown", TOUCHES, "touches", "view"),
                 SourceTable("Contourlet deviations, 01 to 16", FEATURES, "features", "touch"),
+                SourceTable("Channels of attention", VIEWS, "views"),
             ),
         ),
     ),
-    "Comparison": (
+    "Answers": (
         Section(
-            "comparison", "The classifiers", sections.comparison_values,
-            (
-                SourceTable(f"Accuracy: {_SHARE}", PREDICTIONS, "predictions", "pipelines"),
-                SourceTable(_VOTES, PREDICTIONS, "predictions", "pipelines"),
-                DRAWN,
-            ),
-        ),
-        Section(
-            "confusion", "Which classes are confused", sections.confusion_values,
-            (SourceTable("Number of rows", PREDICTIONS, "predictions", "first best"),),
-        ),
-        Section(
-            "evaluation", "Objects that the model has not learnt", sections.evaluation_values,
-            (SourceTable("Objects not learnt", EVALUATION, "evaluation"),),
-        ),
-    ),
-    "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, (COSTS,)),),
-    "Hard cases": (
-        Section(
-            "stability", "Numerical stability in hard cases", sections.stability_values, (STABLE,),
-        ),
-    ),
-    "Effects": (
-        Section(
-            "influence", "Which effects a scene needs", sections.influence_values,
-            (
-                INFLUENCE,
-                figures_of("effects"),
-                SourceTable("Places touched in each scene", TOUCHES, "touches", "view"),
-            ),
-        ),
-        Section(
-            "effects", "Simulated effects, and effects not needed", sections.effects_values,
-            (SourceTable("Effects", EFFECTS, "effects"), SourceTable("Channels of attention", VIEWS, "views")),
+            "answer", "Answers of this run", sections.answer_values, (BEST, DRAWN, COSTS),
         ),
     ),
     "Objects": (
@@ -99,8 +64,42 @@ CHAPTERS = {
             ),
         ),
     ),
+    "Classifiers": (
+        Section(
+            "comparison", "The classifiers", sections.comparison_values,
+            (
+                SourceTable(f"Accuracy: {_SHARE}", PREDICTIONS, "predictions", "pipelines"),
+                DRAWN,
+            ),
+        ),
+        Section(
+            "confusion", "Which classes are confused", sections.confusion_values,
+            (SourceTable("Number of rows", PREDICTIONS, "predictions", "first best"),),
+        ),
+        Section(
+            "evaluation", "Objects that the model has not learnt", sections.evaluation_values,
+            (SourceTable("Objects not learnt", EVALUATION, "evaluation"),),
+        ),
+    ),
+    "Cost": (Section("cost", "What accuracy costs in time", sections.cost_values, (COSTS,)),),
     "Studies": (
         Section("studies", "Own studies", sections.own_studies_values, _of_own_studies),
+    ),
+    "Simulation": (
+        Section(
+            "effects", "Effects that the scene needs", sections.effects_values,
+            (
+                SourceTable("Effects", EFFECTS, "effects"),
+                INFLUENCE,
+                figures_of("effects"),
+            ),
+        ),
+        Section(
+            "stability", "Numerical stability in hard cases", sections.stability_values, (STABLE,),
+        ),
+    ),
+    "Before": (
+        Section("before", "Other objects, measured before", measured_before_values),
     ),
     "Methods": (
         Section("methods", "Methods text", sections.methods_values),

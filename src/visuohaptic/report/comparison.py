@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from visuohaptic.evaluation.draws import LeadOverDraws
@@ -61,8 +61,6 @@ class Comparison:
         `p_value` after Holm's correction for all classifiers and strategies of the pipeline.
     objects : int
         The number of objects that both strategies tested.
-    signs : {"all", "drawn at random"}
-        Whether the test used all sign changes of the objects' differences, or a random sample.
     draws : LeadOverDraws, optional
         The lead of fixations over each draw of a random strategy; None if fewer than two draws were measured.
     """
@@ -71,7 +69,6 @@ class Comparison:
     p_value: float
     adjusted_p: float
     objects: int
-    signs: str
     draws: LeadOverDraws | None = None
 
 
@@ -85,8 +82,6 @@ class ClassifierRow:
         The classifier's key in ``reports/metrics.json``, and its name in words.
     accuracy : mapping of str to Figure
         Share of test sequences correctly classified, the mean over splits.
-    object_accuracy : mapping of str to Figure
-        Share of test objects correctly classified by a vote of their sequences, the mean over splits.
     class_accuracy : mapping of str to mapping of str to Figure
         Mean accuracy of each class's objects, by strategy and class.
     published : mapping of str to float
@@ -100,20 +95,10 @@ class ClassifierRow:
     key: str
     name: str
     accuracy: Mapping[str, Figure]
-    object_accuracy: Mapping[str, Figure]
     class_accuracy: Mapping[str, Mapping[str, Figure]]
     published: Mapping[str, float]
     comparisons: Mapping[str, Comparison]
     notes: tuple[str, ...]
-
-    @property
-    def published_gain(self) -> float | None:
-        """Published accuracy of fixations minus published accuracy of random probing, as a share.
-
-        None without published accuracies.
-        """
-        published = self.published
-        return published["fixation"] - published["random"] if published else None
 
 
 @dataclass(frozen=True)
@@ -169,6 +154,11 @@ def pipeline_tables(metrics: Mapping[str, Any]) -> list[PipelineTable]:
     return [
         _pipeline_table(metrics["results"][name], compared.get(name, {}), name) for name in names
     ]
+
+
+def without_published(table: PipelineTable) -> PipelineTable:
+    """Return a pipeline's table without published accuracies, which are for the paper's objects only."""
+    return replace(table, rows=tuple(replace(row, published={}) for row in table.rows))
 
 
 def pipeline_order(name: str) -> tuple[bool, str]:
@@ -280,15 +270,10 @@ def _row(
 ) -> ClassifierRow:
     """Return the row of classifier `key`; `adjusted` has p values by classifier and strategy."""
     cells = {strategy: by_key[key] for strategy, by_key in results.items() if key in by_key}
-    accuracy, by_vote = (
-        {strategy: measured(cell, name) for strategy, cell in cells.items()}
-        for name in ("accuracy", "object_accuracy")
-    )
     return ClassifierRow(
         key=key,
         name=classifier_name(key),
-        accuracy=accuracy,
-        object_accuracy=by_vote,
+        accuracy={strategy: measured(cell, "accuracy") for strategy, cell in cells.items()},
         class_accuracy={
             strategy: {name: Figure(**figure) for name, figure in cell["class_accuracy"].items()}
             for strategy, cell in cells.items()
@@ -300,7 +285,6 @@ def _row(
                 comparison["p_value"],
                 adjusted[key, strategy],
                 comparison["objects"],
-                "all" if comparison["exact"] else "drawn at random",
                 _lead_over_draws(comparison),
             )
             for strategy, comparison in compared.items()

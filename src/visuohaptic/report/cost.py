@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from markupsafe import Markup
 
@@ -26,14 +26,25 @@ from visuohaptic.studies.cost.cost_rows import Row, mark_front, read_costs
 POINT = 0.01
 """A loss of accuracy, as a share, that does not matter to most users."""
 
-_CUES = {
-    ("cues", "pose alone", "skin alone"): (
-        "In pipeline order_free, positions and normals without imprints reach {} correctly classified, imprints "
-        "without positions and normals {}. All objects stand upright."
+Compared = Literal["cues", "paper"]
+"""A family of settings with a sentence on two of them."""
+
+_COMPARED: Mapping[Compared, tuple[str, str, str]] = {
+    "cues": (
+        "pose alone",
+        "skin alone",
+        (
+            "In pipeline order_free, positions and normals without imprints reach {} correctly classified, imprints "
+            "without positions and normals {}."
+        ),
     ),
-    ("paper", "with its map", "without the map"): (
-        "The paper reduces each touch to five numbers by a self-organising map. With the map, the paper's pipeline "
-        "reaches {} correctly classified, without the map {}."
+    "paper": (
+        "with its map",
+        "without the map",
+        (
+            "The paper reduces each touch to five numbers by a self-organising map. With the map, the paper's pipeline "
+            "reaches {} correctly classified, without the map {}."
+        ),
     ),
 }
 
@@ -176,23 +187,22 @@ def time_parts(row: Row | None) -> list[Row]:
     ]
 
 
-def cue_sentences(rows: Sequence[Row]) -> list[str]:
-    """Return sentences on accuracy without imprints, without poses, and without the paper's self-organising map.
+def compared_sentence(rows: Sequence[Row], family: Compared) -> str:
+    """Return a sentence on imprints and poses by themselves (``cues``), or on the paper's pipeline without its map.
 
-    `rows` are rows of `tables.COST`; a sentence is left out if one of its settings was not measured.
+    `rows` are rows of `tables.COST`. Empty if one of the two settings was not measured.
     """
+    first, second, sentence = _COMPARED[family]
     accuracy = {
-        (row["family"], row["setting"]): with_interval(
+        row["setting"]: with_interval(
             Figure(*(1 - row[f"error{end}"] for end in ("", "_high", "_low"))), percent
         )
         for row in rows
-        if row["error"] is not None
+        if row["family"] == family and row["error"] is not None
     }
-    return [
-        sentence.format(accuracy[family, first], accuracy[family, second])
-        for (family, first, second), sentence in _CUES.items()
-        if {(family, first), (family, second)} <= accuracy.keys()
-    ]
+    if not {first, second} <= accuracy.keys():
+        return ""
+    return sentence.format(accuracy[first], accuracy[second])
 
 
 def _setting_row(row: Row) -> Row:

@@ -168,6 +168,48 @@ def sum_effects(table: pa.Table) -> list[Row]:
     return sorted(rows, key=lambda row: (order.get(row["effect"], len(order)), row["effect"]))
 
 
+def effect_rows(
+    summed: Sequence[Row], influence: Mapping[str, Sequence[Row]] | None, scene: str
+) -> list[Row]:
+    """Return one row per effect: how often it ran and why, and its time and change of images where measured.
+
+    Parameters
+    ----------
+    summed : sequence of mappings
+        Rows of `sum_effects`.
+    influence : mapping, optional
+        The result of `influence_figures`.
+    scene : str
+        The scene of the run.
+
+    Returns
+    -------
+    list of mappings
+        Rows of `summed` with ``of``, such as ``16 views``; ``milliseconds`` as run and ``milliseconds_always``, per
+        view or per thousand touches, and ``shift``, the mean change of an image as a share of full scale. The last
+        three are None where they were not measured.
+    """
+    measured = (
+        {row["name"]: row for row in (*influence["view"], *influence["touch"])} if influence else {}
+    )
+    rows: list[Row] = []
+    for row in summed:
+        found = measured.get(row["effect"], {})
+        shifts = found.get("shifts", {})
+        rows.append(
+            {
+                **row,
+                "of": counted(
+                    row["touches_sum"], "view" if row["effect"] in VISUAL_EFFECTS else "touch"
+                ),
+                "milliseconds": found.get("milliseconds"),
+                "milliseconds_always": found.get("milliseconds_always"),
+                "shift": shifts.get("any", shifts.get(scene)),
+            }
+        )
+    return rows
+
+
 def sum_channels(views: pa.Table) -> list[Row]:
     """Return one row per channel of attention: views in which it ``ran`` or was ``skipped``, and ``why``.
 

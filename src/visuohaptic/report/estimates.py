@@ -150,18 +150,20 @@ def with_interval(figure: Figure, write: Callable[[float], str], unit: str = "")
 def both_intervals(figure: Figure, write: Callable[[float], str]) -> str:
     """Return the intervals in brackets, such as ``(new objects 65.0 % to 75.0 %, new classes 60.0 % to 80.0 %)``.
 
-    `write` formats each number. Empty without intervals.
+    `write` formats each number. Intervals that are written alike stand once. Empty without intervals.
     """
     found = (
         ("new objects", figure.low, figure.high),
         ("new classes", figure.new_classes_low, figure.new_classes_high),
     )
-    ends = [
-        f"{words} {write(low)} to {write(high)}"
+    ends = {
+        words: f"{write(low)} to {write(high)}"
         for words, low, high in found
         if low is not None and high is not None
-    ]
-    return f"({', '.join(ends)})" if ends else ""
+    }
+    if len(ends) == 2 and len({*ends.values()}) == 1:
+        return f"(new objects and new classes {ends['new objects']})"
+    return f"({', '.join(f'{words} {both}' for words, both in ends.items())})" if ends else ""
 
 
 def share_above_interval(figure: Figure) -> Markup:

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.leads import LEADS, LeadName
-from visuohaptic.report.comparison import pipeline_tables
+from visuohaptic.report.comparison import PipelineTable
 from visuohaptic.report.cost import reference_row, time_parts, timed
 from visuohaptic.report.drawing import COLOURS, look, new_chart, style
 from visuohaptic.report.estimates import Figure as Estimate
@@ -88,12 +88,8 @@ class Series:
 
 
 @style()
-def comparison(metrics: Mapping[str, Any], pipeline: str = "paper") -> Figure:
-    """Draw the accuracy of each classifier by strategy, in this run and as published, with a line at chance.
-
-    `metrics` is the value of ``reports/metrics.json``, and `pipeline` one of its pipelines.
-    """
-    (table,) = (table for table in pipeline_tables(metrics) if table.name == pipeline)
+def comparison(table: PipelineTable) -> Figure:
+    """Draw the accuracy of each classifier by strategy, in this run and as published, with a line at chance."""
     here = {name: [row.accuracy.get(name) for row in table.rows] for name in table.strategies}
     published = {
         name: [Estimate(row.published[name]) if row.published else None for row in table.rows]

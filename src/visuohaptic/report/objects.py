@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from markupsafe import Markup
 
 from visuohaptic.evaluation.summary import select
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
@@ -91,8 +90,8 @@ class ObjectPage:
         Channels that were skipped, and why.
     predicted : mapping
         By strategy, the share of the object's test sequences by predicted class.
-    median_size : mapping of str to float
-        By strategy, the median edge of the sensor's square in object radii.
+    strategies : list of str
+        The strategies of the touches, sorted.
     model : mapping or None
         The columns `MODEL` of `tables.PICTURES`, and ``text``, the packed model in base64.
     touch_keys : list of (str, int, int, str)
@@ -109,7 +108,7 @@ class ObjectPage:
     conspicuity: list[tuple[str, str]]
     skipped: list[tuple[str, str]]
     predicted: Mapping[str, Mapping[str, float]]
-    median_size: Mapping[str, float]
+    strategies: list[str]
     model: Row | None
     touch_keys: list[tuple[str, int, int, str]]
     sheets: Mapping[str, str]
@@ -120,9 +119,13 @@ class ObjectPage:
         return anchor_of(self.key)
 
     @property
-    def link(self) -> Markup:
-        """The object's class and name as a link to its anchor."""
-        return Markup('<a href="#{}">{}: {}</a>').format(self.anchor, self.category, self.name)
+    def mistaken(self) -> str | None:
+        """The class that is predicted most often by the first strategy; None if the class is right or nothing was tested."""
+        if not self.predicted:
+            return None
+        shares = next(iter(self.predicted.values()))
+        most = max(shares, key=lambda name: (shares[name], name == self.category))
+        return None if most == self.category else most
 
     @property
     def shown_rows(self) -> dict[str, str | int]:
@@ -218,10 +221,7 @@ def _describe(
         conspicuity=[(channel, data_uri(png, "image/png")) for channel, png in maps],
         skipped=_skipped(rows),
         predicted=_predicted(answers),
-        median_size={
-            strategy: float(np.median(select(touches, strategy=strategy)["sensor_size"]))
-            for strategy in sorted(set(touches.column("strategy").to_pylist()))
-        },
+        strategies=sorted(touches.column("strategy").unique().to_pylist()),
         model=model
         and {
             **{name: pictures[name] for name in MODEL},

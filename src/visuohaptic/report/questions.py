@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from visuohaptic.evaluation.leads import LEADS, LEADS_OF, Question
-from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.report.comparison import REFERENCE, PipelineTable
 from visuohaptic.report.estimates import Figure, both_intervals, with_interval
@@ -17,29 +16,21 @@ from visuohaptic.report.leads import (
 from visuohaptic.report.leads import (
     PLACES,
     SIGNIFICANCE,
-    KeptLeads,
     Lead,
     Word,
-    lead_in_words,
     name_of_pipeline,
-    question_sentence,
     verdict,
 )
 from visuohaptic.report.turned import POSES
-from visuohaptic.report.variants import Spread, VariantsSummary
 from visuohaptic.report.wording import (
-    classifier_name,
     counted,
     listed,
     percent,
     percent_points,
     pipeline_name,
     points,
-    probability,
     strategy_name,
-    titled,
 )
-from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 
 GAIN = 0.02
 """The smallest relevant gain of accuracy, as a share."""
@@ -67,7 +58,7 @@ class Answer:
     link : str
         The anchor of the section that shows more.
     beside : tuple of str
-        Further sentences, one paragraph each: assumptions behind the figure, and measurements on other objects.
+        Further sentences, one paragraph each: assumptions behind the figure.
     rule : str
         Sentences on the rule that decides the finding.
     recount : str
@@ -163,8 +154,8 @@ RULES: Mapping[Question, str] = {
 """What each question compares."""
 
 
-def lead_answer(question: Question, leads: Sequence[Lead], kept: KeptLeads | None) -> Answer:
-    """Return the answer to one of the two questions by a run's own leads, with one sentence on more objects.
+def lead_answer(question: Question, leads: Sequence[Lead]) -> Answer:
+    """Return the answer to one of the two questions by a run's own leads.
 
     Parameters
     ----------
@@ -173,15 +164,12 @@ def lead_answer(question: Question, leads: Sequence[Lead], kept: KeptLeads | Non
     leads : sequence of Lead
         The leads of the run, of all questions, the paper's pipeline first. Without a lead of the question, the answer
         says what the run lacks.
-    kept : KeptLeads, optional
-        Leads of more objects that are kept with the package.
 
     Returns
     -------
     Answer
         The finding follows the word of `leads.verdict`. The number is the first lead of the question.
     """
-    beside = (question_sentence(question, kept),) if kept is not None else ()
     own = [lead for lead in leads if lead.name in LEADS_OF[question]]
     missing = {name for lead in LEADS_OF[question] for name in LEADS[lead]}
     rule = (
@@ -196,42 +184,31 @@ def lead_answer(question: Question, leads: Sequence[Lead], kept: KeptLeads | Non
             "",
             f"it lacks touches by {'two of ' if len(missing) > 2 else ''}{strategies} (`probing.strategies`).",
             "comparison",
-            beside=beside,
             rule=rule,
         )
     found = verdict(own)
-    first, *others = own
+    first = own[0]
     plus, minus = first.places
     finding = FINDINGS[found.word]
     if found.word == "not settled":
         finding = f"{finding} by {counted(first.objects, 'object')}"
-    further = "".join(
-        f" {titled(_other(lead, first))}: {lead_in_words(lead)}{_over_draws(lead)}."
-        for lead in others
-    )
     excluded = ""
     if found.excluded is not None and not found.ahead:
         end = verdict(own, "classes").excluded
         more = "" if end is None else f" (new classes: {percent_points(end)})"
-        excluded = f" A lead above {percent_points(found.excluded)} points is excluded{' in each' if others else ''}{more}."
+        excluded = (
+            f" A lead above {percent_points(found.excluded)} points is excluded"
+            f"{' in each comparison' if len(own) > 1 else ''}{more}."
+        )
     return Answer(
         QUESTIONS[question],
         finding,
         f"{points(first.difference.mean)} points",
         f"{both_intervals(first.difference, points)} is the lead of {plus} over {minus} in "
-        f"{name_of_pipeline(first.pipeline)}{_over_draws(first)}.{further}{excluded}".lstrip(),
+        f"{name_of_pipeline(first.pipeline)}{_over_draws(first)}.{excluded}".lstrip(),
         "comparison",
-        beside=beside,
         rule=rule,
     )
-
-
-def _other(lead: Lead, first: Lead) -> str:
-    """Return in words how a lead differs from the first lead: its places, its pipeline, or both."""
-    pipeline = name_of_pipeline(lead.pipeline)
-    if lead.name == first.name:
-        return pipeline
-    return f"{lead.places[0]}, {pipeline}"
 
 
 def _over_draws(lead: Lead) -> str:
@@ -240,6 +217,52 @@ def _over_draws(lead: Lead) -> str:
         return f" (one draw of {lead.places[1]})"
     spread = percent_points(lead.deviation)
     return f" (mean of {lead.draws} draws of {lead.places[1]}; standard deviation over draws {spread} points)"
+
+
+def strategies_answer(table: PipelineTable) -> Answer | None:
+    """Return the answer to the question how strategies other than random places in reach and in sight compare.
+
+    Figures are of the headline classifier of a pipeline. None if the run has no other strategy beside fixations.
+
+    Returns
+    -------
+    Answer or None
+        Fixations are ahead of a strategy or behind if the p value after Holm's correction, over all classifiers and strategies of
+        the pipeline, is below `SIGNIFICANCE`. The number is the first strategy's lead.
+    """
+    compared = {
+        name: comparison
+        for name, comparison in table.headline.comparisons.items()
+        if name not in PLACES
+    }
+    if not compared:
+        return None
+    shown = {
+        strategy_name(name): comparison.difference.mean
+        for name, comparison in compared.items()
+        if comparison.adjusted_p < SIGNIFICANCE
+    }
+    ahead = [name for name, lead in shown.items() if lead < 0]
+    behind = [name for name, lead in shown.items() if lead > 0]
+    said = [f"behind {listed(ahead)}"] if ahead else []
+    said += [f"ahead of {listed(behind)}"] if behind else []
+    (name, first), *others = compared.items()
+    more = "".join(
+        f", over {strategy_name(name)} {with_interval(one.difference, points)}"
+        for name, one in others
+    )
+    return Answer(
+        "How do other strategies compare with fixations?",
+        f"Fixations are {listed(said)}"
+        if said
+        else f"No difference is shown by {counted(first.objects, 'object')}",
+        f"{points(first.difference.mean)} points",
+        f"{both_intervals(first.difference, points)} is the lead of fixations over {strategy_name(name)}{more} "
+        f"({table.headline.name}, {pipeline_name(table.name)}).".lstrip(),
+        "comparison",
+        rule=f"Rule: fixations are ahead or behind if p is below {SIGNIFICANCE:g} after Holm's correction for all "
+        "classifiers and strategies of the pipeline.",
+    )
 
 
 def reproduction_answer(table: PipelineTable) -> Answer | None:
@@ -320,59 +343,6 @@ def _too_wide(accuracies: Sequence[Figure], objects: int) -> str:
         f"{percent_points(min(widths))} to {percent_points(max(widths))} points wide, wider than the margin of "
         f"{100 * MARGIN:.0f} points to either side."
     )
-
-
-def variant_counts_sentence(variants: VariantsSummary) -> str:
-    """Return sentences with the number of variants in which fixations are ahead or behind with p below 0.05.
-
-    The numbers are per set of objects, of each variant tested by itself and after Holm's correction. Empty without
-    variants.
-    """
-    if not variants.spread:
-        return ""
-    singly = [
-        f"in {spread.ahead} of {spread.variants} variants on {spread.objects} objects (behind in {spread.behind})"
-        for spread in variants.spread
-    ]
-    corrected = [
-        f"ahead in {spread.ahead_holm} and behind in {spread.behind_holm} of the {spread.variants} on {spread.objects} "
-        f"objects{_why_none(spread)}"
-        for spread in variants.spread
-    ]
-    return (
-        "The paper leaves steps open, so many variants of it were run. Fixations are ahead of random touches with p below "
-        f"{SIGNIFICANCE:g}, each variant tested by itself, {listed(singly)}. After Holm's correction for the number of "
-        f"variants they are {listed(corrected)}."
-    )
-
-
-def _why_none(spread: Spread) -> str:
-    """Return a note, in brackets, if the sign changes of so few objects allow no p value that Holm's correction keeps."""
-    smallest = 2.0 ** (1 - spread.objects)
-    if spread.variants * smallest < SIGNIFICANCE:
-        return ""
-    return f" (the smallest p value of so few objects, {probability(smallest)}, is too large)"
-
-
-def papers_pipeline_sentences(variants: VariantsSummary) -> str:
-    """Return sentences that the paper's pipeline is one variant of the paper, and on the most literal variant."""
-    said = (
-        "The paper's pipeline is our variant of the paper, which a written rule chose on objects outside the paper's set. By "
-        "default its map groups the 22 features, not the touches."
-    )
-    for one in variants.changed:
-        said += (
-            f" Applied to later tables, the rule chooses other {one.choice}: {one.today} in place of {one.default}; the "
-            "default stays."
-        )
-    headline = HEADLINE_CLASSIFIERS[PAPER_PIPELINE]
-    literal = variants.literal.get("fixation", {}).get(headline)
-    if literal is not None:
-        said += (
-            f" The most literal variant classifies {percent(literal)} of the sequences by fixation correctly "
-            f"({classifier_name(headline)}, the paper's set)."
-        )
-    return said
 
 
 def has_opponent(table: PipelineTable) -> bool:

@@ -14,7 +14,7 @@ from visuohaptic.base.errors import ReportError
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
 from visuohaptic.meshes.catalogue import Credit, find_own_models, models_of_set, read_credits
 from visuohaptic.parameters import ExperimentParameters, read_parameters
-from visuohaptic.report.comparison import PipelineTable, pipeline_tables
+from visuohaptic.report.comparison import PipelineTable, pipeline_tables, without_published
 from visuohaptic.report.estimates import read_json
 from visuohaptic.report.stability import StabilityFigures, stability_figures
 from visuohaptic.studies.registry import REPOSITORY
@@ -76,6 +76,8 @@ class RunFiles:
         Folders of study definitions. Each file ``<study>/section.py`` adds a section to the page.
     gaze : path, optional
         The table that `gaze.gaze_sentence` reads.
+    own_objects : sequence of str
+        The user's own objects, `class/name`.
     key : str
         The digest of all inputs of the page, for the section on provenance; empty if unknown.
     """
@@ -96,6 +98,7 @@ class RunFiles:
     earlier_studies: Mapping[str, str] = field(default_factory=dict)
     study_folders: Sequence[str | Path] = (REPOSITORY,)
     gaze: str | Path | None = None
+    own_objects: Sequence[str] = ()
     key: str = ""
 
 
@@ -137,8 +140,22 @@ class Run:
 
     @cached_property
     def pipelines(self) -> list[PipelineTable]:
-        """Accuracies and comparisons of each pipeline, the paper's pipeline first."""
-        return pipeline_tables(self.metrics)
+        """Accuracies and comparisons of each pipeline, the paper's pipeline first.
+
+        Published accuracies are only in the tables of a run that `is_like_published`.
+        """
+        tables = pipeline_tables(self.metrics)
+        return tables if self.is_like_published else [without_published(one) for one in tables]
+
+    @property
+    def is_like_published(self) -> bool:
+        """Whether the run tests only upright objects of the paper's set, so that published accuracies are comparable."""
+        own = set(self.files.own_objects)
+        return (
+            self.parameters.meshes.set == "paper"
+            and self.parameters.meshes.turns == "none"
+            and own.isdisjoint(self.tested_objects)
+        )
 
     @cached_property
     def objects(self) -> list[str]:
@@ -317,6 +334,7 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
     tables: dict[str, Any] = {name: _parts(results / name) for name in _TABLES}
     tables["fixations"] += _parts(results / "policy_fixations")
     logs = folder / "logs"
+    own = find_own_models(folder / "meshes/own").models
     files = RunFiles(
         metrics=folder / METRICS,
         **tables,
@@ -326,6 +344,7 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
         logs=logs if logs.is_dir() else None,
         folder=folder,
         extras=extra_paths(folder, folder),
+        own_objects=sorted(model.key for model in own),
     )
     return files, parameters, _objects(folder, parameters, files)
 

@@ -6,27 +6,26 @@ Each function ``…_values`` takes the context of the report and returns the val
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from visuohaptic.attention.levels import CENTRE_LEVELS, SURROUND_OFFSETS
 from visuohaptic.evaluation.intervals import EXTRA
-from visuohaptic.evaluation.published import PAPER_PIPELINE
 from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters, Protocol
 from visuohaptic.report.comparison import PIPELINES, PipelineTable, draws_sentence, gain_sentence
-from visuohaptic.report.cost import cost_answer, cue_sentences, robot_front, robot_price
+from visuohaptic.report.cost import compared_sentence, cost_answer, robot_front, robot_price
 from visuohaptic.report.cues import carries_sentence, imprints_sentence
-from visuohaptic.report.draws import kept_sentence, read_draws
 from visuohaptic.report.effects import (
     count_missing,
     count_passed_over,
     count_states,
+    effect_rows,
     effects_answer,
     hard_places,
     rows_of_scenes,
@@ -35,9 +34,7 @@ from visuohaptic.report.effects import (
     sum_effects,
 )
 from visuohaptic.report.estimates import Row
-from visuohaptic.report.evaluation import odd_sentence
-from visuohaptic.report.gaze import gaze_sentence
-from visuohaptic.report.leads import Lead, read_kept_leads, run_leads
+from visuohaptic.report.leads import PLACES, Lead, run_leads
 from visuohaptic.report.own_fixations import (
     OwnFixations,
     count_own_fixations,
@@ -51,30 +48,17 @@ from visuohaptic.report.questions import (
     Answer,
     has_opponent,
     lead_answer,
-    papers_pipeline_sentences,
     recognition_answer,
     reproduction_answer,
-    variant_counts_sentence,
+    strategies_answer,
 )
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import ReportContext, Values, files_of_rows, place_of
 from visuohaptic.report.stability import (
     describe_checks,
-    describe_hard_cases,
-    read_hard_cases,
-    stability_answer,
 )
 from visuohaptic.report.studies import names_of_own_studies, read_study
-from visuohaptic.report.turned import (
-    FRAMES_OF_POSES,
-    KNOWN,
-    POSES,
-    frame_rows,
-    read_turned,
-    turned_rows,
-)
 from visuohaptic.report.wording import CONTACT_STATES, percent, spaced, strategy_name, titled
-from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS
 from visuohaptic.sensor.placing import PENETRATION_TOLERANCE
 from visuohaptic.tables.phases import CONTOURLET_FEATURES
 from visuohaptic.tables.schema import matrix
@@ -153,29 +137,20 @@ def recount_cost(run: Run, row: Row) -> str:
     return _COST.format(path=path, family=row["family"], setting=row["setting"], price=price)
 
 
-def values_or_none(**values: object) -> Values | None:
-    """Return the values as a mapping; None if a value is missing, empty or 0."""
-    return values if all(values.values()) else None
-
-
 def answer_values(context: ReportContext) -> Values:
-    """Return the answers to the experiment's questions, each with code that computes its number again."""
-    checks = context.run.stability
+    """Return the answers to the experiment's questions from this run, each with code that computes its number again."""
+    run = context.run
     return {
         "answers": [
             replace(answer, recount=code if answer.number else "")
             for answer, code in _answers(context)
             if answer is not None
         ],
-        "untested": not context.run.pipelines,
-        "turned": kept_turned(context.run),
-        "questions": QUESTIONS,
-        "leads": leads_of_run(context.run) if context.run.pipelines else (),
-        "kept_leads": read_kept_leads(context.run.parameters.recognition.intervals),
+        "untested": not run.pipelines,
+        "asked_last": QUESTIONS["salience"],
+        "leads": leads_of_run(run) if run.pipelines else (),
         "frontier": context.frontier,
-        "confidence": percent(context.run.parameters.recognition.intervals.confidence, 0),
-        "effects": effects_answer(context.influence["scenes"]) if context.influence else None,
-        "stability": stability_answer(checks) if checks else None,
+        "confidence": percent(run.parameters.recognition.intervals.confidence, 0),
     }
 
 
@@ -189,41 +164,12 @@ def leads_of_run(run: Run) -> tuple[Lead, ...]:
     )
 
 
-def of_cues(run: Run) -> tuple[str, IntervalParameters, Path | None]:
-    """Return set of objects, intervals and the run's own file, as sentences on the cues of a touch take them."""
-    parameters = run.parameters
-    return parameters.meshes.set, parameters.recognition.intervals, run.extra_path("cues")
-
-
-def kept_turned(run: Run) -> Values | None:
-    """Return the kept accuracies of turned objects of the run's set; None where none are kept."""
-    kept = read_turned().get(run.parameters.meshes.set)
-    if kept is None:
-        return None
-    rows = turned_rows(kept, run.parameters.recognition.intervals)
-    poses = {
-        pose: {row.pipeline: row for row in rows if row.turns == turns}
-        for turns, pose in POSES.items()
-    }
-    shown = [{"pose": titled(pose), "by": by} for pose, by in poses.items() if by]
-    by_frame = {
-        (row.turns, row.known): row
-        for row in frame_rows(kept, run.parameters.recognition.intervals)
-    }
-    frames = [
-        {"known": titled(KNOWN[name[1]]), "row": by_frame[name]}
-        for name in FRAMES_OF_POSES
-        if name in by_frame
-    ]
-    return values_or_none(
-        rows=shown,
-        frames=frames,
-        reporting=int(kept.reports.sum()),
-        pipelines=list(dict.fromkeys(row.pipeline for row in rows)),
-        date=kept.date,
-        objects=max((row.objects for row in rows), default=0),
-        draws=max((row.draws for row in rows), default=0),
-    )
+def _of_own_cues(run: Run, sentence: Callable[[str, IntervalParameters, Path], str]) -> str:
+    """Return a sentence on the cues of a touch from the run's own table; empty if the run has none."""
+    path = run.extra_path("cues")
+    if path is None:
+        return ""
+    return sentence(run.parameters.meshes.set, run.parameters.recognition.intervals, path)
 
 
 def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
@@ -234,15 +180,8 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         unseen = UNSEEN[recognition.protocol.protocol]
         accuracy = recount_shares(run, first, f'f"{{100 * shares[{first.leading!r}]:.1f}} %"')
         compared = next((table for table in run.pipelines if has_opponent(table)), first)
-        variant = (
-            papers_pipeline_sentences(context.variants) if first.name == PAPER_PIPELINE else ""
-        )
-        carried = carries_sentence(*of_cues(run))
-        beside = [
-            sentence
-            for sentence in (carried, variant, odd_sentence(context.evaluation))
-            if sentence
-        ]
+        rows = context.frontier["rows"] if context.frontier else []
+        carried = _of_own_cues(run, carries_sentence) or compared_sentence(rows, "cues")
         yield (
             recognition_answer(
                 run.pipelines,
@@ -250,17 +189,27 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
                 touches,
                 unseen,
                 run.parameters.meshes.turns,
-                beside,
+                [carried] if carried else [],
             ),
             accuracy,
         )
-        leads, kept = leads_of_run(run), read_kept_leads(recognition.intervals)
-        yield lead_answer("seeing", leads, kept), recount_lead(run, compared)
-        yield lead_answer("salience", leads, kept), recount_lead(run, compared, "random_visible")
+        leads = leads_of_run(run)
+        yield lead_answer("seeing", leads), recount_lead(run, compared)
+        yield lead_answer("salience", leads), recount_lead(run, compared, "random_visible")
+        yield _other_strategies(run, first)
         yield reproduction_answer(first), accuracy
     rows = context.frontier["rows"] if context.frontier else []
     for quickest in robot_front(rows, run.parameters.cost)[:1]:
         yield cost_answer(rows, run.parameters.cost), recount_cost(run, quickest)
+
+
+def _other_strategies(run: Run, table: PipelineTable) -> tuple[Answer | None, str]:
+    answer = strategies_answer(table)
+    if answer is None:
+        return None, ""
+    other = next(name for name in table.headline.comparisons if name not in PLACES)
+    lead = f"100 * (shares[{table.leading!r}] - shares[{other!r}])"
+    return answer, recount_shares(run, table, f'f"{{{lead}:+.1f}} points"')
 
 
 def method_values(context: ReportContext) -> Values:
@@ -272,7 +221,7 @@ def method_values(context: ReportContext) -> Values:
         "page": page,
         "bands": matrix(shown, CONTOURLET_FEATURES)[0].tolist() if shown.num_rows else [],
         "pipelines_text": " ".join(_pipeline_texts(context.run)),
-        "gaze": gaze_sentence(context.run.files.gaze),
+        "channels": sum_channels(context.run.views),
         "own_fixations": own_fixations_sentence(own_fixations),
         "own_fixations_rows": own_fixations_rows(own_fixations),
     }
@@ -297,39 +246,31 @@ def comparison_values(context: ReportContext) -> Values | None:
     against = others[0] if len(others) == 1 else f"{len(others)} other strategies"
     sentences = (
         gain_sentence(run.pipelines[0]),
-        imprints_sentence(*of_cues(run)),
-        draws_sentence(run.pipelines[0]),
-        *_kept_draws(run),
-        variant_counts_sentence(context.variants),
-        *(cue_sentences(context.frontier["rows"]) if context.frontier else ()),
+        _of_own_cues(run, imprints_sentence),
+        compared_sentence(context.frontier["rows"], "paper") if context.frontier else "",
     )
     return {
         "title": titled(f"{first} against {against}" if others else first),
         "sentences": [sentence for sentence in sentences if sentence],
         "tables": run.pipelines,
-        "metrics": run.metrics,
+        "draws": draws_sentence(run.pipelines[0]),
+        "method": run.metrics["method"],
     }
 
 
-def _kept_draws(run: Run) -> Iterator[str]:
-    """Yield sentences on kept draws of the run's set, for pipelines with a single draw in the run."""
-    for table in run.pipelines:
-        compared = table.headline.comparisons.get(MAIN_OPPONENT)
-        kept = read_draws(run.parameters.meshes.set, table.name)
-        if kept is not None and compared is not None and compared.draws is None:
-            yield kept_sentence(kept)
-
-
-def evaluation_values(context: ReportContext) -> Values:
-    """Return a model's predictions for objects that it was not trained on: of this run, else the kept predictions."""
+def evaluation_values(context: ReportContext) -> Values | None:
+    """Return a model's predictions for objects of this run that it was not trained on; None if none were made."""
+    if context.evaluation["source"] is not None:
+        return None
     return {"evaluation": context.evaluation}
 
 
 def own_studies_values(context: ReportContext) -> Values | None:
     """Return the studies that bring no section of their own."""
     folder = context.run.extra_path("studies")
-    studies = [read_study(folder, name) for name in names_of_own_studies(context.run)]
-    return values_or_none(studies=[study for study in studies if study])
+    found = [read_study(folder, name) for name in names_of_own_studies(context.run)]
+    studies = [study for study in found if study]
+    return {"studies": studies} if studies else None
 
 
 def cost_values(context: ReportContext) -> Values | None:
@@ -340,21 +281,7 @@ def cost_values(context: ReportContext) -> Values | None:
 
 
 def effects_values(context: ReportContext) -> Values:
-    """Return the effects and channels of the run: how often each ran, and why."""
-    effects, preset = sum_effects(context.run.effects), context.run.parameters.scene.preset
-    visual = [row for row in effects if row["effect"] in VISUAL_EFFECTS]
-    tactile = [row for row in effects if row["effect"] not in VISUAL_EFFECTS]
-    return {
-        "groups": [
-            ("Effects of the view", "views", visual),
-            (f"Effects of touch in the scene {preset}", "touches", tactile),
-        ],
-        "channels": sum_channels(context.run.views),
-    }
-
-
-def influence_values(context: ReportContext) -> Values:
-    """Return imprints of hard places, and the run time and changes of effects where they were measured."""
+    """Return how often each effect ran and why, its time and change of images, and imprints in all scenes."""
     run, page = context.run, context.explaining
     accuracy = read_study(run.extra_path("studies"), "effects", spaced)
     locations = select(run.fixations, **page.shown_rows)
@@ -363,50 +290,47 @@ def influence_values(context: ReportContext) -> Values:
         "page": page,
         "strips": scene_strips(mesh, locations, run.parameters) if mesh else {},
         "places": hard_places(run.parameters),
+        "effects": effect_rows(
+            sum_effects(run.effects), context.influence, run.parameters.scene.preset
+        ),
         "influence": context.influence,
         "answer": effects_answer(context.influence["scenes"]) if context.influence else "",
         "accuracy": accuracy,
         "by_scene": rows_of_scenes(accuracy) if accuracy else [],
         "chance": 1 / max(len(run.classes), 1),
-        "scenes": list(PRESETS),
     }
 
 
 def stability_values(context: ReportContext) -> Values | None:
-    """Return the numerical checks on this run's objects, and the totals of the hard cases of the code."""
-    figures, totals = context.run.stability, context.run.extra_path("hard_cases")
-    if figures is None and totals is None:
+    """Return the numerical checks on this run's objects; None if the run has none."""
+    figures = context.run.stability
+    if figures is None:
         return None
     return {
         "figures": figures,
         "shares": "; ".join(
             f"{name} {percent(max(check.share for check in checks), 1)}"
-            for name, checks in (figures.requirements.items() if figures else ())
+            for name, checks in figures.requirements.items()
         ),
-        "hard_cases": describe_hard_cases(read_hard_cases(totals)) if totals else "",
         "anchors": {page.key: page.anchor for page in context.pages},
         "describe_checks": describe_checks,
     }
 
 
 def confusion_values(context: ReportContext) -> Values | None:
-    """Return the confusion matrices of the first pipeline, the headline classifier first."""
+    """Return the confusion matrices of the first pipeline's headline classifier, and the accuracy of each class."""
     if not context.run.pipelines:
         return None
     run, table = context.run, context.run.pipelines[0]
-    shares = table.headline.class_accuracy
-    predicted = select(run.predictions, pipeline=table.name)
-    rows = sorted(table.rows, key=lambda row: row is not table.headline)
-    matrices = [
-        (row, strategy, confusion(select(predicted, strategy=strategy, classifier=row.key)))
-        for row in rows
-        for strategy in table.strategies
-        if strategy in row.accuracy
-    ]
+    row, shares = table.headline, table.headline.class_accuracy
+    predicted = select(run.predictions, pipeline=table.name, classifier=row.key)
     return {
         "sentence": class_sentence(table),
-        "best": [(row.name, *rest) for row, *rest in matrices if row is table.headline],
-        "others": [(row.name, *rest) for row, *rest in matrices if row is not table.headline],
+        "matrices": [
+            (row.name, strategy, confusion(select(predicted, strategy=strategy)))
+            for strategy in table.strategies
+            if strategy in row.accuracy
+        ],
         "class_accuracy": [
             {
                 "class": name,
@@ -487,14 +411,15 @@ def methods_values(context: ReportContext) -> Values | None:
 
 
 def parameters_values(context: ReportContext) -> Values:
-    """Return every parameter that affects results, by section, with its value and meaning."""
+    """Return every parameter that affects results, with its value and meaning."""
     model: ExperimentParameters = context.run.parameters
     return {
-        "groups": [
-            (name, _flattened(getattr(model, name), name))
+        "rows": [
+            row
             for name in type(model).model_fields
             # No result depends on how work is divided; plug-ins have a sentence of their own.
             if name not in {"seed", "workflow", "plugins"}
+            for row in _flattened(getattr(model, name), name)
         ],
         "plug_ins": [plug_in.package or Path(plug_in.source).name for plug_in in loaded()],
         "seed": model.seed,

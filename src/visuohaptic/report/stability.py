@@ -108,14 +108,6 @@ def describe_checks(checks: Iterable[Check]) -> str:
     )
 
 
-def stability_answer(figures: StabilityFigures) -> str:
-    """Return a sentence on the cases that were tried on the run's objects, and on exceeded tolerances."""
-    if figures.broken:
-        return describe_checks(figures.checks)
-    cases = counted(sum(check.cases for check in figures.checks), "case")
-    return f"In {cases} that are hard for arithmetic, such as flat or tiny shapes, no error exceeds its tolerance."
-
-
 def read_hard_cases(path: Path) -> HardCases:
     """Read the totals that `make test-hard` writes; raises `ReportError` if the file is damaged."""
 

@@ -12,7 +12,11 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
+from visuohaptic.evaluation.published import PAPER_PIPELINE
+from visuohaptic.report.comparison import SIGNIFICANCE
 from visuohaptic.report.estimates import read_json
+from visuohaptic.report.wording import classifier_name, listed, percent, probability
+from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.stored import Source
 
 Verdict = Literal["yes", "no", "depends", "not shown"]
@@ -114,3 +118,56 @@ def read_variants(path: Path | None = None) -> VariantsSummary:
         "has no summary of the variants",
         "run `snakemake -j2 variants_all` again",
     )
+
+
+def variant_counts_sentence(variants: VariantsSummary) -> str:
+    """Return sentences with the number of variants in which fixations are ahead or behind with p below 0.05.
+
+    The numbers are per set of objects, of each variant tested by itself and after Holm's correction. Empty without
+    variants.
+    """
+    if not variants.spread:
+        return ""
+    singly = [
+        f"in {spread.ahead} of {spread.variants} variants on {spread.objects} objects (behind in {spread.behind})"
+        for spread in variants.spread
+    ]
+    corrected = [
+        f"ahead in {spread.ahead_holm} and behind in {spread.behind_holm} of the {spread.variants} on {spread.objects} "
+        f"objects{_why_none(spread)}"
+        for spread in variants.spread
+    ]
+    return (
+        "The paper leaves steps open, so many variants of it were run. Fixations are ahead of random touches with p below "
+        f"{SIGNIFICANCE:g}, each variant tested by itself, {listed(singly)}. After Holm's correction for the number of "
+        f"variants they are {listed(corrected)}."
+    )
+
+
+def _why_none(spread: Spread) -> str:
+    """Return a note, in brackets, if the sign changes of so few objects allow no p value that Holm's correction keeps."""
+    smallest = 2.0 ** (1 - spread.objects)
+    if spread.variants * smallest < SIGNIFICANCE:
+        return ""
+    return f" (the smallest p value of so few objects, {probability(smallest)}, is too large)"
+
+
+def papers_pipeline_sentences(variants: VariantsSummary) -> str:
+    """Return sentences that the paper's pipeline is one variant of the paper, and on the most literal variant."""
+    said = (
+        "The paper's pipeline is our variant of the paper, which a written rule chose on objects outside the paper's set. By "
+        "default its map groups the 22 features, not the touches."
+    )
+    for one in variants.changed:
+        said += (
+            f" Applied to later tables, the rule chooses other {one.choice}: {one.today} in place of {one.default}; the "
+            "default stays."
+        )
+    headline = HEADLINE_CLASSIFIERS[PAPER_PIPELINE]
+    literal = variants.literal.get("fixation", {}).get(headline)
+    if literal is not None:
+        said += (
+            f" The most literal variant classifies {percent(literal)} of the sequences by fixation correctly "
+            f"({classifier_name(headline)}, the paper's set)."
+        )
+    return said
