@@ -94,6 +94,18 @@ def test_every_picture_is_described_and_every_chart_has_a_table_beside_it(page):
         assert any(section in table.around for table in page.named("table"))
 
 
+def test_imprints_say_what_light_is_as_the_sensor_makes_it(page, files):
+    """The default sensor stretches each imprint: light is its nearest point, also without contact."""
+    assert "light: the imprint's nearest point (1)" in page.text
+    assert "contact (1)" not in page.text
+    own = ExperimentParameters.from_mapping(
+        {**PARAMETERS.model_dump(exclude_unset=True), "sensor": {"normalisation": "absolute"}}
+    )
+    text = read_page(render_page(read_run(files, own, OBJECTS))).text
+    assert "light: contact with the sensor's plane (1)" in text
+    assert "nearest point" not in text
+
+
 def test_every_table_has_a_caption_and_scoped_headings(page):
     tables = page.named("table")
     assert len(page.named("caption")) == len(tables)

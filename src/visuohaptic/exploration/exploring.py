@@ -267,7 +267,9 @@ class Exploration:
     def imprints(self) -> NDArray[np.float32]:
         """Imprints of the n touches, shape (n, r, r), float32, in the order of `touches`.
 
-        Values are in [0, 1]: 1 is contact, 0 is out of the sensor's depth range. r is `sensor.resolution`.
+        Values are in [0, 1]: by default 1 is the nearest point of each imprint and 0 the farthest. With
+        `sensor.normalisation` ``absolute``, 1 is contact and 0 is out of the sensor's depth range. r is
+        `sensor.resolution`.
         """
         return images(self.touches)
 

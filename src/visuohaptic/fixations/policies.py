@@ -42,7 +42,8 @@ class Felt:
         Whether the sensor could reach the location. Without reach there is an imprint only if parameter
         ``unreachable`` is ``keep``.
     imprint : ndarray of shape (r, r), float32, or None
-        1 is contact, 0 is out of the depth range; None without a touch.
+        1 is the imprint's nearest point and 0 its farthest; with `sensor.normalisation` ``absolute``, 1 is contact
+        and 0 is out of the depth range. None without a touch.
     sensor_size : float or None
         Edge of the sensor's square, object radii; None without a touch.
     contact_state : str or None

@@ -39,8 +39,9 @@ def touch_arrays(
     Returns
     -------
     sequences : structured ndarray of shape (n, t)
-        One row per sequence. Field ``imprint`` has shape (n, t, r, r), float32, from 0, out of reach, to 1,
-        contact. Field ``pose`` has shape (n, t, 6), float32: position in object radii and outward unit normal,
+        One row per sequence. Field ``imprint`` has shape (n, t, r, r), float32, from 0, its farthest point,
+        to 1, its nearest; with `sensor.normalisation` ``absolute``, from 0, out of the depth range, to 1, contact.
+        Field ``pose`` has shape (n, t, 6), float32: position in object radii and outward unit normal,
         object frame. Field ``sensor_size`` has shape (n, t), float32, object radii.
     classes : ndarray of shape (n,)
     objects : ndarray of shape (n,)

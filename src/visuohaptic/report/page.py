@@ -27,6 +27,7 @@ from visuohaptic.report.cautions import earlier_by_section, find_warnings
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
+from visuohaptic.report.imprint_scale import imprint_scale
 from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
 from visuohaptic.report.objects import describe_objects
 from visuohaptic.report.provenance import phase_seconds
@@ -34,6 +35,7 @@ from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, Section, find_sources
 from visuohaptic.report.studies import RECOMPUTED, accuracy_or_error
 from visuohaptic.report.tables import NONE, NUMBER, each, table
+from visuohaptic.studies.effects.influence import measured_scenes
 
 PAPER_ADDRESS = "https://www.mdpi.com/2504-3900/4/1/47"
 
@@ -67,8 +69,11 @@ def render_page(run: Run) -> str:
     chapters = chapters_of(run)
     sections = [section for chapter in chapters.values() for section in chapter]
     environment = make_environment(sections)
+    sensor, scene = run.parameters.sensor, run.parameters.scene
     environment.globals |= {
         "parameters": run.parameters,
+        "imprint_scale": imprint_scale(sensor, scene),
+        "scale_of_scenes": imprint_scale(sensor, *measured_scenes(scene).values()),
         "confidence": f"{100 * run.parameters.recognition.intervals.confidence:g} %",
         "pipeline": run.pipelines[0] if run.pipelines else None,
         "several": len(run.pipelines) > 1,
