@@ -27,7 +27,8 @@ from variants.weighing import summarise_variants
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.published import TABLE_1
-from visuohaptic.report.page import content_policy, make_environment
+from visuohaptic.report.page import make_environment
+from visuohaptic.report.policy import content_policy
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.study import StepInputs

@@ -61,7 +61,7 @@ def test_every_module_but_those_of_the_report_and_of_open3d_can_be_imported(run_
 import importlib, pkgutil
 from importlib.util import find_spec
 import visuohaptic
-for name in ("dvc", "jinja2", "matplotlib", "open3d", "pandas", "plotly", "psutil", "snakemake"):
+for name in ("dvc", "jinja2", "matplotlib", "open3d", "pandas", "psutil", "snakemake"):
     assert find_spec(name) is None, name
 for module in pkgutil.walk_packages(visuohaptic.__path__, "visuohaptic."):
     if not module.name.startswith("visuohaptic.report.") and "open3d" not in module.name:
@@ -73,7 +73,7 @@ for module in pkgutil.walk_packages(visuohaptic.__path__, "visuohaptic."):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (("report", "."), "jinja2, matplotlib and plotly are not installed; `{}` brings them.\n"),
+        (("report", "."), "jinja2 and matplotlib are not installed; `{}` brings them.\n"),
         (("compare", "a.json", "b.json"), "pandas is not installed; `{}` brings it.\n"),
     ],
 )

@@ -6,7 +6,7 @@ import numpy as np
 from report.synthetic import ball
 
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.report.models import COORDINATE_STEPS, pack_model, plotly_library, thin
+from visuohaptic.report.models import COORDINATE_STEPS, pack_model, thin
 from visuohaptic.report.shown import faces_of_model
 
 
@@ -45,11 +45,10 @@ def test_a_packed_model_reads_back():
 
 
 def test_the_pages_parts_fit_their_budgets():
-    """12 objects of 16 views within 10 MB: the library once, a model each, 12 kB a view."""
+    """12 objects of 16 views within 5 MB: a model each, 12 kB a view."""
     packed = pack_model(ball(60), np.random.default_rng(0).uniform(-1, 1, (160, 10)), 4000)
-    model, library = 4 / 3 * len(packed["model"]), len(plotly_library()[1])
-    assert library + 12 * (model + 16 * 12_000) < 10_000_000
-    assert library + 142 * 60_000 < 25_000_000
+    model = 4 / 3 * len(packed["model"])
+    assert 12 * (model + 16 * 12_000) < 5_000_000
     assert model < 120_000
 
 

@@ -71,7 +71,7 @@ def test_only_the_scripts_of_the_page_may_run_and_nothing_may_be_loaded(page, so
     scripts = re.findall(r"<script>(.*?)</script>", source, re.DOTALL)
     digests = [b64encode(sha256(one.encode()).digest()).decode() for one in scripts]
     assert {f"'sha256-{digest}'" for digest in digests} <= set(allowed)
-    assert len(scripts) + 1 == len(allowed)  # and plotly.js, which is unpacked when it is needed
+    assert len(scripts) == len(allowed)
 
 
 def test_links_lead_to_credits_or_to_places_of_the_page(page):
@@ -247,7 +247,7 @@ def test_names_are_shown_as_they_are_and_do_nothing(tmp_path):
     assert set(page.objects) == set(keys)
     assert f"{NASTY_CLASS}: <script>alert(1)</script>" in page.text
     models = [key for key in keys if key.count("/") == 1 and len(key) < 300]
-    assert len(page.named("script")) == 2 + 3 * len(models)
+    assert len(page.named("script")) == 1 + 3 * len(models)
     assert not page.named("i")
     assert str(7907 * 7919) not in page.text
     assert all(re.fullmatch(r"[a-z0-9-]+", name) for name in page.values("id"))
@@ -268,9 +268,7 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     page = read_page(render(bare))
     assert "No job left a log." in page.text
     assert "No mesh was found of ball/football, ball/marble, cup/beaker and cup/mug" in page.text
-    assert not {"plotly-library", "study-touch-curves", "study-eye-and-touch"} & set(
-        page.values("id")
-    )
+    assert not {"study-touch-curves", "study-eye-and-touch"} & set(page.values("id"))
     for section in ("What accuracy costs in time", "Accuracy by scene", "ms always"):
         assert section not in page.text
 

@@ -28,7 +28,7 @@ def report(
 
     Example: visuohaptic report . --out report
     """
-    require("report", "jinja2", "matplotlib", "plotly")
+    require("report", "jinja2", "matplotlib")
     from visuohaptic.report.page import make_report
     from visuohaptic.report.run import find_run
 

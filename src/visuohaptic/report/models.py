@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 import gzip
-from functools import cache
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,13 +68,6 @@ def pack_model(
         "touches": len(touches),
         "original_faces": len(surface.faces),
     }
-
-
-@cache
-def plotly_library() -> tuple[bytes, str]:
-    """Return plotly.js, and plotly.js as gzip in base64, which the page unpacks when a reader opens a model."""
-    source = files("plotly").joinpath("package_data", "plotly.min.js").read_bytes()
-    return source, base64.b64encode(gzip.compress(source, 6, mtime=0)).decode("ascii")
 
 
 def _steps(values: NDArray[np.float64]) -> NDArray[np.int16]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,12 +13,14 @@ import pyarrow as pa
 from visuohaptic.evaluation.summary import select
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.report.estimates import Row
+from visuohaptic.report.imprint_scale import imprint_scale
+from visuohaptic.report.model_figure import ModelFigure
 from visuohaptic.report.object_pictures import MODEL
 from visuohaptic.report.pictures import data_uri, picture_size, webp_address
 from visuohaptic.report.projecting import squares_in_view
 from visuohaptic.report.run import Run
 from visuohaptic.report.shown import OBJECTS_AT_MOST
-from visuohaptic.report.wording import anchor_of, place_in_view
+from visuohaptic.report.wording import anchor_of, place_in_view, strategy_name
 from visuohaptic.tables.phases import by_object, key_of, keys_of
 from visuohaptic.tables.schema import images
 
@@ -90,14 +91,8 @@ class ObjectPage:
         Channels that were skipped, and why.
     predicted : mapping
         By strategy, the share of the object's test sequences by predicted class.
-    strategies : list of str
-        The strategies of the touches, sorted.
-    model : mapping or None
-        The columns `MODEL` of `tables.PICTURES`, and ``text``, the packed model in base64.
-    touch_keys : list of (str, int, int, str)
-        Strategy, viewpoint, number from 1 and contact state of each touch, in the order of the packed model.
-    sheets : mapping of str to str
-        By strategy, the imprints as a ``data:`` URI, with one row per viewpoint and one column per touch.
+    model_figure : ModelFigure or None
+        The model with its touches, which a reader turns; None for an object without a mesh.
     """
 
     key: str
@@ -108,10 +103,7 @@ class ObjectPage:
     conspicuity: list[tuple[str, str]]
     skipped: list[tuple[str, str]]
     predicted: Mapping[str, Mapping[str, float]]
-    strategies: list[str]
-    model: Row | None
-    touch_keys: list[tuple[str, int, int, str]]
-    sheets: Mapping[str, str]
+    model_figure: ModelFigure | None
 
     @property
     def anchor(self) -> str:
@@ -164,6 +156,7 @@ def choose_objects(run: Run) -> list[str]:
 def describe_objects(run: Run) -> list[ObjectPage]:
     """Return the pages of the objects of `choose_objects`, sorted by class and name."""
     cameras = place_cameras(run.parameters.viewpoints)
+    scale = imprint_scale(run.parameters.sensor, run.parameters.scene)
     answers = _answers(run)
     pictures = {key_of(row): row for row in run.pictures.to_pylist()}
     tables = [
@@ -176,6 +169,7 @@ def describe_objects(run: Run) -> list[ObjectPage]:
             [rows_of.get(key, empty) for rows_of, empty in tables],
             cameras,
             answers.get(key, {}),
+            scale.sentence,
         )
         for key in choose_objects(run)
     ]
@@ -196,7 +190,11 @@ def most_varied(pages: Sequence[ObjectPage]) -> ObjectPage:
 
 
 def _describe(
-    pictures: Row, tables: Sequence[pa.Table], cameras: Sequence[Camera], answers: PredictionCounts
+    pictures: Row,
+    tables: Sequence[pa.Table],
+    cameras: Sequence[Camera],
+    answers: PredictionCounts,
+    imprint_words: str,
 ) -> ObjectPage:
     seen, fixations, touches = tables
     rows = seen.drop_columns(["view", "saliency", "conspicuity"]).to_pylist()
@@ -208,10 +206,6 @@ def _describe(
         views, key=lambda view: (abs((view.azimuth - 45 + 180) % 360 - 180), view.viewpoint)
     )
     maps = select(seen, viewpoint=shown.viewpoint)["conspicuity"][0].as_py()
-    model, felt = (
-        pictures["model"],
-        touches.select(["strategy", "viewpoint", "touch", "contact_state"]),
-    )
     return ObjectPage(
         key=key_of(pictures),
         category=pictures["class"],
@@ -221,17 +215,35 @@ def _describe(
         conspicuity=[(channel, data_uri(png, "image/png")) for channel, png in maps],
         skipped=_skipped(rows),
         predicted=_predicted(answers),
-        strategies=sorted(touches.column("strategy").unique().to_pylist()),
-        model=model
-        and {
-            **{name: pictures[name] for name in MODEL},
-            "text": base64.b64encode(model).decode("ascii"),
-        },
+        model_figure=_model_figure(pictures, touches, views, shown, imprint_words),
+    )
+
+
+def _model_figure(
+    pictures: Row,
+    touches: pa.Table,
+    views: Sequence[ViewPage],
+    shown: ViewPage,
+    imprint_words: str,
+) -> ModelFigure | None:
+    if pictures["model"] is None:
+        return None
+    columns = ("strategy", "viewpoint", "touch", "contact_state")
+    strategies = sorted(touches.column("strategy").unique().to_pylist())
+    return ModelFigure(
+        name=key_of(pictures),
+        model={name: pictures[name] for name in MODEL},
         touch_keys=[
-            (row["strategy"], row["viewpoint"], row["touch"] + 1, row["contact_state"])
-            for row in felt.to_pylist()
+            (strategy, viewpoint, touch + 1, state)
+            for strategy, viewpoint, touch, state in zip(
+                *(touches.column(name).to_pylist() for name in columns), strict=True
+            )
         ],
         sheets={strategy: webp_address(sheet) for strategy, sheet in pictures["sheets"]},
+        strategies={strategy: strategy_name(strategy) for strategy in strategies},
+        views=[(view.viewpoint, view.azimuth, view.elevation) for view in views],
+        shown=shown.viewpoint,
+        imprint_words=imprint_words,
     )
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
-from hashlib import sha256
 from importlib.resources import files as package_files
 from pathlib import Path
 
@@ -28,8 +26,9 @@ from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.imprint_scale import imprint_scale
-from visuohaptic.report.models import COORDINATE_STEPS, plotly_library
+from visuohaptic.report.model_figure import model_script, model_style
 from visuohaptic.report.objects import describe_objects
+from visuohaptic.report.policy import content_policy
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, Section, find_sources
@@ -78,11 +77,9 @@ def render_page(run: Run) -> str:
         "pipeline": run.pipelines[0] if run.pipelines else None,
         "several": len(run.pipelines) > 1,
     }
-    has_models = any(page.model is not None for page in context.pages)
-    script = f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('page.js')}"
-    library, packed = plotly_library() if has_models else (b"", "")
+    script = model_script() + _text("page.js")
     return environment.get_template("page.html.jinja").render(
-        policy=content_policy(script, *([library] if has_models else [])),
+        policy=content_policy(script),
         chapters=_render_chapters(environment, context, chapters),
         objects=len(run.objects),
         classes=len({key.split("/")[0] for key in run.objects}),
@@ -96,9 +93,8 @@ def render_page(run: Run) -> str:
             for section in sections
         },
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        style=_text("style.css"),
+        style=_text("style.css") + model_style(),
         script=script,
-        plotly=packed,
     )
 
 
@@ -115,19 +111,6 @@ def _render_chapters(
                 title = values.get("title", section.title)
                 rendered.setdefault(chapter, []).append((section.name, title, body))
     return rendered
-
-
-def content_policy(*scripts: str | bytes) -> str:
-    """Return a page's Content-Security-Policy: load nothing, and run only scripts with the digests of `scripts`."""
-    digests = [
-        sha256(script.encode("utf-8") if isinstance(script, str) else script).digest()
-        for script in scripts
-    ]
-    allowed = " ".join(f"'sha256-{b64encode(digest).decode('ascii')}'" for digest in digests)
-    return (
-        f"default-src 'none'; base-uri 'none'; form-action 'none'; img-src data: blob:; "
-        f"style-src 'unsafe-inline'; script-src {allowed}"
-    )
 
 
 def make_environment(sections: Iterable[Section] = ()) -> Environment:

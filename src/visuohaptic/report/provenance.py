@@ -19,7 +19,7 @@ _PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
     *("contourlets", "numpy", "scipy", "opencv-contrib-python-headless", "open3d-cpu", "open3d"),
     *("trimesh", "PyWavelets", "minisom", "scikit-learn", "pyarrow", "pydantic"),
-    *("snakemake", "dvc", "Jinja2", "matplotlib", "plotly"),
+    *("snakemake", "dvc", "Jinja2", "matplotlib"),
 )
 
 
