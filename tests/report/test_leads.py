@@ -162,13 +162,21 @@ def test_a_lead_of_one_object_has_no_interval_and_excludes_nothing():
 
 
 @pytest.mark.parametrize(
-    ("question", "missing"), [("seeing", "`random`"), ("salience", "`random_visible`")]
+    ("question", "missing"),
+    [("seeing", "random places in reach"), ("salience", "random places in sight")],
 )
 def test_a_run_that_lacks_a_strategy_says_what_it_can_not_say(question, missing):
     found = lead_answer(question, own_leads(order_free="linear_discriminant"))
     assert found.finding == "This run can't say"
     assert found.number == ""
     assert missing in found.sentence
+
+
+@pytest.mark.parametrize(("mean", "half"), [(0.0, 1.0), (-0.5, 0.1)])
+def test_a_lead_that_excludes_nothing_or_lies_below_0_has_no_sentence_on_what_is_excluded(
+    mean, half
+):
+    assert "excluded" not in lead_answer("salience", [lead(mean, half)]).sentence
 
 
 def test_a_run_of_another_version_without_leads_has_none():

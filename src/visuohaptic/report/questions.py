@@ -177,12 +177,12 @@ def lead_answer(question: Question, leads: Sequence[Lead]) -> Answer:
         f"none is, and each interval ends at {100 * LARGEST_NO:.0f} points or below; not settled in all other cases."
     )
     if not own:
-        strategies = listed([f"`{name}`" for name in PLACES if name in missing])
+        places = listed([words for name, words in PLACES.items() if name in missing])
         return Answer(
             QUESTIONS[question],
             "This run can't say",
             "",
-            f"it lacks touches by {'two of ' if len(missing) > 2 else ''}{strategies} (`probing.strategies`).",
+            f"it lacks touches at {'two of ' if len(missing) > 2 else ''}{places} (probing.strategies).",
             "comparison",
             rule=rule,
         )
@@ -193,9 +193,10 @@ def lead_answer(question: Question, leads: Sequence[Lead]) -> Answer:
     if found.word == "not settled":
         finding = f"{finding} by {counted(first.objects, 'object')}"
     excluded = ""
-    if found.excluded is not None and not found.ahead:
+    # An end of 100 points excludes nothing, and an end below 0 is said by the lead itself.
+    if found.excluded is not None and 0 < found.excluded < 1 and not found.ahead:
         end = verdict(own, "classes").excluded
-        more = "" if end is None else f" (new classes: {percent_points(end)})"
+        more = "" if end is None or end >= 1 else f" (new classes: {percent_points(end)})"
         excluded = (
             f" A lead above {percent_points(found.excluded)} points is excluded"
             f"{' in each comparison' if len(own) > 1 else ''}{more}."
