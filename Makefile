@@ -42,7 +42,9 @@ check: lint
 	pytest -n 2 --dist worksteal -m "not slow and not long and not workflow" \
 	  --ignore tests/browser --ignore tests/numerics
 
-test: lint
+# Without the checks of `make lint`, which `make check` and continuous integration run.
+test: $(DEVELOP)
+	@echo "All tests but the long ones: some 13 minutes on two idle cores, longer beside other work."
 	pytest -n 2 --dist loadfile --no-loadscope-reorder -m "not long"
 
 # Also what takes long: kills, pulls and reruns of whole workflows; continuous integration runs it.

@@ -82,6 +82,17 @@ def test_tests_that_the_makefile_names_are_there():
     assert [name for name in named if not (ROOT / name).exists()] == []
 
 
+def test_make_test_says_its_minutes_and_leaves_linters_to_make_check_and_continuous_integration():
+    text = (ROOT / "Makefile").read_text()
+    recipes = dict(re.findall(r"^([\w-]+):(.*\n(?:\t.*\n)+)", text, re.M))
+    first, said, *_ = recipes["test"].splitlines()
+    assert "lint" not in first
+    assert re.search(r"echo .* \d+ minutes", said)
+    for target in ("check", "test-all"):
+        assert recipes[target].splitlines()[0].split() == ["lint"]
+    assert "make test-all" in (ROOT / ".ci/run").read_text().splitlines()
+
+
 def test_another_version_reaches_every_place():
     for name, text in filled(version="7.8.9").items():
         if name not in {"README.md", "CONTRIBUTING.md", "SUPPORT.md", "CODE_OF_CONDUCT.md"}:

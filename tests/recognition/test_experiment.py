@@ -141,7 +141,10 @@ def test_a_view_with_fewer_touches_is_left_out_and_said(pipeline, caplog):
     table = table.filter(pc.invert(pc.and_(short, pc.greater(table["touch"], 2))))
     _, predictions = recognition.run_pipeline(table, SMALL, 1, pipeline)
     assert set(select(predictions, object="object1")["viewpoint"].to_pylist()) == {0, 1, 3}
-    assert "class0/object1 has fewer than 5 touches by fixation from viewpoint 2" in caplog.text
+    assert (
+        "class0/object1 is left out of recognition by fixation from viewpoint 2, because"
+        in caplog.text
+    )
     assert recognition.fit_model(table, pipeline, "naive_bayes", SMALL, 1).touches == 5
 
 

@@ -123,9 +123,10 @@ def test_a_sequence_with_too_few_touches_is_left_out_of_its_own_strategy_only(to
     short = features_table("fixation", objects=(2, 2), viewpoints=3)
     kept_rows = [row for row in range(short.num_rows) if row not in (3, 4, 10, 11, 12, 13, 14)]
     both = pa.concat_tables([whole, short.take(kept_rows)])
-    kept, sentences = whole_sequences(both, touches)
-    assert sentences == (
-        "class0/object0 has fewer than 5 touches by fixation from viewpoint 0: left out of recognition.",
+    kept, (sentence,) = whole_sequences(both, touches)
+    assert sentence == (
+        "class0/object0 is left out of recognition by fixation from viewpoint 0, because fewer than 5 places were in "
+        "reach; recognition.touches: 3 keeps it."
     )
     left = {"random": [0, 1, 2] * 4, "fixation": [1, *[0, 1, 2] * 3]}
     for strategy, viewpoints in left.items():

@@ -56,7 +56,7 @@ def test_recognition_goes_on_without_those_views(table, tmp_path, caplog, pipeli
     )
     tested = set(predictions.column("object").to_pylist())
     assert {"pen", "wire", "ball", "egg"} <= tested
-    assert "slender/wire has fewer than 5 touches by fixation from viewpoints" in caplog.text
+    assert "slender/wire is left out of recognition by fixation from viewpoints" in caplog.text
     assert summarise(scores, predictions)["comparisons"][pipeline]["naive_bayes"]
 
 

@@ -1,5 +1,6 @@
 """A job leaves a log that a person and the report can read, and ends in one sentence."""
 
+import logging
 import os
 import re
 import subprocess
@@ -10,7 +11,8 @@ from types import SimpleNamespace
 import pytest
 
 from visuohaptic.base.errors import MeshError
-from visuohaptic.io.job_logs import read_seconds
+from visuohaptic.io.job_logs import read_seconds, read_warnings
+from visuohaptic_workflow.closing import lines_at_end
 from visuohaptic_workflow.jobs import job, make_python_a_shell_word
 
 ROOT = Path(__file__).parents[2]
@@ -71,6 +73,52 @@ def test_an_error_is_one_sentence_and_only_the_log_has_the_traceback_of_an_unfor
     assert log.read_text().startswith(sentence.format(log))
     assert ("Traceback" in log.read_text()) == is_traced
     assert read_seconds(log) is None
+
+
+def test_a_warning_is_said_once_at_the_end_of_a_run_however_often_jobs_log_it(
+    tmp_path, capsys, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    logs = [tmp_path / "a.log", tmp_path / "b.log", tmp_path / "missing.log"]
+    for log in logs[:2]:
+        with logged_job(log):
+            for _ in range(2):
+                logging.getLogger("visuohaptic.a").warning("cup/a is left out:\n%s", "too thin")
+    assert capsys.readouterr().err == ""
+    assert lines_at_end(logs, report_is_current=False) == ["warning: cup/a is left out: too thin"]
+    assert read_seconds(logs[0]) is not None
+
+
+def test_a_job_that_fails_says_its_warnings_with_its_error(tmp_path, capsys):
+    def work():
+        logging.getLogger("visuohaptic.a").warning("cup/a is left out")
+        raise MeshError("no object is left.")
+
+    log = tmp_path / "a.log"
+    with pytest.raises(SystemExit), logged_job(log):
+        work()
+    assert capsys.readouterr().err == "error: no object is left.\nwarning: cup/a is left out\n"
+    assert read_warnings([log]) == ["warning: cup/a is left out"]
+
+
+def test_a_user_who_stops_a_job_during_an_import_sees_no_error(tmp_path):
+    """Compiled modules end in ImportError then, and Open3D lists its memory when the process ends."""
+    program = f"""
+import atexit
+from types import SimpleNamespace
+from visuohaptic_workflow.jobs import job
+atexit.register(print, "memory")
+with job(SimpleNamespace(log=["{tmp_path}/a.log"], output=[], params={{}})):
+    try:
+        raise KeyboardInterrupt
+    except KeyboardInterrupt as error:
+        raise ImportError("initialization failed") from error
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", program], check=False, env={"PYTHONPATH": PATHS},
+        text=True, capture_output=True,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "")
 
 
 def test_a_step_of_a_study_knows_pyarrow_before_its_job_begins_which_keeps_pandas_out():

@@ -85,6 +85,7 @@ from visuohaptic_workflow.planning import (
     plan_jobs,
     values_of_option,
 )
+from visuohaptic_workflow.progress import show_job_lines
 from visuohaptic_workflow.records import PREFIX
 from visuohaptic_workflow.termination import (
     end_at_once,
@@ -421,8 +422,25 @@ def move_former_files():
         )
 
 
+def words_of_job(message, wildcards):
+    """Return what a job does: the message of its rule, with the number of objects after the first of a block."""
+    first = wildcards.get("objects", "")
+    others = len(OBJECT_BLOCKS.get(first, ())) - 1
+    if others < 1:
+        return message
+    more = "1 other" if others == 1 else f"{others} others"
+    return message.replace(first, f"{first} and {more}", 1)
+
+
+def report_at_end():
+    """Return the path of the report if this run asks for the report, but not for a list of what would run."""
+    asks = "results/records/report.json" in COVERED and is_run()
+    return "reports/report.html" if asks else None
+
+
 if DECIDES and ASKED not in os.environ:
     atexit.register(move_former_files_if_nothing_ran)
+    show_job_lines(logger, words_of_job, report_at_end)
 
 
 def answer_make():
@@ -466,14 +484,16 @@ def close_run():
 
     end_at_once()
     move_former_files()
-    key_of = {record: read_record(record).get("key") for record in keys().jobs}
+    read = {record: read_record(record) for record in keys().jobs}
+    key_of = {record: content.get("key") for record, content in read.items()}
     stale = {record: key for record, key in key_of.items() if key != keys().key(record)}
     report_is_current = "results/records/report.json" not in stale
     lines = []
     if any(stale.values()):
         count = sum(key is not None for key in stale.values())
         lines.append(f"{count} records are not current: `make verify` lists them.")
-    lines += lines_at_end(report_is_current=report_is_current)
+    logs = [read[record]["log"] for record in sorted(COVERED) if "log" in read[record]]
+    lines += lines_at_end(logs, report_is_current=report_is_current)
     for line in lines:
         print(line, file=sys.stderr)
     or_stop(make_empty_outputs)

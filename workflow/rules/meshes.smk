@@ -81,6 +81,6 @@ rule meshes:
         seed=0 if PARAMETERS.meshes.turns == "none" else PARAMETERS.seed,
         models=models_of,
     message:
-        "preparing {wildcards.objects} and others"
+        "preparing {wildcards.objects}"
     script:
         "../scripts/meshes.py"

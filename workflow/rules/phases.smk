@@ -40,6 +40,6 @@ for phase in OF_OBJECT:
             phase=phase.name,
             viewpoints_of_block=lambda wildcards: VIEW_BLOCKS[wildcards.views],
         message:
-            f"{phase.description} {{wildcards.objects}} and others, viewpoints {{wildcards.views}}"
+            f"{phase.description} {{wildcards.objects}}, viewpoints {{wildcards.views}}"
         script:
             "../scripts/{params.phase}.py"

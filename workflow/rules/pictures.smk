@@ -40,6 +40,6 @@ rule pictures:
         ],
         faces=faces_of_model(len(OBJECTS)),
     message:
-        "making pictures of {wildcards.objects} and others for the report"
+        "making pictures of {wildcards.objects} for the report"
     script:
         "../scripts/pictures.py"

@@ -33,6 +33,6 @@ rule stability_of_object:
         scene=PARAMETERS.scene.model_dump(),
         seed=PARAMETERS.seed,
     message:
-        "computing numerical errors of {wildcards.objects} and others"
+        "computing numerical errors of {wildcards.objects}"
     script:
         "../scripts/stability_of_object.py"

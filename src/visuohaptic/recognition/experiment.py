@@ -117,7 +117,11 @@ def predict_split(
             predicted = model.predict(test)
             logs = pipeline.log_probabilities(model, test, classes)
         except UNFIT as error:
-            logger.warning("%s is left out: %s", name, error)
+            section = "" if pipeline.name == "paper" else f"{pipeline.name}."
+            logger.warning(
+                "%s is left out: %s; add objects or viewpoints, or take it out of recognition.%sclassifiers.",
+                name, str(error).rstrip("."), section,
+            )  # fmt: skip
             failure = error
             continue
         note = getattr(model, "note_", None)

@@ -316,6 +316,8 @@ def take_strategy(
 def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, tuple[str, ...]]:
     """Return the rows of sequences with enough touches, and one message per object and strategy that lost sequences.
 
+    A message says how many touches the viewpoints have, because that value of `touches` keeps them.
+
     A whole sequence has `touches` touches. If `touches` is None, it has as many as the longest sequence of its strategy.
     """
     owner = ["class", "object", "strategy", "viewpoint"]
@@ -331,18 +333,21 @@ def whole_sequences(features: pa.Table, touches: int | None) -> tuple[pa.Table, 
         )
     }
     enough = [row["touch_count"] >= needed[row["strategy"]] for row in counts.to_pylist()]
-    short = counts.filter(pc.invert(pa.array(enough))).select(owner)
+    short = counts.filter(pc.invert(pa.array(enough))).select([*owner, "touch_count"])
     if not short.num_rows:
         return features, ()
-    kept = features.join(short, owner, join_type="left anti").select(features.column_names)
+    kept = features.join(short.select(owner), owner, join_type="left anti")
+    kept = kept.select(features.column_names)
     kept = kept.cast(features.schema)  # the join makes every column nullable
-    left_out: dict[tuple[str, str], list[int]] = {}
+    left_out: dict[tuple[str, str], dict[int, int]] = {}
     for row in short.sort_by([(name, "ascending") for name in owner]).to_pylist():
-        left_out.setdefault((key_of(row), row["strategy"]), []).append(row["viewpoint"])
+        made = left_out.setdefault((key_of(row), row["strategy"]), {})
+        made[row["viewpoint"]] = row["touch_count"]
     return kept, tuple(
-        f"{key} has fewer than {needed[strategy]} touches by {strategy} from viewpoint"
-        f"{'s' * (len(viewpoints) > 1)} {', '.join(map(str, viewpoints))}: left out of recognition."
-        for (key, strategy), viewpoints in left_out.items()
+        f"{key} is left out of recognition by {strategy} from viewpoint{'s' * (len(made) > 1)} "
+        f"{', '.join(map(str, made))}, because fewer than {needed[strategy]} places were in reach; "
+        f"recognition.touches: {min(made.values())} keeps {'them' if len(made) > 1 else 'it'}."
+        for (key, strategy), made in left_out.items()
     )
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from visuohaptic.geometry.surface import notes_of, object_of, set_aside_reason
+from visuohaptic.io.job_logs import read_warnings
 from visuohaptic.report.comparison import PipelineTable, pipeline_tables
 from visuohaptic.report.leads import run_leads
 from visuohaptic.report.wording import (
@@ -29,11 +30,11 @@ MOST_LINES = 20
 """Largest number of left-out objects, and of notes of meshes, that are printed, as in the report."""
 
 
-def lines_at_end(*, report_is_current: bool) -> list[str]:
+def lines_at_end(logs: Iterable[str | Path] = (), *, report_is_current: bool) -> list[str]:
     """Return the lines to print at the end of a run.
 
     The lines name each left-out object with the reason, then warn of notes of meshes and of exceeded tolerances
-    (`stability.rows.broken_tolerances`). Only if the report is current, lines on objects without a second object of
+    (`stability.rows.broken_tolerances`). The warnings in the logs of jobs, `logs`, come once each. Only if the report is current, lines on objects without a second object of
     their class and the lines of `describe_results` follow. Files are read from folders ``results`` and ``reports`` of
     the working directory.
     """
@@ -46,6 +47,7 @@ def lines_at_end(*, report_is_current: bool) -> list[str]:
         *_first_lines(left_out),
         *_first_lines(notes),
         *(f"warning: {sentence}" for sentence in exceeded),
+        *_first_lines(read_warnings(logs)),
         *(
             _only_objects([key for key, reason in reasons.items() if not reason])
             * report_is_current

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import shlex
 import sys
@@ -18,7 +19,7 @@ from visuohaptic.base.atomic_files import storage_fault
 from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.base.optional_packages import keep_pandas_out
 from visuohaptic.io.interrupts import STOPPED
-from visuohaptic.io.job_logs import SECONDS
+from visuohaptic.io.job_logs import SECONDS, WARNING
 from visuohaptic_workflow.one_run import hold_job_lock
 from visuohaptic_workflow.records import check_inputs, check_unchanged, write_record
 
@@ -55,15 +56,33 @@ def _is_studies_of_clone(path: Path) -> bool:
     return path.name == "studies" and (path.parent / "workflow/Snakefile").is_file()
 
 
+class _Warnings(logging.Handler):
+    """Collects the warnings of a job, each once, as lines of the job's log."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self._lines: dict[str, None] = {}
+
+    @property
+    def text(self) -> str:
+        return "".join(self._lines)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._lines[f"{WARNING} {' '.join(record.getMessage().split())}\n"] = None
+
+
 @contextmanager
 def job(snakemake: Any) -> Iterator[None]:
     """Run the body as the work of a job: check its inputs, and write its log and record.
 
-    The log has the seconds that `visuohaptic.io.job_logs.read_seconds` reads. After an error the process exits with
-    status 1. A sentence goes to standard error and the log; the log also gets the traceback of an unexpected error.
-    If the user stops the run, the process exits with status 130 and prints nothing.
+    The log has the seconds and warnings that `visuohaptic.io.job_logs` reads. The run prints the warnings of its jobs at
+    its end. After an error the process exits with status 1. A sentence and the warnings go to standard error and the log;
+    the log also gets the traceback of an unexpected error. If the user stops the run, the process exits with status 130
+    and prints nothing.
     """
     path = Path(snakemake.log[0])
+    warnings = _Warnings()
+    logging.getLogger().addHandler(warnings)
     try:
         hold_job_lock()
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -80,25 +99,37 @@ def job(snakemake: Any) -> Iterator[None]:
         write_record(snakemake, snapshot)
         work = time.time() - started
         done = f"done\n{SECONDS} imports {imports:.3f} work {work:.3f}\n"
-        _write_log(path, done)
+        _write_log(path, f"{warnings.text}{done}")
     except KeyboardInterrupt:
         raise SystemExit(STOPPED) from None
     except VisuohapticError as error:
-        _end_with(path, f"error: {error}", "")
+        _end_with(path, f"error: {error}", warnings.text)
     except Exception as error:  # noqa: BLE001 - the job ends here with the reason
+        if _is_interrupted(error):
+            # Open3D prints a list of its memory when a process ends in which its import was interrupted.
+            os._exit(STOPPED)
         # Arrow, and a write to an open file, name no file.
         if fault := storage_fault(error, getattr(error, "filename", None) or snakemake.output[0]):
-            _end_with(path, f"error: {fault}", "")
-        _end_with(
-            path, f"error: {type(error).__name__}: {error} (see {path})", traceback.format_exc()
-        )
+            _end_with(path, f"error: {fault}", warnings.text)
+        sentence = f"error: {type(error).__name__}: {error} (see {path})"
+        _end_with(path, sentence, warnings.text, traceback.format_exc())
+    finally:
+        logging.getLogger().removeHandler(warnings)
 
 
-def _end_with(log: Path, sentence: str, details: str) -> NoReturn:
-    """Print a sentence, write it with details to the log, and exit with status 1."""
-    sys.stderr.write(f"{sentence}\n")
+def _is_interrupted(error: BaseException | None) -> bool:
+    """Return whether Ctrl-C is behind an error: an import of compiled code turns KeyboardInterrupt into ImportError."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
+
+
+def _end_with(log: Path, sentence: str, warnings: str, details: str = "") -> NoReturn:
+    """Print a sentence and warnings, write them with details to the log, and exit with status 1."""
+    said = f"{sentence}\n{warnings}"
+    sys.stderr.write(said)
     try:
-        _write_log(log, f"{sentence}\n{details}")
+        _write_log(log, f"{said}{details}")
     except OSError as error:  # the disk of the log is often the disk that failed
         sys.stderr.write(f"{error}\n{details}")
     raise SystemExit(1)
