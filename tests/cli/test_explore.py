@@ -63,8 +63,23 @@ def test_a_missing_material_and_the_axis_of_the_file_are_said_once(
         assert (ended.code, ended.err) == (0, "")
         assert ended.out.count("note: a.obj refers to 'gone.mtl', which is not there") == 1
         assert ended.out.count("note: a.obj is taken as y-up") == 1
+        assert ended.out.count("with z up; if so, pass --up z.") == 1
     notes = json.loads(visuohaptic("touch", "a.obj", *small, "--up", "y", "--json").out)["notes"]
     assert ["gone.mtl" in note for note in notes] == [True]
+
+
+def test_up_and_front_are_axes_of_the_file_and_perpendicular(visuohaptic, small, tmp_path, model):
+    trimesh.creation.box((1, 2, 3)).export(tmp_path / "box.stl")
+    axes = ("--up", "-z", "--front", "x")
+    ended = visuohaptic("touch", "box.stl", *small, *axes, "--json")
+    assert (ended.code, ended.err) == (0, "")
+    values = json.loads(ended.out)
+    assert (values["up"], values["front"]) == ("-z", "x")
+    asked = visuohaptic("recognise", "box.stl", "--model", model, *axes, "--viewpoints", 1)
+    assert (asked.code, asked.err) == (0, "")
+    ended = visuohaptic("touch", "box.stl", *small, "--up", "x", "--front", "-x")
+    assert (ended.code, ended.out) == (1, "")
+    assert ended.err == "error: up is x and front is -x; perpendicular axes are needed.\n"
 
 
 def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_path, model):

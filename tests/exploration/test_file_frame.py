@@ -345,3 +345,20 @@ def test_poses_on_a_stretched_file_lie_on_its_faces_along_the_stretched_columns(
 def test_the_axis_of_the_file_that_points_up_is_named(touched):
     assert touched[1].frame.up_axis == "z"
     assert vh.load(lying_bottle()).frame.up_axis == "y"
+
+
+@pytest.mark.parametrize(("up", "front"), [("z", "x"), ("-x", "y"), ("y", "-z")])
+def test_poses_come_back_on_the_file_s_mesh_for_any_up_and_front(up, front):
+    mesh = trimesh.creation.box((2, 3, 4)).apply_translation((5, -6, 7))
+    found = vh.load(mesh, up=up, front=front)
+    assert (found.frame.up_axis, found.frame.front_axis) == (up, front)
+    # The middle of the face of the box at the front, in the object frame.
+    middle = found.surface.vertices[:, 2].max()
+    [pose] = found.touch(at=[[0.0, 0.0, middle]], parameters=SMALL).poses
+    axis, sign = "xyz".index(front[-1]), -1 if front[0] == "-" else 1
+    outward = np.zeros(3)
+    outward[axis] = sign
+    np.testing.assert_allclose(pose[:3, 2], outward, atol=1e-6)
+    np.testing.assert_allclose(
+        pose[:3, 3], [5, -6, 7] + outward * mesh.extents[axis] / 2, atol=1e-5
+    )

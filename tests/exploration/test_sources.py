@@ -7,7 +7,8 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
-from visuohaptic.base.errors import MeshError, ParameterError
+from visuohaptic.base.errors import MeshError, MeshWarning, ParameterError
+from visuohaptic.exploration.examples import examples
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters
 
@@ -96,5 +97,47 @@ def test_section_meshes_is_taken_from_whatever_parameters_are_given():
     ):
         found = vh.load(cone, parameters=parameters).surface
         assert np.argmax(np.ptp(found.vertices, axis=0)) == 1
-    with pytest.raises(ParameterError, match=r"meshes\.own_up_axis is 'x'"):
-        vh.load(cone, parameters={"own_up_axis": "x"})
+    with pytest.raises(ParameterError, match=r"meshes\.own_up_axis is 'w'"):
+        vh.load(cone, parameters={"own_up_axis": "w"})
+
+
+def test_up_and_front_are_arguments_that_override_the_parameters():
+    cone, way = trimesh.creation.cone(0.3, 2), {"own_up_axis": "z", "own_front_axis": "x"}
+    by_parameters = vh.load(cone, parameters=way)
+    for found in (
+        vh.load(cone, up="z", front="x"),
+        vh.load(cone, parameters={"own_up_axis": "x", "own_front_axis": "-z"}, up="z", front="x"),
+    ):
+        np.testing.assert_array_equal(found.surface.vertices, by_parameters.surface.vertices)
+        assert (found.frame.up_axis, found.frame.front_axis) == ("z", "x")
+    assert vh.load(cone, up="-z").frame.front_axis == "y"
+    assert vh.load(cone, front="-x").frame.up_axis == "y"
+
+
+@pytest.mark.parametrize(
+    ("axes", "sentence"),
+    [
+        ({"up": "w"}, "up is 'w'; file, auto, x, -x, y, -y, z, -z are allowed."),
+        ({"front": "auto"}, "front is 'auto'; x, -x, y, -y, z, -z are allowed."),
+        ({"up": "z", "front": "-z"}, "up is z and front is -z; perpendicular axes are needed."),
+        (
+            {"parameters": {"own_up_axis": "x", "own_front_axis": "-x"}},
+            "parameters: meshes: own_up_axis is x and own_front_axis is -x; perpendicular axes are needed.",
+        ),
+    ],
+)
+def test_axes_that_are_none_or_are_parallel_are_refused(axes, sentence):
+    with pytest.raises(ParameterError) as raised:
+        vh.load(trimesh.creation.cone(0.3, 2), **axes)
+    assert str(raised.value) == sentence
+
+
+def test_a_packed_model_takes_no_axes():
+    path = next(iter(examples().values()))
+    with pytest.raises(ParameterError, match="is a packed model, which has y up"):
+        vh.load(path, up="z")
+
+
+def test_a_doubtful_up_axis_is_told_with_the_argument_of_load():
+    with pytest.warns(MeshWarning, match='z up; if so, load the mesh with up="z".'):
+        vh.load(trimesh.creation.cone(1, 2))

@@ -14,12 +14,12 @@ from visuohaptic.geometry.texture import Texture
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import (
-    UP_AXES,
     clean,
     normalise,
     normalise_with_matrix,
     prepare_object,
 )
+from visuohaptic.meshes.up_axis import rotation_upright
 
 
 def surface_of(mesh):
@@ -83,7 +83,7 @@ def test_the_way_leads_to_the_vertices_also_where_faces_go(lopsided):
         np.concatenate([lopsided.faces, twice]),
         np.concatenate([lopsided.face_colours, lopsided.face_colours[:300]]),
     )
-    made, way = normalise_with_matrix(doubled, "doubled", UP_AXES["z"], (1, 2, 3))
+    made, way = normalise_with_matrix(doubled, "doubled", rotation_upright("z"), (1, 2, 3))
     led = doubled.triangles @ way[:3, :3].T + way[:3, 3]
     np.testing.assert_allclose(led[: len(made.faces)], made.triangles, atol=1e-6)
 
@@ -100,7 +100,7 @@ def test_colours_and_images_stay_with_their_faces():
         np.concatenate([[[9, 9, 9]], box.face_colours]).astype(np.uint8),
         Texture(corners, numbers, images, np.zeros((2, 2), np.uint8)),
     )
-    made = normalise(spoiled, "box", UP_AXES["z"])
+    made = normalise(spoiled, "box", rotation_upright("z"))
     np.testing.assert_array_equal(made.face_colours, box.face_colours)
     np.testing.assert_array_equal(made.texture.corners, corners[1:])
     np.testing.assert_array_equal(made.texture.image, numbers[1:])

@@ -12,10 +12,17 @@ from numerics.surfaces import build_plain_surface, of_trimesh
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import UP_AXES, prepare_with_matrix
-from visuohaptic.meshes.up_axis import steadiest_axis, tipping_angle
+from visuohaptic.meshes.preparing import prepare_with_matrix
+from visuohaptic.meshes.up_axis import (
+    AXES,
+    are_perpendicular,
+    named_axis,
+    rotation_upright,
+    steadiest_axis,
+    tipping_angle,
+)
 
-Y_OR_Z = {axis: UP_AXES[axis] for axis in "yz"}
+Y_OR_Z = {axis: rotation_upright(axis) for axis in "yz"}
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 
 
@@ -48,11 +55,42 @@ def test_a_table_is_found_upright_in_either_axis_and_placed_as_that_axis_does():
     np.testing.assert_array_equal(way, named_way)
 
 
-def test_every_axis_is_turned_to_y_by_a_rotation():
-    for axis, rotation in UP_AXES.items():
-        np.testing.assert_array_equal(rotation @ np.eye(3)["xyz".index(axis)], [0, 1, 0])
+def unit(axis):
+    return np.eye(3)["xyz".index(axis[-1])] * (-1 if axis[0] == "-" else 1)
+
+
+@pytest.mark.parametrize("up", AXES)
+def test_up_and_front_are_turned_to_y_and_z_by_a_rotation(up):
+    for front in AXES:
+        if not are_perpendicular(up, front):
+            continue
+        rotation = rotation_upright(up, front)
+        np.testing.assert_array_equal(rotation @ unit(up), [0, 1, 0])
+        np.testing.assert_array_equal(rotation @ unit(front), [0, 0, 1])
         np.testing.assert_array_equal(rotation @ rotation.T, np.eye(3))
         assert np.linalg.det(rotation) == pytest.approx(1)
+        assert (named_axis(rotation[1]), named_axis(rotation[2])) == (up, front)
+        assert not np.signbit(rotation[rotation == 0]).any()
+
+
+def test_without_a_front_the_rotations_are_those_of_earlier_versions():
+    np.testing.assert_array_equal(rotation_upright("y"), np.eye(3))
+    np.testing.assert_array_equal(rotation_upright("z"), [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+    np.testing.assert_array_equal(rotation_upright("x"), [[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+
+
+def test_the_axis_that_stands_is_sought_among_those_perpendicular_to_the_front():
+    for front, up in (("y", "z"), ("-z", "y"), ("x", "y"), (None, "y")):
+        parameters = MeshParameters(own_up_axis="auto", own_front_axis=front)
+        _, way = prepare_with_matrix(Model("a", "table"), of_trimesh(table()), parameters)
+        assert named_axis(way[1, :3]) == up
+        assert front in (None, named_axis(way[2, :3]))
+
+
+def test_a_front_along_the_axis_that_the_file_states_is_refused():
+    tower = replace(of_trimesh(trimesh.creation.box((1, 2, 3))), up_axis="z")
+    with pytest.raises(MeshError, match="has up axis z, and the front axis is -z; perpendicular"):
+        prepare_with_matrix(Model("a", "b"), tower, MeshParameters(own_front_axis="-z"))
 
 
 @pytest.mark.parametrize("axis", "xyz")

@@ -27,7 +27,8 @@ from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, re
 from visuohaptic.fixations.probing import STRATEGIES
 
 if TYPE_CHECKING:
-    from visuohaptic.exploration.exploring import Exploration, Recognition
+    from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject
+    from visuohaptic.meshes.parameters import MeshParameters
     from visuohaptic.parameters import ExperimentParameters
 
 _TOUCH_COLUMNS = [
@@ -53,11 +54,19 @@ ViewpointsOption = Annotated[
     int | None, typer.Option(min=1, help="Viewpoints around the object.", show_default="16")
 ]
 UpOption = Annotated[
-    Literal["file", "y", "z", "auto"] | None,
+    Literal["file", "auto", "x", "-x", "y", "-y", "z", "-z"] | None,
     typer.Option(
         "--up",
         help="Axis of the file that points up; auto takes y or z, the axis on which the object stands more steadily.",
         show_default="as the file says, else y",
+    ),
+]
+FrontOption = Annotated[
+    Literal["x", "-x", "y", "-y", "z", "-z"] | None,
+    typer.Option(
+        "--front",
+        help="Axis of the file that points to the front, perpendicular to the up axis.",
+        show_default="z, for up axis z -y",
     ),
 ]
 UnitOption = Annotated[
@@ -74,6 +83,7 @@ def touch(
     viewpoints: ViewpointsOption = None,
     strategy: StrategyOption = "fixation",
     up: UpOption = None,
+    front: FrontOption = None,
     unit: UnitOption = None,
     parameters: Annotated[
         Path | None,
@@ -103,12 +113,13 @@ def touch(
     _check_strategy(strategy)
 
     def touch_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
-        exploration = _explore(mesh, up, unit, viewpoints, strategy, experiment_parameters)
+        touchable = _load(mesh, experiment_parameters.meshes, up, front, unit)
+        exploration = _touch(touchable, mesh.name, viewpoints, strategy, experiment_parameters)
         files = exploration.save(folders[mesh])
         touches, views = exploration.touches.num_rows, exploration.views.num_rows
         values = {
             "mesh": mesh,
-            "notes": exploration.surface.notes,
+            "notes": _notes_of(exploration),
             "strategy": exploration.strategy,
             "viewpoints": views,
             "touches": touches,
@@ -117,6 +128,7 @@ def touch(
             ).to_pylist(),
             "seconds": dict(exploration.seconds),
             "up": exploration.frame.up_axis,
+            "front": exploration.frame.front_axis,
             "out": folders[mesh],
             "files": files,
         }
@@ -150,6 +162,7 @@ def recognise(
         ),
     ] = None,
     up: UpOption = None,
+    front: FrontOption = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Classify objects only from touch, with a model that `snakemake model_all` fitted.
@@ -166,16 +179,19 @@ def recognise(
         strategy = recogniser.model.strategies[0]
     else:
         _check_strategy(strategy)
+    # The axes belong to the file, not to the training objects of the model.
     parameters = recogniser.parameters
-    # The up axis belongs to the file, not to the training objects of the model.
-    up = up or "file"
+    of_files = parameters.meshes.model_copy(
+        update={"own_up_axis": up or "file", "own_front_axis": front}
+    )
 
     def recognise_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:
-        exploration = _explore(mesh, up, None, viewpoints, strategy, parameters)
+        touchable = _load(mesh, of_files, up, front)
+        exploration = _touch(touchable, mesh.name, viewpoints, strategy, parameters)
         recognition, views = exploration.recognise(recogniser), exploration.views.num_rows
         values = {
             "mesh": mesh,
-            "notes": exploration.surface.notes,
+            "notes": _notes_of(exploration),
             "model": chosen_model,
             "class": recognition.name,
             "probabilities": dict(recognition.probabilities),
@@ -215,8 +231,15 @@ def recognise(
     _run_on_each(meshes, recognise_one, remark, as_json=as_json)
 
 
+def _notes_of(exploration: Exploration) -> list[str]:
+    """Return the notes on the mesh file, with the option in place of the argument of `load`."""
+    from visuohaptic.exploration.sources import UP_ADVICE
+
+    return [note.replace(UP_ADVICE, "pass --up z") for note in exploration.surface.notes]
+
+
 def _file_lines(up: str | None, exploration: Exploration) -> list[str]:
-    notes = [f"  note: {note}" for note in exploration.surface.notes]
+    notes = [f"  note: {note}" for note in _notes_of(exploration)]
     axis = exploration.frame.up_axis
     if up == "auto":
         notes.append(
@@ -302,22 +325,29 @@ def _check_strategy(name: str) -> None:
     )
 
 
-def _explore(
+def _load(
     mesh: Path,
+    parameters: MeshParameters,
     up: str | None,
-    unit: str | None,
+    front: str | None,
+    unit: str | None = None,
+) -> TouchableObject:
+    from visuohaptic.exploration.exploring import load
+
+    with warnings.catch_warnings():
+        # The command prints the warnings as lines.
+        warnings.simplefilter("ignore", MeshWarning)
+        return load(mesh, parameters=parameters, unit=unit, up=up, front=front)
+
+
+def _touch(
+    touchable: TouchableObject,
+    name: str,
     viewpoints: int | None,
     strategy: str,
     parameters: ExperimentParameters,
 ) -> Exploration:
-    from visuohaptic.exploration.exploring import load
-
-    up_axis = {} if up is None else {"own_up_axis": up}
-    with warnings.catch_warnings():
-        # The command prints the warnings as lines.
-        warnings.simplefilter("ignore", MeshWarning)
-        touchable = load(mesh, parameters=parameters.meshes.model_copy(update=up_axis), unit=unit)
-    track: Any = partial(show_progress, doing=f"touching {mesh.name}")
+    track: Any = partial(show_progress, doing=f"touching {name}")
     return touchable.touch(viewpoints, strategy, parameters, track)
 
 

@@ -38,7 +38,12 @@ from visuohaptic.exploration.showing import (
     probability_table,
     view_of,
 )
-from visuohaptic.exploration.sources import is_one_source, mesh_parameters, read_source
+from visuohaptic.exploration.sources import (
+    is_one_source,
+    mesh_parameters,
+    read_source,
+    with_axes,
+)
 from visuohaptic.exploration.touching import (
     SCHEMAS,
     Track,
@@ -68,8 +73,8 @@ class TouchableObject:
     key : str
         `class/name`; the class is ``unknown`` if it was not given.
     surface : Surface
-        The mesh in the object frame: its centroid is the origin, y points up, and the farthest vertex has
-        distance 1.
+        The mesh in the object frame: its centroid is the origin, y points up, z to the front, and the farthest
+        vertex has distance 1.
     seconds : float
         Wall time of reading and preparing the mesh (s).
     frame : FileFrame
@@ -479,6 +484,9 @@ def load(
     parameters: MeshParameters | Parameters | None = None,
     file_type: str | None = None,
     unit: str | None = None,
+    *,
+    up: str | None = None,
+    front: str | None = None,
 ) -> TouchableObject:
     """Read a mesh and transform it to the object frame.
 
@@ -492,13 +500,19 @@ def load(
         `class/name`, from which random numbers are seeded together with parameter `seed`. By default the name
         is the file's, or ``object`` without a file. The class is ``unknown``, or for a packed model its folder.
     parameters : MeshParameters, ExperimentParameters or mapping, optional
-        Parameters of section `meshes`, such as the axis that points up. A mapping has names of this section, or
+        Parameters of section `meshes`, such as the largest size of a file. A mapping has names of this section, or
         sections with their parameters.
     file_type : str, optional
         Format of an open file, such as ``obj``; by default the suffix of its name.
     unit : {"mm", "cm", "m", "in"}, optional
         Unit of length of the source, from which `touch` sets `scene.object_radius_m` unless its parameters do.
         By default the unit is not known, and the parameter keeps its value.
+    up : {"x", "-x", "y", "-y", "z", "-z", "file", "auto"}, optional
+        Axis of the source that points up; by default parameter `own_up_axis`: as the file says, else y. ``auto``
+        takes y or z, the axis on which the object stands more steadily.
+    front : {"x", "-x", "y", "-y", "z", "-z"}, optional
+        Axis of the source that points to the front, perpendicular to the up axis; by default parameter
+        `own_front_axis`: z, for up axis z it is -y, and for -z it is y.
 
     Returns
     -------
@@ -508,10 +522,10 @@ def load(
     Raises
     ------
     MeshError
-        If the source can't be read or has no surface, `key` is not `class/name`, or `unit` is not one of the
-        four units.
+        If the source can't be read or has no surface, `key` is not `class/name`, `unit` is not one of the four
+        units, or the up axis that the file states is parallel to `front`.
     ParameterError
-        If a parameter is not allowed.
+        If a parameter or axis is not allowed, the axes are parallel, or an axis is given for a packed model.
 
     Warns
     -----
@@ -522,7 +536,8 @@ def load(
     started = time.perf_counter()
     if key is not None and (key.count("/") != 1 or not all(key.split("/"))):
         raise MeshError(f"{key!r} is no key of an object; 'class/name' is allowed.")
-    default_key, surface, from_file = read_source(source, file_type, mesh_parameters(parameters))
+    chosen = with_axes(mesh_parameters(parameters), source, up, front)
+    default_key, surface, from_file = read_source(source, file_type, chosen)
     for note in surface.notes:
         warnings.warn(note, MeshWarning, stacklevel=2)
     seconds = time.perf_counter() - started

@@ -15,6 +15,7 @@ from visuohaptic.base.errors import MeshError
 from visuohaptic.exploration.checking import numbers
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.vectors import product
+from visuohaptic.meshes.up_axis import named_axis
 from visuohaptic.tables.schema import matrix
 
 _POINTS = ("", "eye_")
@@ -29,7 +30,8 @@ class FileFrame:
     ----------
     from_file : numpy.ndarray
         Shape (4, 4), float64: transforms a point (x, y, z, 1) from the file's frame to the object frame. The
-        object frame has its origin at the object's centroid, its y axis upwards, and the object's radius as unit.
+        object frame has its origin at the object's centroid, its y axis upwards, its z axis to the front, and the object's
+        radius as unit.
     unit : str or None
         The file's unit of length, one of `UNITS`. None if the unit is not known.
     """
@@ -48,8 +50,13 @@ class FileFrame:
 
     @property
     def up_axis(self) -> str:
-        """The file's axis that is nearest to up, such as ``z``."""
-        return "xyz"[int(np.abs(self.from_file[1, :3]).argmax())]
+        """The file's axis that is nearest to up, such as ``z`` or ``-y``."""
+        return named_axis(self.from_file[1, :3])
+
+    @property
+    def front_axis(self) -> str:
+        """The file's axis that is nearest to the front, such as ``x`` or ``-z``."""
+        return named_axis(self.from_file[2, :3])
 
     @cached_property
     def to_file(self) -> FloatArray:

@@ -7,14 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from visuohaptic.base.arrays import FloatArray
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import Model, read_catalogue
 from visuohaptic.meshes.model_files import PACKED, Source, name_of
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import prepare_with_matrix
+from visuohaptic.meshes.up_axis import AXES, are_perpendicular
 from visuohaptic.parameters import ExperimentParameters, as_parameters
 
 UNKNOWN_CLASS = "unknown"
+
+UP_ADVICE = 'load the mesh with up="z"'
+"""End of the note on a doubtful up axis."""
 
 
 def read_source(
@@ -26,7 +31,33 @@ def read_source(
     object, can't be read, or has no surface.
     """
     model = _model_of(source)
-    return model.key, *prepare_with_matrix(model, source, parameters, file_type)
+    return model.key, *prepare_with_matrix(model, source, parameters, file_type, UP_ADVICE)
+
+
+def with_axes(
+    parameters: MeshParameters, source: Source, up: str | None, front: str | None
+) -> MeshParameters:
+    """Return the parameters with arguments `up` and `front` of `load`. Raises `ParameterError` if they are not allowed."""
+    if up is None and front is None:
+        return parameters
+    name = name_of(source)
+    if name.endswith(PACKED):
+        raise ParameterError(
+            f"{name} is a packed model, which has y up and its front at z; up and front are for other files."
+        )
+    own_front = front or parameters.own_front_axis
+    for argument, axis, allowed in (
+        ("up", up, ("file", "auto", *AXES)),
+        ("front", front, AXES),
+    ):
+        if axis is not None and axis not in allowed:
+            raise ParameterError(f"{argument} is {axis!r}; {', '.join(allowed)} are allowed.")
+    own_up = up or parameters.own_up_axis
+    if own_front and own_up in AXES and not are_perpendicular(own_up, own_front):
+        raise ParameterError(
+            f"up is {own_up} and front is {own_front}; perpendicular axes are needed."
+        )
+    return parameters.model_copy(update={"own_up_axis": own_up, "own_front_axis": own_front})
 
 
 def is_one_source(value: Any) -> bool:

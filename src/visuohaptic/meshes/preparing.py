@@ -14,20 +14,18 @@ from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.model_files import PACKED, Source, name_of, read_mesh
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.up_axis import leans_on_y, steadiest_axis
+from visuohaptic.meshes.up_axis import (
+    are_perpendicular,
+    leans_on_y,
+    rotation_upright,
+    steadiest_axis,
+)
 
 MERGE_TOLERANCE = 1e-6
 """Step (object radii) of the grid on which `clean` merges vertices: about ten float32 steps at distance 1."""
 
 # Between these coordinates, squares of areas neither overflow nor vanish.
 _NEAR, _FAR = 1e-60, 1e60
-
-UP_AXES = {
-    "x": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
-    "y": np.eye(3),
-    "z": np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]),
-}
-"""Rotation matrix (3, 3) per up axis of a file: `UP_AXES[axis] @ point` is the point with y up."""
 
 
 def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> Surface:
@@ -41,7 +39,8 @@ def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> 
     source : path, open file or mesh in memory
         Argument of `read_mesh`.
     parameters : MeshParameters
-        Only `largest_megabytes` and `own_up_axis` are used. `own_up_axis` turns every source but a packed surface.
+        Only `largest_megabytes`, `own_up_axis` and `own_front_axis` are used. The axes turn every source but a packed
+        surface.
 
     Returns
     -------
@@ -51,46 +50,58 @@ def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> 
     Raises
     ------
     MeshError
-        If the source can't be read, has a vertex that is not finite, or has no area. The message begins with the name
-        of the source.
+        If the source can't be read, has a vertex that is not finite, has no area, or has an up axis that is parallel
+        to `own_front_axis`. The message begins with the name of the source.
     """
     return prepare_with_matrix(model, source, parameters)[0]
 
 
 def prepare_with_matrix(
-    model: Model, source: Source, parameters: MeshParameters, file_type: str | None = None
+    model: Model,
+    source: Source,
+    parameters: MeshParameters,
+    file_type: str | None = None,
+    advice: str = "set meshes.own_up_axis to z",
 ) -> tuple[Surface, FloatArray]:
     """Return the surface of `prepare_object`, and the matrix (4, 4) from the file's frame to the object frame.
 
-    `matrix @ (x, y, z, 1)` transforms a point. `source` and `file_type` are arguments of `read_mesh`.
+    `matrix @ (x, y, z, 1)` transforms a point. `source` and `file_type` are arguments of `read_mesh`. `advice` ends the
+    note on a doubtful up axis.
     """
     surface = read_mesh(source, file_type, parameters.largest_megabytes)
     name = name_of(source)
     if name.endswith(PACKED):
         rotation = np.eye(3) if model.rotation is None else np.reshape(model.rotation, (3, 3))
     else:
-        rotation, notes = _upright(surface, name, parameters)
+        rotation, notes = _upright(surface, name, parameters, advice)
         surface = replace(surface, notes=(*surface.notes, *notes))
     return normalise_with_matrix(surface, name, rotation, model.dimensions)
 
 
 def _upright(
-    surface: Surface, name: str, parameters: MeshParameters
+    surface: Surface, name: str, parameters: MeshParameters, advice: str
 ) -> tuple[FloatArray, list[str]]:
-    """Return the rotation (3, 3) to y up, by `own_up_axis`, and a note if the default y is doubtful."""
-    axis: str = parameters.own_up_axis
+    """Return the rotation (3, 3) to the up and front axes of `parameters`, and a note if the default y is doubtful."""
+    front = parameters.own_front_axis
     _check_faces_and_vertices(surface, name)
     surface = _with_finite_areas(surface)
-    if axis == "auto":
-        return UP_AXES[steadiest_axis(surface, {axis: UP_AXES[axis] for axis in "yz"})], []
-    if axis != "file":
-        return UP_AXES[axis], []
-    if surface.up_axis is not None:
-        return UP_AXES[surface.up_axis], []
-    if leans_on_y(surface, UP_AXES["z"]):
-        note = f"{name} is taken as y-up, and would stand more steadily with z up"
-        return UP_AXES["y"], [f"{note}; if so, say --up z (meshes.own_up_axis)."]
-    return UP_AXES["y"], []
+    up: str = parameters.own_up_axis
+    notes = []
+    if up == "auto":
+        possible = [axis for axis in "yz" if front is None or are_perpendicular(axis, front)]
+        up = steadiest_axis(surface, {axis: rotation_upright(axis) for axis in possible})
+    elif up == "file" and surface.up_axis is not None:
+        up = surface.up_axis
+    elif up == "file":
+        up = "y"
+        if leans_on_y(surface, rotation_upright("z")):
+            doubt = f"{name} is taken as y-up, and would stand more steadily with z up"
+            notes = [f"{doubt}; if so, {advice}."]
+    if front is not None and not are_perpendicular(up, front):
+        raise MeshError(
+            f"{name} has up axis {up}, and the front axis is {front}; perpendicular axes are needed."
+        )
+    return rotation_upright(up, front), notes
 
 
 def _with_finite_areas(surface: Surface) -> Surface:

@@ -1,14 +1,24 @@
-"""Choose the up axis of a model if the file has none: the axis on which the object stands most steadily."""
+"""Turn a model upright by its up and front axes; choose the up axis by how steadily the object stands."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Literal, get_args
 
 import numpy as np
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.geometry.surface import Surface
+
+Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
+"""An axis of a file, with its sign."""
+
+AXES = get_args(Axis)
+"""All axes of a file."""
+
+_FRONTS = {"x": "z", "-x": "z", "y": "z", "-y": "z", "z": "-y", "-z": "y"}
+"""Front axis per up axis, if no front axis is given."""
 
 _TIPS_OVER = math.radians(10.0)
 """Tipping angle (radians) that separates objects that hardly stand from objects that stand.
@@ -18,6 +28,34 @@ upright models of the catalogue, and for 108 of them after a quarter turn."""
 
 _FOOT = 0.02
 """Vertices within this share of the height above the lowest vertex are the base of an object: feet differ in length."""
+
+
+def are_perpendicular(up: str, front: str) -> bool:
+    """Return whether two axes, such as ``z`` and ``-x``, are perpendicular."""
+    return up[-1] != front[-1]
+
+
+def rotation_upright(up: str, front: str | None = None) -> FloatArray:
+    """Return the rotation matrix (3, 3) that turns axis `up` to y and axis `front` to z.
+
+    `front` must be perpendicular to `up`. Without `front`, the front is z, for `up` z it is -y, and for -z it is y.
+    """
+    upward, forward = (_unit_vector(axis) for axis in (up, front or _FRONTS[up]))
+    # Adding 0 makes -0 to 0, which counts for the bits of products.
+    rotation: FloatArray = np.array([np.cross(upward, forward), upward, forward]) + 0.0
+    return rotation
+
+
+def named_axis(vector: FloatArray) -> str:
+    """Return the axis nearest to a vector (3,), with its sign, such as ``-x``."""
+    index = int(np.abs(vector).argmax())
+    return ("-" if vector[index] < 0 else "") + "xyz"[index]
+
+
+def _unit_vector(axis: str) -> FloatArray:
+    vector = np.zeros(3)
+    vector["xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
+    return vector
 
 
 def steadiest_axis(surface: Surface, rotations: Mapping[str, FloatArray]) -> str:

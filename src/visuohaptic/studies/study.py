@@ -23,7 +23,7 @@ Changes = Mapping[str, Any]
 
 WITHOUT_EFFECT = {
     "workflow": True,
-    "meshes": {"set", "own_up_axis", "largest_megabytes"},
+    "meshes": {"set", "own_up_axis", "own_front_axis", "largest_megabytes"},
     "cost": True,
     "probing": {"random_draws"},
 }
