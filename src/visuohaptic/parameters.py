@@ -14,6 +14,7 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.section import Section
+from visuohaptic.base.wrong_values import needed_value
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import (
     LARGEST_RESOLUTION,
@@ -196,15 +197,23 @@ class ExperimentParameters(Section):
         return self
 
     @classmethod
-    def from_mapping(cls, values: Mapping[str, object], source: str = "params.yaml") -> Self:
+    def from_mapping(
+        cls,
+        values: Mapping[str, object],
+        source: str = "params.yaml",
+        arguments: Mapping[str, str] | None = None,
+    ) -> Self:
         """Check sections and values from a YAML or JSON file.
 
-        Raises `ParameterError`, which names the source, every unknown name and every wrong value.
+        Raises `ParameterError`, which names the source, every unknown name and every wrong value. `arguments` has the
+        name of the caller's argument per dotted name of a parameter, for errors.
         """
         try:
             return cls.model_validate(dict(values))
         except ValidationError as error:
-            raise ParameterError(f"{source}: {_sentences(error.errors())}") from None
+            raise ParameterError(
+                f"{source}: {_sentences(error.errors(), arguments or {})}"
+            ) from None
 
 
 def _repetitions(parameters: ExperimentParameters) -> Iterator[str]:
@@ -356,26 +365,29 @@ def as_parameters(
             "is needed."
         )
     load_files(values.get("plugins", ()))
-    return ExperimentParameters.from_mapping(_nested(values), "parameters")
+    return ExperimentParameters.from_mapping(nested(values), "parameters")
 
 
-def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Convert dotted names to nested sections."""
-    nested: dict[str, Any] = {}
+def nested(values: Mapping[str, Any], source: str = "parameters") -> dict[str, Any]:
+    """Convert dotted names to nested sections.
+
+    Raises `ParameterError`, which names `source`, if a name is set twice or is both a parameter and a section.
+    """
+    sections_of_all: dict[str, Any] = {}
     for name, value in leaves(values):
         *sections, last = name.split(".")
-        section = nested
+        section = sections_of_all
         for depth, part in enumerate(sections):
             section = section.setdefault(part, {})
             if not isinstance(section, dict):
                 path = ".".join(sections[: depth + 1])
                 raise ParameterError(
-                    f"parameters: {path} is {section!r}, but {name} needs a section there."
+                    f"{source}: {path} is {section!r}, but {name} needs a section there."
                 )
         if last in section:
-            raise ParameterError(f"parameters: {name} is set twice; once is allowed.")
+            raise ParameterError(f"{source}: {name} is set twice; once is allowed.")
         section[last] = value
-    return nested
+    return sections_of_all
 
 
 def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
@@ -392,11 +404,11 @@ def leaves(values: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, An
             yield f"{above}{name}", value
 
 
-def _sentences(problems: Sequence[Mapping[str, Any]]) -> str:
+def _sentences(problems: Sequence[Mapping[str, Any]], arguments: Mapping[str, str]) -> str:
     """Return the messages of pydantic's errors; a list that is too short only without its wrong values has one message."""
     wrong = {problem["loc"][:-1] for problem in problems}
     told = [one for one in problems if one["type"] != "too_short" or one["loc"] not in wrong]
-    said = "; ".join(map(_sentence, told))
+    said = "; ".join(_sentence(problem, arguments) for problem in told)
     return said if said.endswith("?") else f"{said}."
 
 
@@ -409,15 +421,15 @@ def _siblings(location: tuple[object, ...]) -> Sequence[str]:
     return [*getattr(section, "model_fields", ())]
 
 
-def _sentence(problem: Mapping[str, object]) -> str:
+def _sentence(problem: Mapping[str, Any], arguments: Mapping[str, str]) -> str:
     """Return the message of one of pydantic's errors."""
     location = problem["loc"]
-    path = ".".join(str(part) for part in location) if isinstance(location, tuple) else ""
+    path = ".".join(map(str, location))
     if problem["type"] == "extra_forbidden":
-        siblings = _siblings(location) if isinstance(location, tuple) else ()
-        return unknown_parameter(path, siblings)
-    message = str(problem["msg"]).removeprefix("Value error, ").rstrip(".")
+        return unknown_parameter(path, _siblings(location))
     if problem["type"] == "value_error":
+        message = str(problem["msg"]).removeprefix("Value error, ").rstrip(".")
         return f"{path}: {message}" if path else message
     where = moved_value(path.rstrip(".0123456789"), problem["input"])
-    return f"{path} is {problem['input']!r}: {where or message[0].lower() + message[1:]}"
+    name = arguments.get(path, path)
+    return f"{name} is {problem['input']!r}: {where or needed_value(problem)}"

@@ -83,6 +83,19 @@ def test_the_parameters_of_the_run_hold(visuohaptic, tmp_path):
     assert row["splits"] == 3
 
 
+def test_a_setting_counts_more_than_the_parameters_of_the_run(visuohaptic, tmp_path):
+    write_features(tmp_path, (3, 3))
+    (tmp_path / "params.yaml").write_text("recognition: {touches: 2}\n")
+    chosen = ("evaluate", "--classifier", "naive_bayes", "--json")
+    protocol = "recognition.protocol={protocol: grouped_folds, folds: 3}"
+    row = json.loads(visuohaptic(*chosen, "--set", protocol, "--set", "seed=7").out)
+    assert row["splits"] == 3
+    (tmp_path / "params.yaml").write_text(
+        "seed: 7\nrecognition: {touches: 2, protocol: {protocol: grouped_folds, folds: 3}}\n"
+    )
+    assert row["accuracy"] == json.loads(visuohaptic(*chosen).out)["accuracy"]
+
+
 def test_imprints_need_the_touches_of_the_run(visuohaptic, tmp_path):
     write_features(tmp_path, (3, 3))
     chosen = ("evaluate", "--classifier", "naive_bayes", "--inputs", "touches")
@@ -101,6 +114,7 @@ def test_imprints_need_the_touches_of_the_run(visuohaptic, tmp_path):
     [
         (("--inputs", "touches"), "--inputs needs --classifier"),
         (("--splits", "3"), "--splits needs --classifier"),
+        (("--set", "seed=1"), "--set needs --classifier"),
         (("--classifier", "none"), "'none' is no classifier"),
         (("--classifier", "naive_bayes", "--inputs", "pixels"), "'pixels' is not one of"),
         (("--classifier", "naive_bayes", "--splits", "0"), "greater than or equal to 1"),

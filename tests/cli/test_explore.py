@@ -68,6 +68,21 @@ def test_a_missing_material_and_the_axis_of_the_file_are_said_once(
     assert ["gone.mtl" in note for note in notes] == [True]
 
 
+def test_touch_takes_settings_beside_the_file(visuohaptic, small, tmp_path):
+    trimesh.creation.box((1, 2, 3)).export(tmp_path / "box.stl")
+    settings = ("--set", "sensor.resolution=16", "--set", "attention.fixations=2")
+    ended = visuohaptic("touch", "box.stl", *small, *settings, "--out", "felt")
+    assert (ended.code, ended.err) == (0, "")
+    touches = read_table(SCHEMAS["touches"], tmp_path / "felt/touches.parquet")
+    assert touches.num_rows == 4
+    assert len(touches["image"][0].as_py()) == 16 * 16
+    ended = visuohaptic("touch", "box.stl", *small, "--set", "sensor.resoluton=16")
+    assert (ended.code, ended.out) == (1, "")
+    assert ended.err == (
+        "error: --set: sensor.resoluton is no parameter; did you mean sensor.resolution?\n"
+    )
+
+
 def test_up_and_front_are_axes_of_the_file_and_perpendicular(visuohaptic, small, tmp_path, model):
     trimesh.creation.box((1, 2, 3)).export(tmp_path / "box.stl")
     axes = ("--up", "-z", "--front", "x")

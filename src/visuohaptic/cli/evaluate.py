@@ -13,6 +13,7 @@ import typer
 
 from visuohaptic.base.errors import RecognitionWarning
 from visuohaptic.cli.printing import JsonOption, file_to_read, say, say_json
+from visuohaptic.cli.settings import SetOption, read_parameters_and_settings
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, read_recogniser
 
 TABLE = "reports/evaluation.parquet"
@@ -64,6 +65,7 @@ def evaluate(
         int | None,
         _option(min=1, help="Largest number of splits for --classifier.  [default: all]"),
     ] = None,
+    settings: SetOption = None,
     as_json: JsonOption = False,  # noqa: FBT002
 ) -> None:
     """Classify the objects of a run that are not in the training set, and count correct predictions.
@@ -73,8 +75,8 @@ def evaluate(
     sets and the share called unknown. Intervals are over objects. The touches must come from the parameters in
     the model's folder. The rows are written to reports/evaluation.parquet, for the report.
 
-    With --classifier: trains and tests a classifier on the splits of the run, with the run's params.yaml. Prints
-    the accuracy with its interval, and the seconds of fits and predictions. A classifier of imprints and poses
+    With --classifier: trains and tests a classifier on the splits of the run, with the run's params.yaml and the
+    values of --set. Prints the accuracy with its interval, and the seconds of fits and predictions. A classifier of imprints and poses
     comes from a plug-in.
 
     Examples: visuohaptic evaluate results/models/recogniser.skops --run .
@@ -86,10 +88,22 @@ def evaluate(
                 "a model and --classifier exclude each other; name only one of them."
             )
         _evaluate_classifier(
-            classifier, run, inputs or InputsName.features, strategy, splits, as_json=as_json
+            classifier,
+            run,
+            inputs or InputsName.features,
+            strategy,
+            splits,
+            settings,
+            as_json=as_json,
         )
         return
-    for name, value in {"--inputs": inputs, "--strategy": strategy, "--splits": splits}.items():
+    needing = {
+        "--inputs": inputs,
+        "--strategy": strategy,
+        "--splits": splits,
+        "--set": settings or None,
+    }
+    for name, value in needing.items():
         if value is not None:
             raise typer.BadParameter(f"{name} needs --classifier.")
     import pyarrow as pa
@@ -123,14 +137,16 @@ def _evaluate_classifier(
     inputs: InputsName,
     strategy: str | None,
     splits: int | None,
+    settings: list[str] | None,
     *,
     as_json: bool,
 ) -> None:
     from visuohaptic.evaluation.evaluating import evaluate as evaluate_classifier
-    from visuohaptic.parameters import ExperimentParameters, read_parameters
 
     params_file = run / "params.yaml"
-    parameters = read_parameters(params_file) if params_file.exists() else ExperimentParameters()
+    parameters = read_parameters_and_settings(
+        params_file if params_file.exists() else None, settings
+    )
     table = "touches" if inputs == InputsName.touches else "features"
     strategy = "fixation" if strategy is None else strategy
     with warnings.catch_warnings():

@@ -23,6 +23,7 @@ from visuohaptic.cli.printing import (
     say_json,
     show_progress,
 )
+from visuohaptic.cli.settings import SetOption, read_parameters_and_settings
 from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, read_recogniser
 from visuohaptic.fixations.probing import STRATEGIES
 
@@ -93,6 +94,7 @@ def touch(
             help="File of all other parameters, such as params.yaml; plug-ins that the file names are run.",
         ),
     ] = None,
+    settings: SetOption = None,
     out: Annotated[
         Path, typer.Option(parser=folder_to_write, help="Folder for the tables and the picture.")
     ] = Path("touched"),
@@ -102,14 +104,11 @@ def touch(
 
     With several meshes, each mesh has its own folder in the folder that --out names.
 
-    Example: visuohaptic touch mug.obj --out mug
+    Examples: visuohaptic touch mug.obj --out mug
+    visuohaptic touch mug.obj --set sensor.resolution=16 --set scene.preset=fsr400
     """
-    from visuohaptic.parameters import as_parameters, read_parameters
-
     folders = _folders(meshes, out)
-    experiment_parameters = (
-        as_parameters(None) if parameters is None else read_parameters(parameters)
-    )
+    experiment_parameters = read_parameters_and_settings(parameters, settings)
     _check_strategy(strategy)
 
     def touch_one(mesh: Path) -> tuple[Mapping[str, Any], list[str]]:

@@ -63,6 +63,9 @@ if TYPE_CHECKING:
 
 Parameters = ExperimentParameters | Mapping[str, Any]
 
+_ARGUMENTS = {"probing.strategies.0": "strategy", "viewpoints.count": "viewpoints"}
+"""Argument of `touch` per parameter that the argument sets, for errors."""
+
 
 @dataclass(frozen=True, eq=False)
 class TouchableObject:
@@ -596,4 +599,4 @@ def _with_values(
     values = parameters.model_dump(exclude_unset=True)
     for name, new_values in sections.items():
         values[name] = {**values.get(name, {}), **new_values}
-    return ExperimentParameters.from_mapping(values, source)
+    return ExperimentParameters.from_mapping(values, source, _ARGUMENTS)

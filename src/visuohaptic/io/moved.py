@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from visuohaptic.base.wrong_values import SIMILAR
+
 CONSTANTS = {
     "attention.centre_levels": "attention.levels.CENTRE_LEVELS",
     "attention.entropy_bins": "attention.channels.ENTROPY_BINS",
@@ -108,7 +110,7 @@ def unknown_parameter(name: str, siblings: Iterable[str] = ()) -> str:
     successor = next((PARAMETERS[prefix] for prefix in prefixes if prefix in PARAMETERS), None)
     if successor:
         return f"{name} is no parameter: {successor}"
-    similar = get_close_matches(parts[-1], siblings, 1, 0.7)
+    similar = get_close_matches(parts[-1], siblings, 1, SIMILAR)
     suggested = ".".join([*parts[:-1], *similar])
     return f"{name} is no parameter" + (f"; did you mean {suggested}?" if similar else "")
 

@@ -56,6 +56,27 @@ def check_config(setting: str, source: str = "--config") -> None:
         _Spelling(source).check(yaml.compose(value, Loader=yaml.SafeLoader), section)
 
 
+def read_setting(setting: str, source: str) -> tuple[str, Any]:
+    """Return the dotted name and the value of a setting ``name=value``; the value is YAML.
+
+    `source` is the name of the option in errors. Raises `ParameterError` without ``=``, for a value that is no YAML, and
+    as `check_spelling` does.
+    """
+    name, equals, value = setting.partition("=")
+    if not name.strip() or not equals:
+        raise ParameterError(
+            f"{source}: {setting!r} is no setting; name=value is needed, such as sensor.resolution=16."
+        )
+    name = name.strip()
+    try:
+        _Spelling(source).check(yaml.compose(value, Loader=yaml.SafeLoader), name)
+        return name, yaml.safe_load(value)
+    except (RecursionError, ValueError, yaml.YAMLError) as error:
+        raise ParameterError(
+            f"{source}: the value of {name} is no YAML: {_reason(error)}."
+        ) from None
+
+
 def _checked_text(path: str | Path) -> str:
     try:
         with open_regular(path) as stream:

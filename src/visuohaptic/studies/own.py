@@ -12,6 +12,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.section import Section
+from visuohaptic.base.wrong_values import needed_value
 from visuohaptic.io.yaml_files import read_yaml
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import AS_RUN, ONE_CLASSIFIER, plan_study
@@ -121,7 +122,7 @@ def _read(path: Path) -> StudyFile:
     except ValidationError as error:
         problem = error.errors()[0]
         entry = ".".join(map(str, problem["loc"]))
-        message = problem["msg"].removeprefix("Value error, ")
+        message = needed_value(problem)
         if problem["type"] == "extra_forbidden":
             message = f"there is no such entry; {', '.join(StudyFile.model_fields)} are allowed"
         raise ParameterError(f"{path}: {entry + ': ' if entry else ''}{message}.") from None
