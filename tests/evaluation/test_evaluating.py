@@ -1,5 +1,7 @@
 """Any classifier is evaluated on the experiment's own protocol."""
 
+from functools import cache
+
 import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
@@ -22,7 +24,13 @@ from visuohaptic.recognition.experiment import run_pipeline
 from visuohaptic.recognition.parameters import RecognitionParameters
 
 FEW = RecognitionParameters(protocol={"maximum_splits": 3})
+SMALL = {"rendering.resolution": 64}
 SVM = "support_vector_machine"
+
+
+@cache
+def touched():
+    return vh.example("bottle").touch(1, parameters=SMALL)
 
 
 @pytest.fixture(scope="module")
@@ -127,6 +135,18 @@ def test_tables_of_every_kind_have_the_same_figure(features, kind):
             r"one class \(class1\) with enough objects; at least two classes",
         ),
         (lambda table: table.slice(0, 0), "The features hold no touches"),
+        (
+            lambda table: touched().touches,
+            r"^This is table touches; evaluate reads results/features, or the table touches with inputs='touches'\.$",
+        ),
+        (lambda table: touched().views, "^This is table views; evaluate reads results/features"),
+        (
+            lambda table: touched().fixations.to_pandas(),
+            "^This is table fixations; evaluate reads results/features",
+        ),
+        (lambda table: touched(), r"^This is an Exploration; .*: pass exploration\.features\.$"),
+        (lambda table: [table, table], r"^This is a list; .*: join .* by pyarrow\.concat_tables"),
+        (lambda table: [touched()], r"^This is a list; .*: join .* by pyarrow\.concat_tables"),
         (lambda table: [1, 2], "is given as list"),
         (lambda table: None, "is given as NoneType"),
     ],
@@ -241,3 +261,10 @@ def test_an_object_with_the_names_of_a_classifier_is_one(features):
 def test_parameters_of_another_section_are_refused(features):
     with pytest.raises(ParameterError, match="parameters is of type dict"):
         vh.evaluate(SVM, features, {"touches": 3})
+
+
+def test_objects_that_were_loaded_without_a_key_need_one():
+    bottle = vh.example("bottle").surface
+    unnamed = vh.load((bottle.vertices, bottle.faces)).touch(1, parameters=SMALL)
+    with pytest.raises(RecognitionError, match=r"^All objects are of class unknown; .* vh.load"):
+        vh.evaluate(SVC(), unnamed.features)

@@ -4,6 +4,7 @@ import io
 import sys
 import warnings
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 import pandas as pd
@@ -20,10 +21,17 @@ from evaluation.own_estimators import (
     Untagged,
 )
 from recognition.synthetic import features_table
+from sklearn import get_config
 from sklearn.decomposition import PCA
 from sklearn.discriminant_analysis import LinearDiscriminantAnalysis
-from sklearn.ensemble import RandomForestClassifier
-from sklearn.model_selection import GridSearchCV, GroupKFold, KFold, StratifiedGroupKFold
+from sklearn.ensemble import RandomForestClassifier, VotingClassifier
+from sklearn.model_selection import (
+    GridSearchCV,
+    GroupKFold,
+    GroupShuffleSplit,
+    KFold,
+    StratifiedGroupKFold,
+)
 from sklearn.naive_bayes import GaussianNB
 from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import make_pipeline
@@ -196,6 +204,7 @@ class Halves:
 
 
 KNN = KNeighborsClassifier()
+GROUPED = GridSearchCV(KNN, {"n_neighbors": [3]}, cv=GroupKFold(2))
 
 
 @pytest.mark.parametrize(
@@ -207,6 +216,59 @@ def test_the_splitter_of_a_search_gets_the_objects_if_it_takes_groups(features, 
         warnings.simplefilter("error")
         found = vh.evaluate(search, features, splits=2)
     assert found.accuracy == vh.evaluate(KNeighborsClassifier(3), features, splits=2).accuracy
+
+
+@pytest.mark.parametrize(
+    "nested",
+    [
+        make_pipeline(FunctionTransformer(), GROUPED),
+        VotingClassifier([("one", GROUPED)]),
+        GridSearchCV(GROUPED, {"refit": [True]}, cv=GroupKFold(2)),
+    ],
+    ids=lambda estimator: type(estimator).__name__,
+)
+def test_groups_reach_the_splitter_of_a_search_within_an_estimator(features, nested):
+    found = vh.evaluate(nested, features, splits=2)
+    assert found.accuracy == vh.evaluate(KNeighborsClassifier(3), features, splits=2).accuracy
+    assert not get_config()["enable_metadata_routing"]
+
+
+class Recording(GroupKFold):
+    """Keeps the groups of each split."""
+
+    given: ClassVar = []
+
+    def split(self, X, y=None, groups=None):
+        self.given.append(np.array(groups))
+        return super().split(X, y, groups)
+
+
+def test_the_groups_of_an_inner_splitter_are_the_training_objects(features, monkeypatch):
+    monkeypatch.setattr(Recording, "given", [])
+    search = GridSearchCV(KNN, {"n_neighbors": [3]}, cv=Recording(2))
+    vh.evaluate(make_pipeline(FunctionTransformer(), search), features, splits=1)
+    [groups] = Recording.given
+    # Eight training objects of 12, with four sequences each.
+    assert np.unique(groups, return_counts=True)[1].tolist() == [4] * 8
+
+
+def test_an_inner_splitter_without_a_seed_gets_one(features):
+    search = GridSearchCV(KNN, {"n_neighbors": [1, 3, 5]}, cv=GroupShuffleSplit(2))
+    first, second = (vh.evaluate(search, features, splits=4).predictions for _ in range(2))
+    assert first.equals(second)
+    assert search.cv.random_state is None
+
+
+class Column(KNeighborsClassifier):
+    """Predicts a column, as networks do."""
+
+    def predict(self, X):
+        return super().predict(X)[:, None]
+
+
+def test_predictions_may_be_a_column(features):
+    expected = vh.evaluate(KNeighborsClassifier(), features, splits=2)
+    assert vh.evaluate(Column(), features, splits=2).predictions.equals(expected.predictions)
 
 
 SCALED_TWICE = {
@@ -485,7 +547,8 @@ def test_tables_without_imprints_are_refused(features, touches, tmp_path):
     write_table(FEATURES, features, tmp_path / "features.parquet")
     for table in (features, tmp_path, str(tmp_path / "features.parquet")):
         with pytest.raises(
-            RecognitionError, match=r"no imprints \(column image\); .*results/touches"
+            RecognitionError,
+            match=r"^This is table features; evaluate reads results/touches with inputs='touches'\.$",
         ):
             vh.evaluate(FLAT, table, FEW, inputs="touches")
     without = touches.drop_columns(["image"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 from joblib import Parallel, delayed
+from sklearn import config_context, get_config
 from sklearn.base import BaseEstimator, clone
 from sklearn.decomposition import PCA
 from sklearn.model_selection import GridSearchCV, RandomizedSearchCV
@@ -24,6 +25,7 @@ from sklearn.preprocessing import (
     StandardScaler,
 )
 from sklearn.utils import get_tags
+from sklearn.utils.metadata_routing import get_routing_for_object
 from sklearn.utils.validation import has_fit_parameter
 from tqdm import tqdm
 
@@ -41,6 +43,7 @@ from visuohaptic.evaluation.intervals import PairedComparison, compare_paired
 from visuohaptic.evaluation.own_splits import Splits, choose_splits, is_whole
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.evaluation.wording import reason_of, short
+from visuohaptic.evaluation.wrong_tables import check_classes_are_named, why_no_table
 from visuohaptic.recognition.classifiers import CLASSIFIERS, Classifier
 from visuohaptic.recognition.experiment import (
     SplitPrediction,
@@ -51,8 +54,10 @@ from visuohaptic.recognition.experiment import (
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.recognition.sequences import take_strategy
 from visuohaptic.recognition.splits import Split
-from visuohaptic.tables.phases import FEATURES, TOUCHES
 from visuohaptic.tables.schema import Schema, read_table, take_table
+
+_ROUTING = "enable_metadata_routing"
+"""Setting of scikit-learn under which `fit` passes arguments on to nested estimators and splitters."""
 
 _SCALERS = (
     MaxAbsScaler,
@@ -182,9 +187,11 @@ def evaluate(
     estimator : object or str
         An unfitted scikit-learn classifier, or the name of a registered classifier, such as
         ``support_vector_machine``. Each split fits a copy. `y` (n,) has the class indices, from 0, of the n training
-        sequences. If `fit` has a parameter `groups`, `groups` (n,) has the object index of each training sequence.
+        sequences. If `fit` has a parameter `groups`, `groups` (n,) has the object index of each training sequence. A
+        splitter within the estimator that takes groups gets them, too, such as ``GridSearchCV(SVC(), grid,
+        cv=GroupKFold(2))``, also as the last step of a pipeline. Predictions have shape (n,) or (n, 1).
         Parameter `random_state` of the copy is replaced by a seed of the split, even if set. In nested estimators
-        only a `random_state` that is None is replaced.
+        and splitters only a `random_state` that is None is replaced.
     table : pyarrow.Table, data frame, mapping of arrays or path
         Rows of `tables.FEATURES`: a run's ``results/features``, `Exploration.features` of several objects, or an
         exported data set's ``features``. With `inputs` ``touches``, rows of `tables.TOUCHES`, such as
@@ -257,7 +264,9 @@ def evaluate(
     else:
         check_classifier(estimator)
         classifier = Classifier.of("estimator", estimator)
-    whole = _take_strategy_rows(_as_table(table, SCHEMAS[inputs]), strategy, parameters.touches)
+    rows = _as_table(table, SCHEMAS[inputs])
+    check_classes_are_named(rows)
+    whole = _take_strategy_rows(rows, strategy, parameters.touches)
     prepared = prepare(inputs, whole, classifier, parameters, seed)
     notes = []
     if inputs == "descriptors" and (scaler := _scaler_in(prepared.pipeline.classifiers)):
@@ -343,8 +352,10 @@ def _test_split(prepared: Prepared, split: Split, seed: int, estimator_text: str
         train = preparation.transform(train)
         ((name, own_seed),) = pipeline.seeds(generator).items()
         model = _seeded_deeply(clone(pipeline.classifiers[name]), own_seed)
-        groups = {"groups": owners} if _takes_groups(model) else {}
-        model.fit(train, labels, **groups)
+        routed = _routes_groups(model)
+        groups = {"groups": owners} if routed or _takes_groups(model) else {}
+        with config_context(enable_metadata_routing=routed or get_config()[_ROUTING]):
+            model.fit(train, labels, **groups)
         fitted = _clock()
         predicted = model.predict(preparation.transform(prepared.rows[split.test]))
     except VisuohapticError:
@@ -376,8 +387,23 @@ def _takes_groups(model: Any) -> bool:
     return "groups" in model.cv.get_metadata_routing().split.requests
 
 
+def _routes_groups(model: Any) -> bool:
+    """Return whether scikit-learn's metadata routing leads `groups` to a splitter within, as in a pipeline with a search."""
+    # A search whose estimator has no such splitter takes groups without routing.
+    part = getattr(model, "estimator", None) if _takes_groups(model) else model
+    if not isinstance(part, BaseEstimator):
+        return False
+    with config_context(enable_metadata_routing=True):
+        try:
+            router = get_routing_for_object(part)
+        # Estimators without routing raise NotImplementedError; those of others may raise anything.
+        except Exception:  # noqa: BLE001
+            return False
+        return bool(router.consumes("fit", ["groups"]))
+
+
 def _seeded_deeply(estimator: Any, seed: int) -> Any:
-    """Set `random_state` of an estimator, even if set, and of nested estimators where None; return the estimator."""
+    """Set `random_state` of an estimator, and of nested estimators and splitters where None; return the estimator."""
     nested = [
         name
         for name, value in estimator.get_params(deep=True).items()
@@ -385,6 +411,9 @@ def _seeded_deeply(estimator: Any, seed: int) -> Any:
     ]
     if nested:
         estimator.set_params(**dict.fromkeys(nested, seed))
+    for splitter in estimator.get_params(deep=True).values():
+        if hasattr(splitter, "split") and getattr(splitter, "random_state", 0) is None:
+            splitter.random_state = seed  # `clone` has copied the splitter
     return seeded(estimator, seed)
 
 
@@ -400,6 +429,8 @@ def _check_labels(predicted: Any, split: Split, classes: int, estimator_text: st
             f"{estimator_text} predicted labels that can't be read: {reason_of(error)}; one label of y per sequence is "
             "needed."
         ) from error
+    if labels.shape == (len(split.test), 1):  # such as predictions of a network
+        labels, allowed = labels[:, 0], allowed[:, 0]
     if labels.shape != split.test.shape:
         raise RecognitionError(
             f"{estimator_text} predicted an array of shape {labels.shape} for {len(split.test)} sequences; one label "
@@ -497,17 +528,6 @@ def _as_table(table: Any, schema: Schema) -> pa.Table:
     try:
         return read(schema, table)
     except TableError as error:
-        if schema is TOUCHES and _is_feature_table(table, read):
-            raise RecognitionError(
-                "The table has no imprints (column image); a table of touches is needed, such as results/touches."
-            ) from error
+        if sentence := why_no_table(table, schema.name):
+            raise RecognitionError(sentence) from error
         raise RecognitionError(f"The {schema.name} can't be used: {error}") from error
-
-
-def _is_feature_table(table: Any, read: Callable[[Schema, Any], pa.Table]) -> bool:
-    """Return whether `read(FEATURES, table)` works, so that an error can name the missing imprints."""
-    try:
-        read(FEATURES, table)
-    except TableError:
-        return False
-    return True
