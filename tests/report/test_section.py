@@ -187,8 +187,10 @@ SAID = (
 
 def test_every_headline_number_has_lines_that_print_it(folder, run, monkeypatch, capsys):
     monkeypatch.chdir(folder)
-    answers = answer_values(ReportContext(run, (), ()))["answers"]
-    assert len(answers) == 5
+    answers = [
+        answer for answer in answer_values(ReportContext(run, (), ()))["answers"] if answer.number
+    ]
+    assert len(answers) == 4
     for answer in answers:
         assert len(answer.recount.splitlines()) <= 12
         exec(answer.recount, {})  # noqa: S102 - the lines under test
@@ -207,4 +209,4 @@ def test_the_page_says_what_the_tables_say_and_names_their_files(run, sources):
     assert [said for said in SAID if said not in text] == []
     folded = [one for one in page.named("details") if one.attributes.get("class") == "sources"]
     assert len(folded) == len(sources)
-    assert len(page.named("pre")) == 5
+    assert len(page.named("pre")) == 4

@@ -34,16 +34,16 @@ _COMPARED: Mapping[Compared, tuple[str, str, str]] = {
         "pose alone",
         "skin alone",
         (
-            "In pipeline order_free, positions and normals without imprints reach {} correctly classified, imprints "
-            "without positions and normals {}."
+            "In pipeline order_free, positions and normals without imprints reach {0} correctly classified, "
+            "imprints without positions and normals {1}."
         ),
     ),
     "paper": (
         "with its map",
         "without the map",
         (
-            "The paper reduces each touch to five numbers by a self-organising map. With the map, the paper's pipeline "
-            "reaches {} correctly classified, without the map {}."
+            "The paper reduces each touch to five numbers by a self-organising map. Without the map, the paper's pipeline "
+            "reaches {1} correctly classified."
         ),
     ),
 }

@@ -288,15 +288,6 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
         return None
     verdicts = [verdict_on(here, published) for here, published in compared]
     same, differing = verdicts.count("reproduced"), verdicts.count("differs")
-    row = table.headline
-    number = against = ""
-    if table.leading in row.published:
-        here, published = row.accuracy[table.leading], row.published[table.leading]
-        number = with_interval(here, percent)
-        against = (
-            f"here, {percent(published, 2)} published ({row.name}, {strategy_name(table.leading)}): "
-            f"{verdict_on(here, published)}. "
-        )
     finding = "Undecided"
     if same == len(verdicts):
         finding = "Reproduced"
@@ -306,8 +297,8 @@ def reproduction_answer(table: PipelineTable) -> Answer | None:
     return Answer(
         "Is the paper reproduced?",
         finding,
-        number,
-        f"{against}Of {len(verdicts)} published accuracies {differing} differ (they lie outside our interval), {same} are "
+        "",
+        f"of {len(verdicts)} published accuracies {differing} differ (they lie outside our interval), {same} are "
         f"reproduced, and {len(verdicts) - same - differing} are undecided."
         f"{_too_wide([here for here, _ in compared], table.objects)} Our objects differ from the paper's objects.",
         "comparison",

@@ -197,7 +197,7 @@ def _answers(context: ReportContext) -> Iterator[tuple[Answer | None, str]]:
         yield lead_answer("seeing", leads), recount_lead(run, compared)
         yield lead_answer("salience", leads), recount_lead(run, compared, "random_visible")
         yield _other_strategies(run, first)
-        yield reproduction_answer(first), accuracy
+        yield reproduction_answer(first), ""
     rows = context.frontier["rows"] if context.frontier else []
     for quickest in robot_front(rows, run.parameters.cost)[:1]:
         yield cost_answer(rows, run.parameters.cost), recount_cost(run, quickest)
