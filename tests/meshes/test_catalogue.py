@@ -11,6 +11,7 @@ from visuohaptic.base.errors import CatalogueError, MeshError
 from visuohaptic.meshes.catalogue import (
     check_classes,
     check_name,
+    check_objects,
     companions,
     find_own_models,
     models_of_set,
@@ -37,6 +38,11 @@ def test_each_set_has_its_classes_and_every_model_may_be_passed_on():
     folder = CATALOGUE.parent / "paper"
     shipped = {f"{file.parent.name}/{file.name}" for file in folder.glob("*/*.ply.gz")}
     assert shipped == {f"{model.key}.ply.gz" for model in paper}
+
+
+def test_the_own_set_has_no_object_of_the_catalogue_and_needs_no_catalogue(tmp_path):
+    assert models_of_set(CATALOGUE, "own") == []
+    assert models_of_set(tmp_path / "catalogue.csv", "own") == []
 
 
 def touch(folder, *names):
@@ -165,3 +171,9 @@ def test_too_few_classes_to_tell_apart_are_said_before_anything_runs():
     for keys, says in ((["plant/a", "plant/b", "cup/a"], "only plant"), ([], "no class")):
         with pytest.raises(CatalogueError, match=rf"{says} has them: .* features_all"):
             check_classes(keys)
+
+
+def test_no_object_at_all_is_said_with_the_folder_for_objects():
+    check_objects(["cup/a"])
+    with pytest.raises(CatalogueError, match=r"and meshes/own has no mesh .* at least two per"):
+        check_objects([])

@@ -26,6 +26,7 @@ sys.path[:0] = map(str, SOURCES)
 from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import (
     check_classes,
+    check_objects,
     companions,
     find_own_models,
     models_of_set,
@@ -212,6 +213,7 @@ DOWNLOADED = {
     if not Path(shipped(f"meshes/paper/{key}.ply.gz")).exists()
 }
 OBJECTS = sorted({**CATALOGUED, **OWN})
+or_stop(check_objects, OBJECTS)
 OBJECT_BLOCKS = divide(OBJECTS, PARAMETERS.workflow.objects_per_job)
 # The viewpoints of each block, by names such as 00-15.
 VIEW_BLOCKS = {}

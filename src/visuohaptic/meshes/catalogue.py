@@ -16,12 +16,12 @@ from visuohaptic.base.csv_cells import is_formula
 from visuohaptic.base.errors import CatalogueError
 from visuohaptic.base.regular_files import check_regular
 
-ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd"]
-"""Names of sets of objects.
+ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd", "own"]
+"""Names of sets of objects. The user's own models are added to each set.
 
 `paper`: 12 objects in 4 classes. `benchmark`: 142 objects in 12 classes, with all objects of `paper`. `outside`: the
 130 objects of `benchmark` that are not in `paper`. `hard`: the plants. `odd`: 22 unusual objects of four of the twelve
-classes, only for tests.
+classes, only for tests. `own`: no object of the catalogue.
 """
 
 MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
@@ -42,6 +42,7 @@ _MEMBERS_OF_SET = {
     "outside": ("benchmark",),
     "hard": ("hard",),
     "odd": ("odd",),
+    "own": (),
 }
 # Snakemake reads <name> as a variable; U+D800 to U+DFFF are undecodable bytes of a name.
 _FORBIDDEN_IN_NAMES = re.compile(r"[\x00-\x1f\ud800-\udfff/\\{}<>*?\[\]]|^[.\-_ ]|[. ]$")
@@ -89,8 +90,10 @@ def read_catalogue(path: str | Path) -> list[Model]:
 
 
 def models_of_set(path: str | Path, object_set: ObjectSet) -> list[Model]:
-    """Read the catalogue's models of one set, sorted by class and name."""
+    """Read the catalogue's models of one set, sorted by class and name; set `own` needs no catalogue."""
     members = _MEMBERS_OF_SET[object_set]
+    if not members:
+        return []
     chosen = [model for set_name, model in _catalogue_rows(Path(path)) if set_name in members]
     return sorted(chosen, key=lambda model: model.key)
 
@@ -205,6 +208,15 @@ def why_unreadable(suffix: str) -> str | None:
 def _shown(name: str | Path) -> str:
     """Escape undecodable bytes of a name."""
     return str(name).encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def check_objects(objects: Collection[object], folder: str | Path = "meshes/own") -> None:
+    """Raise `CatalogueError` if there is no object; `folder` is that of the own models, for the message."""
+    if not objects:
+        raise CatalogueError(
+            f"There are no objects: meshes.set is own, and {_shown(folder)} has no mesh that can be used; put meshes "
+            f"into {_shown(folder)}/<class>/, at least two per class."
+        )
 
 
 def check_classes(keys: Iterable[str]) -> None:

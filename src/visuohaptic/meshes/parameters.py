@@ -15,7 +15,10 @@ from visuohaptic.meshes.up_axis import Axis, are_perpendicular
 class MeshParameters(Section):
     """The set of objects, and the preparation of their models."""
 
-    set: ObjectSet = Field("paper", description="Set of objects of the catalogue")
+    set: ObjectSet = Field(
+        "paper",
+        description="Set of objects of the catalogue, beside which own models take part; `own`: own models only",
+    )
     own_up_axis: Literal["file", "auto", "x", "-x", "y", "-y", "z", "-z"] = Field(
         "file",
         description="Up axis of own models, such as z or -y; `file`: as the file says (glTF, COLLADA, 3MF), else y; "
