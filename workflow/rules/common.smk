@@ -503,6 +503,15 @@ def close_run():
         lock({*stale})
 
 
+def name_left_out():
+    """After a failed run, print why objects were left out: recognition may lack them."""
+    if DECIDES:
+        from visuohaptic_workflow.closing import lines_of_left_out
+
+        for line in lines_of_left_out():
+            print(line, file=sys.stderr)
+
+
 def are_parameters_current():
     """Return whether params.yaml still has the parameters of this process."""
     return read_parameters("params.yaml") == PARAMETERS

@@ -38,13 +38,12 @@ def lines_at_end(logs: Iterable[str | Path] = (), *, report_is_current: bool) ->
     their class and the lines of `describe_results` follow. Files are read from folders ``results`` and ``reports`` of
     the working directory.
     """
-    meshes = sorted(Path("results/meshes").glob("*/*/*/*.ply"), key=object_of)
+    meshes = _meshes()
     reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in meshes}
     exceeded = broken_tolerances(sorted(Path("results/stability").rglob("*.parquet")))
-    left_out = [f"{key} was left out: {reason}" for key, reason in reasons.items() if reason]
     notes = [f"warning: {object_of(mesh)}: {note}" for mesh in meshes for note in notes_of(mesh)]
     return [
-        *_first_lines(left_out),
+        *lines_of_left_out(),
         *_first_lines(notes),
         *(f"warning: {sentence}" for sentence in exceeded),
         *_first_lines(read_warnings(logs)),
@@ -54,6 +53,18 @@ def lines_at_end(logs: Iterable[str | Path] = (), *, report_is_current: bool) ->
         ),
         *(describe_results() if report_is_current else []),
     ]
+
+
+def lines_of_left_out() -> list[str]:
+    """Return a line with the reason per object that was left out, by the files in ``results/meshes``."""
+    reasons = {object_of(mesh): set_aside_reason(mesh) for mesh in _meshes()}
+    return _first_lines(
+        [f"{key} was left out: {reason}" for key, reason in reasons.items() if reason]
+    )
+
+
+def _meshes() -> list[Path]:
+    return sorted(Path("results/meshes").glob("*/*/*/*.ply"), key=object_of)
 
 
 def _first_lines(lines: Sequence[str]) -> list[str]:
