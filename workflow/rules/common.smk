@@ -104,8 +104,9 @@ ENVIRONMENT = {
 }
 set_job_environment(*SOURCES)
 sys.path[:] = [*without_studies_of_clones(sys.path), *map(str, STUDY_FOLDERS)]
-# Whether this is the main workflow. If it is a module, the main workflow decides which jobs run.
-IS_MAIN = Path(workflow.main_snakefile).parent in (ROOT, ROOT / "workflow")
+# Whether this is the main workflow, also if the Snakefile of another folder includes it. If it is a module, the main
+# workflow decides which jobs run.
+IS_MAIN = workflow.modifier.is_main_snakefile()
 # Whether keys decide which jobs run. Otherwise Snakemake's own metadata decide: in a storage, where records can't be
 # read at the start, and in another workflow.
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None

@@ -29,6 +29,10 @@ class CatalogueError(VisuohapticError):
     """The catalogue of objects, or a name in it, is not allowed."""
 
 
+class FolderError(VisuohapticError):
+    """A folder for a run can't be made or used, because of its files, its path, permissions or another run."""
+
+
 class DownloadError(VisuohapticError):
     """A model can't be downloaded, or its digest differs from the digest in the catalogue."""
 

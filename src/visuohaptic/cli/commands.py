@@ -15,6 +15,7 @@ from visuohaptic.cli import (
     explore,
     export,
     meshes,
+    new,
     press,
     report,
     tables,
@@ -46,8 +47,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 for command in (
-    *(explore.touch, explore.recognise, press.press, evaluate.evaluate, report.report),
-    *(compare.compare, export.export, tables.tables),
+    *(explore.touch, explore.recognise, press.press, new.new, evaluate.evaluate),
+    *(report.report, compare.compare, export.export, tables.tables),
 ):
     app.command()(command)
 app.add_typer(meshes.app, name="meshes")

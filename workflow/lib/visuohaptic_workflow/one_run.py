@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import IO
 
-from visuohaptic.base.errors import VisuohapticError
+from visuohaptic.base.errors import FolderError
 
 STATE = Path(".cache")
 _OWNER = STATE / "run.lock"
@@ -20,10 +20,6 @@ LEAST_FREE_BYTES = 10**6
 """Free space (bytes) of a disk below which no run begins, because the log and the plan of a run take about as much."""
 _SECONDS_TO_WAIT = 60.0
 _held: list[IO[str]] = []
-
-
-class FolderError(VisuohapticError):
-    """A run can't use a folder, because of another run, the path or permissions."""
 
 
 def claim_folder() -> None:
@@ -92,7 +88,7 @@ def not_writable(reason: str) -> FolderError:
     """Return the error for a working folder that this user may not write to."""
     return FolderError(
         f"{Path.cwd()} can't be written ({reason}); `make why` lists the jobs that would run here. To run the "
-        "workflow, choose a folder of your own: snakemake -s PATH/Snakefile -d FOLDER."
+        "workflow, choose a folder of your own: `visuohaptic new FOLDER`, or snakemake -s PATH/Snakefile -d FOLDER."
     )
 
 
