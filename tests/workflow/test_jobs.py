@@ -3,6 +3,7 @@
 import logging
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -101,7 +102,34 @@ def test_a_job_that_fails_says_its_warnings_with_its_error(tmp_path, capsys):
     assert read_warnings([log]) == ["warning: cup/a is left out"]
 
 
-def test_a_user_who_stops_a_job_during_an_import_sees_no_error(tmp_path):
+def test_a_user_who_stops_a_job_while_its_script_imports_modules_sees_no_traceback():
+    kill = "import os, signal; os.kill(os.getpid(), signal.SIGINT)"
+    for script in sorted((ROOT / "workflow/scripts").glob("*.py")):
+        above = script.read_text().partition("# isort: split\n")[0]
+        assert "import visuohaptic_workflow.interruptible" in above, script
+    ended = subprocess.run(
+        [sys.executable, "-c", above + kill], check=False, env={"PYTHONPATH": PATHS},
+        text=True, capture_output=True,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) == (-signal.SIGINT, "")
+    # At work the job removes its temporary files first.
+    work = f"""{above}
+from types import SimpleNamespace
+from visuohaptic_workflow.jobs import job
+with job(SimpleNamespace(log=["/dev/null"], output=[], params={{}})):
+    try:
+        {kill}
+    finally:
+        print("tidied up")
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", work], check=False, env={"PYTHONPATH": PATHS},
+        text=True, capture_output=True,
+    )  # fmt: skip
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "tidied up\n", "")
+
+
+def test_a_user_who_stops_a_job_during_a_late_import_sees_no_error(tmp_path):
     """Compiled modules end in ImportError then, and Open3D lists its memory when the process ends."""
     program = f"""
 import atexit

@@ -1,5 +1,8 @@
 """Measure a block of a study's conditions."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.measuring import make_study_block
 from visuohaptic_workflow.jobs import job

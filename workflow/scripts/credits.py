@@ -1,5 +1,8 @@
 """Write the authors and licences of the downloaded models."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.meshes.catalogue import Credit, Model, write_credits
 from visuohaptic_workflow.jobs import job
 

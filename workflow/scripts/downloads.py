@@ -1,5 +1,8 @@
 """Download the models of the chosen set that are not in the repository."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from pathlib import Path
 
 from visuohaptic.meshes.catalogue import Model

@@ -1,5 +1,8 @@
 """Recompute features that conditions of a study share."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import inputs_needed_from

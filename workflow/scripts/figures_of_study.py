@@ -1,5 +1,8 @@
 """Summarise a study: each condition's accuracy, and its difference to another condition."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import make_study_figures
 from visuohaptic_workflow.jobs import job

@@ -1,5 +1,8 @@
 """Prepare the meshes of a block of objects."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_meshes
 from visuohaptic.meshes.parameters import MeshParameters

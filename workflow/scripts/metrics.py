@@ -1,5 +1,8 @@
 """Summarise the scores of all pipelines and strategies."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.evaluation.metrics import make_metrics
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic_workflow.jobs import job

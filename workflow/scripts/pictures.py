@@ -1,5 +1,8 @@
 """Make the report's pictures of a block of objects."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.report.object_pictures import make_pictures
 from visuohaptic_workflow.jobs import job

@@ -1,5 +1,8 @@
 """Train and test a pipeline on the touches of each strategy."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.recognition.files import make_scores
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job

@@ -1,5 +1,8 @@
 """Write the report of the run."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from pathlib import Path
 
 from visuohaptic.geometry.surface import meshes_in

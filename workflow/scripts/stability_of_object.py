@@ -1,5 +1,8 @@
 """Compute the numerical errors of a block of objects."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.geometry.surface import meshes_in
 from visuohaptic.scene.parameters import Scene

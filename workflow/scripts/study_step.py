@@ -1,5 +1,8 @@
 """Run a step of a study."""
 
+import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
+
+# isort: split
 from pathlib import Path
 
 import pyarrow as pa  # noqa: F401 - imported first, so that `job` can keep it from importing pandas

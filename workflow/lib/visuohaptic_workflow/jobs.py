@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import shlex
+import signal
 import sys
 import time
 import traceback
@@ -80,6 +81,8 @@ def job(snakemake: Any) -> Iterator[None]:
     the log also gets the traceback of an unexpected error. If the user stops the run, the process exits with status 130
     and prints nothing.
     """
+    if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:  # by `interruptible`
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     path = Path(snakemake.log[0])
     warnings = _Warnings()
     logging.getLogger().addHandler(warnings)
