@@ -7,7 +7,7 @@ def choose_closest(viewpoint, attention, generator):
     """Draw locations that the viewpoint sees, and return the closest first."""
     import numpy as np
 
-    from visuohaptic.fixations.strategies.visible import draw_visible
+    from visuohaptic.fixations import draw_visible
 
     seen = draw_visible(viewpoint.caster, viewpoint.camera, 256, generator)
     distances = np.linalg.norm(seen.points - viewpoint.camera.eye, axis=1)

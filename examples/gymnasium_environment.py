@@ -9,7 +9,6 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete
 
 import visuohaptic as vh
-from visuohaptic.geometry.raycasting import RayCaster
 
 
 def touch_at(thing, target):
@@ -18,7 +17,7 @@ def touch_at(thing, target):
     Returns the imprint (r, r), the position (3,) and the rotation (3, 3) of the sensor. The columns of the rotation are
     the sensor's column axis, its row axis, and the outward normal.
     """
-    nearest, _ = RayCaster(thing.surface).nearest(np.reshape(target, (1, 3)).astype(float))
+    nearest, _ = vh.RayCaster(thing.surface).nearest(np.reshape(target, (1, 3)).astype(float))
     felt = thing.touch(at=nearest)
     [touch] = felt.touches.to_pylist()
     position, normal, tangent = (

@@ -1,7 +1,7 @@
 """Example of a map: the first principal components of a touch."""
 
 import visuohaptic as vh
-from visuohaptic.recognition.maps import FeatureGroups, Map
+from visuohaptic.recognition import FeatureGroups
 
 
 def fit(touches, settings, generator):
@@ -17,13 +17,12 @@ def reduce(fitted, touches):
     return touches @ fitted.weights
 
 
-vh.register(Map("principal", "its first principal components", fit, reduce))
+vh.register(vh.Map("principal", "its first principal components", fit, reduce))
 
 if __name__ == "__main__":
     import numpy as np
 
-    from visuohaptic.recognition.encoding import SequenceEncoder
-    from visuohaptic.recognition.parameters import RecognitionParameters
+    from visuohaptic.recognition import RecognitionParameters, SequenceEncoder
 
     chosen = RecognitionParameters(self_organising_map={"output": "principal", "outputs": 3})
     generator = np.random.default_rng(0)

@@ -4,7 +4,7 @@ import numpy as np
 from pydantic import Field
 
 import visuohaptic as vh
-from visuohaptic.sensor.effect_pipeline import EffectDecision
+from visuohaptic.sensor import EffectDecision
 
 
 def need(situation, signal):
@@ -35,9 +35,8 @@ vh.register(
 )
 
 if __name__ == "__main__":
-    from visuohaptic.scene.parameters import Scene
     from visuohaptic.sensor import TouchBatch, simulate
 
-    situation = TouchBatch(Scene(zero_offset=0.1), np.zeros((1, 2, 2)), np.full(1, 1e-3), None)
+    situation = TouchBatch(vh.Scene(zero_offset=0.1), np.zeros((1, 2, 2)), np.full(1, 1e-3), None)
     readings, records = simulate(situation, np.array([[[0.0, 0.5], [0.95, 1.0]]]))
     print(*readings.ravel(), "by", *(record.effect for record in records if record.runs))

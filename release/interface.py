@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,19 @@ import typer
 import yaml
 from pydantic import BaseModel
 
-import contourlets
-import visuohaptic
 from visuohaptic.cli.commands import app
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.tables.schemas import SCHEMAS
+
+PACKAGES = (
+    "contourlets",
+    "visuohaptic",
+    "visuohaptic.attention",
+    "visuohaptic.fixations",
+    "visuohaptic.recognition",
+    "visuohaptic.sensor",
+)
+"""Packages whose names are public."""
 
 RECORD = Path(__file__).with_name("interface.json")
 """The interface of the last release."""
@@ -25,7 +34,7 @@ RECORD = Path(__file__).with_name("interface.json")
 def current_interface() -> dict[str, list[str]]:
     """Return the public names with their arguments, commands with options, columns and parameters."""
     return {
-        "names": sorted((*_names(contourlets), *_names(visuohaptic))),
+        "names": sorted(name for package in PACKAGES for name in _names(import_module(package))),
         "commands": sorted(_commands(typer.main.get_command(app), "visuohaptic")),
         "columns": sorted(
             f"{schema.name}.{column.name}: {column.dtype}"
@@ -63,7 +72,7 @@ def _names(package: Any) -> Iterator[str]:
 
 def _is_own(value: type, name: str, package: Any) -> bool:
     home = next(base for base in value.__mro__ if name in vars(base) or base is object)
-    return home.__module__.partition(".")[0] == package.__name__
+    return home.__module__.partition(".")[0] == package.__name__.partition(".")[0]
 
 
 def _commands(command: Any, path: str) -> Iterator[str]:

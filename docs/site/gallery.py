@@ -106,10 +106,6 @@ def draw_points(
 
 PICTURES: dict[str, tuple[str, Draw]] = {
     "closest": ("The five closest places of a chair.", draw_touches("chair", strategy="closest")),
-    "nearest_edge": (
-        "Each touch of a car is beside the emptiest imprint before.",
-        draw_touches("car", strategy="nearest_edge"),
-    ),
     "redness": ("A car, and its saliency map of this channel only.", draw_redness),
     "zero_offset": ("Two imprints of a chair, without and with the offset.", draw_zero_offset),
     "grid_means": ("An imprint of a bottle, and its means.", draw_grid_means),

@@ -29,7 +29,7 @@ MADE = {
     },
 }
 # Folders of the library that public names come from, by the heading of their list.
-USED = ("exploration", "evaluation", "parameters", "base")
+USED = ("exploration", "evaluation", "geometry", "parameters", "base")
 BOUNDS = {"ge": "≥", "gt": ">", "le": "≤", "lt": "<"}
 Write = Callable[[str, str], None]
 

@@ -20,10 +20,12 @@ from .fixations.policies import Felt as Felt
 from .fixations.policies import Policy as Policy
 from .fixations.policies import PolicyView as PolicyView
 from .fixations.probing import Strategy as Strategy
+from .geometry.raycasting import RayCaster as RayCaster
 from .io.plugins import register as register
 from .parameters import read_parameters as read_parameters
 from .recognition.classifiers import Classifier as Classifier
 from .recognition.maps import Map as Map
+from .scene.parameters import Scene as Scene
 from .sensor.effect_pipeline import Effect as Effect
 from .studies.learning_policies import LearningPolicy as LearningPolicy
 

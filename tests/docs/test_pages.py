@@ -27,7 +27,7 @@ from report.synthetic import lay_out
 from visuohaptic.cli.commands import app
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.phases import OF_OBJECT
+from visuohaptic.phases import OF_OBJECT, PHASES, Phase
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters
 from visuohaptic.studies.evaluation.models import read_evaluation, summarise_evaluation
 from visuohaptic.studies.learning_policies import LEARNING_POLICIES
@@ -45,7 +45,8 @@ PAGES = (
     *sorted((ROOT / "packages").glob("*/**/*.md")),
 )
 # Pages whose Python has a test of its own.
-RUN_ELSEWHERE = {"tour.md", "your_question.md"}
+SHORT_PAGES = runpy.run_path(str(ROOT / "docs/make_short_pages.py"))["PAGES"]
+RUN_ELSEWHERE = {"tour.md", "your_question.md", *(f"{page}.md" for page in SHORT_PAGES)}
 OF_RULES = "".join(file.read_text() for file in ROOT.glob("workflow/rules/*.smk"))
 RULES = {"all", *re.findall(r"^rule (\w+):", OF_RULES, re.M)}
 RULES |= {name for phase in OF_OBJECT for name in (phase.name, f"{phase.name}_all")}
@@ -181,6 +182,7 @@ def test_python_of_the_pages_runs(page, finished, monkeypatch):
         "features": table,
         "features_of_one_object": table.filter(of_one),
         "parameters": RecognitionParameters(),
+        "Phase": Phase,
     }
     for text in blocks(page, "python"):
         exec(compile(text, page.name, "exec"), given)  # noqa: S102
@@ -266,6 +268,11 @@ def test_the_page_of_scaling_shows_the_kept_seconds_and_memory(monkeypatch):
     text = (ROOT / "docs" / "scaling.md").read_text(encoding="utf-8")
     for name, table in made["blocks"]().items():
         assert f"<!-- {name} -->\n{table}\n<!-- /{name} -->" in text
+
+
+def test_the_page_of_architecture_lists_the_phases():
+    lines = [f"{one.name} reads {one.inputs} writes {tuple(one.writes)}\n" for one in PHASES]
+    assert "".join(lines) in blocks(ROOT / "docs" / "architecture.md", "text")
 
 
 def test_the_page_of_architecture_names_every_folder_of_the_library():

@@ -7,7 +7,9 @@ __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "descriptors": ["touch_descriptors"],
+        "encoding": ["SequenceEncoder"],
         "experiment": ["run_pipeline"],
+        "maps": ["FeatureGroups"],
         "model": ["RecognitionModel", "fit_model"],
         "parameters": ["RecognitionParameters"],
         "pipelines": ["make_order_free"],

@@ -1,3 +1,4 @@
+from .effect_pipeline import EffectDecision as EffectDecision
 from .effect_pipeline import TouchBatch as TouchBatch
 from .effects import EFFECTS as EFFECTS
 from .effects import simulate as simulate

@@ -1,0 +1,2 @@
+from .places import ProbingLocations as ProbingLocations
+from .strategies.visible import draw_visible as draw_visible
