@@ -23,6 +23,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_check_finds_shipped_and_own_objects_touchable_and_names_a_broken_file(visuohaptic, folder):
     result = visuohaptic("meshes", "check", folder=folder)
     assert result.code == 0
