@@ -40,6 +40,15 @@ def test_what_is_dumped_reads_back():
             {"recognition": {"order_free": {"wave": 3}}},
             r"did you mean recognition\.order_free\.waves\?$",
         ),
+        (
+            {"resolution": 16},
+            r"resolution is no parameter; did you mean rendering\.resolution or sensor\.resolution\?$",
+        ),
+        (
+            {"attention": {"resolution": 16}},
+            r"attention\.resolution is no parameter; did you mean rendering\.resolution or sensor",
+        ),
+        ({"objects": 3}, r"objects is no parameter; did you mean cost\.objects\?$"),
         ({"sensor": {"zzz": 1}}, r"sensor\.zzz is no parameter\.$"),
         (
             {"probing": {"strategies": ["guessing"]}},

@@ -49,6 +49,9 @@ DIRECTIONAL = ("contourlet", "nonsubsampled_contourlet")
 """Descriptors with directional bands. With levels [4] these bands shift cyclically if the sensor rolls."""
 
 
+_MOST_SUGGESTED = 3
+"""Most names that are suggested in place of a name without its section."""
+
 _WITHOUT_REPEATS = (
     "probing.strategies",
     "recognition.pipelines",
@@ -421,12 +424,19 @@ def _siblings(location: tuple[object, ...]) -> Sequence[str]:
     return [*getattr(section, "model_fields", ())]
 
 
+def _in_other_sections(name: str) -> list[str]:
+    """Return the dotted names of parameters with this last part, if there are at most three."""
+    dotted = [path for path, _ in leaves(ExperimentParameters().model_dump())]
+    same = [path for path in dotted if path.rpartition(".")[2] == name]
+    return same if len(same) <= _MOST_SUGGESTED else []
+
+
 def _sentence(problem: Mapping[str, Any], arguments: Mapping[str, str]) -> str:
     """Return the message of one of pydantic's errors."""
     location = problem["loc"]
     path = ".".join(map(str, location))
     if problem["type"] == "extra_forbidden":
-        return unknown_parameter(path, _siblings(location))
+        return unknown_parameter(path, _siblings(location), _in_other_sections(str(location[-1])))
     if problem["type"] == "value_error":
         message = str(problem["msg"]).removeprefix("Value error, ").rstrip(".")
         return f"{path}: {message}" if path else message

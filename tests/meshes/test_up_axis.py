@@ -9,8 +9,11 @@ import pytest
 import trimesh
 from numerics.surfaces import build_plain_surface, of_trimesh
 
+import visuohaptic as vh
 from visuohaptic.base.errors import MeshError
+from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.catalogue import Model
+from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import prepare_with_matrix
 from visuohaptic.meshes.up_axis import (
@@ -113,6 +116,16 @@ def test_a_model_that_hardly_stands_is_said_to_be_taken_as_y_up_where_nobody_say
         made, way = prepare_with_matrix(Model("a", "b"), surface, MeshParameters(own_up_axis=asked))
         assert np.abs(way[1, :3]).argmax() == 1
         assert ["taken as y-up" in note for note in made.notes] == [True] * count
+
+
+def test_a_run_turns_an_own_model_as_load_does(tmp_path):
+    table().export(tmp_path / "table.stl")
+    axes = MeshParameters(own_up_axis="x", own_front_axis="-y")
+    make_mesh("a/table", None, tmp_path / "table.stl", tmp_path / "made.ply", axes)
+    loaded = vh.load(tmp_path / "table.stl", up="x", front="-y")
+    np.testing.assert_array_equal(
+        read_surface(tmp_path / "made.ply").vertices, loaded.surface.vertices
+    )
 
 
 def test_a_surface_without_area_is_refused_as_always():

@@ -100,10 +100,13 @@ FOLDERS = {"plugins/": "plug_ins/"}
 """Former folders for the user's files, with the new folders."""
 
 
-def unknown_parameter(name: str, siblings: Iterable[str] = ()) -> str:
+def unknown_parameter(
+    name: str, siblings: Iterable[str] = (), elsewhere: Iterable[str] = ()
+) -> str:
     """Return the clause that no parameter has this dotted name, with its successor if the parameter was renamed.
 
-    Without a successor, the most similar of `siblings`, the names of the same section, is suggested.
+    Without a successor, the most similar of `siblings`, the names of the same section, is suggested. Without such a
+    name, the dotted names `elsewhere` are suggested.
     """
     parts = name.split(".")
     prefixes = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
@@ -111,8 +114,9 @@ def unknown_parameter(name: str, siblings: Iterable[str] = ()) -> str:
     if successor:
         return f"{name} is no parameter: {successor}"
     similar = get_close_matches(parts[-1], siblings, 1, SIMILAR)
-    suggested = ".".join([*parts[:-1], *similar])
-    return f"{name} is no parameter" + (f"; did you mean {suggested}?" if similar else "")
+    suggested = [".".join([*parts[:-1], *similar])] if similar else list(elsewhere)
+    ending = f"; did you mean {' or '.join(suggested)}?" if suggested else ""
+    return f"{name} is no parameter{ending}"
 
 
 def moved_value(name: str, value: object) -> str:
