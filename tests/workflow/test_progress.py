@@ -53,6 +53,17 @@ def test_a_failed_job_is_named_below_its_error_and_options_of_snakemake_count(st
     assert "Finished jobid" in verbose
 
 
+@pytest.mark.workflow
+def test_a_user_who_stops_the_planning_of_a_run_sees_no_traceback(whole_stand_in, tmp_path):
+    (tmp_path / "plug_in").mkdir()
+    (tmp_path / "plug_in/stopping.py").write_text("raise KeyboardInterrupt\n")
+    plug_in = f"plugins=[{tmp_path}/plug_in/stopping.py]"
+    stopped = whole_stand_in.snakemake("-n", "--config", plug_in, check=False)
+    assert stopped.returncode != 0
+    assert stopped.stdout.splitlines()[-1] == "stopped."
+    assert "Traceback" not in stopped.stdout
+
+
 def sent(*events):
     """Send events to a logger with lines of jobs, and return what its stream printed."""
     logger, printed = logging.getLogger(str(uuid4())), []

@@ -22,6 +22,15 @@ SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib
 # Folders with studies: of the working folder, and of the clone.
 STUDY_FOLDERS = [Path("studies").absolute(), ROOT / "studies"]
 sys.path[:0] = map(str, SOURCES)
+# Whether this is the main workflow, also if the Snakefile of another folder includes it. If it is a module, the main
+# workflow decides which jobs run.
+IS_MAIN = workflow.modifier.is_main_snakefile()
+
+from visuohaptic_workflow.termination import say_stopped_at_interrupt
+
+# Before the imports that take half of the planning.
+if IS_MAIN and IS_PLANNER:
+    say_stopped_at_interrupt()
 
 from visuohaptic.base.errors import VisuohapticError
 from visuohaptic.meshes.catalogue import (
@@ -104,9 +113,6 @@ ENVIRONMENT = {
 }
 set_job_environment(*SOURCES)
 sys.path[:] = [*without_studies_of_clones(sys.path), *map(str, STUDY_FOLDERS)]
-# Whether this is the main workflow, also if the Snakefile of another folder includes it. If it is a module, the main
-# workflow decides which jobs run.
-IS_MAIN = workflow.modifier.is_main_snakefile()
 # Whether keys decide which jobs run. Otherwise Snakemake's own metadata decide: in a storage, where records can't be
 # read at the start, and in another workflow.
 IS_KEYED = IS_MAIN and workflow.storage_settings.default_storage_provider is None

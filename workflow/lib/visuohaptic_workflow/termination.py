@@ -1,12 +1,26 @@
-"""End a run after SIGTERM: Snakemake starts no further jobs, and waits for running jobs."""
+"""End a run after SIGTERM, so that running jobs end and no job starts, and without a traceback at Ctrl-C."""
 
 from __future__ import annotations
 
 import signal
+import sys
 import threading
-from types import FrameType
+from types import FrameType, TracebackType
 
 _received = threading.Event()
+
+
+def say_stopped_at_interrupt() -> None:
+    """Print ``stopped.`` instead of a traceback if Ctrl-C ends this process while it plans the run."""
+    inherited = sys.excepthook
+
+    def end(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        if issubclass(kind, KeyboardInterrupt):
+            sys.stderr.write("stopped.\n")
+        else:
+            inherited(kind, error, trace)
+
+    sys.excepthook = end
 
 
 def pass_termination_on() -> None:
