@@ -14,16 +14,16 @@ PER_IMPRINT, ABSOLUTE = SensorParameters(), SensorParameters(normalisation="abso
 def test_each_normalisation_has_its_own_words_with_and_without_a_cover():
     bare, covered = Scene(), Scene(preset="fsr400")
     assert str(imprint_scale(PER_IMPRINT, bare)) == (
-        "dark: the imprint's farthest point (0) – light: the imprint's nearest point (1)"
+        "dark: the imprint's farthest point (0); light: the imprint's nearest point (1)"
     )
     assert str(imprint_scale(ABSOLUTE, bare)) == (
-        "dark: a gap of 0.1 object radii or more (0) – light: contact with the sensor's plane (1)"
+        "dark: a gap of 0.1 object radii or more (0); light: contact with the sensor's plane (1)"
     )
     assert str(imprint_scale(PER_IMPRINT, covered)) == (
-        "dark: the imprint's lowest pressure (0) – light: the imprint's highest pressure (1)"
+        "dark: the imprint's lowest pressure (0); light: the imprint's highest pressure (1)"
     )
     assert str(imprint_scale(ABSOLUTE, covered)) == (
-        "dark: no pressure (0) – light: 100000 Pa or more (1)"
+        "dark: no pressure (0); light: 100000 Pa or more (1)"
     )
     off = Scene(preset="fsr400", effects={"elastic_cover": "never"})
     assert imprint_scale(ABSOLUTE, off) == imprint_scale(ABSOLUTE, bare)

@@ -19,8 +19,9 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import unfinished_folder
 from visuohaptic.base.errors import MeshError, MeshWarning, ParameterError
 from visuohaptic.exploration.file_frame import FileFrame
+from visuohaptic.exploration.looking import exploration_figure, object_figure, show_figure
 from visuohaptic.exploration.next_touch import FeltTouch, touch_next_point
-from visuohaptic.exploration.picture import draw_exploration
+from visuohaptic.exploration.picture import draw_exploration, draw_first_view
 from visuohaptic.exploration.pose_files import write_poses
 from visuohaptic.exploration.recognising import (
     GIVEN,
@@ -32,10 +33,10 @@ from visuohaptic.exploration.recognising import (
     read_recogniser,
 )
 from visuohaptic.exploration.showing import (
-    VIEWS_SHOWN,
-    png_of,
+    picture_with_line,
     probability_line,
     probability_table,
+    small_png_of,
     view_of,
 )
 from visuohaptic.exploration.sources import (
@@ -92,8 +93,28 @@ class TouchableObject:
     def __repr__(self) -> str:
         return f"<TouchableObject {self.key}: {len(self.surface.faces):,} triangles>"
 
-    def _repr_png_(self) -> bytes:
-        return view_of(self.surface)
+    def _repr_html_(self) -> str:
+        line = f"{self.key}: {len(self.surface.faces):,} triangles; show() turns it"
+        return picture_with_line(view_of(self.surface), line)
+
+    def show(self, path: str | Path | None = None) -> Path | None:
+        """Show the object as a model that can be turned, in a notebook or in the browser.
+
+        Parameters
+        ----------
+        path : path, optional
+            HTML file to write, which is then not opened. By default the model is shown in the notebook; outside of a
+            notebook, a new file is opened in the browser.
+
+        Returns
+        -------
+        pathlib.Path or None
+            The file, one page that needs no network; None in a notebook without `path`.
+        """
+        line = (
+            f"{len(self.surface.faces):,} triangles, in the object frame: y is up, +z is the front."
+        )
+        return show_figure(object_figure(self.key, self.surface), line, path)
 
     def touch(
         self,
@@ -234,17 +255,21 @@ class Exploration:
     frame: FileFrame = field(default_factory=lambda: FileFrame(np.eye(4)))
 
     def __repr__(self) -> str:
-        touches, seconds = self.touches.num_rows, sum(self.seconds.values())
-        how = (
-            f"from {self.views.num_rows} viewpoints by {self.strategy}"
-            if self.views.num_rows
-            else "at given points"
-        )
-        return f"<Exploration of {self.key}: {touches} touches {how}, {seconds:.2f} s>"
+        return f"<Exploration of {self.key}: {self._summary}, {sum(self.seconds.values()):.2f} s>"
 
-    def _repr_png_(self) -> bytes:
-        views = self.views.slice(0, VIEWS_SHOWN)
-        return png_of(draw_exploration(self.surface, self.parameters, views, self.touches))
+    def _repr_html_(self) -> str:
+        picture = draw_first_view(self.surface, self.parameters, self.views, self.touches)
+        return picture_with_line(
+            small_png_of(picture), f"{self.key}: {self._summary}; show() turns it"
+        )
+
+    @property
+    def _summary(self) -> str:
+        """The number of touches, and how they were chosen."""
+        touches = self.touches.num_rows
+        if not self.views.num_rows:
+            return f"{touches} touches at given points"
+        return f"{touches} touches from {self.views.num_rows} viewpoints by {self.strategy}"
 
     @property
     def views(self) -> pa.Table:
@@ -378,6 +403,28 @@ class Exploration:
             answer.coverage,
             caution_about(self.strategy, recogniser),
         )
+
+    def show(self, path: str | Path | None = None) -> Path | None:
+        """Show the object with its touches as a model that can be turned, in a notebook or in the browser.
+
+        The model has the touches of a viewpoint, numbered in order, and the squares of the sensor on the surface. The
+        reader chooses the viewpoint, and sees the imprint of a number.
+
+        Parameters
+        ----------
+        path : path, optional
+            HTML file to write, which is then not opened. By default the model is shown in the notebook; outside of a
+            notebook, a new file is opened in the browser.
+
+        Returns
+        -------
+        pathlib.Path or None
+            The file, one page that needs no network; None in a notebook without `path`.
+        """
+        figure = exploration_figure(
+            self.key, self.surface, self.parameters, self.strategy, self.views, self.touches
+        )
+        return show_figure(figure, f"{self._summary}.", path)
 
     def picture(self) -> Image:
         """Draw all views with their numbered touches and the squares of the sensor, and all imprints.

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from PIL import Image, ImageDraw, ImageFont
 
 from visuohaptic.base.arrays import FloatArray
@@ -15,6 +16,7 @@ from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.report.imprint_scale import imprint_scale
 from visuohaptic.report.projecting import project, squares_in_view
 from visuohaptic.tables.phases import POINT_NAMES
 from visuohaptic.tables.schema import images, matrix
@@ -23,6 +25,8 @@ VIEW_PIXELS = 320
 IMPRINT_PIXELS = 84
 IMPRINTS_ACROSS = 3
 GAP = 8
+FIRST_TOUCHES = 9
+"""Largest number of touches in the small picture of an exploration; `Exploration.picture` has all touches."""
 _BACK, _INK, _MARK, _SQUARE = (255, 255, 255), (30, 34, 40), (255, 214, 0), (0, 92, 200)
 _LABEL = 16
 
@@ -33,14 +37,15 @@ def draw_exploration(
     """Draw one cell per viewpoint: the view with its touches, and the imprints beside the view.
 
     A filled number marks a touch visible from the viewpoint; a hollow number marks a hidden touch. The square
-    is the sensor. Contact is white in an imprint; the label is the sensor's edge (object radii) and the contact
-    state.
+    is the sensor. The label of an imprint is the sensor's edge (object radii) and the contact state. The last line says
+    what dark and light mean in an imprint.
     """
     caster = RayCaster(surface)
     cameras = place_cameras(parameters.viewpoints)
     owner = touches.column("viewpoint").to_numpy()
+    scale = str(imprint_scale(parameters.sensor, parameters.scene))
     if not views.num_rows:
-        return _grid([_cell("given points", None, touches)])
+        return _with_line(_grid([_cell("given points", None, touches)]), scale)
     cells = []
     for row in views.to_pylist():
         mine = touches.filter(pa.array(owner == row["viewpoint"]))
@@ -48,7 +53,17 @@ def draw_exploration(
             view = picture.convert("RGB").resize((VIEW_PIXELS, VIEW_PIXELS))
         _mark_touches(view, caster, cameras[row["viewpoint"]], mine)
         cells.append(_cell(f"viewpoint {row['viewpoint']}", view, mine))
-    return _grid(cells)
+    return _with_line(_grid(cells), scale)
+
+
+def draw_first_view(
+    surface: Surface, parameters: ExperimentParameters, views: pa.Table, touches: pa.Table
+) -> Image.Image:
+    """Draw as `draw_exploration` the first view and at most its first `FIRST_TOUCHES` touches."""
+    views = views.slice(0, 1)
+    if views.num_rows:
+        touches = touches.filter(pc.field("viewpoint") == views.column("viewpoint")[0].as_py())
+    return draw_exploration(surface, parameters, views, touches.slice(0, FIRST_TOUCHES))
 
 
 def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table) -> None:
@@ -109,3 +124,13 @@ def _grid(cells: list[Image.Image]) -> Image.Image:
         down, right = divmod(number, across)
         picture.paste(cell, (right * width + GAP, down * height + GAP))
     return picture
+
+
+def _with_line(picture: Image.Image, line: str) -> Image.Image:
+    """Return a picture with a line of text below, wide enough for both."""
+    font = ImageFont.load_default(12)
+    width = max(picture.width, math.ceil(font.getlength(line)) + 2 * GAP)
+    whole = Image.new("RGB", (width, picture.height + _LABEL + GAP), _BACK)
+    whole.paste(picture, (0, 0))
+    ImageDraw.Draw(whole).text((GAP, picture.height), line, fill=_INK, font=font)
+    return whole

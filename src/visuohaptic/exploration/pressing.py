@@ -91,7 +91,7 @@ class Pressed:
         return points
 
     def picture(self) -> Image.Image:
-        """Draw the first 64 imprints side by side. Contact is white.
+        """Draw the first 64 imprints side by side. Light is 1, and dark is 0 (`images`).
 
         Returns
         -------

@@ -14,10 +14,9 @@ from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
+from visuohaptic.report.pictures import data_uri
 from visuohaptic.scene.parameters import EffectModes
 
-VIEWS_SHOWN = 4
-"""Number of views that a notebook shows of an exploration; `Exploration.picture` has all views."""
 CLASSES_PRINTED = 3
 """Number of classes in `probability_line`."""
 
@@ -51,6 +50,20 @@ def png_of(picture: Image.Image) -> bytes:
     stored = io.BytesIO()
     picture.save(stored, "png")
     return stored.getvalue()
+
+
+def small_png_of(picture: Image.Image) -> bytes:
+    """Encode a picture as PNG with 128 colours, which takes a third of the bytes."""
+    return png_of(picture.quantize(128))
+
+
+def picture_with_line(png: bytes, line: str) -> str:
+    """Return an HTML picture with one line below. The line is escaped."""
+    address = data_uri(png, "image/png")
+    return (
+        f'<figure style="margin:0"><img src="{address}" alt="">'
+        f"<figcaption>{escape(line)}</figcaption></figure>"
+    )
 
 
 def view_of(surface: Surface) -> bytes:

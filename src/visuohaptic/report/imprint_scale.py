@@ -22,7 +22,7 @@ class ImprintScale:
     light: str
 
     def __str__(self) -> str:
-        return f"dark: {self.dark} (0) – light: {self.light} (1)"
+        return f"dark: {self.dark} (0); light: {self.light} (1)"
 
     @property
     def sentence(self) -> str:

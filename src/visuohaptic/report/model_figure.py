@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
 from typing import Any
 
 from visuohaptic.report.models import COORDINATE_STEPS
+from visuohaptic.report.policy import content_policy
 
 TouchKey = tuple[str, int, int, str]
 """Strategy, viewpoint, number from 1 and contact state of a touch."""
@@ -33,7 +34,7 @@ class ModelFigure:
     strategies : mapping of str to str
         Strategies of the touches, and their names in words.
     views : sequence of (int, float, float)
-        Viewpoints of the touches with azimuth and elevation in degrees. Without views the reader first looks from an
+        Viewpoints of the touches with azimuth and elevation in degrees. An object without touches is first seen from an
         azimuth of 30 and an elevation of 20 degrees.
     shown : int
         The viewpoint that is shown first.
@@ -91,16 +92,13 @@ class ModelFigure:
             f"{' selected' if viewpoint == self.shown else ''}>{viewpoint}</option>"
             for viewpoint, azimuth, elevation in self.views
         )
-        first = next((view for view in self.views if view[0] == self.shown), (0, 30.0, 20.0))
-        every = (
-            f'<option value="all" data-azimuth="{first[1]:.2f}" data-elevation="{first[2]:.2f}">'
-            "all</option>"
-        )
+        _, azimuth, elevation = next(view for view in self.views if view[0] == self.shown)
+        every = f'<option value="all" data-azimuth="{azimuth:.2f}" data-elevation="{elevation:.2f}">all</option>'
         return (
-            f'<label>Touches <select class="strategies" aria-label="Which touches of {name} are shown">'
-            f"{strategies}</select></label>"
-            f'<label>View <select class="viewpoints" aria-label="View of {name} to look from">'
-            f"{views}{every}</select></label>"
+            f"<label{_hidden(self.strategies)}>Touches "
+            f'<select class="strategies" aria-label="Which touches of {name} are shown">{strategies}</select></label>'
+            f"<label{_hidden(self.views)}>View "
+            f'<select class="viewpoints" aria-label="View of {name} to look from">{views}{every}</select></label>'
         )
 
     def _caption(self) -> str:
@@ -110,8 +108,9 @@ class ModelFigure:
         )
         if not self.touch_keys:
             return f"{shown}. {_HOW_TO_TURN}"
+        of_view = " of a view" if len(self.views) > 1 else ""
         return (
-            f"{shown}, with the touches of a view and the squares at their true size; a line joins the touches in "
+            f"{shown}, with the touches{of_view} and the squares at their true size; a line joins the touches in "
             "order. A hollow number is of a touch on the far side. Point at a number or choose it to see the "
             f"imprint. {self.imprint_words} {_HOW_TO_TURN}"
         )
@@ -145,6 +144,37 @@ def model_script() -> str:
 def model_style() -> str:
     """Return the style of the figures."""
     return _text("model.css")
+
+
+def model_page(figure: ModelFigure, line: str) -> str:
+    """Return a page with one figure and a line about the figure: one HTML text that needs no network."""
+    script = model_script()
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<meta http-equiv="Content-Security-Policy" content="{escape(content_policy(script))}">
+<title>{escape(figure.name)}</title>
+<link rel="icon" href="data:,">
+<style>{_text("style.css")}{model_style()}</style>
+</head>
+<body class="of-one-model">
+<main>
+<h1>{escape(figure.name)}</h1>
+<p>{escape(line)}</p>
+{figure.__html__()}
+</main>
+<script>{script}</script>
+</body>
+</html>
+"""
+
+
+def _hidden(choices: Sized) -> str:
+    """Return the attribute that hides a choice between fewer than two."""
+    return "" if len(choices) > 1 else " hidden"
 
 
 def _json(values: Any) -> str:

@@ -29,7 +29,8 @@ from visuohaptic.tables.stability import STABILITY
 MODEL = ("model", "vertices", "faces", "touches", "original_faces")
 """Columns of `tables.PICTURES` that are None for an object without a mesh."""
 
-_PACKED = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
+PACKED = (*POINT_NAMES, *NORMAL_NAMES, *TANGENT_NAMES, "sensor_size")
+"""Columns of a touch in a packed model."""
 
 
 def make_pictures(
@@ -100,7 +101,7 @@ def _model(mesh: str | Path | None, felt: pa.Table, faces: int) -> dict[str, Any
     """Return the columns of the thinned model, and the sheets of the imprints at its touches."""
     if mesh is None:
         return {"sheets": [], **dict.fromkeys(MODEL)}
-    model = pack_model(read_surface(mesh), matrix(felt, _PACKED), faces)
+    model = pack_model(read_surface(mesh), matrix(felt, PACKED), faces)
     return {"sheets": list(_sheets(felt)), **model}
 
 

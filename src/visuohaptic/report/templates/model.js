@@ -7,6 +7,7 @@
   const [STEP, ZOOM, MOST_ZOOM] = [15, 1.25, 12]; // degrees and factor per key; largest zoom
   const LIGHT_RISE = (25 * Math.PI) / 180; // angle from the viewing axis up to the light, as in the views
   const [AMBIENT, DIRECTED] = [0.45, 0.6];
+  const [YELLOW, OPAQUE, RIM] = [[255, 210, 63], 0.55, 0xff111111]; // of squares; the rim as alpha, blue, green, red
   const LIFT = 0.006; // of squares above the surface, in object radii
   const MOST_PIXELS = 1600; // edge of the drawing
   const DISC = 9; // radius of a number, in pixels of the page
@@ -129,14 +130,13 @@
     const paint = (place) => (index, nearness, s, t) => {
       if (nearness < nearest[index]) return;
       const [across, down] = place(s, t);
-      const inRim = Math.abs(across) > wide || Math.abs(down) > high;
-      const opaque = inRim ? 1 : 0.55;
-      [255, 210, 63].forEach((value, channel) => {
-        const byte = 4 * index + channel;
-        const share = bytes[4 * index + 3] ? opaque : 1; // nothing lies below a square beside the surface
-        bytes[byte] = (inRim ? 17 : value) * share + bytes[byte] * (1 - share);
-      });
-      bytes[4 * index + 3] = Math.max(bytes[4 * index + 3], 255 * opaque);
+      if (Math.abs(across) > wide || Math.abs(down) > high) {
+        pixels[index] = RIM;
+        return;
+      }
+      const byte = 4 * index, share = bytes[byte + 3] ? OPAQUE : 1; // beside the surface nothing lies below a square
+      for (let channel = 0; channel < 3; channel++) bytes[byte + channel] = YELLOW[channel] * share + bytes[byte + channel] * (1 - share);
+      bytes[byte + 3] = Math.max(bytes[byte + 3], 255 * OPAQUE);
     };
     fill(edge, corners[0], corners[1], corners[2], paint((s, t) => [2 * (s + t) - 1, 2 * t - 1]));
     fill(edge, corners[0], corners[2], corners[3], paint((s, t) => [2 * s - 1, 2 * (s + t) - 1]));
@@ -219,7 +219,7 @@
     const [stage, felt, touched, strategies, viewpoints] = [".stage", ".felt", ".touched", ".strategies", ".viewpoints"].map(find);
     const sheets = JSON.parse(find(".imprint-sheets").textContent);
     const canvas = document.createElement("canvas");
-    const pen = canvas.getContext("2d");
+    const pen = canvas.getContext("2d", { willReadFrequently: true }); // kept in memory, where this script writes
     let [eye, numbers, offsets, waiting, dragged] = [null, [], null, false, null];
 
     const chosen = () => model.touches.filter((touch) =>
@@ -234,7 +234,8 @@
       const wide = stage.clientWidth, high = stage.clientHeight;
       if (!wide || !high) return;
       const across = Math.min(wide, high);
-      const edge = Math.min(MOST_PIXELS, Math.round(across * Math.max(2, devicePixelRatio))); // two pixels for one have smooth edges
+      // Two pixels for one have smooth edges; one is enough while the object moves.
+      const edge = Math.min(MOST_PIXELS, Math.round(across * (dragged ? 1 : Math.max(2, devicePixelRatio))));
       const unit = edge / across;
       if (canvas.width !== edge) canvas.width = canvas.height = edge;
       canvas.style.width = canvas.style.height = `${across}px`;
