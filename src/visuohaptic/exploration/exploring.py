@@ -111,9 +111,7 @@ class TouchableObject:
         pathlib.Path or None
             The file, one page that needs no network; None in a notebook without `path`.
         """
-        line = (
-            f"{len(self.surface.faces):,} triangles, in the object frame: y is up, +z is the front."
-        )
+        line = f"{len(self.surface.faces):,} triangles in the object frame: y is up, and viewpoint 0 is on the side of +z."
         return show_figure(object_figure(self.key, self.surface), line, path)
 
     def touch(
