@@ -11,7 +11,7 @@ DOCUMENTED = {
     "snakemake": {"input", "output", "params", "wildcards", "log", "threads", "utils"},
 }
 NOT_DOCUMENTED = {
-    "main_snakefile",  # whether another workflow uses this one as a module
+    "modifier",  # whether another workflow uses this one as a module
     "config_settings",  # so that an error names the file or option of a wrong parameter
     "configfiles",  # so that a name given twice in one is refused
     "storage_settings",  # whether records can be read at the start
