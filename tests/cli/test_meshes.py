@@ -106,9 +106,7 @@ def test_the_check_takes_the_parameters_of_the_folder(visuohaptic, own):
     assert ended.err.startswith("error: params.yaml: meshes.merge_tolerance is no parameter: it is")
     (folder / "params.yaml").write_text("meshes:\n  set: mine\n")
     ended = visuohaptic("meshes", "check", folder=folder)
-    assert ended.err.startswith(
-        "error: params.yaml: meshes.set is 'mine': input should be 'paper',"
-    )
+    assert ended.err.startswith("error: params.yaml: meshes.set is 'mine': paper, ")
     assert "'mine' is not one of 'paper'" in visuohaptic("meshes", "check", "--set", "mine").err
 
 

@@ -92,7 +92,7 @@ def test_wrong_parameters_are_named_with_their_file(mine):
     file = mine.folder / "params.yaml"
     text = file.read_text()
     file.write_text(text.replace("set: own", "set: mine"))
-    sentence = "error: params.yaml: meshes.set is 'mine': input should be 'paper', "
+    sentence = "error: params.yaml: meshes.set is 'mine': paper, "
     assert sentence in mine.snakemake("-n", check=False).stdout
     file.write_text(text.replace("set: own", "set: own\n  merge_tolerance: 1"))
     sentence = "error: params.yaml: meshes.merge_tolerance is no parameter: it is now the constant"
