@@ -263,6 +263,29 @@ def test_parameters_of_another_section_are_refused(features):
         vh.evaluate(SVM, features, {"touches": 3})
 
 
+def without(table, *names):
+    """Leave out the second and third object of classes."""
+    keys = pc.binary_join_element_wise(table["class"], table["object"], "/")
+    gone = [f"{name}/object{number}" for name in names for number in (1, 2)]
+    return table.filter(pc.invert(pc.is_in(keys, pa.array(gone))))
+
+
+def test_classes_of_one_object_are_left_out_and_named(features):
+    found = vh.evaluate(SVC(), without(features, "class1", "class3"), FEW)
+    assert {name.split("/")[0] for name in found.by_object} == {"class0", "class2"}
+    [note] = found.notes
+    assert note.startswith("classes class1, class3 left out: fewer than two objects")
+    assert f"; note: {note}" in repr(found)
+
+
+def test_one_class_of_two_objects_is_refused_by_the_reason(features):
+    with pytest.raises(
+        RecognitionError,
+        match=r"^Only class class2 has two objects .*; class0, class1, class3 have fewer; at least two",
+    ):
+        vh.evaluate(SVC(), without(features, "class0", "class1", "class3"), FEW)
+
+
 def test_objects_that_were_loaded_without_a_key_need_one():
     bottle = vh.example("bottle").surface
     unnamed = vh.load((bottle.vertices, bottle.faces)).touch(1, parameters=SMALL)

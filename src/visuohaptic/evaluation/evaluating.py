@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 from joblib import Parallel, delayed
 from sklearn import config_context, get_config
 from sklearn.base import BaseEstimator, clone
@@ -58,6 +59,9 @@ from visuohaptic.tables.schema import Schema, read_table, take_table
 
 _ROUTING = "enable_metadata_routing"
 """Setting of scikit-learn under which `fit` passes arguments on to nested estimators and splitters."""
+
+_MOST_NAMED = 10
+"""Most classes that a note names."""
 
 _SCALERS = (
     MaxAbsScaler,
@@ -197,7 +201,7 @@ def evaluate(
         exported data set's ``features``. With `inputs` ``touches``, rows of `tables.TOUCHES`, such as
         ``results/touches``. Columns outside the schema are ignored. Sequences with fewer than `parameters.touches`
         touches are dropped; with None, sequences shorter than the longest. Then classes with fewer than two objects
-        are dropped.
+        are dropped, and named in `Evaluation.notes`.
     parameters : RecognitionParameters, optional
         The protocol, the sequences, their encoding, and the interval; by default ``RecognitionParameters()``. Fields
         that name pipelines and classifiers are not used.
@@ -267,11 +271,11 @@ def evaluate(
     rows = _as_table(table, SCHEMAS[inputs])
     check_classes_are_named(rows)
     whole = _take_strategy_rows(rows, strategy, parameters.touches)
+    notes = _note_of_left_out(rows, whole, strategy)
     prepared = prepare(inputs, whole, classifier, parameters, seed)
-    notes = []
     if inputs == "descriptors" and (scaler := _scaler_in(prepared.pipeline.classifiers)):
         notes.append(_scaled_twice(scaler))
-        warnings.warn(notes[0], RecognitionWarning, stacklevel=2)
+        warnings.warn(notes[-1], RecognitionWarning, stacklevel=2)
     chosen = choose_splits(prepared.sequences, parameters.protocol, seed, splits)
     tests = _test_splits(estimator, prepared, chosen, seed, n_jobs)
     name = prepared.pipeline.name
@@ -520,6 +524,25 @@ def _take_strategy_rows(table: pa.Table, strategy: str, touches: int | None) -> 
     numbered = table.drop_columns(lists).append_column("row", [np.arange(len(table))])
     whole, _ = take_strategy(numbered, strategy, touches)
     return table.take(whole.column("row"))
+
+
+def _note_of_left_out(rows: pa.Table, whole: pa.Table, strategy: str) -> list[str]:
+    """Return a note on the classes with fewer than two objects; raise `RecognitionError` if fewer than two are left."""
+    by_strategy = rows.filter(pc.equal(rows.column("strategy"), strategy))
+    kept = whole.column("class").unique().to_pylist()
+    left_out = sorted(set(by_strategy.column("class").unique().to_pylist()) - set(kept))
+    if not left_out:
+        return []
+    names = ", ".join(left_out[:_MOST_NAMED]) + ", …" * (len(left_out) > _MOST_NAMED)
+    if len(kept) < 2:
+        raise RecognitionError(
+            f"Only class {kept[0]} has two objects with enough touches by {strategy}; {names} have fewer; at least two "
+            "classes with two objects each are needed, because an object trains or is tested."
+        )
+    plural = "classes" if len(left_out) > 1 else "class"
+    return [
+        f"{plural} {names} left out: fewer than two objects with enough touches, and an object trains or is tested"
+    ]
 
 
 def _as_table(table: Any, schema: Schema) -> pa.Table:
