@@ -7,7 +7,8 @@
   const [STEP, ZOOM, MOST_ZOOM] = [15, 1.25, 12]; // degrees and factor per key; largest zoom
   const LIGHT_RISE = (25 * Math.PI) / 180; // angle from the viewing axis up to the light, as in the views
   const [AMBIENT, DIRECTED] = [0.45, 0.6];
-  const [YELLOW, OPAQUE, RIM] = [[255, 210, 63], 0.55, 0xff111111]; // of squares; the rim as alpha, blue, green, red
+  const [YELLOW, OPAQUE] = [[255, 210, 63], 0.55]; // of squares
+  const PIECES = 24; // of a line, each of which is hidden or not
   const LIFT = 0.006; // of squares above the surface, in object radii
   const MOST_PIXELS = 1600; // edge of the drawing
   const DISC = 9; // radius of a number, in pixels of the page
@@ -75,7 +76,7 @@
     };
   }
 
-  // Calls paint(index, nearness, s, t) for the pixels of a triangle; s and t are the weights of its second and third corner.
+  // Calls paint(index, nearness) for the pixels of a triangle.
   function fill(edge, [x0, y0, n0], [x1, y1, n1], [x2, y2, n2], paint) {
     const area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0);
     if (!area) return;
@@ -95,7 +96,7 @@
       }
       for (let x = from; x <= to; x++) {
         const s = s0 + x * sx, t = t0 + x * tx;
-        paint(y * edge + x, n0 + s * (n1 - n0) + t * (n2 - n0), s, t);
+        paint(y * edge + x, n0 + s * (n1 - n0) + t * (n2 - n0));
       }
     }
   }
@@ -122,24 +123,17 @@
     return nearest;
   }
 
-  // Draws the square of a touch where the surface does not hide it, with a dark rim.
-  function drawSquare(corners, edge, pixels, nearest, rim) {
-    const length = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
-    const [wide, high] = [1 - (2 * rim) / length(corners[0], corners[1]), 1 - (2 * rim) / length(corners[0], corners[3])];
+  // Tints the pixels of a square where the surface does not hide it.
+  function tintSquare(corners, edge, pixels, nearest) {
     const bytes = new Uint8Array(pixels.buffer);
-    const paint = (place) => (index, nearness, s, t) => {
+    const paint = (index, nearness) => {
       if (nearness < nearest[index]) return;
-      const [across, down] = place(s, t);
-      if (Math.abs(across) > wide || Math.abs(down) > high) {
-        pixels[index] = RIM;
-        return;
-      }
       const byte = 4 * index, share = bytes[byte + 3] ? OPAQUE : 1; // beside the surface nothing lies below a square
       for (let channel = 0; channel < 3; channel++) bytes[byte + channel] = YELLOW[channel] * share + bytes[byte + channel] * (1 - share);
       bytes[byte + 3] = Math.max(bytes[byte + 3], 255 * OPAQUE);
     };
-    fill(edge, corners[0], corners[1], corners[2], paint((s, t) => [2 * (s + t) - 1, 2 * t - 1]));
-    fill(edge, corners[0], corners[2], corners[3], paint((s, t) => [2 * s - 1, 2 * (s + t) - 1]));
+    fill(edge, corners[0], corners[1], corners[2], paint);
+    fill(edge, corners[0], corners[2], corners[3], paint);
   }
 
   // Returns the vector from each square to its number, such that numbers cover neither squares nor numbers.
@@ -164,8 +158,9 @@
     });
   }
 
-  // Draws the line from touch to touch, and the numbers; a hidden touch has a hollow number. Returns the numbers' places.
-  function drawNumbers(pen, { touches, eye, edge, nearest, unit, ink, offsets }) {
+  // Draws the rims of the squares, the line from touch to touch, and the numbers; a hidden touch has a hollow number. Returns
+  // the numbers' places.
+  function drawTouches(pen, { touches, eye, edge, nearest, unit, ink, offsets }) {
     const project = projection(eye, edge);
     const isSeen = ([x, y, nearness]) => {
       const [column, row] = [Math.floor(x), Math.floor(y)];
@@ -179,14 +174,23 @@
       pen.lineTo(to[0], to[1]);
       pen.stroke();
     };
+    // Draws a line in space; its hidden pieces are faint, or left out.
+    const lineInSpace = (from, to, showsHidden) => {
+      const way = minus(to, from);
+      const steps = Array.from({ length: PIECES + 1 }, (_, step) => project(moved(from, way, step / PIECES)));
+      const seen = steps.map(isSeen);
+      for (let piece = 0; piece < PIECES; piece++) {
+        const whole = seen[piece] && seen[piece + 1];
+        if (whole || showsHidden) line(steps[piece], steps[piece + 1], whole);
+      }
+    };
+    pen.strokeStyle = "#111";
+    pen.lineWidth = 1.3 * unit;
+    for (const { corners } of touches) corners.forEach((corner, row) => lineInSpace(corner, corners[(row + 1) % 4], false));
     pen.strokeStyle = ink;
     pen.lineWidth = 2 * unit;
     touches.slice(1).forEach((touch, row) => {
-      const before = touches[row];
-      if (before.viewpoint !== touch.viewpoint) return;
-      const [way, pieces] = [minus(touch.centre, before.centre), 40];
-      const steps = Array.from({ length: pieces + 1 }, (_, step) => project(moved(before.centre, way, step / pieces)));
-      steps.slice(1).forEach((step, piece) => line(steps[piece], step, isSeen(step)));
+      if (touches[row].viewpoint === touch.viewpoint) lineInSpace(touches[row].centre, touch.centre, true);
     });
     const places = touches.map(({ centre }) => project(centre));
     const seen = places.map(isSeen);
@@ -245,14 +249,14 @@
       const touches = chosen();
       const project = projection(eye, edge);
       const squares = touches.map(({ corners }) => corners.map(project));
-      for (const square of squares) drawSquare(square, edge, pixels, nearest, 1.2 * unit);
+      for (const square of squares) tintSquare(square, edge, pixels, nearest);
       pen.putImageData(picture, 0, 0);
       if (offsets === null || offsets.length !== touches.length) {
         const places = touches.map(({ centre }) => project(centre));
         const radii = squares.map((square, row) => Math.max(...square.map((corner) => Math.hypot(corner[0] - places[row][0], corner[1] - places[row][1]))));
         offsets = touches.length > MOST_BESIDE ? touches.map(() => [0, 0]) : numberOffsets(places, radii, edge, unit).map((offset) => offset.map((value) => value / unit));
       }
-      numbers = drawNumbers(pen, {
+      numbers = drawTouches(pen, {
         touches, eye, edge, nearest, unit, ink: getComputedStyle(stage).color, offsets: offsets.map((offset) => offset.map((value) => value * unit)),
       }).map((place) => place.map((value) => value / unit));
       for (const name of ["azimuth", "elevation", "zoom"]) canvas.dataset[name] = eye[name].toFixed(2);
