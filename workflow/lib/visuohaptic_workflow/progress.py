@@ -59,16 +59,16 @@ class _JobLines:
             self._jobs[fields["jobid"]] = _Job(words, record.created, bool(fields.get("rule_msg")))
         elif event == LogEvent.ERROR and str(record.msg).endswith(_STOPPED_JOB):
             self._is_stopped = True
-        elif event == LogEvent.JOB_ERROR and not self._is_stopped:
-            job = self._jobs[vars(record)["jobid"]]
-            self._print(f"failed: {job.words}", logging.ERROR)
+        elif event == LogEvent.JOB_ERROR and (job := self._jobs.get(vars(record)["jobid"])):
+            if not self._is_stopped:
+                self._print(f"failed: {job.words}", logging.ERROR)
         return True
 
     def replace(self, record: logging.LogRecord) -> bool:
         """Print a line for each finished job, and return whether Snakemake prints the record itself."""
         event, message = getattr(record, "event", None), str(record.msg)
-        if event == LogEvent.JOB_FINISHED:
-            self._finished.append((self._jobs[vars(record)["job_id"]], record.created))
+        if event == LogEvent.JOB_FINISHED and (job := self._jobs.get(vars(record)["job_id"])):
+            self._finished.append((job, record.created))
         if event == LogEvent.PROGRESS:
             self._print_finished(vars(record)["done"], vars(record)["total"])
             return False
