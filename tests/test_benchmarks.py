@@ -50,6 +50,24 @@ def test_objects_are_classified_by_models_of_the_others_as_if_their_strategy_was
     assert elsewhere[2] > 0 or elsewhere[3] > unknown
 
 
+@pytest.mark.slow
+def test_models_of_few_objects_classify_objects_of_known_and_of_other_classes(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT))
+    module = importlib.import_module("benchmarks.few_objects")
+    monkeypatch.setattr(module, "DRAWS", 2)
+    table = features_table(objects=(9, 9, 9, 9, 9), viewpoints=2, separation=3.0)
+    for learnt, is_stated in ((3, False), (7, False), (8, True)):
+        if learnt == 8:
+            table = features_table(objects=(10,) * 5, viewpoints=2, separation=3.0)
+        known, others = module.measure(table, learnt)
+        assert known.shape == others.shape == (2, len(module.FIGURES))
+        correct, _, held, far, unknown = known.mean(axis=0)
+        assert held >= correct > 0.9
+        assert (others[:, 0] == 0).all()
+        assert others[:, 3].mean() > far
+        assert unknown == (far if is_stated else 0)
+
+
 def test_jobs_of_a_measured_run_write_their_processor_seconds_and_memory(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT))
     module = importlib.import_module("benchmarks.many_objects")

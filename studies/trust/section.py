@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from trust.study import STUDY
 from trust.tables import STATED_COVERAGES, TRUST
 from visuohaptic.evaluation.summary import select
+from visuohaptic.recognition.certainty import least_known_objects
 from visuohaptic.recognition.parameters import least_objects
 from visuohaptic.report.drawing import COLOURS, style
 from visuohaptic.report.estimates import Row, read_json
@@ -25,8 +26,8 @@ TABLE, FIGURES = STUDY.shown
 def trust_figures(table: Path, figures: Path) -> Row:
     """Read the table `TRUST` and its figures, as ``rows`` by strategy and number of views.
 
-    With fewer than ``least`` training objects, sets of the ``stated`` coverage hold all classes. ``enough`` is whether
-    any set left out a class.
+    With fewer than ``least`` training objects, sets of the ``stated`` coverage hold all classes; with fewer than
+    ``least_unknown``, answers of a model call no object unknown. ``enough`` is whether any set left out a class.
     """
     way_out = "run `snakemake -j2 trust_all` again"
     rows = read_json(figures, rows_of, "holds no figures of study trust", way_out)
@@ -38,6 +39,7 @@ def trust_figures(table: Path, figures: Path) -> Row:
         "views": max(row["views"] for row in rows),
         "stated": rows[0]["stated"],
         "least": least_objects(rows[0]["stated"]),
+        "least_unknown": least_known_objects(rows[0]["stated"]),
         "classes": classes,
         "enough": any(row["set_size"] < classes - 1 for row in rows),
     }

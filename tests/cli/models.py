@@ -11,10 +11,10 @@ from visuohaptic.tables.schema import join_parts, write_table
 SMALL = {"rendering": {"resolution": 64}, "viewpoints": {"count": 2}}
 
 
-def fit_on_nonsense(folder, strategies=("fixation",)):
+def fit_on_nonsense(folder, strategies=("fixation",), objects=(2, 2)):
     """Leave a model that learnt numbers without sense, with parameters that have some."""
     folder.mkdir(parents=True, exist_ok=True)
-    tables = [features_table(name, objects=(2, 2), viewpoints=3) for name in strategies]
+    tables = [features_table(name, objects=objects, viewpoints=3) for name in strategies]
     write_table(FEATURES, join_parts(FEATURES, tables), folder / "features.parquet")
     make_model(
         features=[folder / "features.parquet"],

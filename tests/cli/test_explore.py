@@ -103,18 +103,33 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert values["class"] in {"class0", "class1", "unknown"}
     assert sum(values["probabilities"].values()) == pytest.approx(1)
     assert values["touches"] == len(values["touched"]) == 10
-    assert set(values["candidates"]) <= {"class0", "class1"}
+    assert values["class"] in values["candidates"]
     assert values["coverage"] == 0.9
-    assert 0 <= values["strangeness"] < 1
+    assert values["unknown"] is None
+    assert (values["compared"], values["strangeness"]) == (4, pytest.approx(0.8))
     said = visuohaptic("recognise", "ring.obj", "--model", model, "--viewpoints", 1)
     assert (said.code, said.err) == (0, "")
     assert "5 touches from 1 viewpoints by fixation" in said.out
     assert re.match(r"5 touches in \d+\.\d s \(", said.out.splitlines()[-1])
-    assert values["class"] in said.out
-    assert (
-        "an object with a higher novelty score than nearly all of these is called unknown"
-        in said.out
+    line = said.out.splitlines()[0]
+    assert re.fullmatch(
+        r"ring.obj: class\d, \d+\.\d %; one of: class\d(, class\d)? \(right for at least 90 % of objects like the "
+        r"known ones\)",
+        line,
     )
+    assert "  note: 4 known objects are too few to call an object unknown (29 are" in said.out
+    assert "an object of another class also gets one of these classes" in said.out
+
+
+def test_recognise_with_a_model_of_enough_objects_calls_a_far_object_unknown(visuohaptic, tmp_path):
+    asked = ("--model", fit_on_nonsense(tmp_path / "many", objects=(15, 15)), "--viewpoints", 1)
+    said = visuohaptic("recognise", ring(tmp_path / "ring.obj"), *asked)
+    assert re.match(
+        r".*ring.obj: unknown; farther out than 30 of 30 known objects; the nearest known class is class\d\n",
+        said.out,
+    )
+    assert "lies farther out than nearly all of these is called unknown" in said.out
+    assert "too few" not in said.out
 
 
 def test_recognise_says_by_which_strategies_the_model_learnt_if_not_by_this_one(

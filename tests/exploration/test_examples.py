@@ -32,11 +32,13 @@ def test_the_packages_model_knows_the_examples_classes_and_learnt_none_of_them(r
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", examples())
-def test_an_example_is_recognised_in_one_line(name):
-    recognised = vh.example(name).touch().recognise()
-    assert next(iter(recognised.probabilities)) == name
-    # The bottle is stranger than each of the twelve objects was to a model of the others.
-    assert recognised.name == ("unknown" if name == "bottle" else name)
+def test_an_example_is_recognised_in_one_line_with_its_class_in_the_set(name, recogniser):
+    recognised = vh.example(name).touch().recognise(recogniser)
+    assert recognised.name == name
+    assert recognised.candidates[0] == name
+    # Twelve objects are too few to call any object unknown.
+    assert recognised.unknown is None
+    assert "12 known objects are too few" in recognised.notes[0]
 
 
 def test_another_name_is_refused():

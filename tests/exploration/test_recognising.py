@@ -1,5 +1,7 @@
 """Touches by any strategy are recognised, and the answer says where the model did not learn from the strategy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -8,7 +10,9 @@ from recognition.synthetic import features_table
 
 import visuohaptic as vh
 from visuohaptic.base.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.exploration.recognising import note_on_few_objects
 from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.recognition.model import ModelAnswer
 from visuohaptic.recognition.model_files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.stored_models import load_model
@@ -75,7 +79,43 @@ def test_touches_that_the_model_learnt_from_get_a_prediction_set_and_no_sentence
     assert found.caution is None
     assert found.coverage == 0.9
     assert set(found.candidates) <= {"class0", "class1"}
+    assert found.name == found.candidates[0]
     assert "learnt" not in repr(found)
+    phrase = f"one of: {', '.join(found.candidates)} (right for at least 90 % of objects like the known ones)"
+    assert f"; {phrase}; from 5 touches" in repr(found)
+    assert f"<p>{phrase}</p>" in found._repr_html_()
+
+
+def test_a_model_of_few_objects_says_that_they_are_too_few_instead_of_unknown(ball, recogniser):
+    found = by("fixation")(ball, recogniser).recognise(recogniser)
+    assert found.unknown is None
+    assert found.compared == 4
+    assert found.strangeness == pytest.approx(4 / 5)
+    sentence = (
+        "4 known objects are too few to call an object unknown (29 are needed); this one lies farther out than all of "
+        "them, so it may be of another class."
+    )
+    assert found.notes[0] == sentence
+    assert sentence in repr(found)
+    assert f"<p>{sentence}</p>" in found._repr_html_()
+
+
+def test_the_sentence_on_few_objects_counts_those_that_are_less_novel():
+    answer = ModelAnswer({"cup": 1.0}, ("cup",), 7 / 13, None, 0.9, 12)
+    assert note_on_few_objects(answer) == (
+        "12 known objects are too few to call an object unknown (29 are needed); this one lies farther out than 7 of "
+        "them."
+    )
+    assert note_on_few_objects(replace(answer, unknown=False)) is None
+    assert note_on_few_objects(ModelAnswer({"cup": 1.0})) is None
+
+
+def test_a_model_of_many_objects_calls_a_far_object_unknown_and_states_no_set(ball, tmp_path):
+    many = vh.read_recogniser(fit_on_nonsense(tmp_path, objects=(15, 15)))
+    found = by("fixation")(ball, many).recognise(many)
+    assert (found.unknown, found.name, found.compared) == (True, "unknown", 30)
+    assert "one of:" not in repr(found) + found._repr_html_()
+    assert not any("too few" in note for note in found.notes)
 
 
 def test_a_model_that_learnt_from_several_strategies_names_all(tmp_path, ball):

@@ -10,6 +10,7 @@ from visuohaptic.recognition.certainty import (
     Reference,
     fit_certainty,
     fit_reference,
+    least_known_objects,
 )
 from visuohaptic.recognition.parameters import least_objects
 from visuohaptic.recognition.pipelines import (
@@ -104,6 +105,16 @@ def test_known_objects_are_seldom_called_unknown_and_far_ones_are():
     strange = assessed(model, 20 + rows[:4], 0.9)
     assert strange.unknown
     assert strange.strangeness == pytest.approx(1 - 1 / 46)
+
+
+@pytest.mark.parametrize(("coverage", "least"), [(0.9, 29), (0.6, 6), (0.95, 59)])
+def test_known_objects_seldom_lie_beyond_the_least_number_of_known_objects(coverage, least):
+    assert least_known_objects(coverage) == least
+    # The chance that a share 1 - coverage of the known objects lies beyond all that were learnt.
+    assert coverage**least <= 0.05 < coverage ** (least - 1)
+    generator = np.random.default_rng(0)
+    beyond = 1 - generator.random((20_000, least)).max(axis=1)
+    assert np.mean(beyond > 1 - coverage) == pytest.approx(coverage**least, abs=0.005)
 
 
 def test_the_only_object_of_a_class_is_not_compared_with_and_its_class_stays_a_candidate():

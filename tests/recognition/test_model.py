@@ -197,8 +197,39 @@ def test_any_number_of_touches_of_an_object_that_was_not_learnt_gets_an_answer(t
         assert chances == sorted(chances, reverse=True)
         assert found.coverage == 0.9
         assert set(found.candidates) <= {"class0", "class1"}
+        assert found.candidates[0] == "class1"
     with pytest.raises(RecognitionError, match="There is no touch"):
         model.recognise(TABLE.slice(0, 0))
+
+
+def with_scores(model, **scores):
+    """Return the model with other scores of its training objects."""
+    changed = dataclasses.replace(model.certainties["fixation"], **scores)
+    return dataclasses.replace(model, certainties={"fixation": changed})
+
+
+def test_the_named_class_is_in_its_set_even_if_it_conforms_worse_than_all_training_objects():
+    model = fit(features_table(objects=(6, 6), separation=3.0, seed=7), "linear_discriminant")
+    unseen = rows_of(OTHER, "class1", "object3")
+    shape = model.certainties["fixation"].nonconformity.shape
+    # No object was classified as badly as this one: of 12, each class can be left out.
+    answer = with_scores(model, nonconformity=np.full(shape, -1.0)).answer(unseen)
+    assert answer.candidates == ("class1",)
+    both = with_scores(model, nonconformity=np.ones(shape)).answer(unseen)
+    assert both.candidates == ("class1", "class0")
+
+
+@pytest.mark.parametrize(("objects", "unknown"), [((14, 14), None), ((15, 14), True)])
+def test_a_model_of_too_few_objects_does_not_say_whether_an_object_is_unknown(objects, unknown):
+    table = features_table(objects=objects, viewpoints=2, separation=3.0, seed=7)
+    model = fit(table, "naive_bayes")
+    assert model.can_call_unknown("fixation") is (unknown is not None)
+    assert model.can_call_unknown("random") is False
+    nearest = np.zeros_like(model.certainties["fixation"].novelty)
+    answer = with_scores(model, novelty=nearest).answer(rows_of(OTHER, "class1", "object3"))
+    assert answer.unknown is unknown
+    assert answer.compared == sum(objects)
+    assert answer.strangeness == pytest.approx(sum(objects) / (sum(objects) + 1))
 
 
 def test_a_model_of_the_papers_pipeline_answers_and_is_not_saved(tmp_path):

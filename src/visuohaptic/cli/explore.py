@@ -24,7 +24,13 @@ from visuohaptic.cli.printing import (
     show_progress,
 )
 from visuohaptic.cli.settings import SetOption, read_parameters_and_settings
-from visuohaptic.exploration.recognising import DEFAULT_MODEL, default_model, read_recogniser
+from visuohaptic.exploration.recognising import (
+    DEFAULT_MODEL,
+    default_model,
+    novelty_phrase,
+    read_recogniser,
+    set_phrase,
+)
 from visuohaptic.fixations.probing import STRATEGIES
 
 if TYPE_CHECKING:
@@ -198,6 +204,8 @@ def recognise(
             "coverage": recognition.coverage,
             "unknown": recognition.unknown,
             "strangeness": recognition.strangeness,
+            "compared": recognition.compared,
+            "remarks": recognition.notes,
             "strategy": exploration.strategy,
             "learnt_strategies": recogniser.model.strategies,
             "caution": recognition.caution,
@@ -213,6 +221,7 @@ def recognise(
                 for name, value in recognition.probabilities.items()
             ),
             *([] if recognition.caution is None else [f"  caution: {recognition.caution}"]),
+            *(f"  note: {note}" for note in recognition.notes),
             *_file_lines(up, exploration),
             f"  {recognition.touches} touches from {views} viewpoints by {strategy}",
         ]
@@ -220,9 +229,9 @@ def recognise(
     objects, classes = len(recogniser.model.objects), len(recogniser.model.classes)
     classifier = recogniser.model.classifier.replace("_", " ")
     limits = (
-        "an object of another class also gets one of these classes"
-        if recogniser.model.matching_strategy(strategy) not in recogniser.model.certainties
-        else "an object with a higher novelty score than nearly all of these is called unknown"
+        "an object that lies farther out than nearly all of these is called unknown"
+        if recogniser.model.can_call_unknown(strategy)
+        else "an object of another class also gets one of these classes"
     )
     remark = (
         f"{chosen_model}: {classifier}, trained on {objects} objects of {classes} classes; {limits}"
@@ -250,17 +259,24 @@ def _file_lines(up: str | None, exploration: Exploration) -> list[str]:
 
 
 def _answer_line(mesh: Path, recognition: Recognition) -> str:
-    likeliest = next(iter(recognition.probabilities))
-    if recognition.strangeness is None or recognition.coverage is None:
-        return f"{mesh}: {recognition.name}, {100 * recognition.probabilities[likeliest]:.1f} %"
-    novelty = f"novelty score above {100 * recognition.strangeness:.0f} % of known objects"
-    if recognition.unknown:
-        return f"{mesh}: {recognition.name}, {novelty}; the nearest known class is {likeliest}"
-    candidates = ", ".join(recognition.candidates or ()) or "none"
-    return (
-        f"{mesh}: {recognition.name}, {100 * recognition.probabilities[likeliest]:.1f} %; "
-        f"in {100 * recognition.coverage:g} % of cases one of: {candidates}; {novelty}"
+    likeliest, probability = next(iter(recognition.probabilities.items()))
+    # A model of too few objects says so in a note, together with the novelty.
+    novelty = (
+        None
+        if recognition.unknown is None
+        else novelty_phrase(recognition.strangeness, recognition.compared)
     )
+    named = f"{mesh}: {recognition.name}"
+    parts = (
+        (named, novelty, f"the nearest known class is {likeliest}")
+        if recognition.unknown
+        else (
+            f"{named}, {100 * probability:.1f} %",
+            set_phrase(recognition.candidates, recognition.coverage),
+            novelty,
+        )
+    )
+    return "; ".join(part for part in parts if part is not None)
 
 
 def _run_on_each(

@@ -30,7 +30,9 @@ from visuohaptic.exploration.recognising import (
     caution_about,
     check_acquired,
     check_compatible,
+    note_on_few_objects,
     read_recogniser,
+    set_phrase,
 )
 from visuohaptic.exploration.showing import (
     picture_with_line,
@@ -388,9 +390,10 @@ class Exploration:
         started = time.perf_counter()
         answer = recogniser.model.answer(self.features)
         seconds = {**self.seconds, "recognise": time.perf_counter() - started}
-        name = UNKNOWN if answer.unknown else next(iter(answer.probabilities))
+        likeliest = next(iter(answer.probabilities))
+        notes = (note_on_few_objects(answer),)
         return Recognition(
-            name,
+            UNKNOWN if answer.unknown else likeliest,
             answer.probabilities,
             self,
             self.features.num_rows,
@@ -400,6 +403,8 @@ class Exploration:
             answer.unknown,
             answer.coverage,
             caution_about(self.strategy, recogniser),
+            answer.compared,
+            tuple(note for note in notes if note is not None),
         )
 
     def show(self, path: str | Path | None = None) -> Path | None:
@@ -484,20 +489,25 @@ class Recognition:
     seconds : mapping of str to float
         Wall time of each phase (s): `Exploration.seconds`, and ``recognise``.
     candidates : tuple of str or None
-        The prediction set: classes that the object may have, the likeliest first; it can be empty. Over
-        objects of known classes, the share of sets with the true class should be `coverage`, which is measured
-        and not guaranteed (docs/certainty.md). None if the model is not calibrated for the strategy of the
-        touches; then the next three attributes are None, too.
+        The prediction set: classes that the object may have, the likeliest first. It holds the likeliest class.
+        Of objects like the training objects, at least the share `coverage` have their class in their set; the
+        share is measured (docs/certainty.md). None if the model is not calibrated for the strategy of the
+        touches; then `strangeness`, `unknown`, `coverage` and `compared` are None, too.
     strangeness : float or None
         k / (n + 1), in [0, 1): k of the n held-out training objects have a lower novelty score than this
         object.
     unknown : bool or None
-        Whether `strangeness` is `coverage` or more, so that the object seems to be of no class of the model.
+        Whether `strangeness` is `coverage` or more, so that the object seems to be of no class of the model. Also
+        None if the model learnt too few objects to say so (29 are needed for a coverage of 0.9).
     coverage : float or None
         Stated coverage of `candidates` and `unknown`: parameter `recognition.order_free.coverage` of the model.
     caution : str or None
         A warning with the strategies of the training touches and the strategy of these touches, if the model did
         not learn from the latter; otherwise None.
+    compared : int or None
+        The number n of training objects with which `strangeness` compares.
+    notes : tuple of str
+        Sentences about the answer: the model learnt too few objects to call an object unknown.
     """
 
     name: str
@@ -510,20 +520,32 @@ class Recognition:
     unknown: bool | None = None
     coverage: float | None = None
     caution: str | None = None
+    compared: int | None = None
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         line = probability_line(self.probabilities)
         if self.unknown:
             line = f"{UNKNOWN} ({line})"
-        caution = "" if self.caution is None else f". {self.caution}"
-        return (
-            f"<Recognition of {self.exploration.key}: {line}; from {self.touches} touches{caution}>"
-        )
+        touches = f"from {self.touches} touches"
+        said = "; ".join(part for part in (line, self._set_phrase(), touches) if part is not None)
+        return f"<Recognition of {self.exploration.key}: {'. '.join((said, *self._sentences()))}>"
 
     def _repr_html_(self) -> str:
         key = self.exploration.key
         named = f"{key}: {UNKNOWN}" if self.unknown else key
-        return probability_table(named, self.probabilities, self.touches, self.caution)
+        phrase = self._set_phrase()
+        said = () if phrase is None else (phrase,)
+        return probability_table(
+            named, self.probabilities, self.touches, (*said, *self._sentences())
+        )
+
+    def _set_phrase(self) -> str | None:
+        """Return the prediction set in words; None for an unknown object, or without a set."""
+        return None if self.unknown else set_phrase(self.candidates, self.coverage)
+
+    def _sentences(self) -> tuple[str, ...]:
+        return self.notes if self.caution is None else (self.caution, *self.notes)
 
 
 def load(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
     from visuohaptic.parameters import ExperimentParameters
-    from visuohaptic.recognition.model import RecognitionModel
+    from visuohaptic.recognition.model import ModelAnswer, RecognitionModel
 
 UNKNOWN = "unknown"
 """`Recognition.name` of an object that seems to be of no class of the model."""
@@ -113,6 +114,44 @@ def caution_about(strategy: str, recogniser: Recogniser) -> str | None:
         f"The model learnt from touches by {' and '.join(recogniser.model.strategies)} and these touches were "
         f"made {touched}, so its probabilities are not calibrated for them and it states no prediction set."
     )
+
+
+def set_phrase(candidates: Sequence[str] | None, coverage: float | None) -> str | None:
+    """Return a prediction set with its coverage in words; None without a set."""
+    if candidates is None or coverage is None:
+        return None
+    share = f"at least {100 * coverage:g} % of objects like the known ones"
+    return f"one of: {', '.join(candidates)} (right for {share})"
+
+
+def novelty_phrase(strangeness: float | None, compared: int | None) -> str | None:
+    """Return in words how many of `compared` known objects are less novel than an object; None without scores."""
+    if strangeness is None or compared is None:
+        return None
+    return f"farther out than {_less_novel(strangeness, compared)} of {compared} known objects"
+
+
+def note_on_few_objects(answer: ModelAnswer) -> str | None:
+    """Return a sentence that a model knows too few objects to call one unknown; None if it knows enough, or no scores."""
+    from visuohaptic.recognition.certainty import least_known_objects
+
+    compared, strangeness, coverage = answer.compared, answer.strangeness, answer.coverage
+    if answer.unknown is not None or compared is None or strangeness is None or coverage is None:
+        return None
+    less_novel = _less_novel(strangeness, compared)
+    distance = (
+        "all of them, so it may be of another class"
+        if less_novel == compared
+        else f"{less_novel} of them"
+    )
+    return (
+        f"{compared} known objects are too few to call an object unknown ({least_known_objects(coverage)} are needed); "
+        f"this one lies farther out than {distance}."
+    )
+
+
+def _less_novel(strangeness: float, compared: int) -> int:
+    return round(strangeness * (compared + 1))
 
 
 def check_acquired(features: pa.Table, parameters: ExperimentParameters) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
@@ -34,14 +34,14 @@ def probability_line(probabilities: Mapping[str, float]) -> str:
 
 
 def probability_table(
-    key: str, probabilities: Mapping[str, float], touches: int, caution: str | None = None
+    key: str, probabilities: Mapping[str, float], touches: int, sentences: Sequence[str] = ()
 ) -> str:
-    """Return an HTML table with one bar per class, and a caution below. Names and caution are escaped."""
+    """Return an HTML table with one bar per class, and sentences below. Names and sentences are escaped."""
     rows = "".join(
         _ROW.format(name=escape(name), share=value, percent=100 * value)
         for name, value in probabilities.items()
     )
-    below = "" if caution is None else f"<p>{escape(caution)}</p>"
+    below = "".join(f"<p>{escape(sentence)}</p>" for sentence in sentences)
     return f"<table><caption>{escape(key)}, {touches} touches</caption>{rows}</table>{below}"
 
 

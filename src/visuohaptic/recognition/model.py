@@ -18,7 +18,7 @@ from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import RecognitionError, TableError
 from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.recognition.certainty import Certainty, fit_certainty
+from visuohaptic.recognition.certainty import Certainty, fit_certainty, least_known_objects
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.experiment import one_thread, seeded
@@ -54,13 +54,16 @@ class ModelAnswer:
         Probability of each class, the likeliest class first. In pipeline ``paper``, the share of the object's
         sequences that were classified as the class.
     candidates : tuple of str, optional
-        The prediction set, the likeliest class first.
+        The prediction set and the likeliest class, the likeliest class first.
     strangeness : float, optional
         Share of objects with a lower novelty, among the n training objects and this object: in [0, n / (n + 1)].
     unknown : bool, optional
-        Whether the strangeness is at least `coverage`, so that the object seems to be of no known class.
+        Whether the strangeness is at least `coverage`, so that the object seems to be of no known class. Also None if
+        n is below `certainty.least_known_objects`.
     coverage : float, optional
-        Stated share of objects with their class in `candidates`, in (0, 1).
+        Stated smallest share of objects of known classes with their class in `candidates`, in (0, 1).
+    compared : int, optional
+        The number n of training objects with which the object was compared.
 
     Notes
     -----
@@ -72,6 +75,7 @@ class ModelAnswer:
     strangeness: float | None = None
     unknown: bool | None = None
     coverage: float | None = None
+    compared: int | None = None
 
 
 @dataclass(frozen=True)
@@ -162,13 +166,17 @@ class RecognitionModel:
         first = first_touches(features, self.touches)
         rows = self.estimator[:-1].transform(self._rows(first))
         coverage = self.parameters.order_free.coverage
-        assessment = self.certainties[strategy].assess(rows, logs, coverage)
+        certainty = self.certainties[strategy]
+        assessment = certainty.assess(rows, logs, coverage)
+        # A conformal set can be empty or lack the named class. A larger set covers at least as often.
+        in_set = assessment.candidates | (np.arange(len(order)) == order[0])
         return ModelAnswer(
             probabilities,
-            tuple(self.classes[index] for index in order if assessment.candidates[index]),
+            tuple(self.classes[index] for index in order if in_set[index]),
             assessment.strangeness,
-            assessment.unknown,
+            assessment.unknown if self.can_call_unknown(strategy) else None,
             coverage,
+            len(certainty.labels),
         )
 
     def matching_strategy(self, strategy: str) -> str | None:
@@ -178,6 +186,12 @@ class RecognitionModel:
         """
         kind, _ = draw_of(strategy)
         return next((name for name in self.strategies if draw_of(name)[0] == kind), None)
+
+    def can_call_unknown(self, strategy: str) -> bool:
+        """Return whether the model learnt enough objects by `strategy` to call an object unknown."""
+        certainty = self.certainties.get(self.matching_strategy(strategy) or "")
+        least = least_known_objects(self.parameters.order_free.coverage)
+        return certainty is not None and len(certainty.labels) >= least
 
     def check(self) -> None:
         """Raise `ValueError` if parts of the model don't fit each other, or can't classify a sequence of zeros."""

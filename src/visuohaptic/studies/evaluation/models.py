@@ -113,7 +113,7 @@ def _classify_object(
                 "correct": next(iter(answer.probabilities)) == category,
                 "covered": category in answer.candidates,
                 "candidates": len(answer.candidates),
-                "unknown": answer.unknown,
+                "unknown": bool(answer.unknown),
             }
 
 
