@@ -16,8 +16,8 @@ from variants.leads import against_main, sum_up
 from variants.verdicts import of_papers_question
 from variants.weighing import summarise_variants
 from visuohaptic.report.estimates import Figure
-from visuohaptic.report.questions import papers_pipeline_sentences, verdict_on
-from visuohaptic.report.variants import read_variants
+from visuohaptic.report.questions import verdict_on
+from visuohaptic.report.variants import papers_pipeline_sentences, read_variants
 from visuohaptic.report.wording import points
 
 ROOT = Path(__file__).parents[2]
