@@ -54,7 +54,7 @@ REFUSED = [
     (WITH, "can't be read", {"p.yaml": CODE}),
     (WITH, "can't be read|RecursionError", {"p.yaml": b"a: " + b"[" * 3000 + b"]" * 3000}),
     (WITH, "p.yaml: sensor.resolutoin is no parameter", {"p.yaml": b"sensor: {resolutoin: 3}"}),
-    ((*RING, "--viewpoints", "100000"), "viewpoints.count is 100000", {}),
+    ((*RING, "--viewpoints", "100000"), "viewpoints is 100000", {}),
     (("recognise", "ring.obj", "--model", "gone"), r"gone does not exist.*snakemake -j2 model_all", {}),
     (("recognise", "ring.obj", "--model", "."), "is a folder; the model in it is needed", {}),
     (("recognise", "ring.obj", "--model", "m"), "m is no complete 'visuohaptic recogniser", {"m": b"no"}),

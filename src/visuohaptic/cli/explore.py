@@ -110,8 +110,9 @@ def touch(
 
     With several meshes, each mesh has its own folder in the folder that --out names.
 
-    Examples: visuohaptic touch mug.obj --out mug
-    visuohaptic touch mug.obj --set sensor.resolution=16 --set scene.preset=fsr400
+    Example: visuohaptic touch mug.obj --out mug
+
+    Example: visuohaptic touch mug.obj --set sensor.resolution=16 --set scene.preset=fsr400
     """
     folders = _folders(meshes, out)
     experiment_parameters = read_parameters_and_settings(parameters, settings)

@@ -59,8 +59,9 @@ class _JobLines:
             self._jobs[fields["jobid"]] = _Job(words, record.created, bool(fields.get("rule_msg")))
         elif event == LogEvent.ERROR and str(record.msg).endswith(_STOPPED_JOB):
             self._is_stopped = True
-        elif event == LogEvent.JOB_ERROR and (job := self._jobs.get(vars(record)["jobid"])):
-            if not self._is_stopped:
+        elif event == LogEvent.JOB_ERROR and not self._is_stopped:
+            job = self._jobs.get(vars(record)["jobid"])
+            if job is not None:
                 self._print(f"failed: {job.words}", logging.ERROR)
         return True
 
