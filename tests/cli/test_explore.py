@@ -107,6 +107,7 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert values["coverage"] == 0.9
     assert values["unknown"] is None
     assert (values["compared"], values["strangeness"]) == (4, pytest.approx(0.8))
+    assert list(values["turned"]) == ["90", "180", "270"]
     said = visuohaptic("recognise", "ring.obj", "--model", model, "--viewpoints", 1)
     assert (said.code, said.err) == (0, "")
     assert "5 touches from 1 viewpoints by fixation" in said.out
@@ -119,6 +120,20 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     )
     assert "  note: 4 known objects are too few to call an object unknown (29 are" in said.out
     assert "an object of another class also gets one of these classes" in said.out
+
+
+def test_recognise_says_that_a_quarter_turn_changes_the_class(
+    visuohaptic, tmp_path, model, monkeypatch
+):
+    monkeypatch.setattr(
+        "visuohaptic.exploration.exploring.classes_when_turned", lambda *_: {90: "a cup"}
+    )
+    asked = ("recognise", ring(tmp_path / "ring.obj"), "--model", model, "--viewpoints", 1)
+    note = "Turned about the vertical the answer is a cup (by 90 degrees): the model takes"
+    assert f"  note: {note}" in visuohaptic(*asked).out
+    values = json.loads(visuohaptic(*asked, "--json").out)
+    assert values["turned"] == {"90": "a cup"}
+    assert values["remarks"][-1].startswith(note)
 
 
 def test_recognise_with_a_model_of_enough_objects_calls_a_far_object_unknown(visuohaptic, tmp_path):

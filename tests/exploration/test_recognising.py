@@ -6,13 +6,18 @@ import numpy as np
 import pytest
 import trimesh
 from cli.models import fit_on_nonsense
-from recognition.synthetic import features_table
+from recognition.synthetic import features_table, with_column
 
 import visuohaptic as vh
 from visuohaptic.base.errors import MeshError, ParameterError, RecognitionError
+from visuohaptic.exploration.quarter_turns import (
+    classes_when_turned,
+    note_on_front,
+    turn_touches,
+)
 from visuohaptic.exploration.recognising import note_on_few_objects
 from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.recognition.model import ModelAnswer
+from visuohaptic.recognition.model import ModelAnswer, fit_model
 from visuohaptic.recognition.model_files import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.stored_models import load_model
@@ -116,6 +121,65 @@ def test_a_model_of_many_objects_calls_a_far_object_unknown_and_states_no_set(ba
     assert (found.unknown, found.name, found.compared) == (True, "unknown", 30)
     assert "one of:" not in repr(found) + found._repr_html_()
     assert not any("too few" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "x", "z"), [(90, 3.0, -1.0), (180, -1.0, -3.0), (270, -3.0, 1.0)]
+)
+def test_touches_turn_about_the_vertical_from_z_towards_x(degrees, x, z):
+    table = features_table(objects=(1,), viewpoints=1)
+    here = {"x": 1.0, "y": 2.0, "z": 3.0, "normal_x": 1.0, "normal_y": 2.0, "normal_z": 3.0}
+    for name, value in here.items():
+        table = with_column(table, name, [value] * table.num_rows)
+    turned = turn_touches(table, degrees)
+    there = {"x": x, "z": z, "normal_x": x, "normal_z": z}
+    for name in table.column_names:
+        expected = there.get(name, table.column(name)[0].as_py())
+        assert turned.column(name)[0].as_py() == expected
+    assert turned.schema == table.schema
+
+
+class Compass:
+    """A model that names the side to which the object's first touch points."""
+
+    uses_azimuth = True
+
+    def recognise(self, features):
+        sides = {"front": features["z"][0].as_py(), "left": features["x"][0].as_py()}
+        name = max(sides, key=sides.get)
+        return {name if sides[name] > 0.5 else "elsewhere": 1.0}
+
+
+def test_a_note_names_the_classes_of_quarter_turns_if_another_class_is_named():
+    table = features_table(objects=(1,), viewpoints=1)
+    for name, value in (("x", 0.0), ("z", 1.0)):
+        table = with_column(table, name, [value] * table.num_rows)
+    turned = classes_when_turned(Compass(), table)
+    assert turned == {90: "left", 180: "elsewhere", 270: "elsewhere"}
+    assert note_on_front("front", turned) == (
+        "Turned about the vertical the answer is left (by 90 degrees), elsewhere (by 180 or 270 degrees): the model takes "
+        "the front to face +z; give --front / front= if it faces another way."
+    )
+    assert note_on_front("front", dict.fromkeys(turned, "front")) is None
+    assert "is left (by 90 degrees): the" in note_on_front("elsewhere", turned)
+
+
+def test_an_answer_has_the_classes_of_quarter_turns_unless_the_models_frame_has_no_azimuth(
+    ball, recogniser
+):
+    made = by("fixation")(ball, recogniser)
+    found = made.recognise(recogniser)
+    for degrees, name in found.turned.items():
+        answer = recogniser.model.recognise(turn_touches(made.features, degrees))
+        assert name == next(iter(answer))
+    assert list(found.turned) == [90, 180, 270]
+    for frame in ("none", "centre", "vertical"):
+        parameters = RecognitionParameters(frame=frame)
+        model = fit_model(
+            features_table(objects=(2, 2)), "order_free", "naive_bayes", parameters, 1
+        )
+        free = vh.Recogniser(model, recogniser.parameters)
+        assert made.recognise(free).turned == {}
 
 
 def test_a_model_that_learnt_from_several_strategies_names_all(tmp_path, ball):

@@ -33,6 +33,10 @@ def test_each_prints_one_short_line(felt, named):
     assert repr(named).endswith("<b>ring: <i>car 75.0 %, chair 25.0 %; from 30 touches>")
     many = vh.Recognition("a", dict.fromkeys("abcdefgh", 0.125), felt, 30, {})
     assert "a 12.5 %, b 12.5 %, c 12.5 %, …; from" in repr(many)
+    warned = vh.Recognition(
+        "a", {"a": 1.0}, felt, 30, {}, caution="Take care.", notes=("So.", "Do.")
+    )
+    assert repr(warned).endswith("<b>ring: a 100.0 %; from 30 touches. Take care. So. Do.>")
     assert repr(felt.surface) == "<Surface: 128 vertices, 256 triangles>"
 
 

@@ -206,6 +206,7 @@ def recognise(
             "unknown": recognition.unknown,
             "strangeness": recognition.strangeness,
             "compared": recognition.compared,
+            "turned": dict(recognition.turned),
             "remarks": recognition.notes,
             "strategy": exploration.strategy,
             "learnt_strategies": recogniser.model.strategies,

@@ -23,6 +23,7 @@ from visuohaptic.exploration.looking import exploration_figure, object_figure, s
 from visuohaptic.exploration.next_touch import FeltTouch, touch_next_point
 from visuohaptic.exploration.picture import draw_exploration, draw_first_view
 from visuohaptic.exploration.pose_files import write_poses
+from visuohaptic.exploration.quarter_turns import classes_when_turned, note_on_front
 from visuohaptic.exploration.recognising import (
     GIVEN,
     UNKNOWN,
@@ -375,7 +376,8 @@ class Exploration:
         Recognition
             The likeliest class, the class probabilities, the prediction set and the strangeness. If the model did
             not learn from touches by this strategy, prediction set and strangeness are None, and
-            `Recognition.caution` says why.
+            `Recognition.caution` says why. If the model uses the azimuth, the touches are also classified after
+            quarter turns about the vertical.
 
         Raises
         ------
@@ -389,9 +391,10 @@ class Exploration:
             check_acquired(self.features, self.parameters)
         started = time.perf_counter()
         answer = recogniser.model.answer(self.features)
+        turned = classes_when_turned(recogniser.model, self.features)
         seconds = {**self.seconds, "recognise": time.perf_counter() - started}
         likeliest = next(iter(answer.probabilities))
-        notes = (note_on_few_objects(answer),)
+        notes = (note_on_few_objects(answer), note_on_front(likeliest, turned))
         return Recognition(
             UNKNOWN if answer.unknown else likeliest,
             answer.probabilities,
@@ -404,6 +407,7 @@ class Exploration:
             answer.coverage,
             caution_about(self.strategy, recogniser),
             answer.compared,
+            turned,
             tuple(note for note in notes if note is not None),
         )
 
@@ -506,8 +510,12 @@ class Recognition:
         not learn from the latter; otherwise None.
     compared : int or None
         The number n of training objects with which `strangeness` compares.
+    turned : mapping of int to str
+        The likeliest class if the touches are turned by 90, 180 or 270 degrees about the vertical, from +z towards
+        +x. Empty if the model does not use the azimuth (`recognition.frame`).
     notes : tuple of str
-        Sentences about the answer: the model learnt too few objects to call an object unknown.
+        Sentences about the answer: the model learnt too few objects to call an object unknown, or the likeliest
+        class changes under quarter turns.
     """
 
     name: str
@@ -521,6 +529,7 @@ class Recognition:
     coverage: float | None = None
     caution: str | None = None
     compared: int | None = None
+    turned: Mapping[int, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -529,7 +538,9 @@ class Recognition:
             line = f"{UNKNOWN} ({line})"
         touches = f"from {self.touches} touches"
         said = "; ".join(part for part in (line, self._set_phrase(), touches) if part is not None)
-        return f"<Recognition of {self.exploration.key}: {'. '.join((said, *self._sentences()))}>"
+        if self._sentences():
+            said = " ".join((f"{said}.", *self._sentences()))
+        return f"<Recognition of {self.exploration.key}: {said}>"
 
     def _repr_html_(self) -> str:
         key = self.exploration.key

@@ -123,6 +123,11 @@ class RecognitionModel:
     certainties: Mapping[str, Certainty] = field(default_factory=dict)
     touching: str | None = None
 
+    @property
+    def uses_azimuth(self) -> bool:
+        """Whether probabilities can change if an object is turned about the vertical."""
+        return self.pipeline == "paper" or self.parameters.frame == "full"
+
     def recognise(self, features: pa.Table) -> dict[str, float]:
         """Return the probability of each class for one object, the likeliest class first.
 
