@@ -61,8 +61,7 @@ class _JobLines:
             self._is_stopped = True
         elif event == LogEvent.JOB_ERROR and not self._is_stopped:
             job = self._jobs.get(vars(record)["jobid"])
-            if job is not None:
-                self._print(f"failed: {job.words}", logging.ERROR)
+            self._print(f"failed: {job.words if job else record.getMessage()}", logging.ERROR)
         return True
 
     def replace(self, record: logging.LogRecord) -> bool:
