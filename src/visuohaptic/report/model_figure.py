@@ -179,7 +179,7 @@ def _hidden(choices: Sized) -> str:
 
 def _json(values: Any) -> str:
     """Return values as JSON that ends no script element."""
-    return json.dumps(values).replace("<", "\\u003c").replace(">", "\\u003e")
+    return json.dumps(values).replace("<", "\\u003c")
 
 
 def _text(name: str) -> str:
