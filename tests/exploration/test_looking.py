@@ -75,6 +75,14 @@ def test_the_page_holds_surface_touches_and_imprints(felt, tmp_path, opened):
     assert "light is the imprint&#x27;s nearest point (1)" in page
 
 
+def test_a_folder_is_no_file_to_write(felt, tmp_path):
+    with pytest.raises(
+        vh.VisuohapticError, match=r"is a folder; show needs a file, such as .*model\.html\.$"
+    ):
+        felt.show(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_an_object_without_touches_and_touches_at_points_have_no_choice_of_a_view(
     felt, tmp_path, opened
 ):

@@ -113,6 +113,11 @@ class TouchableObject:
         -------
         pathlib.Path or None
             The file, one page that needs no network; None in a notebook without `path`.
+
+        Raises
+        ------
+        ParameterError
+            If `path` is a folder.
         """
         line = f"{len(self.surface.faces):,} triangles in the object frame: y is up, and viewpoint 0 is on the side of +z."
         return show_figure(object_figure(self.key, self.surface), line, path)
@@ -427,6 +432,11 @@ class Exploration:
         -------
         pathlib.Path or None
             The file, one page that needs no network; None in a notebook without `path`.
+
+        Raises
+        ------
+        ParameterError
+            If `path` is a folder.
         """
         figure = exploration_figure(
             self.key, self.surface, self.parameters, self.strategy, self.views, self.touches

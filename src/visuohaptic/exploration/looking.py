@@ -16,6 +16,7 @@ import pyarrow as pa
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import atomic_write_text
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.recognising import GIVEN
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
@@ -98,7 +99,16 @@ def show_figure(figure: ModelFigure, line: str, path: str | Path | None) -> Path
     -------
     pathlib.Path or None
         The HTML file; None in a notebook without `path`.
+
+    Raises
+    ------
+    ParameterError
+        If `path` is a folder.
     """
+    if path is not None and Path(path).is_dir():
+        raise ParameterError(
+            f"{path} is a folder; show needs a file, such as {Path(path) / 'model.html'}."
+        )
     if path is not None:
         atomic_write_text(path, model_page(figure, line))
         return Path(path)
