@@ -35,8 +35,9 @@ vh.register(
 )
 
 if __name__ == "__main__":
+    from visuohaptic.scene import Scene
     from visuohaptic.sensor import TouchBatch, simulate
 
-    situation = TouchBatch(vh.Scene(zero_offset=0.1), np.zeros((1, 2, 2)), np.full(1, 1e-3), None)
+    situation = TouchBatch(Scene(zero_offset=0.1), np.zeros((1, 2, 2)), np.full(1, 1e-3), None)
     readings, records = simulate(situation, np.array([[[0.0, 0.5], [0.95, 1.0]]]))
     print(*readings.ravel(), "by", *(record.effect for record in records if record.runs))

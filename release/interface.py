@@ -23,6 +23,7 @@ PACKAGES = (
     "visuohaptic.attention",
     "visuohaptic.fixations",
     "visuohaptic.recognition",
+    "visuohaptic.scene",
     "visuohaptic.sensor",
 )
 """Packages whose names are public."""

@@ -25,7 +25,6 @@ from .io.plugins import register as register
 from .parameters import read_parameters as read_parameters
 from .recognition.classifiers import Classifier as Classifier
 from .recognition.maps import Map as Map
-from .scene.parameters import Scene as Scene
 from .sensor.effect_pipeline import Effect as Effect
 from .studies.learning_policies import LearningPolicy as LearningPolicy
 

@@ -1,0 +1,1 @@
+from .parameters import Scene as Scene
