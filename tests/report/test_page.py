@@ -262,7 +262,7 @@ def test_a_run_without_anything_optional_has_a_page_all_the_same(tmp_path):
     nowhere = {
         "pictures": [pictures], "meshes": ["nowhere/cup/mug.ply"], "credits": ["nowhere.csv"],
         "logs": tmp_path / "nowhere", "effects": (),
-        "extras": {"cost": tmp_path / "nowhere", "stability": tmp_path / "nowhere.json"},
+        "extras": {"cost": tmp_path / "nowhere"},
     }  # fmt: skip
     bare = replace(files, **nowhere)
     page = read_page(render(bare))

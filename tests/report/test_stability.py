@@ -57,12 +57,13 @@ def write_totals(path, **changes):
 @pytest.mark.slow
 def test_an_exceeded_tolerance_is_said_first_in_its_section_and_at_its_object(tmp_path):
     (tmp_path / "objects").mkdir()
+    checked = []
     for key in ("cup/mug", "ball/marble"):
         result = broken(ON_OBJECT, np.inf) if key == "cup/mug" else ON_OBJECT
-        written(tmp_path / "objects", [result], key, name=f"{key.replace('/', '-')}.parquet")
+        name = f"{key.replace('/', '-')}.parquet"
+        checked.append(written(tmp_path / "objects", [result], key, name=name))
     totals = write_totals(tmp_path / "hard_cases.json")
-    extras = {"stability": tmp_path / "objects", "hard_cases": totals}
-    files = replace(write_run(tmp_path), extras=extras)
+    files = replace(write_run(tmp_path), extras={"hard_cases": totals}, stability=checked)
     page = read_page(render_page(read_run(files, PARAMETERS, [])))
     for said in (
         "8 hard cases of 1 kind: 1 tolerance exceeded (cup/mug: touches by themselves)",

@@ -7,7 +7,7 @@ import pandas as pd
 import pyarrow.compute as pc
 import pytest
 import trimesh
-from small_experiment import SMALL_OBJECTS
+from small_experiment import SMALL_OBJECTS, write_catalogue
 
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.surface import object_of
@@ -60,6 +60,20 @@ def test_every_run_checks_its_objects_and_quotes_the_hard_cases_of_the_code(fini
     page = (finished.folder / "reports/report.html").read_text()
     for said in ("Objects of this run: ", "The code itself was tried on "):
         assert said in page
+
+
+@pytest.mark.long
+def test_the_report_reads_no_files_of_former_blocks_of_objects(experiment):
+    """Files of former jobs stay beside new files until the end of the run, and after a failure of a job."""
+    experiment.set(workflow={"objects_per_job": 4})
+    experiment.snakemake()
+    write_catalogue(experiment.folder, ["bsby_beer_bottle", *SMALL_OBJECTS[1:]])
+    assert "The report is at" in experiment.snakemake().stdout
+    own = read_table(STABILITY, experiment.folder / "results/stability")
+    cases = f"{sum(own['cases'].to_pylist()):,} hard cases"
+    assert (
+        f"Objects of this run: {cases}" in (experiment.folder / "reports/report.html").read_text()
+    )
 
 
 @pytest.mark.long

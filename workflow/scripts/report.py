@@ -31,6 +31,8 @@ with job(snakemake):
             features=snakemake.input.features,
             pictures=snakemake.input.pictures,
             effects=snakemake.input.effects,
+            stability=snakemake.input.stability,
+            drawn=snakemake.input.drawn,
             meshes=list(meshes_in(snakemake.input.meshes).values()),
             credits=snakemake.input.credits,
             gaze=next(iter(snakemake.input.gaze), None),

@@ -40,11 +40,9 @@ _TABLES = ("predictions", "views", "fixations", "touches", "features", "pictures
 _EXTRAS = {
     "studies": "results/studies",
     "frontier": "results/frontier.parquet",
-    "drawn": "results/study_blocks/random_draws",
     "cues": "results/cues.parquet",
     "effect_influence": "results/effect_influence.parquet",
     "evaluation": "reports/evaluation.parquet",
-    "stability": "results/stability",
 }
 """Paths relative to the run's folder, by the names of `extra_paths`."""
 
@@ -57,8 +55,10 @@ class RunFiles:
     ----------
     metrics : path
         ``reports/metrics.json``.
-    predictions, views, fixations, touches, features, pictures, effects : sequence of paths
-        The Parquet files of each table; `tables` has the schemas.
+    predictions, views, fixations, touches, features, pictures, effects, stability : sequence of paths
+        The Parquet files of each table; `tables` has the schemas. Files of former runs in the same folders do not count.
+    drawn : sequence of paths
+        The Parquet files of study ``random_draws``, rows of `tables.STUDY`.
     meshes : sequence of paths
         Mesh files ``<block>/<class>/<object>.ply``.
     credits : sequence of paths
@@ -90,6 +90,8 @@ class RunFiles:
     features: Sequence[str | Path]
     pictures: Sequence[str | Path]
     effects: Sequence[str | Path] = ()
+    stability: Sequence[str | Path] = ()
+    drawn: Sequence[str | Path] = ()
     meshes: Sequence[str | Path] = ()
     credits: Sequence[str | Path] = ()
     logs: str | Path | None = None
@@ -292,8 +294,7 @@ def extra_paths(run: str | Path, checkout: str | Path) -> dict[str, Path]:
     Returns
     -------
     dict of str to Path
-        By ``studies``, ``frontier``, ``drawn``, ``cues``, ``effect_influence``, ``evaluation``, ``stability`` and
-        ``hard_cases``.
+        By ``studies``, ``frontier``, ``cues``, ``effect_influence``, ``evaluation`` and ``hard_cases``.
     """
     extras = {name: Path(run, path) for name, path in _EXTRAS.items()}
     return extras | {"hard_cases": Path(checkout, "docs/figures/hard_cases.json")}
@@ -339,6 +340,8 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
         metrics=folder / METRICS,
         **tables,
         effects=[*_parts(results / "effects/views"), *_parts(results / "effects/touches")],
+        stability=_parts(results / "stability"),
+        drawn=_parts(results / "study_blocks/random_draws"),
         meshes=sorted((results / "meshes").rglob("*.ply")),
         credits=[folder / "meshes/catalogue.csv", folder / "meshes/paper/credits.csv"],
         logs=logs if logs.is_dir() else None,
