@@ -1,13 +1,15 @@
 """Polygons are cut into triangles that cover them and no more, whatever their first corner."""
 
 import io
+from collections import Counter
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
 from meshes import generated
 
 from visuohaptic.meshes import polygons
-from visuohaptic.meshes.model_files import read_mesh
+from visuohaptic.meshes.model_files import read_mesh, surface_from_archive
 from visuohaptic.meshes.scenes import fan_faces
 
 PENTAGON = np.array([[0.0, 0], [4, 0], [4, 4], [2, 1], [0, 4]])
@@ -68,6 +70,50 @@ def test_a_polygon_that_crosses_itself_is_cut_only_where_that_comes_nearer_to_it
             assert (vectors @ whole >= 0).all()
             excess = np.abs(fan).sum() - np.abs(whole).sum()
             assert abs(np.abs(vectors).sum() - np.abs(whole).sum()) < excess
+
+
+# A closed solid of a pentagon that is not flat, and of five triangles to an apex.
+SOLID = [[-5, 0, 5], [5, 0, 5], [5, 0, -5], [-5, 0, -5], [0, 5, -5], [0, -6, 0]]
+SIDES = [[0, 1, 2, 3, 4], [1, 0, 5], [2, 1, 5], [3, 2, 5], [4, 3, 5], [0, 4, 5]]
+
+
+def uses_of_edges(faces):
+    return Counter(
+        tuple(sorted(edge)) for face in faces for edge in zip(face, np.roll(face, -1), strict=True)
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "data"),
+    [
+        ("obj", generated.as_obj(SOLID, SIDES)),
+        ("off", generated.as_off(SOLID, SIDES)),
+        ("ply", generated.as_ply(np.array(SOLID, float), SIDES, "ascii")),
+    ],
+    ids=["obj", "off", "ply"],
+)
+def test_a_closed_surface_of_polygons_stays_closed(kind, data):
+    faces = read_mesh(io.BytesIO(data), kind).faces
+    edges = uses_of_edges(faces)
+    assert len(faces) == 8
+    assert set(edges.values()) == {2}
+
+
+def test_models_of_the_catalogue_stay_as_they_are_pinned():
+    data = generated.packed({"a.obj": generated.as_obj(SOLID, SIDES)})
+    with ZipFile(io.BytesIO(data)) as archive:
+        assert len(surface_from_archive(archive.read("a.obj"), "a.obj", archive).faces) == 7
+
+
+def test_the_triangles_of_a_polygon_use_each_of_its_corners_and_edges():
+    random = np.random.default_rng(1)
+    for count in random.integers(4, 14, 1500):
+        # Corners on few places lie on lines, and on one another.
+        points = random.integers(0, 7, (count, 3)) * [1, 1, random.integers(0, 2)]
+        for triangles in cut(points).values():
+            assert len(triangles) == count - 2
+            edges = uses_of_edges([*triangles, range(count)])
+            assert all(number % 2 == 0 for number in edges.values())
 
 
 @pytest.mark.parametrize(

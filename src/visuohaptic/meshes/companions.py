@@ -40,12 +40,15 @@ class Companions:
         Further remarks on the model, as clauses about the file: "has vertex colours that are not read".
     up_axis : str or None
         Up axis of the file, x, y or z; None if the file does not name an axis.
+    keep_corners : bool
+        Whether cut polygons keep all their corners; an argument of `polygons.cuts`.
     """
 
     def __init__(self) -> None:
         self.missing: list[str] = []
         self.notes: list[str] = []
         self.up_axis: Literal["x", "y", "z"] | None = None
+        self.keep_corners = True
         self._bytes_read = 0
         self._images: dict[Path | str, PackedImage | None] = {}
 

@@ -101,12 +101,15 @@ def name_of(source: Source) -> str:
 
 
 def surface_from_archive(data: bytes, name: str, archive: ZipFile) -> Surface:
-    """Read the content `data` of a member of a zip archive as a surface.
+    """Read the content `data` of a member of a zip archive of the catalogue as a surface.
 
     `name` is the path of the member in the archive, with the suffix of a model file. Files that the member refers to
-    are read from the same folder of the archive and below.
+    are read from the same folder of the archive and below. Surfaces of the catalogue are pinned, so polygons are cut
+    as they were for them: some lack corners.
     """
-    return read_data(data, Path(name).suffix[1:], name, ArchiveCompanions(archive, name))
+    companions = ArchiveCompanions(archive, name)
+    companions.keep_corners = False
+    return read_data(data, Path(name).suffix[1:], name, companions)
 
 
 def read_data(data: bytes, kind: str, name: str, companions: Companions) -> Surface:

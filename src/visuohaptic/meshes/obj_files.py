@@ -115,7 +115,7 @@ def _parts(
     polygons: Polygons, material: Material, vertices: _Vertices, companions: Companions
 ) -> list[Part]:
     corners = _corners(polygons, len(vertices.points))
-    triangles = _triangles(polygons, corners, vertices.points)
+    triangles = _triangles(polygons, corners, vertices.points, keep_corners=companions.keep_corners)
     faces = np.empty(triangles.shape, dtype=np.int64)
     for start in range(0, len(faces), _BLOCK_FACES):
         faces[start : start + _BLOCK_FACES] = corners[triangles[start : start + _BLOCK_FACES]]
@@ -172,13 +172,15 @@ def _line(polygons: Polygons, corner: int) -> int:
 
 
 def _triangles(
-    polygons: Polygons, corners: NDArray[np.int32], points: FloatArray
+    polygons: Polygons, corners: NDArray[np.int32], points: FloatArray, *, keep_corners: bool
 ) -> NDArray[np.int32]:
     """Cut polygons into triangles (t, 3) as rows of `corners`, polygon after polygon."""
     counts = np.frombuffer(polygons.counts, np.int32)
     if (counts == 3).all():
         return np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
-    triangles_of = cuts(points, corners.astype(np.int64), counts.astype(np.int64))
+    triangles_of = cuts(
+        points, corners.astype(np.int64), counts.astype(np.int64), keep_corners=keep_corners
+    )
     starts = np.cumsum(counts, dtype=np.int32) - counts
     if not triangles_of and (counts == 4).all() and _all_or_none_have_coordinates(polygons):
         # All first halves come first: the surfaces of the benchmark keep this order of faces.

@@ -6,6 +6,10 @@ convex may cover more than the polygon, so such a polygon is cut by ear clipping
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterator
+from itertools import pairwise
+
 import numpy as np
 from mapbox_earcut import triangulate_float64
 from numpy.typing import NDArray
@@ -24,12 +28,17 @@ _BLOCK_POLYGONS = 1 << 12
 
 
 def cuts(
-    points: NDArray[np.floating], corners: NDArray[np.integer], counts: NDArray[np.integer]
+    points: NDArray[np.floating],
+    corners: NDArray[np.integer],
+    counts: NDArray[np.integer],
+    *,
+    keep_corners: bool = True,
 ) -> dict[int, IntArray]:
     """Cut polygons whose fan covers more than the polygon, by ear clipping (``mapbox_earcut``).
 
     A polygon is projected along its area vector (Newell's normal) before it is cut. A polygon stays a fan if it has
-    no area vector, or if it crosses itself and ear clipping does not come closer to its area.
+    no area vector, or if ear clipping does not come closer to its area. Either way a polygon of n corners has n - 2
+    triangles with all its corners and edges, so that a closed surface stays closed.
 
     Parameters
     ----------
@@ -39,6 +48,8 @@ def cuts(
         Shape (c,): rows of `points`, polygon after polygon.
     counts : numpy.ndarray
         Shape (p,): number of corners per polygon.
+    keep_corners : bool
+        False drops corners as `mapbox_earcut` does, for models of the catalogue, whose surfaces are pinned.
 
     Returns
     -------
@@ -56,7 +67,9 @@ def cuts(
     for first in range(0, len(counts), _BLOCK_POLYGONS):
         block = counts[first : first + _BLOCK_POLYGONS]
         starts = corner + np.cumsum(block, dtype=np.int64) - block
-        for index, triangles in _cuts_of_block(points, corners, block, starts).items():
+        for index, triangles in _cuts_of_block(
+            points, corners, block, starts, keep_corners=keep_corners
+        ).items():
             triangles_of[first + index] = triangles
         corner += int(block.sum(dtype=np.int64))
     return triangles_of
@@ -67,6 +80,8 @@ def _cuts_of_block(
     corners: NDArray[np.integer],
     counts: NDArray[np.integer],
     starts: IntArray,
+    *,
+    keep_corners: bool,
 ) -> dict[int, IntArray]:
     """Return the result of `cuts` for a block of polygons whose corners begin at `starts` (p,)."""
     triangles_of: dict[int, IntArray] = {}
@@ -75,7 +90,7 @@ def _cuts_of_block(
         blocks = -(-len(same_count) * count // _BLOCK_CORNERS)
         for indices in np.array_split(same_count, blocks):
             polygons = points[corners[starts[indices, None] + np.arange(count)]]
-            cut = _cut_polygons(polygons.astype(np.float64, copy=False))
+            cut = _cut_polygons(polygons.astype(np.float64, copy=False), keep_corners=keep_corners)
             triangles_of |= {int(indices[index]): triangles for index, triangles in cut.items()}
     return triangles_of
 
@@ -189,7 +204,7 @@ def check_corners(corners: NDArray[np.integer], vertices: int, first: int = 0) -
     raise MeshError(f"a face names vertex {wrong}; {first} to {last} are there")
 
 
-def _cut_polygons(polygons: FloatArray) -> dict[int, IntArray]:
+def _cut_polygons(polygons: FloatArray, *, keep_corners: bool) -> dict[int, IntArray]:
     """Cut polygons (p, n, 3), in any unit, if their fan covers more than the polygon; return triangles per index."""
     # A polygon of a single point, or with NaN, becomes NaN, so all comparisons below are false.
     with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
@@ -207,7 +222,7 @@ def _cut_polygons(polygons: FloatArray) -> dict[int, IntArray]:
     for index, flat in zip(
         not_convex.tolist(), _projected(polygons[not_convex], normals[not_convex]), strict=True
     ):
-        triangles = _ear_clipped(flat)
+        triangles = _ear_clipped(flat, keep_corners=keep_corners)
         if triangles is not None:
             triangles_of[index] = triangles
     return triangles_of
@@ -224,7 +239,7 @@ def _projected(polygons: FloatArray, normals: FloatArray) -> FloatArray:
     return np.ascontiguousarray(np.take_along_axis(flat, kept_axes[:, None], axis=2))
 
 
-def _ear_clipped(flat: FloatArray) -> IntArray | None:
+def _ear_clipped(flat: FloatArray, *, keep_corners: bool) -> IntArray | None:
     """Cut a counter-clockwise polygon (n, 2) into triangles (t, 3); None if the fan is at least as close to its area."""
     if len(flat) > MOST_CORNERS_CUT:
         raise MeshError(
@@ -233,12 +248,90 @@ def _ear_clipped(flat: FloatArray) -> IntArray | None:
         )
     corners = triangulate_float64(flat, np.array([len(flat)], dtype=np.uint32))
     triangles = corners.reshape(-1, 3).astype(np.int64)
-    first, second, third = flat[triangles].transpose(1, 0, 2)
-    signed_areas = _cross(second - first, third - first)
+    signed_areas = _signed_areas(flat, triangles)
+    if keep_corners and len(triangles) < len(flat) - 2:
+        # `mapbox_earcut` drops corners on a line between their neighbours, and where edges cross. In space there would be holes.
+        if signed_areas.sum() < 0:
+            triangles = triangles[:, ::-1]
+        triangles = _with_all_corners(flat, triangles)
+        if len(triangles) != len(flat) - 2:
+            return None
+        signed_areas = _signed_areas(flat, triangles)
     triangles[signed_areas < 0] = triangles[signed_areas < 0][:, ::-1]
     fan_areas = _cross(flat[1:-1], flat[2:])
     excess = np.abs(fan_areas).sum() - fan_areas.sum()
     return triangles if np.abs(np.abs(signed_areas).sum() - fan_areas.sum()) < excess else None
+
+
+def _with_all_corners(flat: FloatArray, triangles: IntArray) -> IntArray:
+    """Insert the corners and edges of a polygon (n, 2) that its triangles (t, 3) lack; return triangles (n - 2, 3).
+
+    The edges that are left over, of triangles and reversed of the polygon, form rings along which triangles and
+    polygon are apart. The triangle at the longest edge of a ring is cut at the other corners of the ring.
+    """
+    apart: dict[int, list[int]] = {}
+    for start, end in _unpaired(triangles, len(flat)):
+        apart.setdefault(start, []).append(end)
+    pieces = triangles.tolist()
+    owners = {edge: index for index, piece in enumerate(pieces) for edge in _edges(piece)}
+    for ring in _rings(apart):
+        lengths = np.linalg.norm(flat[ring] - flat[ring[1:] + ring[:1]], axis=1)
+        for place in np.argsort(-lengths, kind="stable").tolist():
+            # From the start of the edge to its end, the other way round.
+            path = (ring[place + 1 :] + ring[: place + 1])[::-1]
+            owner = owners.get((path[0], path[-1]))
+            if owner is None:
+                continue
+            (opposite,) = set(pieces[owner]) - {path[0], path[-1]}
+            if opposite not in path:
+                break
+        else:
+            # No triangle is beside the ring.
+            opposite, path, owner = ring[0], ring[:0:-1], None
+        cut = [[first, second, opposite] for first, second in pairwise(path)]
+        if owner is not None:
+            pieces[owner] = cut.pop()
+            owners |= dict.fromkeys(_edges(pieces[owner]), owner)
+        for piece in cut:
+            owners |= dict.fromkeys(_edges(piece), len(pieces))
+            pieces.append(piece)
+    return np.array(pieces, dtype=np.int64).reshape(-1, 3)
+
+
+def _edges(corners: list[int]) -> Iterator[tuple[int, int]]:
+    return zip(corners, corners[1:] + corners[:1], strict=True)
+
+
+def _unpaired(triangles: IntArray, count: int) -> Iterator[tuple[int, int]]:
+    """Yield directed edges of triangles, and reversed edges of the polygon of `count` corners, without their opposite."""
+    polygon = list(range(count))
+    edges = Counter(edge for triangle in triangles.tolist() for edge in _edges(triangle))
+    edges.update(_edges(polygon[::-1]))
+    for (start, end), number in edges.items():
+        yield from [(start, end)] * (number - edges.get((end, start), 0))
+
+
+def _rings(following: dict[int, list[int]]) -> Iterator[list[int]]:
+    """Yield rings of corners, each once in a ring, until all edges are used; every corner has as many edges in as out."""
+    for start in list(following):
+        path = [start]
+        places = {start: 0}
+        while following[path[-1]]:
+            corner = following[path[-1]].pop()
+            if corner in places:
+                ring = path[places[corner] :]
+                yield ring
+                for passed in ring[1:]:
+                    del places[passed]
+                del path[places[corner] + 1 :]
+            else:
+                places[corner] = len(path)
+                path.append(corner)
+
+
+def _signed_areas(flat: FloatArray, triangles: IntArray) -> FloatArray:
+    first, second, third = flat[triangles].transpose(1, 0, 2)
+    return _cross(second - first, third - first)
 
 
 def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
