@@ -439,7 +439,7 @@ def test_an_image_that_is_not_there_or_of_no_known_format_is_said(tmp_path):
     companions = Companions()
     assert colours(read(file.text(textures=textures), companions)) == [STORED]
     assert companions.missing == [
-        "texture 0 by the extension KHR_texture_basisu, which is not read"
+        "texture 0 by the extension KHR_texture_basisu, which is not read; save its image as PNG or JPEG"
     ]
 
 
@@ -474,22 +474,10 @@ def changed(change, file=None):
 
 UNKNOWN = {"ACME_bend": {}}
 REFUSED = {
-    "node": (lambda tree: tree["nodes"][0].update(extensions=UNKNOWN), "node 0 .*ACME_bend"),
-    "mesh": (lambda tree: tree["meshes"][0].update(extensions=UNKNOWN), "mesh 0 .*ACME_bend"),
-    "primitive": (lambda tree: tree["meshes"][0]["primitives"][0].update(extensions=UNKNOWN), "primitive 0 .*ACME_bend"),
-    "material": (lambda tree: tree["materials"][0].update(extensions=UNKNOWN), "material 0 .*ACME_bend"),
-    "texture": (lambda tree: tree["textures"][0].update(extensions=UNKNOWN), "texture 0 .*ACME_bend"),
-    "texture information": (
-        lambda tree: tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].update(extensions=UNKNOWN),
-        "image of material 0 .*ACME_bend",
+    "required extension": (
+        lambda tree: tree.update(extensionsRequired=["ACME_bend"]),
+        "requires the extension ACME_bend, which is not read; export it without",
     ),
-    "image": (lambda tree: tree["images"][0].update(extensions=UNKNOWN), "image 0 .*ACME_bend"),
-    "accessor": (lambda tree: tree["accessors"][1].update(extensions=UNKNOWN), "accessor 1 .*ACME_bend"),
-    "meshopt": (lambda tree: tree["bufferViews"][1].update(extensions={"EXT_meshopt_compression": {}}), "buffer view 1 .*EXT_meshopt"),
-    "scene": (lambda tree: tree["scenes"][0].update(extensions=UNKNOWN), "scene 0 .*ACME_bend"),
-    "key of a node": (lambda tree: tree["nodes"][0].update(mirror="x"), "node 0 has 'mirror'"),
-    "key of a primitive": (lambda tree: tree["meshes"][0]["primitives"][0].update(bend=1), "primitive 0 has 'bend'"),
-    "attribute": (lambda tree: tree["meshes"][0]["primitives"][0]["attributes"].update(BEND=0), "attribute 'BEND'"),
     "mode": (lambda tree: tree["meshes"][0]["primitives"][0].update(mode=7), "primitive 0 is of mode 7"),
     "required": (lambda tree: tree.update(extensionsRequired=["KHR_draco_mesh_compression"]), "requires .*KHR_draco"),
     "version": (lambda tree: tree["asset"].update(version="1.0"), "version 1.0 of glTF"),
@@ -514,6 +502,72 @@ def test_what_is_in_use_and_not_read_or_not_there_is_refused_by_its_name_and_pla
         read(changed(change))
 
 
+FIRST = {
+    "node 0": lambda tree: tree["nodes"][0],
+    "mesh 0": lambda tree: tree["meshes"][0],
+    "mesh 0, primitive 0": lambda tree: tree["meshes"][0]["primitives"][0],
+    "material 0": lambda tree: tree["materials"][0],
+    "texture 0": lambda tree: tree["textures"][0],
+    "the image of material 0": lambda tree: tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"],
+    "image 0": lambda tree: tree["images"][0],
+    "accessor 1": lambda tree: tree["accessors"][1],
+    "buffer view 1": lambda tree: tree["bufferViews"][1],
+    "scene 0": lambda tree: tree["scenes"][0],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("label", FIRST)
+def test_an_extension_that_is_not_required_is_noted_once(label):
+    def change(tree):
+        tree["extensionsUsed"] = ["ACME_bend"]
+        FIRST[label](tree)["extensions"] = UNKNOWN
+
+    companions = Companions()
+    assert colours(read(changed(change), companions)) == [(200, 0, 0)]
+    assert companions.notes == [
+        f"has the optional extension ACME_bend ({label}), which is not read"
+    ]
+
+
+def test_keys_and_attributes_that_the_format_does_not_have_are_noted():
+    def change(tree):
+        tree["nodes"][0]["mirror"] = "x"
+        tree["meshes"][0]["primitives"][0]["bend"] = 1
+        tree["meshes"][0]["primitives"][0]["attributes"]["BEND"] = 0
+
+    companions = Companions()
+    assert colours(read(changed(change), companions)) == [(200, 0, 0)]
+    assert companions.notes == [
+        "has 'mirror' (node 0), which is not read",
+        "has 'bend' (mesh 0, primitive 0), which is not read",
+        "has 'BEND' (mesh 0, primitive 0), which is not read",
+    ]
+
+
+@pytest.mark.parametrize("name", ["EXT_meshopt_compression", "KHR_meshopt_compression"])
+def test_compressed_buffer_views_are_refused_where_the_plain_numbers_are_not_beside_them(name):
+    file = shown()
+    file.tree["bufferViews"][1]["extensions"] = {name: {}}
+    assert len(read(file.text()).faces) == 12
+    (buffer,) = json.loads(file.text())["buffers"]
+    fallback = {"byteLength": len(file.data), "extensions": {name: {"fallback": True}}}
+    file.tree["bufferViews"][1]["buffer"] = 1
+    with pytest.raises(MeshError, match=f"buffer view 1 has the extension {name}, which is not"):
+        read(file.text(buffers=[buffer, fallback]))
+
+
+def test_a_required_extension_of_images_leaves_out_the_image():
+    file = painted(TEXCOORD_0=LEFT)
+    for name in ("KHR_texture_basisu", "MSFT_texture_dds"):
+        textures = [{"extensions": {name: {"source": 0}}}]
+        companions = Companions()
+        data = file.text(textures=textures, extensionsUsed=[name], extensionsRequired=[name])
+        assert len(read(data, companions).faces) == 12
+        assert companions.missing == [
+            f"texture 0 by the extension {name}, which is not read; save its image as PNG or JPEG"
+        ]
+
+
 def test_what_is_not_in_use_or_changes_no_surface_is_passed_over():
     def change(tree):
         tree["nodes"].append({"extensions": UNKNOWN, "mesh": 7})
@@ -533,9 +587,14 @@ def test_draco_is_refused_where_the_plain_numbers_are_not_beside_it():
     file = shown()
     file.tree["meshes"][0]["primitives"][0]["extensions"] = draco
     assert len(read(file.text()).faces) == 12
-    del file.tree["accessors"][0]["bufferView"]
-    with pytest.raises(MeshError, match="primitive 0 has the extension KHR_draco_mesh_compression"):
-        read(file.text())
+    for lacking in (0, 1):
+        file = shown()
+        file.tree["meshes"][0]["primitives"][0]["extensions"] = draco
+        del file.tree["accessors"][lacking]["bufferView"]
+        with pytest.raises(
+            MeshError, match="0 has the extension KHR_draco_mesh_compression, which"
+        ):
+            read(file.text())
 
 
 def test_images_of_too_many_pixels_are_refused_before_they_are_decoded():

@@ -8,7 +8,7 @@ from __future__ import annotations
 import binascii
 import json
 import struct
-from collections.abc import Collection
+from collections.abc import Iterable
 from typing import Any
 from urllib.parse import unquote, unquote_to_bytes
 
@@ -54,19 +54,28 @@ HARMLESS_EXTENSIONS = frozenset(
         "OMI_physics_shape", "VRM", "VRMC_vrm", "VRMC_springBone", "VRMC_node_constraint",
         "KHR_xmp", "KHR_xmp_json_ld", "AGI_stk_metadata", "EXT_feature_metadata",
         "EXT_instance_features", "EXT_mesh_features", "EXT_structural_metadata",
-        "CESIUM_primitive_outline", "GODOT_single_root", "CESIUM_RTC",
+        "CESIUM_primitive_outline", "GODOT_single_root", "CESIUM_RTC", "EXT_mesh_manifold",
+        "MOZ_hubs_components",
     }
 )  # fmt: skip
 """Extensions that can change neither a surface nor its base colour."""
 
-# A file that does not require these extensions also has the same numbers or image without compression.
-_WITH_FALLBACK = frozenset({"KHR_draco_mesh_compression", "KHR_texture_basisu", "MSFT_texture_dds"})
+PACKED_IMAGES = ("KHR_texture_basisu", "MSFT_texture_dds")
+"""Extensions by which a texture has an image of a format that is not read; the surface needs no image."""
+
+DRACO = "KHR_draco_mesh_compression"
+"""Extension of compressed primitives. A file that does not require the extension has the plain numbers, too."""
+
+# Extensions of compressed buffer views. A file that does not require them has the plain numbers, too.
+_COMPRESSED_VIEWS = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+_KNOWN = READ_EXTENSIONS | HARMLESS_EXTENSIONS | {*PACKED_IMAGES, DRACO, *_COMPRESSED_VIEWS}
 
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _GLB_HEADER = struct.Struct("<4sII")
 _CHUNK_HEADER = struct.Struct("<I4s")
 _INLINE = "data:"
+_GENERAL_KEYS = {"name", "extras", "extensions"}
 _LONGEST_SHOWN = 80
 
 
@@ -92,11 +101,12 @@ class GltfDocument:
         self._buffers: dict[object, memoryview] = {}
         self._images: dict[object, PackedImage | None] = {}
         self._image_bytes = 0
+        self._noted: set[str] = set()
         version = str(self.tree.get("asset", {}).get("version", "2.0"))
         if not version.startswith("2."):
             raise MeshError(f"it is of version {version[:_LONGEST_SHOWN]} of glTF; 2.0 is needed")
         for name in self.tree.get("extensionsRequired", ()):
-            if name not in READ_EXTENSIONS | HARMLESS_EXTENSIONS:
+            if name not in READ_EXTENSIONS | HARMLESS_EXTENSIONS | {*PACKED_IMAGES}:
                 raise MeshError(
                     f"it requires the extension {str(name)[:_LONGEST_SHOWN]}, which is not read; export "
                     "it without the extension"
@@ -115,6 +125,26 @@ class GltfDocument:
             raise MeshError(f"number {index} of its {kind} is no object")
         return entry
 
+    def note_extensions(self, holder: dict[str, Any], label: str) -> None:
+        """Note extensions of an entry that are not known, each name once per file.
+
+        A file may be read without an extension that is not in `extensionsRequired` (section 3.12).
+        """
+        for name in holder.get("extensions", {}):
+            if name not in _KNOWN:
+                self._note(f"has the optional extension {name[:_LONGEST_SHOWN]}", name, label)
+
+    def note_keys(self, keys: Iterable[str], label: str) -> None:
+        """Note keys of an entry that are not read, each once per file; the schema of glTF 2.0 allows further keys."""
+        for name in sorted(keys):
+            if name not in _GENERAL_KEYS:
+                self._note(f"has {name[:_LONGEST_SHOWN]!r}", name, label)
+
+    def _note(self, clause: str, name: str, label: str) -> None:
+        if name not in self._noted:
+            self._noted.add(name)
+            self.companions.notes.append(f"{clause} ({label}), which is not read")
+
     def count(self, accessor: Any, label: str) -> int:
         """Return the number of rows that an accessor claims; the data may be shorter."""
         described = self.entry("accessors", accessor, label)
@@ -126,7 +156,7 @@ class GltfDocument:
     def stored(self, accessor: int, label: str, *widths: int) -> NDArray[Any]:
         """Return the stored numbers of an accessor, shape (n, k); k must be in `widths`."""
         described = self.entry("accessors", accessor, label)
-        check_extensions(described, f"accessor {accessor}", ())
+        self.note_extensions(described, f"accessor {accessor}")
         width = _WIDTHS.get(described.get("type", ""), 0)
         if width not in widths or described.get("componentType") not in _COMPONENTS:
             allowed = [name for name, numbers in _WIDTHS.items() if numbers in widths]
@@ -162,7 +192,7 @@ class GltfDocument:
     def image(self, index: int, label: str) -> PackedImage | None:
         """Open an image; if that fails, return None and add the reason to `companions.missing`."""
         described = self.entry("images", index, label)
-        check_extensions(described, f"image {index}", ())
+        self.note_extensions(described, f"image {index}")
         key = described.get("uri", ("view", described.get("bufferView")))
         if key not in self._images:
             self._images[key] = self._opened(described, index)
@@ -223,8 +253,14 @@ class GltfDocument:
 
     def _view(self, index: Any, label: str) -> memoryview:
         described = self.entry("bufferViews", index, label)
-        check_extensions(described, f"buffer view {index}", ())
-        data = self._buffer(described.get("buffer"), f"buffer view {index}")
+        self.note_extensions(described, f"buffer view {index}")
+        try:
+            data = self._buffer(described.get("buffer"), f"buffer view {index}")
+        except MeshError as error:
+            for name in _COMPRESSED_VIEWS:
+                if name in described.get("extensions", {}):
+                    raise MeshError(not_read(f"buffer view {index}", name)) from error
+            raise
         start, length = described.get("byteOffset", 0), described.get("byteLength", 0)
         if start < 0 or length < 0 or start + length > len(data):
             raise MeshError(
@@ -235,7 +271,7 @@ class GltfDocument:
 
     def _buffer(self, index: Any, label: str) -> memoryview:
         described = self.entry("buffers", index, label)
-        check_extensions(described, f"buffer {index}", ())
+        self.note_extensions(described, f"buffer {index}")
         if (described.get("uri") or "").startswith(_INLINE):
             # `pop` frees the address, which is as long as the data.
             self._buffers[index] = memoryview(_decoded_address(described.pop("uri")))
@@ -267,20 +303,11 @@ def required(holder: dict[str, Any], name: str, kind: type, label: str) -> Any:
     return holder[name]
 
 
-def check_extensions(holder: dict[str, Any], label: str, supported: Collection[str]) -> None:
-    """Raise `MeshError` if an entry has an extension that is neither in `supported` nor harmless."""
-    for name in holder.get("extensions", {}):
-        if name not in supported and name not in HARMLESS_EXTENSIONS | _WITH_FALLBACK:
-            raise MeshError(
-                f"{label} has the extension {name[:_LONGEST_SHOWN]}, which is not read; export it without the extension"
-            )
-
-
-def check_keys(holder: dict[str, Any], label: str, supported: Collection[str]) -> None:
-    """Raise `MeshError` if an entry has a key that is neither in `supported` nor general."""
-    for name in holder:
-        if name not in supported and name not in {"name", "extras", "extensions"}:
-            raise MeshError(f"{label} has {name[:_LONGEST_SHOWN]!r}, which is not read")
+def not_read(label: str, extension: str) -> str:
+    """Return the message on an extension without which an entry has no numbers."""
+    return (
+        f"{label} has the extension {extension}, which is not read; export it without the extension"
+    )
 
 
 def _unpacked(data: bytes) -> tuple[bytes, memoryview | None]:

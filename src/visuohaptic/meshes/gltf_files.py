@@ -1,7 +1,8 @@
 """Read the default scene of a glTF 2.0 file, text (.gltf) or binary (.glb), as parts.
 
 Section numbers are those of the specification (ISO/IEC 12113:2022). Colours are linear in glTF and sRGB in parts. An
-extension that is neither read nor harmless raises an error. Unknown keys raise an error only in nodes and primitives.
+extension that is neither read nor harmless raises an error if the file requires the extension, or has no numbers
+without it; otherwise the extension is noted. Unknown keys and attributes of nodes and primitives are noted.
 Keys of materials other than the base colour, such as `alphaMode` and `normalTexture`, are ignored.
 """
 
@@ -22,9 +23,10 @@ from visuohaptic.geometry.texture import CLAMP, MIRROR, REPEAT
 from visuohaptic.geometry.turning import rotation_matrices
 from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.gltf_document import (
+    DRACO,
+    PACKED_IMAGES,
     GltfDocument,
-    check_extensions,
-    check_keys,
+    not_read,
     required,
 )
 from visuohaptic.meshes.limits import check_parts
@@ -46,10 +48,8 @@ A tint is the base colour times the mean vertex colour of a face. Tints are equa
 
 _INSTANCING, _VISIBILITY = "EXT_mesh_gpu_instancing", "KHR_node_visibility"
 _GLOSSINESS, _TRANSFORM = "KHR_materials_pbrSpecularGlossiness", "KHR_texture_transform"
-_DRACO = "KHR_draco_mesh_compression"
 _IMAGE_EXTENSIONS = ("EXT_texture_avif", "EXT_texture_webp")
-_PACKED_IMAGES = ("KHR_texture_basisu", "MSFT_texture_dds")
-_NODE_KEYS = (
+_NODE_KEYS = {
     "camera",
     "children",
     "matrix",
@@ -59,9 +59,10 @@ _NODE_KEYS = (
     "skin",
     "translation",
     "weights",
-)
-_PRIMITIVE_KEYS = ("attributes", "indices", "material", "mode", "targets")
+}
+_PRIMITIVE_KEYS = {"attributes", "indices", "material", "mode", "targets"}
 _ATTRIBUTE = re.compile(r"(POSITION|NORMAL|TANGENT|(TEXCOORD|COLOR|JOINTS|WEIGHTS)_\d+|_.*)")
+_INSTANCE_ATTRIBUTE = re.compile(r"TRANSLATION|ROTATION|SCALE|_.*")
 _NO_SURFACE = {0, 1, 2, 3}  # points and lines
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _BLOCK_FACES = 1 << 16
@@ -117,8 +118,8 @@ def _mesh_nodes(document: GltfDocument) -> list[_MeshNode]:
         check_parts(len(visited), "nodes")
         node = document.entry("nodes", number, "the scene")
         label = f"node {number}"
-        check_keys(node, label, _NODE_KEYS)
-        check_extensions(node, label, (_INSTANCING, _VISIBILITY))
+        document.note_keys(node.keys() - _NODE_KEYS, label)
+        document.note_extensions(node, label)
         extensions = node.get("extensions", {})
         if not extensions.get(_VISIBILITY, {}).get("visible", True):
             continue
@@ -138,7 +139,7 @@ def _roots(document: GltfDocument) -> Sequence[int]:
         if len(scenes) > 1:
             document.companions.notes.append(f"has {len(scenes)} scenes; scene {number} is read")
         scene = document.entry("scenes", number, "the file")
-        check_extensions(scene, f"scene {number}", ())
+        document.note_extensions(scene, f"scene {number}")
         roots: list[int] = scene.get("nodes", [])
         return roots
     if not nodes and document.tree.get("meshes"):
@@ -195,9 +196,10 @@ def _instances(document: GltfDocument, extension: dict[str, Any] | None, label: 
             rows_label = f"{name} of the instances of {label}"
             rows = document.numbers(attributes[name], rows_label, len(default))
         columns.append(rows)
-    for name in attributes:
-        if name not in {"TRANSLATION", "ROTATION", "SCALE"} and not name.startswith("_"):
-            raise MeshError(f"the instances of {label} have {name[:80]!r}, which is not read")
+    document.note_keys(
+        (name for name in attributes if not _INSTANCE_ATTRIBUTE.fullmatch(name)),
+        f"instances of {label}",
+    )
     return _placements(*columns)
 
 
@@ -223,7 +225,7 @@ def _check_size(document: GltfDocument, mesh_nodes: Sequence[_MeshNode]) -> None
 def _mesh_parts(document: GltfDocument, mesh_node: _MeshNode) -> Iterator[Part]:
     number = mesh_node.entry["mesh"]
     mesh = document.entry("meshes", number, f"node {mesh_node.number}")
-    check_extensions(mesh, f"mesh {number}", ())
+    document.note_extensions(mesh, f"mesh {number}")
     weights = mesh_node.entry.get("weights", mesh.get("weights", ()))
     for index, entry in enumerate(mesh["primitives"]):
         primitive = _Primitive(document, entry, weights, f"mesh {number}, primitive {index}")
@@ -262,7 +264,7 @@ def _posed(
 def _joint_matrices(document: GltfDocument, skin: Any, label: str) -> FloatArray:
     """Return matrices (j, 4, 4) per joint from the mesh at rest to the scene: joint to scene times inverse bind."""
     entry = document.entry("skins", skin, label)
-    check_extensions(entry, f"skin {skin}", ())
+    document.note_extensions(entry, f"skin {skin}")
     joints, parents = required(entry, "joints", list, f"skin {skin}"), _parents(document)
     worlds = np.array([_world(document, joint, parents) for joint in joints])
     if "inverseBindMatrices" not in entry:
@@ -309,18 +311,30 @@ class _Primitive:
         weights: Sequence[float],
         label: str,
     ) -> None:
-        check_keys(entry, label, _PRIMITIVE_KEYS)
-        check_extensions(entry, label, ())
+        document.note_keys(entry.keys() - _PRIMITIVE_KEYS, label)
+        document.note_extensions(entry, label)
         self.document, self.entry, self.label = document, entry, label
         self.attributes: dict[str, int] = entry["attributes"]
-        for name in self.attributes:
-            if not _ATTRIBUTE.fullmatch(name):
-                raise MeshError(f"{label} has the attribute {name[:80]!r}, which is not read")
+        document.note_keys(
+            (name for name in self.attributes if not _ATTRIBUTE.fullmatch(name)), label
+        )
+        self._check_plain_numbers()
         targets = entry.get("targets", [])
         if any(weights) and len(weights) != len(targets):
             raise MeshError(f"{label} has {len(targets)} morph targets and {len(weights)} weights")
         pairs = zip(targets, weights, strict=False)
         self._targets = [(target, weight) for target, weight in pairs if weight]
+
+    def _check_plain_numbers(self) -> None:
+        """Raise `MeshError` if positions or indices are only in compressed form."""
+        if DRACO not in self.entry.get("extensions", {}):
+            return
+        for accessor in (self.attributes.get("POSITION"), self.entry.get("indices")):
+            if accessor is None:
+                continue
+            described = self.document.entry("accessors", accessor, self.label)
+            if "bufferView" not in described and "sparse" not in described:
+                raise MeshError(not_read(self.label, DRACO))
 
     def faces(self) -> IntArray:
         """Return vertex indices (f, 3) of the triangles; (0, 3) for points and lines, or without vertices."""
@@ -356,9 +370,6 @@ class _Primitive:
 
     def positions(self) -> FloatArray:
         """Return vertices (v, 3) in the frame of the mesh, with the morph targets applied."""
-        position = self.document.entry("accessors", self.attributes["POSITION"], self.label)
-        if _DRACO in self.entry.get("extensions", {}) and "bufferView" not in position:
-            raise MeshError(f"{self.label} has the extension {_DRACO}, which is not read")
         return self._morphed("POSITION", self.numbers("POSITION", 3))
 
     def numbers(self, name: str, *widths: int) -> FloatArray:
@@ -427,7 +438,7 @@ class _Primitive:
     def _image(self, appearance: _Appearance) -> PackedImage | None:
         """Return the image of a material; None if none can be used, in most cases with a remark in `companions`."""
         info = appearance.texture or {}
-        check_extensions(info, f"the image of {appearance.label}", (_TRANSFORM,))
+        self.document.note_extensions(info, f"the image of {appearance.label}")
         if self._texcoord(appearance) not in self.attributes:
             self.document.companions.notes.append(
                 f"has an image on {self.label}, which has no {self._texcoord(appearance)}; the image is not read"
@@ -435,7 +446,7 @@ class _Primitive:
             return None
         texture = self.document.entry("textures", info.get("index"), appearance.label)
         label = f"texture {info.get('index')}"
-        check_extensions(texture, label, _IMAGE_EXTENSIONS)
+        self.document.note_extensions(texture, label)
         extensions = texture.get("extensions", {})
         sources = [
             extensions[name].get("source") for name in _IMAGE_EXTENSIONS if name in extensions
@@ -445,8 +456,8 @@ class _Primitive:
             if image is not None:
                 return image
         for name in extensions:
-            if name in _PACKED_IMAGES and "source" not in texture:
-                clause = f"{label} by the extension {name}, which is not read"
+            if name in PACKED_IMAGES and "source" not in texture:
+                clause = f"{label} by the extension {name}, which is not read; save its image as PNG or JPEG"
                 if clause not in self.document.companions.missing:
                     self.document.companions.missing.append(clause)
         return None
@@ -478,7 +489,7 @@ class _Primitive:
         if "sampler" not in texture:
             return REPEAT, REPEAT
         sampler = self.document.entry("samplers", texture["sampler"], appearance.label)
-        check_extensions(sampler, f"sampler {texture['sampler']}", ())
+        self.document.note_extensions(sampler, f"sampler {texture['sampler']}")
         across, up = (_WRAPS.get(sampler.get(name, 0), REPEAT) for name in ("wrapS", "wrapT"))
         return across, up
 
@@ -513,7 +524,7 @@ def _appearance(document: GltfDocument, primitive: dict[str, Any], label: str) -
     number = primitive["material"]
     label = f"material {number}"
     material = document.entry("materials", number, label)
-    check_extensions(material, label, (_GLOSSINESS,))
+    document.note_extensions(material, label)
     shading = material.get("extensions", {}).get(_GLOSSINESS)
     names = ("diffuseFactor", "diffuseTexture")
     if shading is None:
