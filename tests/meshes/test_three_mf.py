@@ -185,6 +185,42 @@ def test_colours_of_other_kinds_are_said():
     assert companions.notes == ["has colours of kind multiproperties, which are not read"]
 
 
+SLICE = "http://schemas.microsoft.com/3dmanufacturing/slice/2015/07"
+STACK = (
+    f'<s:slicestack xmlns:s="{SLICE}" id="2" zbottom="0">'
+    + '<s:slice ztop="1"><s:vertices><s:vertex x="0" y="0"/><s:vertex x="1" y="0"/></s:vertices>'
+    '<s:polygon startv="0"><s:segment v2="1"/><s:segment v2="0"/></s:polygon></s:slice>'
+    * 2
+    + "</s:slicestack>"
+)
+COLOUR = '<a:colorgroup xmlns:a="urn:acme" id="8"><a:color color="red"/></a:colorgroup>'
+HARDNESS = '<a:hardness xmlns:a="urn:acme"><a:vertex x="a"/><a:triangle/></a:hardness>'
+
+
+def test_elements_are_told_apart_by_namespace():
+    for more in (STACK, COLOUR):
+        companions = Companions()
+        surface = read(archive(model(GROUPS + more + shape(pid=8, pindex=1))), companions)
+        assert surface.face_areas.sum() == pytest.approx(6)
+        assert colours(surface) == [(0, 255, 0)]
+        assert companions.notes == []
+
+
+def test_elements_of_extensions_that_are_not_required_are_noted():
+    companions = Companions()
+    surface = read(archive(model(shape(inside=HARDNESS))), companions)
+    assert surface.face_areas.sum() == pytest.approx(6)
+    assert companions.notes == [
+        "has hardness (object '1' of '3d/3dmodel.model'), which is not read"
+    ]
+
+
+def test_a_reference_has_the_path_of_the_production_extension():
+    space = 'xmlns:a="urn:acme" a:path="/gone.model" p:UUID="b1"'
+    data = archive(model(shape(), f'<item objectid="1" {space}/>'))
+    assert read(data).face_areas.sum() == pytest.approx(6)
+
+
 LATTICE = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02"
 REFUSED = {
     "lattice": (model(shape(inside=f'<b:beamlattice xmlns:b="{LATTICE}"/>')), "object '1' .* has beamlattice"),

@@ -53,6 +53,10 @@ def _placed_parts(package: Package, companions: Companions) -> Iterator[Part]:
             raise MeshError(
                 f"object {key[1]!r} of {key[0]!r} has {model_object.unknown}, which is not read"
             )
+        if model_object.passed_over:
+            companions.notes.append(
+                f"has {model_object.passed_over} (object {key[1]!r} of {key[0]!r}), which is not read"
+            )
         placements.append((key, model_object, matrix))
         corners += len(model_object.vertices) + model_object.faces.size
         stack += [

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 from array import array
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import unquote
@@ -42,10 +42,17 @@ _NAMESPACES = "http://schemas.microsoft.com/3dmanufacturing/"
 _READ = tuple(
     f"{_NAMESPACES}{name}/" for name in ("core", "production", "material", "trianglesets", "slice")
 )
+_MATERIAL = f"{{{_NAMESPACES}material/"
+_PRODUCTION = f"{{{_NAMESPACES}production/"
+# Elements of these extensions add or remove material: beams, differences, fields and displaced faces.
+_SHAPES = tuple(
+    f"{{{_NAMESPACES}{name}/"
+    for name in ("beamlattice", "booleanoperations", "volumetric", "implicit", "displacement")
+)
 _MANY = {"vertex", "triangle"}
 _MOST_IN_TREE = 256  # largest number of vertices or triangles in the XML tree
 _INSIDE_OBJECT = {"mesh", "components", "metadatagroup"}
-_INSIDE_MESH = {"vertices", "triangles", "trianglesets"}
+_INSIDE_MESH = {"vertices", "triangles"}
 _WRAPS = {"wrap": REPEAT, "mirror": MIRROR, "clamp": CLAMP, "none": CLAMP}
 
 
@@ -76,7 +83,9 @@ class ModelObject:
     kind : str
         Type of the object, such as ``model`` or ``support``.
     unknown : str
-        First element of the object that is not supported; "" if all are.
+        First element of the object that describes its shape and is not read; "" if all are read.
+    passed_over : str
+        First other element of the object that is not read; "" if all are read.
     """
 
     vertices: FloatArray
@@ -87,6 +96,7 @@ class ModelObject:
     components: list[tuple[Key, FloatArray]]
     kind: str
     unknown: str
+    passed_over: str
 
 
 @dataclass
@@ -173,6 +183,7 @@ class _Reader:
 
     def __init__(self, file: str) -> None:
         self._file = file
+        self._names: dict[str, str] = {}
         self._model = Model()
         self._points, self._corners = array("d"), array("q")
         self._groups, self._properties = array("q"), array("q")
@@ -204,11 +215,14 @@ class _Reader:
             resolve_entities=False, load_dtd=False, no_network=True, huge_tree=False,
             remove_comments=True, remove_pis=True,
         )  # fmt: skip
-        names: dict[str, str] = {}
-        elements_in_tree = 0
+        names, elements_in_tree = self._names, 0
         for _, element in parsed:
-            name = names.get(element.tag) or names.setdefault(element.tag, _tag(element))
+            name = names.get(element.tag) or self._name(element)
             if name not in ends:
+                parent, before = element.getparent(), element.getprevious()
+                if not name and before is not None and not self._name(parent):
+                    # Of another extension, such as slices, only names of elements in objects are needed.
+                    parent.remove(before)
                 continue
             try:
                 ends[name](element)
@@ -224,6 +238,35 @@ class _Reader:
                     elements_in_tree = 0
         self._check_root(parsed.root)
         return self._model
+
+    def _name(self, element: Any) -> str:
+        """Return the name of an element of the core or the materials extension, without namespace; "" for another."""
+        if element.tag not in self._names:
+            space, _, name = element.tag.rpartition("}")
+            core = element.getroottree().getroot().tag.rpartition("}")[0]
+            is_known = space == core or space.startswith(_MATERIAL)
+            self._names[element.tag] = name if is_known else ""
+        return self._names[element.tag]
+
+    def _unread(self, element: Any) -> tuple[str, str]:
+        """Return the first unread element of an object that describes its shape, and the first other one; "" for none.
+
+        Elements of extensions that are not required are ignored (core 1.3, attribute `requiredextensions` of `model`).
+        """
+        shape, other = "", ""
+        meshes = [child for child in element if self._name(child) == "mesh"]
+        for parent, known in [
+            (element, _INSIDE_OBJECT),
+            *((mesh, _INSIDE_MESH) for mesh in meshes),
+        ]:
+            for child in parent:
+                if self._name(child) in known or _tag(child) == "trianglesets":
+                    continue
+                if self._name(child) or child.tag.startswith(_SHAPES):
+                    shape = shape or _tag(child)[:_LONGEST_SHOWN]
+                else:
+                    other = other or _tag(child)[:_LONGEST_SHOWN]
+        return shape, other
 
     def _check_root(self, root: Any) -> None:
         """Raise `MeshError` if the document has a DOCTYPE, or requires an extension that is not read."""
@@ -274,7 +317,7 @@ class _Reader:
         groups[groups <= -2] = default_group
         self._model.objects[object_id] = ModelObject(
             vertices, faces, groups, properties, list(self._group_ids), self._components,
-            element.get("type", "model"), _first_unknown(element),
+            element.get("type", "model"), *self._unread(element),
         )  # fmt: skip
         self._points, self._corners = array("d"), array("q")
         self._groups, self._properties = array("q"), array("q")
@@ -304,17 +347,6 @@ class _Reader:
         self._model.images[element.get("id", "")] = element.get("path", ""), (across, up)
 
 
-def _first_unknown(element: Any) -> str:
-    unknown_tags = _unknown_tags(element, _INSIDE_OBJECT)
-    for mesh in element.iterfind("{*}mesh"):
-        unknown_tags += _unknown_tags(mesh, _INSIDE_MESH)
-    return unknown_tags[0] if unknown_tags else ""
-
-
-def _unknown_tags(element: Any, known_tags: set[str]) -> list[str]:
-    return [_tag(child)[:_LONGEST_SHOWN] for child in element if _tag(child) not in known_tags]
-
-
 def _colour(element: Any, name: str) -> list[int]:
     text = element.get(name) or ""
     if text[:1] != "#" or len(text) not in {7, 9}:
@@ -323,13 +355,16 @@ def _colour(element: Any, name: str) -> list[int]:
 
 
 def _reference(element: Any, file: str) -> tuple[Key, FloatArray]:
-    elsewhere = next(_paths(element), None)
+    elsewhere = next(
+        (
+            text
+            for name, text in element.attrib.items()
+            if name.startswith(_PRODUCTION) and name.endswith("}path")
+        ),
+        None,
+    )
     key = (file if elsewhere is None else _plain(elsewhere)), element.get("objectid", "")
     return key, _transform(element)
-
-
-def _paths(element: Any) -> Iterator[str]:
-    return (text for name, text in element.attrib.items() if name.endswith("}path"))
 
 
 def _transform(element: Any) -> FloatArray:
