@@ -193,10 +193,46 @@ def test_a_skin_at_rest_is_its_shape_where_it_was_bound():
     np.testing.assert_allclose(extent(surface), [[0, 0, 0], [2, 2, 2]], atol=1e-12)
 
 
-def test_a_skin_whose_joint_is_no_node_is_refused():
+@pytest.mark.parametrize("above", ["", "<translate>0 0 5</translate>"])
+def test_joints_of_a_skeleton_that_the_scene_does_not_show_stand_where_their_nodes_put_them(above):
+    library = dae.node(BONES, "above", above) if above else BONES
+    data = dae.document(
+        CUBE_GEOMETRY, SHOWN_SKIN, controllers=skin(FOLLOWS, np.eye(4)), library=library
+    )
+    z = 5 if above else 0
+    np.testing.assert_allclose(extent(read(data)), [[0, 0, z], [2, 1, z + 1]], atol=1e-12)
+
+
+def test_of_joints_with_equal_names_the_first_counts():
+    decoys = "".join(
+        dae.node("", "tip", f"<translate>{number} 9 9</translate>") for number in range(20)
+    )
+    shown = SHOWN_SKIN.replace("#base", "#none")
+    data = dae.document(CUBE_GEOMETRY, shown + BONES + decoys, controllers=skin(FOLLOWS, np.eye(4)))
+    np.testing.assert_allclose(extent(read(data)), [[0, 0, 0], [2, 1, 1]], atol=1e-12)
+
+
+def test_a_skin_whose_joint_is_no_node_of_the_scene_or_its_skeleton_is_refused():
     controllers = skin(FOLLOWS, np.eye(4), "base gone")
-    with pytest.raises(MeshError, match="controller 'c' follows joint 'gone', which is no node"):
-        read(dae.document(CUBE_GEOMETRY, SHOWN_SKIN + BONES, controllers=controllers))
+    says = "controller 'c' follows joint 'gone', which is no node of the scene or of its skeleton"
+    for library in ("", dae.node("", "gone")):
+        with pytest.raises(MeshError, match=says):
+            read(
+                dae.document(
+                    CUBE_GEOMETRY, SHOWN_SKIN + BONES, controllers=controllers, library=library
+                )
+            )
+
+
+def test_a_skin_of_other_counts_than_its_joints_is_refused():
+    for spoil, says in (
+        (lambda text: text.replace("base tip", "base"), "has 2 numbers or matrices for 1 joints"),
+        (lambda text: text.replace("base tip", "base tip top"), "has 2 numbers or matrices for 3 joints"),
+        (lambda text: text.replace("bind_shape_matrix>1.0 ", "bind_shape_matrix>", 1), "matrix of 15 numbers"),
+    ):  # fmt: skip
+        controllers = spoil(skin(FOLLOWS, np.eye(4)))
+        with pytest.raises(MeshError, match=says):
+            read(dae.document(CUBE_GEOMETRY, SHOWN_SKIN + BONES, controllers=controllers))
 
 
 @pytest.mark.parametrize(("method", "length"), [("NORMALIZED", 1.5), ("RELATIVE", 2.5)])
@@ -237,6 +273,30 @@ def test_a_material_that_is_named_without_being_bound_is_used():
     assert colours(read(dae.document(CUBE_GEOMETRY, dae.node(dae.shape("g")), RED))) == [
         (255, 0, 0)
     ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('target="#m"', 'target="#gone"', "node 'n' refers to material '#gone', which is not there"),
+        ('target="#m"', 'target="b.dae#m"', "node 'n' refers to 'b.dae#m'; only references within the file are read"),
+        ('<instance_effect url="#m-e"/>', '<instance_effect url="#gone"/>', "material 'm' refers to effect '#gone', which is not there"),
+        ('<instance_effect url="#m-e"/>', "", "material 'm' has no effect"),
+    ],
+)  # fmt: skip
+def test_a_material_that_is_not_there_is_noted(old, new, says):
+    shown = dae.node(dae.shape("g", dae.bound()), "n")
+    data = dae.document(
+        CUBE_GEOMETRY.replace('material="m"', 'material="s"'),
+        shown.replace('symbol="m"', 'symbol="s"'),
+        RED,
+    )
+    assert old.encode() in data
+    companions = Companions()
+    surface = read(data.replace(old.encode(), new.encode()), companions)
+    assert colours(surface) == [GREY]
+    assert surface.face_areas.sum() == pytest.approx(6)
+    assert companions.notes == [f"has faces without their colours: {says}"]
 
 
 @pytest.mark.parametrize("largest", [1, 255])

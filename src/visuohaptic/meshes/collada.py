@@ -98,10 +98,8 @@ def _scene(document: ColladaDocument) -> tuple[list[_SceneInstance], dict[Any, F
     parts, corners = len(stack), 0
     while stack:
         node, matrix = stack.pop()
-        label = f"node {(node.get('id') or node.get('name') or '')[:_LONGEST_SHOWN]!r}"
-        for child in node:
-            if tag(child) in _TRANSFORMS:
-                matrix = matrix @ _transform(child, label)
+        label = _label_of_node(node)
+        matrix = matrix @ _local(node, label)
         world_matrices.setdefault(node, matrix)
         children, instances = _children_and_instances(document, node, label)
         for instance in instances:
@@ -144,6 +142,19 @@ def _children_and_instances(
         elif kind not in _HARMLESS and kind not in _TRANSFORMS:
             raise MeshError(f"{label} has {kind[:_LONGEST_SHOWN]}, which is not read")
     return nodes, instances
+
+
+def _label_of_node(node: Any) -> str:
+    return f"node {(node.get('id') or node.get('name') or '')[:_LONGEST_SHOWN]!r}"
+
+
+def _local(node: Any, label: str) -> FloatArray:
+    """Return the matrix (4, 4) from a node's frame to the frame of its parent."""
+    matrix = np.eye(4)
+    for child in node:
+        if tag(child) in _TRANSFORMS:
+            matrix = matrix @ _transform(child, label)
+    return matrix
 
 
 def _transform(element: Any, label: str) -> FloatArray:
@@ -299,7 +310,7 @@ def _morphed(
 ) -> FloatArray:
     sources = _sources_by_semantic(document, morph.find("{*}targets"), label)
     targets, weights = _required_sources(sources, ("MORPH_TARGET", "MORPH_WEIGHT"), label)
-    pairs = list(zip(document.words(targets), document.rows(weights)[:, 0], strict=True))
+    pairs = _paired(document.words(targets), document.rows(weights)[:, 0], "target", label)
     relative = morph.get("method", "NORMALIZED") == "RELATIVE"
     morphed = positions * (1.0 if relative else 1.0 - sum(weight for _, weight in pairs))
     for name, weight in pairs:
@@ -320,18 +331,48 @@ def _morphed(
 def _skeleton(
     document: ColladaDocument, scene_instance: _SceneInstance, world_matrices: dict[Any, FloatArray]
 ) -> dict[str, FloatArray]:
-    """Return the matrices of possible joints of a skin by id, name and sid of the node."""
+    """Return the matrices of possible joints of a skin by id, name and sid of the node.
+
+    `skeleton` names the node below which joints are looked for (COLLADA 1.4.1, `instance_controller`). A node that no
+    scene shows stands where its own transforms and those of its ancestors put it.
+    """
     roots = [
         document.named("node", (element.text or "").strip().removeprefix("#"))
         for element in scene_instance.instance.iterfind("{*}skeleton")
     ]
     below = {node for root in roots if root is not None for node in root.iter("{*}node")}
+    for root in roots:
+        if root is not None and root not in world_matrices:
+            _place_outside_scene(root, world_matrices)
     matrices: dict[str, FloatArray] = {}
-    # Of equal names, the node below the roots of the skeleton counts.
-    for nodes in (world_matrices.keys() - below, world_matrices.keys() & below):
+    # Of equal names, the first node below the roots of the skeleton counts, else the first node.
+    for is_below in (False, True):
         for key in ("name", "id", "sid"):
-            matrices |= {node.get(key): world_matrices[node] for node in nodes if node.get(key)}
+            matrices |= {
+                node.get(key): matrix
+                for node, matrix in reversed(world_matrices.items())
+                if node.get(key) and (node in below) == is_below
+            }
     return matrices
+
+
+def _place_outside_scene(root: Any, world_matrices: dict[Any, FloatArray]) -> None:
+    """Add the matrices of a node that the scene does not show, of its ancestors and of all nodes below."""
+    for node in [*list(root.iterancestors("{*}node"))[::-1], *root.iter("{*}node")]:
+        if node.find("{*}skew") is not None:
+            raise MeshError(f"{_label_of_node(node)} has skew, which is not read")
+        if node not in world_matrices:
+            parent = world_matrices.get(node.getparent(), np.eye(4))
+            world_matrices[node] = parent @ _local(node, _label_of_node(node))
+
+
+def _paired(names: list[str], values: NDArray[Any], kind: str, label: str) -> list[tuple[str, Any]]:
+    """Return pairs of a name and its values; raise `MeshError` if there are more of either."""
+    if len(names) != len(values):
+        raise MeshError(
+            f"{label} has {len(values)} numbers or matrices for {len(names)} {kind}s; one each is needed"
+        )
+    return list(zip(names, values, strict=True))
 
 
 def _skinned(
@@ -342,24 +383,36 @@ def _skinned(
     label: str,
 ) -> FloatArray:
     text = skin.findtext("{*}bind_shape_matrix")
-    bind = np.eye(4) if text is None else numbers(text, label).reshape(4, 4)
+    bind = np.eye(4) if text is None else _matrices(numbers(text, label), label)[0]
     positions = np.einsum("ij,vj->vi", bind[:3, :3], positions) + bind[:3, 3]
     of_joints = _sources_by_semantic(document, skin.find("{*}joints"), label)
     names, inverse = _required_sources(of_joints, ("JOINT", "INV_BIND_MATRIX"), label)
-    inverses = document.rows(inverse).reshape(-1, 4, 4)
+    inverses = _matrices(document.rows(inverse), f"INV_BIND_MATRIX of {label}")
     weights = skin.find("{*}vertex_weights")
     joint_source, weight_source = _required_sources(
         _sources_by_semantic(document, weights, label), ("JOINT", "WEIGHT"), label
     )
-    matrices = dict(zip(document.words(names), inverses, strict=True))
+    matrices = dict(_paired(document.words(names), inverses, "joint", label))
     for name, inverse_bind in matrices.items():
         if name not in joints:
-            raise MeshError(f"{label} follows joint {name[:_LONGEST_SHOWN]!r}, which is no node")
+            raise MeshError(
+                f"{label} follows joint {name[:_LONGEST_SHOWN]!r}, which is no node of the scene or of its skeleton; export it with its armature"
+            )
         matrices[name] = joints[name] @ inverse_bind
     # Joint -1 means the bind shape itself.
-    table = np.array([matrices[name] for name in document.words(joint_source)] + [np.eye(4)])
+    try:
+        table = np.array([matrices[name] for name in document.words(joint_source)] + [np.eye(4)])
+    except KeyError as error:
+        raise MeshError(f"{label} weights joint {error}, which has no INV_BIND_MATRIX") from error
     rows, joint, weight = _influences(document, weights, weight_source, len(positions), label)
     return skinned(positions, rows, np.where(joint == -1, len(table) - 1, joint), weight, table)
+
+
+def _matrices(values: FloatArray, label: str) -> FloatArray:
+    """Return matrices (n, 4, 4), n at least 1; raise `MeshError` for another number of `values`."""
+    if not values.size or values.size % 16:
+        raise MeshError(f"{label} has a matrix of {values.size} numbers; 16 are needed")
+    return values.reshape(-1, 4, 4)
 
 
 def _influences(
@@ -390,18 +443,22 @@ def _chosen(rows: FloatArray, index: IntArray, label: str) -> FloatArray:
 
 
 def _bindings(document: ColladaDocument, scene_instance: _SceneInstance) -> dict[str, _Binding]:
-    return {
-        binding.get("symbol", ""): _Binding(
-            document.referred(binding, "material", scene_instance.label, "target").get("id"),
-            {
-                vertex_input.get("semantic", ""): int(vertex_input.get("input_set", 0))
-                for vertex_input in binding.iterfind("{*}bind_vertex_input")
-            },
-        )
-        for binding in scene_instance.instance.iterfind(
-            "{*}bind_material/{*}technique_common/{*}instance_material"
-        )
-    }
+    bindings = {}
+    for binding in scene_instance.instance.iterfind(
+        "{*}bind_material/{*}technique_common/{*}instance_material"
+    ):
+        try:
+            material = document.referred(binding, "material", scene_instance.label, "target")
+        except MeshError as error:
+            # The shape needs no material.
+            document.companions.notes.append(f"has faces without their colours: {error}")
+            continue
+        sets = {
+            vertex_input.get("semantic", ""): int(vertex_input.get("input_set", 0))
+            for vertex_input in binding.iterfind("{*}bind_vertex_input")
+        }
+        bindings[binding.get("symbol", "")] = _Binding(material.get("id"), sets)
+    return bindings
 
 
 class _Primitive:

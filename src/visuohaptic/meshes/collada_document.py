@@ -163,8 +163,14 @@ class ColladaDocument:
         entry = self.named("material", material)
         instance = entry.find("{*}instance_effect")
         if instance is None:
-            raise MeshError(f"{label} has no effect")
-        effect = self.referred(instance, "effect", label)
+            self.companions.notes.append(f"has faces without their colours: {label} has no effect")
+            return Appearance()
+        try:
+            effect = self.referred(instance, "effect", label)
+        except MeshError as error:
+            # The shape needs no effect.
+            self.companions.notes.append(f"has faces without their colours: {error}")
+            return Appearance()
         profile = effect.find("{*}profile_COMMON")
         if profile is None:
             self.companions.notes.append(f"has no plain colour for {label}, which is read as grey")
