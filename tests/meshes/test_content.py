@@ -5,6 +5,7 @@ import zipfile
 
 import pytest
 import trimesh
+from meshes.written_gltf import Gltf
 
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.content import other_content
@@ -74,3 +75,27 @@ def test_a_broken_file_of_its_own_kind_keeps_its_reason(tmp_path, kind):
 @pytest.mark.parametrize("text", [b"<!---->", b" ", b"<", b"v 1", b"\nv ", b"solid ", b"{"])
 def test_beginnings_that_repeat_are_of_no_kind(text):
     assert other_content((text * 2048)[:2048], "3mf") is None
+
+
+@pytest.mark.parametrize(
+    ("content", "clause"),
+    [
+        (POINTER, "which is a pointer of Git LFS, which `git lfs pull` replaces"),
+        (PAGE, "which is a web page"),
+    ],
+)
+def test_a_pointer_or_a_page_in_place_of_a_companion_is_named(tmp_path, content, clause):
+    for name in ("a.mtl", "a.png", "a.bin"):
+        (tmp_path / name).write_bytes(content)
+    (tmp_path / "b.mtl").write_bytes(b"newmtl red\nmap_Kd a.png\n")
+    rows = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n"
+    for library, name in (("a.mtl", "a.mtl"), ("b.mtl", "a.png")):
+        (tmp_path / "a.obj").write_bytes(f"mtllib {library}\n".encode() + rows)
+        (note,) = read_mesh(tmp_path / "a.obj").notes
+        assert f"refers to '{name}', {clause}. " in note
+    file = Gltf()
+    file.show({"mesh": file.mesh()})
+    buffers = [{"uri": "a.bin", "byteLength": len(file.data)}]
+    (tmp_path / "a.gltf").write_bytes(file.text(buffers=buffers))
+    with pytest.raises(MeshError, match=f"it refers to 'a.bin', {clause}"):
+        read_mesh(tmp_path / "a.gltf")

@@ -210,6 +210,9 @@ def test_what_a_file_names_and_does_not_get_is_said(tmp_path):
     assert colours_of(surface) == [GREY]
     _, companions = read_in(tmp_path, f"mtllib a.mtl\n{text}", a_mtl="newmtl blue\nKd 0 0 1\n")
     assert companions.missing == ["materials, 'red', which are in none of its libraries"]
+    for empty in ("\n", "# Material Count: 0\n", "Kd 1 0 0\n", "a.png\n"):
+        _, companions = read_in(tmp_path, f"mtllib a.mtl\n{text}", a_mtl=empty)
+        assert companions.missing == ["materials, 'red', which are in none of its libraries"]
     _, companions = read_in(tmp_path, text)
     assert companions.notes == ["names materials, 'red', and no library of them (mtllib)"]
     _, companions = read_in(tmp_path, f"mtllib a.mtl\n{text}", a_mtl=f"{RED}map_Kd gone.png\n")

@@ -16,6 +16,7 @@ from visuohaptic.base.archives import read_member
 from visuohaptic.base.errors import MeshError
 from visuohaptic.base.regular_files import open_regular, read_bounded
 from visuohaptic.meshes.catalogue import COMPANION_SUFFIXES
+from visuohaptic.meshes.content import BEGINNING, substitute
 from visuohaptic.meshes.textures import PackedImage, open_image
 
 LARGEST_BYTES = 50 * 10**6
@@ -101,6 +102,8 @@ class Companions:
         """Return the content of a file; raise `MeshError` if the model refers to more than `MOST_BYTES_TOGETHER`."""
         data = self._read(file)
         _check_size(len(data))
+        if name := substitute(data[:BEGINNING]):
+            raise MeshError(f"is {name}")
         self._bytes_read += len(data)
         if self._bytes_read > MOST_BYTES_TOGETHER:
             raise MeshError(

@@ -19,17 +19,25 @@ _MODELS = {
     "obj": (re.compile(rb"^[ \t]*v[ \t]+[-+.0-9]+[ \t]+[-+.0-9]", re.MULTILINE), "OBJ"),
 }
 _PAGE = rb"\A\s*(<!doctype\s+html|<html[\s>]|<.*?<html[\s>])"
-_OTHERS = (
+_SUBSTITUTES = (
     (
         re.compile(rb"\Aversion https://git-lfs"),
         "a pointer of Git LFS, which `git lfs pull` replaces",
     ),
     (re.compile(_PAGE, re.DOTALL | re.IGNORECASE), "a web page"),
+)
+_OTHERS = (
+    *_SUBSTITUTES,
     (re.compile(rb"\A(\x89PNG|\xff\xd8\xff|GIF8|II\*\x00|MM\x00\*)"), "an image"),
     (re.compile(rb"\A%PDF-"), "a PDF"),
     (re.compile(rb"\A\x1f\x8b"), "packed with gzip"),
     (re.compile(rb"\A(7z\xbc\xaf|Rar!)"), "a packed archive"),
 )
+
+
+def substitute(beginning: bytes) -> str | None:
+    """Return what stands in for a file by its beginning: a pointer of Git LFS or a web page; None for another content."""
+    return next((name for pattern, name in _SUBSTITUTES if pattern.search(beginning)), None)
 
 
 def other_content(beginning: bytes, kind: str) -> str | None:

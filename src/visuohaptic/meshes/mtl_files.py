@@ -92,9 +92,10 @@ class Material:
 
 @dataclass(frozen=True)
 class Materials:
-    """Materials of an OBJ file's libraries, by their names."""
+    """Materials of an OBJ file's libraries, by their names, and the number of libraries that were read."""
 
     by_name: Mapping[str, Material]
+    libraries: int = 0
 
     def find(self, name: str) -> Material | None:
         """Return the material with a name of the OBJ file; None if there is none.
@@ -126,14 +127,16 @@ def read_libraries(lines: Iterable[str], companions: Companions) -> Materials:
     names = dict.fromkeys(name for line in lines for name in _library_names(line, companions))
     check_parts(len(names), "material libraries")
     materials: dict[str, Material] = {}
+    libraries = 0
     for name in names:
         try:
             data = companions.read(name)
         except MeshError:
             continue
+        libraries += 1
         for material, described in _read_mtl(data, name, companions).items():
             materials.setdefault(material, described)
-    return Materials(materials)
+    return Materials(materials, libraries)
 
 
 def image_name(image_map: ImageMap, companions: Companions) -> str:

@@ -77,7 +77,7 @@ def _note_unread(statements: ObjStatements, materials: Materials, companions: Co
         companions.notes.append(
             f"names materials, {_listed(missing)}, and no library of them (mtllib)"
         )
-    elif missing and materials.by_name:
+    elif missing and materials.libraries:
         companions.missing.append(
             f"materials, {_listed(missing)}, which are in none of its libraries"
         )
