@@ -9,8 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from visuohaptic.base.errors import MeshError
+from visuohaptic.meshes.companions import Companions
 from visuohaptic.meshes.model_files import read_mesh
 from visuohaptic.meshes.parts import GREY
+from visuohaptic.meshes.stl_files import read_stl
 
 TRIANGLES = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 1], [1, 0, 1], [0, 1, 1]]], float)
 
@@ -53,6 +55,23 @@ LAYOUTS = {
     "blank lines and no last line end": text().replace("\n", "\n\n").rstrip(),
     "byte order mark": "\ufeff" + text(),
 }
+
+
+@pytest.mark.parametrize(
+    ("behind", "count"),
+    [
+        (b"\0", "1 byte"),
+        (b"made by hand", "12 bytes"),
+        (bytes(50), "50 bytes"),
+        (bytes(512 - 184), "328 bytes"),
+        (binary(), "184 bytes"),
+    ],
+)
+def test_bytes_behind_the_last_face_are_noted(behind, count):
+    companions = Companions()
+    (part,) = read_stl(binary() + behind, companions)
+    np.testing.assert_array_equal(part.vertices.reshape(-1, 3, 3), TRIANGLES)
+    assert companions.notes == [f"goes on for {count} behind its last face; that part is not read"]
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
@@ -105,6 +124,13 @@ def test_colours_are_read_as_viscam_and_magics_write_them(header, attributes, ex
         (text().rpartition("endfacet")[0].encode(), "1 ends of faces"),
         (binary()[:-1], "truncated: its header promises 2 faces, hence 184 bytes, and 183"),
         (b"hello", "truncated"),
+        (
+            text().replace(" endloop", " vertex 9 9 9\n endloop", 1).encode(),
+            "STL: a face has more than 3 corners: it has 2 faces, which need 6 corners, .* 7 corners",
+        ),
+        (binary() + binary()[-50:], "holds too much: its header promises 2 faces"),
+        (binary(TRIANGLES[:0], ()) + b"a", "holds too much: its header promises 0 faces"),
+        (b"PK\3\4" + binary()[4:] + b"a", "its content is a ZIP archive"),
     ],
 )
 def test_what_is_cut_or_no_number_is_refused_with_the_place(data, says):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.meshes.companions import Companions
+from visuohaptic.meshes.content import BEGINNING, other_content
 from visuohaptic.meshes.limits import check_lines
 from visuohaptic.meshes.parts import GREY, Part
 from visuohaptic.meshes.text_numbers import check_number, plain_lines
@@ -31,29 +32,46 @@ _CORNERS_AT_ONCE = 30_000
 _BLOCK_BYTES = 1 << 20
 
 
-def read_stl(data: bytes, companions: Companions) -> list[Part]:  # noqa: ARG001 - the signature of all readers
+def read_stl(data: bytes, companions: Companions) -> list[Part]:
     """Read an STL file as one part; its faces share no vertices.
 
     If the header of a binary file has ``COLOR=``, colours follow the convention of Magics, otherwise of VisCAM and
     SolidView (en.wikipedia.org/wiki/STL_(file_format), "Color in binary STL").
 
-    Raises `MeshError` with the reason if the size of a binary file differs from its header. For a text, the numbers of
-    faces and ends must be equal, and each face needs three corners.
+    The header of a binary file states the number of faces (StL interface specification, 3D Systems, 1989). Bytes behind
+    the last face are noted and not read, as by numpy-stl and PrusaSlicer.
+
+    Raises `MeshError` with the reason if a binary file is shorter than its header promises, holds more faces, or is of
+    another kind. For a text, the numbers of faces and ends must be equal, and each face needs three corners.
     """
     promised = int.from_bytes(data[_HEADER_BYTES - 4 : _HEADER_BYTES], "little")
     size = _HEADER_BYTES + _FACE.itemsize * promised
-    if len(data) == size:
-        rows = np.frombuffer(data, _FACE, offset=_HEADER_BYTES)
+    is_text = len(data) != size and _SOLID.search(data) and _FACET.search(data)
+    if len(data) == size or (not is_text and _goes_on(data, promised, size)):
+        if len(data) > size:
+            count = "1 byte" if len(data) == size + 1 else f"{len(data) - size} bytes"
+            companions.notes.append(
+                f"goes on for {count} behind its last face; that part is not read"
+            )
+        rows = np.frombuffer(data, _FACE, promised, _HEADER_BYTES)
         colours = _colours(data[:_HEADER_BYTES], rows["attribute"])
         points = np.empty((3 * len(rows), 3))
         points.reshape(-1, 3, 3)[:] = rows["corners"]
         return [_part(points, colours)]
-    if not (_SOLID.search(data) and _FACET.search(data)):
+    if not is_text:
         problem = "it is truncated" if len(data) < size else "it holds too much"
         raise MeshError(
             f"{problem}: its header promises {promised} faces, hence {size} bytes, and {len(data)} are there"
         )
     return [_part(_corners_of_text(data), None)]
+
+
+def _goes_on(data: bytes, promised: int, size: int) -> bool:
+    """Return whether bytes behind the promised faces are no faces, so that they may be left out."""
+    behind = data[size:]
+    whole_faces = len(behind) % _FACE.itemsize == 0 and behind.strip(b"\0")
+    is_other = other_content(data[:BEGINNING], "stl") is not None
+    return bool(promised and behind and not whole_faces and not is_other)
 
 
 def _part(points: FloatArray, colours: NDArray[np.uint8] | None) -> Part:
@@ -76,8 +94,9 @@ def _corners_of_text(data: bytes) -> NDArray[np.float64]:
             numbers.append(_numbers_of(block, corners))
             corners += len(block)
     if not has_end or (closed, corners) != (faces, 3 * faces):
+        problem = "a face has more than 3 corners" if corners > 3 * faces else "it is truncated"
         raise MeshError(
-            f"it is truncated: it has {faces} faces, which need {3 * faces} corners, and {closed} ends of "
+            f"{problem}: it has {faces} faces, which need {3 * faces} corners, and {closed} ends of "
             f"faces, {corners} corners and {'an' if has_end else 'no'} end of the last solid"
         )
     return np.concatenate(numbers)
