@@ -9,7 +9,7 @@ from meshes.written_gltf import Gltf
 from numerics.surfaces import build_plain_surface, of_trimesh
 
 from visuohaptic.base.errors import MeshError
-from visuohaptic.geometry.surface import Surface
+from visuohaptic.geometry.surface import Surface, write_surface
 from visuohaptic.geometry.texture import Texture
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
@@ -158,3 +158,42 @@ def test_transforms_that_overflow_are_refused_without_a_warning(node):
     data.name = "cube.gltf"
     with pytest.raises(MeshError, match=r"cube has .* NaN or infinite vertices, the first"):
         prepare_object(Model("cube", "cube"), data, MeshParameters())
+
+
+def ball_with_a_face_at(distance):
+    ball = trimesh.creation.icosphere(2)
+    stray = [[distance, 0, 0], [distance + 0.001, 0, 0], [distance, 0.001, 0]]
+    points = np.concatenate([ball.vertices, stray])
+    return build_plain_surface(points, [*ball.faces, [162, 163, 164]])
+
+
+def test_stray_faces_that_decide_the_size_are_noted():
+    near, far, farthest = (normalise(ball_with_a_face_at(d), "a.off") for d in (5, 1e3, 1e6))
+    assert near.notes == ()
+    says = "a.off is 1,000 times as large as the part with nearly all its area, because of 1 of 321 faces"
+    assert far.notes == (f"{says}; delete stray faces.",)
+    assert len(far.faces) == 321
+    assert len(farthest.faces) < 100
+    assert "because of 1 of 321 faces" in farthest.notes[0]
+    assert farthest.notes[1].startswith("a.off lost 2")
+    assert "of 321 faces, which are smaller than 1e-06 of its radius" in farthest.notes[1]
+
+
+def test_a_surface_whose_faces_all_vanish_by_merging_is_refused_with_the_reason():
+    says = "a.off lost 32. of 321 faces, which are smaller than 1e-06 of its radius; load parts"
+    with pytest.raises(MeshError, match=says):
+        normalise(ball_with_a_face_at(1e8), "a.off")
+
+
+def test_faces_that_are_twice_or_have_no_area_are_dropped_without_a_note(lopsided):
+    faces = np.concatenate([lopsided.faces, lopsided.faces[:, ::-1], lopsided.faces[:, [0, 0, 1]]])
+    doubled = Surface(lopsided.vertices, faces, np.tile(lopsided.face_colours, (3, 1)))
+    assert normalise(doubled, "a.off").notes == ()
+
+
+def test_a_model_of_the_catalogue_keeps_its_notes_only(tmp_path):
+    surface = ball_with_a_face_at(1e3)
+    for name, notes in (("a.ply", 1), ("a.ply.gz", 0)):
+        write_surface(surface, tmp_path / name)
+        made = prepare_object(Model("ball", "a"), tmp_path / name, MeshParameters())
+        assert len([note for note in made.notes if "stray" in note]) == notes

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from visuohaptic.base.arrays import FloatArray, IntArray
+from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface, as_stored
 from visuohaptic.geometry.turning import take_faces
@@ -23,6 +23,13 @@ from visuohaptic.meshes.up_axis import (
 
 MERGE_TOLERANCE = 1e-6
 """Step (object radii) of the grid on which `clean` merges vertices: about ten float32 steps at distance 1."""
+
+# Faces that are noted, because the object may be another than meant (`_doubts_about_size`).
+_NEAR_RADII = 0.1  # object radii
+_NEAR_AREA = (
+    0.999  # share of the area within `_NEAR_RADII`, above which the faces outside are noted
+)
+_MANY_MERGED = 0.1  # share of the faces that vanish by merging, above which they are noted
 
 # Between these coordinates, squares of areas neither overflow nor vanish.
 _NEAR, _FAR = 1e-60, 1e60
@@ -75,7 +82,11 @@ def prepare_with_matrix(
     else:
         rotation, notes = _upright(surface, name, parameters, advice)
         surface = replace(surface, notes=(*surface.notes, *notes))
-    return normalise_with_matrix(surface, name, rotation, model.dimensions)
+    prepared, matrix = normalise_with_matrix(surface, name, rotation, model.dimensions)
+    if name.endswith(PACKED):
+        # Users can't mend models of the catalogue, so doubts about their size are dropped.
+        prepared = replace(prepared, notes=surface.notes)
+    return prepared, matrix
 
 
 def _upright(
@@ -142,12 +153,14 @@ def normalise(
     Surface
         The centroid, weighted by area, is the origin, and the farthest vertex has distance 1, up to float32 rounding.
         Every face has an area, and every vertex a face. Vertices are float64 with values that float32 represents
-        exactly, so that float64 checks and the float32 ray caster see the same surface.
+        exactly, so that float64 checks and the float32 ray caster see the same surface. Its notes include faces that
+        decide the size of the object though nearly all area is near the centre, and many faces that vanish by merging.
 
     Raises
     ------
     MeshError
-        If there is no face, a vertex of a face is missing, NaN or infinite, or the surface has no area.
+        If there is no face, a vertex of a face is missing, NaN or infinite, or the surface has no area, also if all
+        faces vanish by merging.
     """
     return normalise_with_matrix(surface, name, rotation, dimensions, merge_tolerance)[0]
 
@@ -178,7 +191,13 @@ def normalise_with_matrix(
         vertices = vertices * factor
         matrix = _compose(np.diag([*factor, 1.0]), matrix)
     scaled, first_matrix = _unit_size(replace(surface, vertices=vertices), name)
-    cleaned, last_matrix = _unit_size(clean(scaled, merge_tolerance), name)
+    merged = _merged(scaled, merge_tolerance)
+    doubts = _doubts_about_size(scaled, merged, merge_tolerance, name)
+    distinct = _without_repeated(merged)
+    if doubts and not len(distinct.faces):
+        raise MeshError(" ".join(doubts))
+    cleaned, last_matrix = _unit_size(distinct, name)
+    cleaned = replace(cleaned, notes=(*cleaned.notes, *doubts))
     rounded = as_stored(cleaned)
     result = take_faces(rounded, rounded.face_areas > 0)
     _check_area(result, name)
@@ -207,21 +226,64 @@ def clean(surface: Surface, merge_tolerance: float) -> Surface:
     stay apart. With step 0, only equal vertices are merged. Faces keep their order. Of faces with the same corners, in
     either orientation, the first is kept, with its colour and image.
     """
+    return _without_repeated(_merged(surface, merge_tolerance))
+
+
+def _merged(surface: Surface, merge_tolerance: float) -> Surface:
+    """Return a surface whose faces name merged vertices; see `clean`."""
     order = np.lexsort(surface.vertices.T[::-1])
     points = surface.vertices[order]
     grid = np.rint(points / merge_tolerance) if merge_tolerance > 0 else points
     _, first, inverse = np.unique(grid, axis=0, return_index=True, return_inverse=True)
     merged_vertices = np.empty(len(order), dtype=np.int64)
     merged_vertices[order] = order[first[inverse.reshape(-1)]]
-    faces = merged_vertices[surface.faces]
-    corners = np.sort(faces, axis=1)
-    distinct = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2])
+    return replace(surface, faces=merged_vertices[surface.faces])
+
+
+def _without_repeated(merged: Surface) -> Surface:
+    """Drop faces without area, repeated faces and unused vertices."""
+    corners = np.sort(merged.faces, axis=1)
     _, first_of_equals = np.unique(corners, axis=0, return_index=True)
-    is_kept = np.zeros(len(faces), dtype=bool)
+    is_kept = np.zeros(len(corners), dtype=bool)
     is_kept[first_of_equals] = True
-    merged = replace(surface, faces=faces)
-    is_kept &= distinct & (merged.face_areas > 0)
+    is_kept &= _has_three_corners(merged.faces) & (merged.face_areas > 0)
     return take_faces(merged, is_kept)
+
+
+def _has_three_corners(faces: IntArray) -> BoolArray:
+    """Return whether the corners of each face (f, 3) are three vertices."""
+    first, second, third = faces.T
+    return (first != second) & (second != third) & (third != first)
+
+
+def _doubts_about_size(
+    scaled: Surface, merged: Surface, merge_tolerance: float, name: str
+) -> list[str]:
+    """Return notes on a surface of radius 1, `scaled`, whose size may be that of stray faces.
+
+    `merged` is the same surface after its vertices were merged with `merge_tolerance`.
+    """
+    doubts = []
+    distances = np.linalg.norm(scaled.vertices, axis=1)
+    is_far = (distances > _NEAR_RADII)[scaled.faces].any(axis=1)
+    # Areas are computed for few objects, as they take time.
+    if 2 * is_far.sum() < len(is_far):
+        near_area = scaled.face_areas[~is_far].sum()
+        if near_area > _NEAR_AREA * scaled.face_areas.sum():
+            ratio = 1 / max(distances[scaled.faces[~is_far]].max(), np.finfo(float).tiny)
+            doubts.append(
+                f"{name} is {ratio:,.0f} times as large as the part with nearly all its area, because of "
+                f"{is_far.sum()} of {len(is_far)} faces; delete stray faces."
+            )
+    has_vanished = ~_has_three_corners(merged.faces)
+    if has_vanished.sum() > _MANY_MERGED * len(has_vanished):
+        vanished = int((scaled.face_areas[has_vanished] > 0).sum())
+        if vanished > _MANY_MERGED * len(has_vanished):
+            doubts.append(
+                f"{name} lost {vanished} of {len(has_vanished)} faces, which are smaller than {merge_tolerance:g} "
+                "of its radius; load parts that are far apart one by one."
+            )
+    return doubts
 
 
 def _check_faces_and_vertices(surface: Surface, name: str) -> None:
