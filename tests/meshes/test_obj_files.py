@@ -126,6 +126,11 @@ def test_without_vertices_or_faces_it_is_refused():
         ("200 30 10", (200, 30, 10)),
         ("0.8 0.4 0.2", (204, 102, 51)),
         ("0.8 0.4 0.2 1.0", (204, 102, 51)),
+        ("1.0 200 30 10", (200, 30, 10)),
+        ("1 0.8 0.4 0.2", (204, 102, 51)),
+        ("200 30 10 255", (200, 30, 10)),
+        ("0.5 0.8 0.4 0.2", (128, 204, 102)),
+        ("1 200 30 10 255", (200, 30, 10)),
         ("127.5 0 0", (128, 0, 0)),
         ("1 1 0", (255, 255, 0)),
         ("1.0000001 0 0", (255, 0, 0)),
@@ -150,6 +155,12 @@ def test_faces_of_vertices_without_colours_are_grey_beside_others():
         assert set(colours_of(surface)) <= {GREY, (255, 0, 0)}
     some = "v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 1 1 0 1 0 0\nv 9 9 9\nf 1 2 3\nf 2 3 4\n"
     assert read(some).face_colours.tolist() == [list(GREY), [255, 0, 0]]
+
+
+def test_a_weight_that_is_not_the_same_at_all_vertices_is_a_red():
+    text = "v 0 0 0 1 0 0 0.5\nv 1 0 0\nv 1 0 0 1 0 0 0.5\nv 0 1 0 {} 0 0 0.5\nf 1 3 4\nf 1 2 3\n"
+    assert read(text.format(1)).face_colours.tolist() == [[0, 0, 128], list(GREY)]
+    assert read(text.format("0.4")).face_colours.tolist() == [[204, 0, 0], list(GREY)]
 
 
 def test_vertex_colours_are_multiplied_by_the_material_and_not_by_black(tmp_path):

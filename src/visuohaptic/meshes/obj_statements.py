@@ -71,6 +71,8 @@ class ObjStatements:
     colours : array of float
         Three numbers per vertex, NaN where a vertex has no colour. The array ends with the last vertex
         that has a colour.
+    sevenths : array of float
+        The seventh number per vertex, NaN where a vertex has none. The array ends with the last vertex that has one.
     coordinates : array of float
         Two numbers per image coordinates (``vt``).
     polygons : dict
@@ -87,6 +89,7 @@ class ObjStatements:
 
     points: array[float] = field(default_factory=lambda: array("d"))
     colours: array[float] = field(default_factory=lambda: array("f"))
+    sevenths: array[float] = field(default_factory=lambda: array("f"))
     coordinates: array[float] = field(default_factory=lambda: array("d"))
     polygons: dict[str, Polygons] = field(default_factory=dict)
     libraries: dict[str, None] = field(default_factory=dict)
@@ -116,7 +119,14 @@ class ObjStatements:
             raise MeshError(f"a vertex has {len(numbers)} coordinates; 3 are needed")
         if len(numbers) >= 6:
             self.colours.extend(repeat(np.nan, len(self.points) - 3 - len(self.colours)))
-            self.colours.extend(map(float, numbers[3:6]))
+            # Eight numbers are x, y, z, weight, red, green, blue and alpha; seven may have a weight or alpha.
+            first = 4 if len(numbers) == 8 else 3
+            self.colours.extend(map(float, numbers[first : first + 3]))
+            if len(numbers) == 7:
+                self.sevenths.extend(
+                    repeat(np.nan, len(self.colours) // 3 - 1 - len(self.sevenths))
+                )
+                self.sevenths.append(float(numbers[6]))
 
     def _add_coordinates(self, numbers: list[bytes]) -> None:
         if not numbers:
