@@ -176,28 +176,33 @@ def measure_shape(vertices, faces):
     folds, groups = part_at_folds(welded, flat)
 
     normals = np.zeros((len(faces), 3, 3))
-    for start, members in groups.items():
+    for members in groups:
         # The mean of the faces' normals, weighted by the angle at the corner (Thuermer & Wuethrich 1998).
         total = np.zeros(3)
         for face, corner, side in members:
             here, onward, back = (corners[face, (corner + step) % 3] for step in range(3))
             total += side * angle_between(onward - here, back - here) * flat[face]
-        normals[start] = unit(total)
+        for face, corner, side in members:
+            normals[face, corner] = side * unit(total)
 
     areas = np.array([np.linalg.norm(np.cross(b - a, c - a)) / 2 for a, b, c in corners])
-    of_face = [curvedness_of_face(corners[k], normals[k]) for k in range(len(faces))]
-    curvedness, heights = np.zeros((2, len(faces), 3))
-    for (face, corner), members in groups.items():
-        weights = np.array([areas[member] for member, _, _ in members])
-        values = np.array([of_face[member] for member, _, _ in members])
-        curvedness[face, corner] = (weights * values).sum() / weights.sum()
-        edge = corners[face, (corner + 1) % 3] - corners[face, corner]
-        heights[face, corner] = 2 * areas[face] / np.linalg.norm(edge)
+    of_face = np.array([curvedness_of_face(corners[k], normals[k]) for k in range(len(faces))])
+    curvedness = np.zeros((len(faces), 3))
+    for members in groups:
+        around = [face for face, _, _ in members]
+        mean = (areas[around] * of_face[around]).sum() / areas[around].sum()
+        for face, corner, _ in members:
+            curvedness[face, corner] = mean
+    heights = np.zeros((len(faces), 3))
+    for face in range(len(faces)):
+        for edge in range(3):
+            side = corners[face, (edge + 1) % 3] - corners[face, edge]
+            heights[face, edge] = 2 * areas[face] / np.linalg.norm(side)
     return Shape(normals, curvedness, folds, heights)
 
 
 def part_at_folds(welded, flat):
-    """Return the folds (f, 3), radians, and the corners (face, corner, side) at each corner that smooth edges join.
+    """Return the folds (f, 3), radians, and the groups of corners (face, corner, side) that smooth edges join.
 
     `side` is -1 for a face that is wound the other way, so that its normal is on the other side of the surface.
     """
@@ -214,8 +219,10 @@ def part_at_folds(welded, flat):
                 if welded[face, corner] == welded[other, opposite]:
                     links[face, corner].append((other, opposite, side))
                     links[other, opposite].append((face, corner, side))
-    groups = {}
+    groups, grouped = [], set()
     for start in links:
+        if start in grouped:
+            continue
         sides, waiting = {start: 1}, [start]
         while waiting:
             here = waiting.pop()
@@ -223,7 +230,8 @@ def part_at_folds(welded, flat):
                 if (other, opposite) not in sides:
                     sides[other, opposite] = side * sides[here]
                     waiting.append((other, opposite))
-        groups[start] = [(face, corner, side) for (face, corner), side in sides.items()]
+        groups.append([(face, corner, side) for (face, corner), side in sides.items()])
+        grouped.update(sides)
     return folds, groups
 
 
