@@ -22,12 +22,12 @@ The quantiles are computed by numerical integration, without random draws. The r
 fall if the value of an object falls. If all values are 0 or 1 and all weights are equal, the random mean has a beta
 distribution.
 
-The rule of a lead, a mean of paired differences (`compare_differences`): the interval has all means that are rejected
-neither by the sign-change test (`sign_changes`) nor by the rule of unobserved failures above. The p value is the larger
+The rule of a lead, a mean of paired differences (`compare_differences`): the interval has all means that the
+sign-change test (`sign_changes`) or the rule of unobserved failures above does not reject. The p value is the larger
 of both tests' p values at a lead of 0. So p is below 1 - confidence exactly if the interval excludes 0.
 
-The rule of new classes (`class_interval`, and the second interval of a lead): all means that are rejected neither by the
-rule of new objects nor by Student's t test of the means of classes.
+The rule of new classes (`class_interval`, and the second interval of a lead): all means that the rule of new objects or
+Student's t test of the means of classes does not reject.
 """
 
 from __future__ import annotations

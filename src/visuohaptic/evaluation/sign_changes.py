@@ -3,7 +3,7 @@
 The test of a mean m takes the differences minus m, and changes their signs in all ways. Its p value is the share of sign
 changes with an absolute weighted mean at least as large as the observed one. A sign change divides the objects into two
 groups: objects that change and objects that keep their sign. The absolute mean is at least as large exactly if m lies
-between the weighted means of both groups, or outside on the far side from the mean of all objects. So p falls steadily
+between the weighted means of both groups, between which the mean of all objects lies, too. So p falls steadily
 with the distance of m from the mean of all objects, and the ends of the interval are order statistics of the means of
 groups (J. Hartigan, Journal of the American Statistical Association 64, 1969: typical values). A test statistic divided
 by its standard error gives the same test for equal weights: sign changes keep the sum of squares.

@@ -56,8 +56,8 @@ METHOD = {
     "new_classes": "the interval if classes are a sample, too: the wider of the interval over objects and of Student's "
     "interval of the means of classes, with one degree of freedom fewer than classes; none with one class",
     "comparison": "paired over the objects that both strategies tested, weighted as by fixation: mean difference, its "
-    "interval and two-sided p value. The interval over objects has the means that are rejected neither by the "
-    "sign-change permutation test nor for unobserved failures, and the p value is the larger of both; new_classes "
+    "interval and two-sided p value. The interval over objects has the means that the sign-change "
+    "permutation test or the rule of unobserved failures does not reject, and the p value is the larger of both; new_classes "
     "adds Student's test of the means of classes. A p value is below 1 - confidence exactly if its interval excludes 0",
     "leads": "accuracy by one strategy minus accuracy by another, mean over draws: seeing, fixation minus random places "
     "in reach; sight, random places in sight minus random places in reach; salience, fixation minus random places in "
