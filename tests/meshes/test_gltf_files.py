@@ -480,6 +480,8 @@ REFUSED = {
     ),
     "mode": (lambda tree: tree["meshes"][0]["primitives"][0].update(mode=7), "primitive 0 is of mode 7"),
     "required": (lambda tree: tree.update(extensionsRequired=["KHR_draco_mesh_compression"]), "requires .*KHR_draco"),
+    "list for an object": (lambda tree: tree["nodes"].__setitem__(0, {"mesh": 0, "extensions": ["a"]}), "its JSON has a value of a wrong type .*; check it with"),
+    "text for an object": (lambda tree: tree["materials"][0].update(pbrMetallicRoughness="red"), "its JSON has a value of a wrong type"),
     "version": (lambda tree: tree["asset"].update(version="1.0"), "version 1.0 of glTF"),
     "cycle": (lambda tree: tree["nodes"][0].update(children=[0]), "node 0 is twice in the scene"),
     "node that is not there": (lambda tree: tree["nodes"][0].update(children=[9]), "number 9 of its nodes; 1 are there"),

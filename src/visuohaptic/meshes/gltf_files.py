@@ -95,15 +95,20 @@ def read_gltf(data: bytes, companions: Companions) -> list[Part]:
     multiplied in linear light.
 
     Raises `MeshError` if the file is broken, has too many parts, or uses an unsupported feature. The message has only
-    the reason; the caller adds the name of the file. Broken JSON values may raise other errors, such as `ValueError`.
+    the reason; the caller adds the name of the file. Text that is no JSON raises `ValueError`.
     """
     companions.up_axis = "y"
-    document = GltfDocument(data, companions)
-    # Free the content of the file, which the document has divided into buffers.
-    del data
-    mesh_nodes = _mesh_nodes(document)
-    _check_size(document, mesh_nodes)
-    return [part for node in mesh_nodes for part in _mesh_parts(document, node)]
+    try:
+        document = GltfDocument(data, companions)
+        # Free the content of the file, which the document has divided into buffers.
+        del data
+        mesh_nodes = _mesh_nodes(document)
+        _check_size(document, mesh_nodes)
+        return [part for node in mesh_nodes for part in _mesh_parts(document, node)]
+    except (AttributeError, KeyError, TypeError) as error:
+        raise MeshError(
+            f"its JSON has a value of a wrong type ({error}); check it with the glTF Validator"
+        ) from error
 
 
 def _mesh_nodes(document: GltfDocument) -> list[_MeshNode]:
