@@ -124,6 +124,7 @@ def test_colours_are_read_as_viscam_and_magics_write_them(header, attributes, ex
         (text().rpartition("endfacet")[0].encode(), "1 ends of faces"),
         (binary()[:-1], "truncated: its header promises 2 faces, hence 184 bytes, and 183"),
         (b"hello", "truncated"),
+        (b"solid empty\nendsolid empty\n", "it has no faces; triangles"),
         (
             text().replace(" endloop", " vertex 9 9 9\n endloop", 1).encode(),
             "STL: a face has more than 3 corners: it has 2 faces, which need 6 corners, .* 7 corners",

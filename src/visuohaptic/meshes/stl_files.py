@@ -26,7 +26,8 @@ _FLAG = 1 << 15
 # Patterns begin with a small letter and the text is lower-case, because that is several times faster.
 _NAME = re.compile(rb"(solid\b)(?:(?!\bfacet\s+normal\b)[^\n])*")
 _CORNER = re.compile(rb"vertex(?:\s+(\S+\s+\S+\s+\S+))?")
-_SOLID, _FACET = re.compile(rb"solid", re.IGNORECASE), re.compile(rb"facet", re.IGNORECASE)
+_SOLID = re.compile(rb"solid", re.IGNORECASE)
+_FACE_OR_END = re.compile(rb"facet|endsolid", re.IGNORECASE)
 _END_OF_FACE = re.compile(rb"\bendloop\s+endfacet\b", re.IGNORECASE)
 _CORNERS_AT_ONCE = 30_000
 _BLOCK_BYTES = 1 << 20
@@ -46,7 +47,7 @@ def read_stl(data: bytes, companions: Companions) -> list[Part]:
     """
     promised = int.from_bytes(data[_HEADER_BYTES - 4 : _HEADER_BYTES], "little")
     size = _HEADER_BYTES + _FACE.itemsize * promised
-    is_text = len(data) != size and _SOLID.search(data) and _FACET.search(data)
+    is_text = len(data) != size and _SOLID.search(data) and _FACE_OR_END.search(data)
     if len(data) == size or (not is_text and _goes_on(data, promised, size)):
         if len(data) > size:
             count = "1 byte" if len(data) == size + 1 else f"{len(data) - size} bytes"
