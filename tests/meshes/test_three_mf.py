@@ -225,6 +225,11 @@ LATTICE = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02"
 REFUSED = {
     "lattice": (model(shape(inside=f'<b:beamlattice xmlns:b="{LATTICE}"/>')), "object '1' .* has beamlattice"),
     "required": (model(shape(), root=f'xmlns:b="{LATTICE}" requiredextensions="b"'), "requires the extension .*beamlattice"),
+    "lattice of a later version": (
+        model(shape(inside='<b:beamlattice xmlns:b="http://schemas.3mf.io/3dmanufacturing/beamlattice/2030/01"/>')),
+        "object '1' .* has beamlattice",
+    ),
+    "shape of an extension": (model('<object id="1"><a:ball xmlns:a="urn:acme"/></object>'), "object '1' .* has ball"),
     "boolean": (model('<object id="1"><booleanshape/></object>'), "object '1' .* has booleanshape"),
     "object": (model(shape(), '<item objectid="7"/>'), "places object '7'"),
     "vertex": (model(shape(faces=[[0, 1, 8]])), "object '1': a face names vertex 8; 0 to 7"),

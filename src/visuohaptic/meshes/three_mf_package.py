@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import io
+import re
 from array import array
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -45,9 +46,9 @@ _READ = tuple(
 _MATERIAL = f"{{{_NAMESPACES}material/"
 _PRODUCTION = f"{{{_NAMESPACES}production/"
 # Elements of these extensions add or remove material: beams, differences, fields and displaced faces.
-_SHAPES = tuple(
-    f"{{{_NAMESPACES}{name}/"
-    for name in ("beamlattice", "booleanoperations", "volumetric", "implicit", "displacement")
+_SHAPES = re.compile(
+    r"\{http://[^}]*/3dmanufacturing/"
+    r"(beamlattice|booleanoperations|volumetric|implicit|displacement)/"
 )
 _MANY = {"vertex", "triangle"}
 _MOST_IN_TREE = 256  # largest number of vertices or triangles in the XML tree
@@ -255,6 +256,7 @@ class _Reader:
         """
         shape, other = "", ""
         meshes = [child for child in element if self._name(child) == "mesh"]
+        has_shape = meshes or any(self._name(child) == "components" for child in element)
         for parent, known in [
             (element, _INSIDE_OBJECT),
             *((mesh, _INSIDE_MESH) for mesh in meshes),
@@ -262,7 +264,7 @@ class _Reader:
             for child in parent:
                 if self._name(child) in known or _tag(child) == "trianglesets":
                     continue
-                if self._name(child) or child.tag.startswith(_SHAPES):
+                if self._name(child) or _SHAPES.match(child.tag) or not has_shape:
                     shape = shape or _tag(child)[:_LONGEST_SHOWN]
                 else:
                     other = other or _tag(child)[:_LONGEST_SHOWN]
