@@ -49,7 +49,7 @@ def cuts(
     counts : numpy.ndarray
         Shape (p,): number of corners per polygon.
     keep_corners : bool
-        False drops corners as `mapbox_earcut` does, for models of the catalogue, whose surfaces are pinned.
+        False drops corners as `mapbox_earcut` does, for models of the catalogue: their surfaces are pinned.
 
     Returns
     -------
