@@ -21,6 +21,11 @@ G = [*G, 0.78848561640566, *G[::-1]]
 HALF = [0.6300, -0.1930, 0.0972, -0.0526, 0.0272, -0.0144]
 BETA = [*HALF[::-1], *HALF]
 
+CONTACT = 0.98  # least value of a sensing point in contact (docs/sensor.md, Statistics of an image)
+LEAST_DEVIATION = (
+    1e-9  # an image that varies less has skewness 0 (docs/sensor.md, Statistics of an image)
+)
+
 
 # Laplacian pyramid (Do and Vetterli 2005, section II.B) -------------------------------------------------
 
@@ -174,3 +179,47 @@ def contourlet_deviations(image):
 def touch_features(image, place, normal):
     """Return the 22 features of a touch: 16 deviations, the place, and the outward unit normal."""
     return np.concatenate([contourlet_deviations(image), place, normal])
+
+
+# The 13 statistics of an imprint (docs/sensor.md, Statistics of an image) ------------------------------------------------------------------------
+
+
+def imprint_statistics(image):
+    """Return the columns `imprint_…` of table features in their order.
+
+    The image is taken as a height over columns x and rows y, each from −1 at the first cell to 1 at the last, and a
+    quadric a + b x + c y + d x² + e x y + f y² is fitted by least squares.
+    """
+    image = np.asarray(image, float)
+    count = len(image)
+    places = [2 * cell / (count - 1) - 1 for cell in range(count)]
+    terms, values = [], []
+    for i, y in enumerate(places):
+        for j, x in enumerate(places):
+            terms.append([1, x, y, x * x, x * y, y * y])
+            values.append(image[i, j])
+    terms, values = np.array(terms), np.array(values)
+    quadric = np.linalg.lstsq(terms, values, rcond=None)[0]
+    _, b, c, d, e, f = quadric
+    residual = values - terms @ quadric
+
+    mean = values.sum() / len(values)
+    deviation = np.sqrt(((values - mean) ** 2).sum() / len(values))
+    skewness = 0.0
+    if deviation > LEAST_DEVIATION:
+        skewness = ((values - mean) ** 3).sum() / len(values) / deviation**3
+    return np.array([
+        mean,
+        deviation,
+        skewness,
+        (values <= 0).sum() / len(values),
+        (values >= CONTACT).sum() / len(values),
+        2 * d + 2 * f,
+        np.sqrt((2 * d - 2 * f) ** 2 + 4 * e**2),
+        2 * d - 2 * f,
+        abs(b),
+        abs(c),
+        np.sqrt(((residual - residual.mean()) ** 2).sum() / len(values)),
+        np.abs(image[:, 1:] - image[:, :-1]).sum() / (count * (count - 1)),
+        np.abs(image[1:, :] - image[:-1, :]).sum() / (count * (count - 1)),
+    ])  # fmt: skip

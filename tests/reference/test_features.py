@@ -12,7 +12,16 @@ import visuohaptic as vh
 
 # Some 200 sums and products per coefficient of values below 4: 1e-13 would be expected at worst.
 DEVIATION = 1e-13
+# Moments and least squares over 64 to 1,600 values of at most 1: 1e-13 in orthogonal terms. Steep quadrics
+# with coefficients up to 4 lose a digit.
+STATISTIC = 1e-12
 BANDS = [f"contourlet_{band:02d}" for band in range(1, 17)]
+STATISTICS = [
+    *("imprint_mean", "imprint_deviation", "imprint_skewness", "imprint_empty", "imprint_contact"),
+    *("imprint_bending", "imprint_saddle", "imprint_upright_bending"),
+    *("imprint_tilt_columns", "imprint_tilt_rows", "imprint_roughness"),
+    *("imprint_step_columns", "imprint_step_rows"),
+]
 POSE = ["x", "y", "z", "normal_x", "normal_y", "normal_z"]
 CASES = {
     "cube": 32, "cup": 8, "torus": 16, "two boxes": 24, "spike": 32, "close plates": 8, "waves": 32,
@@ -40,6 +49,12 @@ def test_features_are_those_of_the_reference(scene):
         found = np.array([row[name] for name in BANDS + POSE])
         np.testing.assert_allclose(found[:16], expected[:16], rtol=0, atol=DEVIATION)
         np.testing.assert_array_equal(found[16:], expected[16:])
+        statistics = reference.imprint_statistics(image)
+        np.testing.assert_allclose(
+            [row[name] for name in STATISTICS], statistics, rtol=0, atol=STATISTIC
+        )
+        assert row["sensor_size"] == touch["sensor_size"]
+        assert row["contact_state"] == touch["contact_state"]
         assert {name: touch[name] for name in ("object", "viewpoint", "strategy", "touch")} == {
             name: row[name] for name in ("object", "viewpoint", "strategy", "touch")
         }
