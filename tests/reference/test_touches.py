@@ -52,13 +52,15 @@ GIVEN = {
         (0.2, 0.4342, 0.1), (0.1385, 0.2447, 0.23),
     ),
     "spike": (
-        (0.05, 0.0346, 0.01), (0.024, 0.0346, 0.0), (0.004, 0.26, 0.001), (0.1, 0.0346, -0.07),
+        (0.0214, 0.0346, 0.0), (0.05, 0.0346, 0.01), (0.024, 0.0346, 0.0), (0.004, 0.26, 0.001), (0.1, 0.0346, -0.07),
         (0.015, 0.1, 0.003), (-0.06, 0.0346, 0.05),
     ),
     "needle": ((0.0005, 0.2, 0.0003), (0.02, 0.0353, 0.01), (0.08, 0.0353, 0.0321), (0.1, 0.0353, 0.0)),
     "two boxes": ((0.05, 0.2, 0.1), (0.0, -0.2, 0.3), (-0.1, 0.28, 0.1)),
     "plate over plate": ((-0.63, -0.1625, 0.1), (-0.6, -0.1625, 0.2), (-0.66, -0.1625, -0.66), (0.1, 0.1625, 0.1)),
     "cup": ((0.2, -0.5, 0.1), (0.55, 0.1, 0.1), (0.57, 0.75, 0.02), (0.604, 0.7698, 0.0), (0.02, -0.5, 0.03)),
+    # The first place is below the wire.
+    "wire over plate": ((0.01408, 0.07006, 0.1), (0.0155, 0.07006, 0.2), (0.3, 0.07006, 0.2)),
     "narrow cup": ((0.02, -0.76, 0.03), (0.19, 0.3, 0.01), (0.24, 0.9573, 0.001)),
     "steps": ((-0.17, 0.032, 0.1), (-0.3, 0.032, 0.2), (-0.1, 0.0715, 0.3), (0.2, 0.0715, 0.3), (0.1, 0.0835, 0.1)),
     "leaning wall": (
@@ -80,6 +82,8 @@ CASES = [
     Case("waves", sensor={"normalisation": "absolute"}),
     Case("fine relief", 15, sensor={"depth_range": 0.0015}),
     Case("deep waves", sensor={"smallest_size": 0.06}),
+    # A part within the square is higher than the clearance, where the sensor stops.
+    Case("wide groove", points=GIVEN["wide groove"][2:], sensor={"depth_range": 0.3}),
     # The eye's normals are those of rendering; they only choose the side of the touched face.
     Case("torus", strategy="fixation", viewpoints=1),
 ]
@@ -167,6 +171,21 @@ def test_places_in_reach_are_those_of_the_reference(case):
         rows = exploration.touches.to_pylist()
         touched = [row["rank"] for row in rows if row["viewpoint"] == viewpoint]
         assert touched == reference.touched_places(reached)
+
+
+@pytest.mark.parametrize("scene", ["wire over plate", "leaning wall", "spike"])
+def test_given_places_in_reach_are_those_of_the_reference(scene):
+    points = GIVEN[scene]
+    exploration = vh.load(scenes()[scene]).touch(at=points[:1], parameters={"sensor.resolution": 8})
+    sensor = reference.Sensor(resolution=8)
+    vertices, faces = mesh_of(exploration)
+    acquired = []
+    for rank, point in enumerate(points, 1):
+        exploration, felt = exploration.touch_next(point)
+        place = places_of(exploration)[0, rank]
+        assert felt.acquired == reference.in_reach(*place, sensor, vertices, faces)
+        acquired.append(felt.acquired)
+    assert set(acquired) == {True, False}
 
 
 @pytest.mark.parametrize(

@@ -155,6 +155,8 @@ def scenes():
         "leaning wall": joined(
             box((2, 0.1, 2)), turned(box((0.05, 1, 1), (0.1, 0.45, 0)), 40, (0, 0, 1))
         ),
+        # A wire that is thinner than the smallest cells: only the ray at the centre meets the wire.
+        "wire over plate": joined(box((1, 0.1, 1)), box((0.0008, 0.0008, 1), (0.01, 0.25, 0))),
         "shells": joined(*(box((edge,) * 3) for edge in (1, 0.96, 0.91, 0.87, 0.82))),
         "blade": turned(box((1, 0.6, 0.01)), 20, (1, 0.4, 0.2)),
     }
