@@ -312,10 +312,13 @@ def to_view(image, mask, interpolation):
     return np.maximum(both(interpolation(len(image), len(mask)), image), 0) * mask
 
 
-def saliency(maps, mask):
-    """Return the saliency map of a view from conspicuity maps (64, 64) of weight 1, divided by its maximum."""
+def saliency(maps, mask, weights=None):
+    """Return the saliency map of a view from conspicuity maps (64, 64), divided by its maximum.
+
+    `weights` has the weight of each channel, by default 1.
+    """
     total = np.zeros((MAP_SIZE, MAP_SIZE))
-    for one in maps.values():
-        total += one
+    for channel, one in maps.items():
+        total += one * (weights[channel] if weights else 1)
     seen = to_view(total, mask, cubic)
     return seen / seen.max() if seen.max() > 0 else seen

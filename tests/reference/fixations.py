@@ -30,6 +30,7 @@ def distance_from_outline(mask):
     """Return each pixel's distance (pixels) from the nearest pixel off the object; the view's edge is off it too.
 
     Borgefors 1986: the shortest chain of steps of length 1 (to the side), 1.4 (slanted) and 2.1969 (a knight's move).
+    The lengths are rounded to multiples of 2^-16. So a distance of 1.4 is a little less than 0.7 of a distance of 2.
     """
     steps = []
     for down in range(-2, 3):
@@ -38,7 +39,7 @@ def distance_from_outline(mask):
                 tuple(sorted((abs(down), abs(across))))
             )
             if length:
-                steps.append((down, across, length))
+                steps.append((down, across, round(length * 2**16) / 2**16))
     rows, columns = mask.shape
     distance = np.where(np.pad(mask, 1), np.inf, 0.0)
     while True:

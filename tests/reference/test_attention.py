@@ -112,3 +112,18 @@ def test_conspicuity_of_each_channel(name):
 def test_saliency_map(name):
     views, attended, _, maps = seen(name)
     check_saliency(views, attended, maps)
+
+
+def test_saliency_map_with_weights():
+    views, _, _, maps = seen("two parts")
+    weights = {
+        "colour": 0.25,
+        "intensity": 2.0,
+        "orientation": 0.5,
+        "contrast": 3.0,
+        "curvature": 1.5,
+    }
+    parameters = AttentionParameters(weights=weights)
+    attended = attend(**views.attend_arguments(), parameters=parameters)[0]
+    expected = reference.saliency(maps, views.mask[0], weights)
+    np.testing.assert_allclose(attended.saliency, expected, rtol=0, atol=SALIENCY)

@@ -89,21 +89,27 @@ def test_fixations_with_a_focus_in_the_image(falloff):
     assert list(zip(path.rows, path.columns, strict=True)) == [(f.row, f.column) for f in expected]
 
 
-def test_outline_margin_on_an_object_of_thick_and_thin_parts():
-    # A disk, a bar of five pixels and a line of one pixel, of even saliency but for a noise that orders the pixels.
-    rows, columns = np.mgrid[:190, :190]
-    mask = (rows - 95) ** 2 + (columns - 60) ** 2 < 40**2
-    mask |= (abs(rows - 95) < 3) & (columns > 60) & (columns < 185)
-    mask |= (columns == 150) & (rows > 20)
-    mask[:30, :25] = True  # touches the edge of the view
-    saliency = np.random.default_rng(4).uniform(0, 1, mask.shape).astype(np.float32)
-    points = np.stack([rows, columns, 0 * rows], axis=-1) / 95.0
-    parameters = AttentionParameters(fixations=32, focus_radius=0.1)
-    path = scan(saliency, mask, points, points, rows, parameters)
-    expected = reference.scan(saliency.astype(np.float64), mask, points, 32, 0.1)
+@pytest.mark.parametrize("seed", range(2))
+def test_outline_margin_on_an_object_of_thick_and_thin_parts(seed):
+    # Spots of all widths, and a corner at the edge of the view. Only pixels near the outline are salient, so that the
+    # fixations show which of them are allowed: the margin has 2.56 pixels, its disk a radius of 3.
+    size = 160
+    generator = np.random.default_rng(seed)
+    noise = generator.normal(size=(size, size))
+    for _ in range(6):
+        noise += sum(np.roll(noise, step, axis) for step in (-1, 1) for axis in (0, 1))
+    mask = noise > 0
+    mask[:20, :25] = True
+    near = reference.distance_from_outline(mask) < 3
+    saliency = (generator.uniform(0.5, 1, mask.shape) * (0.1 + 0.9 * near)).astype(np.float32)
+    points = np.stack([*np.mgrid[:size, :size], 0 * mask], axis=-1) / 1.0
+    parameters = AttentionParameters(fixations=32, focus_radius=4.0)
+    path = scan(saliency, mask, points, points, points[..., 0].astype(np.int64), parameters)
+    expected = reference.scan(saliency.astype(np.float64), mask, points, 32, 4.0)
     assert list(zip(path.rows, path.columns, strict=True)) == [(f.row, f.column) for f in expected]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["two parts", "ball in halves"])
 def test_tables_of_an_object(name):
     scene = SCENES[name]
