@@ -168,9 +168,12 @@ def low_end(values, weights, share, least=None):
 
 
 def accuracy_interval(values, weights, confidence=0.95, bounds=(0.0, 1.0)):
-    """Return the ends of the interval of the weighted mean; the high end is the mirror image of the low end."""
+    """Return the ends of the interval of the weighted mean; the high end is the mirror image of the low end.
+
+    A bound is None for a measure without it.
+    """
     share = (1 - confidence) / 2
-    least, most = bounds or (None, None)
+    least, most = bounds
     mirrored = [-value for value in values]
     return (
         low_end(values, weights, share, least),

@@ -6,9 +6,11 @@ product finds to 1e-12 of the probability and the plain bisection to 2e-11 of th
 product's trapezoids have an error of 3e-10, so 1e-9. Counts of sign changes are equal.
 """
 
+import itertools
 import math
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from reference import evaluation as plain
@@ -28,20 +30,23 @@ from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure
 from visuohaptic.report.leads import Lead, verdict
+from visuohaptic.tables.phases import PREDICTIONS, SCORES
+from visuohaptic.tables.schema import build_rows
 
 INTERVALS = IntervalParameters()
 END, CHANCE, EXACT = 1e-9, 1e-9, 1e-12
 KEPT = ROOT / "tests/golden/kept"
 
 
-def made_objects(seed, count, classes=3):
+def made_objects(seed, count):
     """Return accuracies with ties, unequal weights and classes of objects, each class at least once."""
     generator = np.random.default_rng(seed)
     values = np.round(generator.beta(3, 1, size=count), 1 + seed % 3)
     if seed % 4 == 0:
         values = np.round(values)
     weights = generator.uniform(0.2, 3, size=count) if seed % 2 else np.ones(count)
-    labels = [f"class{index % min(classes, count)}" for index in range(count)]
+    classes = min((3, 2, 5, 12)[seed % 4], count)
+    labels = [f"class{index % classes}" for index in range(count)]
     return values, weights, labels
 
 
@@ -80,6 +85,17 @@ def test_intervals_of_balanced_accuracies(seed, count):
     wider = balanced_class_interval(values, classes, INTERVALS)
     expected = plain.new_classes_interval(values, weights, classes, ends)
     assert [wider.low, wider.high] == pytest.approx(expected, abs=END)
+
+
+@pytest.mark.parametrize("bounds", [(-1.0, 1.0), (-0.5, math.inf), (-math.inf, math.inf)])
+def test_intervals_of_other_measures(bounds):
+    # A measure without a bound has only the quantile for observed variation.
+    values, weights, _ = made_objects(3, 7)
+    values = values - 0.3
+    found = object_interval(values, weights, INTERVALS, bounds)
+    least, most = (None if math.isinf(bound) else bound for bound in bounds)
+    ends = plain.accuracy_interval(values.tolist(), weights.tolist(), bounds=(least, most))
+    assert [found.low, found.high] == pytest.approx(ends, abs=END)
 
 
 def test_twelve_equal_objects_are_a_beta_quantile():
@@ -420,6 +436,74 @@ def check_lead(lead, first, others):
             plain.weighted_mean(*plain.paired_differences(first, other)[1:]) for other in others
         ]
         assert lead["draws"]["leads"] == pytest.approx(leads, abs=EXACT)
+
+
+def made_run(seed):
+    """Return scores, predictions and further draws of two pipelines, for three classes of two to three objects.
+
+    Views are missing for some objects, differently by strategy and draw, and votes tie.
+    """
+    generator = np.random.default_rng(seed)
+    objects = [("a", "1"), ("a", "2"), ("b", "1"), ("b", "2"), ("b", "3"), ("c", "1"), ("c", "2")]
+    splits = list(
+        itertools.product(*([one for one in objects if one[0] == name] for name in "abc"))
+    )
+    predictions, scores, drawn = [], [], []
+    for pipeline, strategy in itertools.product(
+        ("paper", "order_free"), ("fixation", "random", "random#1", "random#2", "random_visible")
+    ):
+        views = {one: int(generator.integers(2, 5)) for one in objects}
+        if strategy == "random#2":
+            del views["b", "3"]
+        for number, split in enumerate(splits):
+            cell = {
+                "pipeline": pipeline,
+                "strategy": strategy,
+                "classifier": "naive_bayes",
+                "split": number,
+            }
+            for owner in split:
+                if owner not in views:
+                    continue
+                names = {"class": owner[0], "object": owner[1]}
+                predicted = generator.choice([owner[0], owner[0], "a", "b", "c"], size=views[owner])
+                if strategy in ("fixation", "random"):
+                    voted = (
+                        str(generator.choice(["a", "b", "c"])) if pipeline == "order_free" else None
+                    )
+                    predictions += [
+                        {
+                            **cell,
+                            **names,
+                            "seed": 0,
+                            "viewpoint": view,
+                            "predicted": one,
+                            "voted": voted,
+                            "probability": None,
+                        }
+                        for view, one in enumerate(predicted.tolist())
+                    ]
+                else:
+                    accuracy = float(np.mean(predicted == owner[0]))
+                    study = {
+                        "study": "random_draws",
+                        "condition": "made",
+                        "repeat": 0,
+                        "error": None,
+                    }
+                    drawn.append(
+                        {**cell, **names, **study, "sequences": views[owner], "accuracy": accuracy}
+                    )
+            if strategy in ("fixation", "random"):
+                figures = {"accuracy": 0.0, "object_accuracy": 0.0, "sequences": 1, "note": None}
+                scores.append({**cell, "seed": 0, **figures})
+    tables = [build_rows(SCORES, scores), build_rows(PREDICTIONS, predictions)]
+    return [*tables, pa.Table.from_pylist(drawn)]
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_every_figure_of_a_made_run(seed):
+    check_figures(*made_run(seed))
 
 
 @pytest.mark.parametrize("run", ["small_run", pytest.param("default_run", marks=pytest.mark.long)])
