@@ -124,6 +124,18 @@ def test_every_split_is_tested_in_order(name):
         assert [case.tested(split) for split in case.splits] == plain.every_split(objects)
 
 
+def test_eighty_one_combinations_are_all_tested():
+    columns = feature_columns((3, 3, 3, 3), viewpoints=2, seed=10)
+    parameters = RecognitionParameters(classifiers=("naive_bayes",))
+    _, predictions = run_pipeline(table_of(columns), parameters, SEED, "paper")
+    tested = {}
+    for row in predictions.to_pylist():
+        tested.setdefault(row["split"], set()).add((row["class"], row["object"]))
+    objects = sorted({key[:2] for key in sequences_of(columns)})
+    assert [tested[split] for split in sorted(tested)] == plain.every_split(objects)
+    assert len(tested) == 81
+
+
 def test_more_combinations_than_splits_are_folds_of_whole_objects():
     # 3 x 5 x 6 = 90 combinations, more than 81: folds, each object tested once a round, in three rounds.
     columns = feature_columns((3, 5, 6), viewpoints=2, seed=4)
