@@ -110,12 +110,19 @@ def test_outline_margin_on_an_object_of_thick_and_thin_parts(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["two parts", "ball in halves"])
-def test_tables_of_an_object(name):
+@pytest.mark.parametrize(
+    ("name", "radius"),
+    [("two parts", 0.2), ("ball in halves", 0.2), ("cone", 0.8)],  # the last has no five places
+)
+def test_tables_of_an_object(name, radius):
     scene = SCENES[name]
     size = 24
     # The sensor of the touches that follow is small, because no test here reads them.
-    parameters = {"rendering.resolution": size, "sensor.resolution": 8}
+    parameters = {
+        "rendering.resolution": size,
+        "sensor.resolution": 8,
+        "attention.focus_radius": radius,
+    }
     seen = vh.load((scene.vertices, scene.faces), key=f"solid/{name}").touch(
         viewpoints=2, parameters=parameters
     )
@@ -135,9 +142,9 @@ def test_tables_of_an_object(name):
         ]
         drawn = np.asarray(Image.open(io.BytesIO(row["saliency"])), dtype=np.float64)
         assert np.abs(drawn - 255 * found.saliency).max() <= 0.5 + 1e-3
-        path = reference.scan(
-            found.saliency.astype(np.float64), expected.mask, expected.point, COUNT
-        )
+        saliency = found.saliency.astype(np.float64)
+        path = reference.scan(saliency, expected.mask, expected.point, COUNT, radius)
+        assert (len(path) < 5) == (radius > 0.5)
         assert row["distinct_fixations"] == min(len(path), 5)
         rows = seen.fixations.filter(pc.field("viewpoint") == number).to_pylist()
         assert [(r["touch"], r["pixel_row"], r["pixel_column"], r["strategy"]) for r in rows] == [
