@@ -331,11 +331,9 @@ def _morphed(
 def _skeleton(
     document: ColladaDocument, scene_instance: _SceneInstance, world_matrices: dict[Any, FloatArray]
 ) -> dict[str, FloatArray]:
-    """Return the matrices of possible joints of a skin by id, name and sid of the node.
-
-    `skeleton` names the node below which joints are looked for (COLLADA 1.4.1, `instance_controller`). A node that no
-    scene shows stands where its own transforms and those of its ancestors put it.
-    """
+    """Return the matrices of possible joints of a skin by id, name and sid of the node."""
+    # `skeleton` names the node below which joints are looked for (COLLADA 1.4.1, `instance_controller`). A node that no
+    # scene shows stands where its own transforms and those of its ancestors put it.
     roots = [
         document.named("node", (element.text or "").strip().removeprefix("#"))
         for element in scene_instance.instance.iterfind("{*}skeleton")

@@ -91,16 +91,14 @@ def _listed(names: Sequence[str]) -> str:
 def _vertex_colours(
     statements: ObjStatements, companions: Companions
 ) -> NDArray[np.float32] | None:
-    """Return colours (v, 3) from 0 to 1, NaN for a vertex without colour; None without colours.
-
-    Of seven numbers, the fourth is the weight (appendix B1: ``v x y z w``) if it is the default weight 1 at all
-    vertices; otherwise the seventh is alpha.
-    """
+    """Return colours (v, 3) from 0 to 1, NaN for a vertex without colour; None without colours."""
     # Some programs write colours from 0 to 1, others from 0 to 255.
     if not statements.colours:
         return None
     colours = np.full((len(statements.points) // 3, 3), np.nan, dtype=np.float32)
     given = np.frombuffer(statements.colours, dtype=np.float32)
+    # Of seven numbers, the fourth is the weight (appendix B1: `v x y z w`) if it is the default weight 1 at all
+    # vertices; otherwise the seventh is alpha.
     sevenths = np.frombuffer(statements.sevenths, dtype=np.float32)
     has_seven = np.flatnonzero(~np.isnan(sevenths))
     if len(has_seven) and (given.reshape(-1, 3)[has_seven, 0] == 1).all():

@@ -264,11 +264,9 @@ def _ear_clipped(flat: FloatArray, *, keep_corners: bool) -> IntArray | None:
 
 
 def _with_all_corners(flat: FloatArray, triangles: IntArray) -> IntArray:
-    """Insert the corners and edges of a polygon (n, 2) that its triangles (t, 3) lack; return triangles (n - 2, 3).
-
-    The edges that are left over, of triangles and reversed of the polygon, form rings along which triangles and
-    polygon are apart. The triangle at the longest edge of a ring is cut at the other corners of the ring.
-    """
+    """Insert the corners and edges of a polygon (n, 2) that its triangles (t, 3) lack; return triangles (n - 2, 3)."""
+    # The edges that are left over, of triangles and reversed of the polygon, form rings along which triangles and
+    # polygon are apart. The triangle at the longest edge of a ring is cut at the other corners of the ring.
     apart: dict[int, list[int]] = {}
     for start, end in _unpaired(triangles, len(flat)):
         apart.setdefault(start, []).append(end)

@@ -259,10 +259,7 @@ def _has_three_corners(faces: IntArray) -> BoolArray:
 def _doubts_about_size(
     scaled: Surface, merged: Surface, merge_tolerance: float, name: str
 ) -> list[str]:
-    """Return notes on a surface of radius 1, `scaled`, if stray faces may decide its size.
-
-    `merged` is the same surface after its vertices were merged with `merge_tolerance`.
-    """
+    """Return notes on a surface of radius 1, `scaled`, if stray faces may decide its size; `merged` has merged vertices."""
     doubts = []
     distances = np.linalg.norm(scaled.vertices, axis=1)
     is_far = (distances > _NEAR_RADII)[scaled.faces].any(axis=1)

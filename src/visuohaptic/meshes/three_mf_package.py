@@ -250,10 +250,8 @@ class _Reader:
         return self._names[element.tag]
 
     def _unread(self, element: Any) -> tuple[str, str]:
-        """Return the first unread element of an object that describes its shape, and the first other one; "" for none.
-
-        Elements of extensions that are not required are ignored (core 1.3, attribute `requiredextensions` of `model`).
-        """
+        """Return the first unread element of an object that describes its shape, and the first other one; "" for none."""
+        # Elements of extensions that are not required are ignored (core 1.3, attribute `requiredextensions` of `model`).
         shape, other = "", ""
         meshes = [child for child in element if self._name(child) == "mesh"]
         has_shape = meshes or any(self._name(child) == "components" for child in element)
