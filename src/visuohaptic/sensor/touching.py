@@ -174,7 +174,8 @@ def contact_states(
 
     - ``blocked``: another part of the object obstructs the approach.
     - ``at_minimum``: the object penetrates the smallest square.
-    - ``partial``: part of the sensor is farther from the object than its depth range.
+    - ``partial``: within the square a part of the object is missing, or more than the depth range below the tangent
+      plane.
     - ``shrunk``: the square is smaller than the largest square.
     - ``full``: the largest square.
 
