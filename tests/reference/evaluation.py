@@ -184,31 +184,38 @@ def accuracy_interval(values, weights, confidence=0.95, bounds=(0.0, 1.0)):
 # --- the interval and test of a lead
 
 
-def groups_of_objects(count):
-    """Return every choice of objects as a tuple of booleans: the objects whose sign changes."""
-    return itertools.product([False, True], repeat=count)
+def sign_changes(count, drawn=None):
+    """Return sign changes as tuples of booleans, True for objects whose sign changes: all, or drawn ones and no change."""
+    if drawn is None:
+        return list(itertools.product([False, True], repeat=count))
+    return [*drawn, (False,) * count]
 
 
-def sign_change_p(differences, weights, lead=0.0):
-    """Return the share of all sign changes of (differences - lead) with a weighted sum as far from 0 as the true one."""
+def sign_change_p(differences, weights, lead=0.0, drawn=None):
+    """Return the share of all sign changes of (differences - lead) with a weighted sum as far from 0 as the true one.
+
+    `drawn` are random sign changes in place of all; the observed signs are added.
+    """
     terms = [weight * (one - lead) for one, weight in zip(differences, weights, strict=True)]
     observed, rounding = abs(sum(terms)), 1e-12 * sum(abs(term) for term in terms)
+    groups = sign_changes(len(terms), drawn)
     as_far = 0
-    for changed in groups_of_objects(len(terms)):
+    for changed in groups:
         total = sum(-term if change else term for term, change in zip(terms, changed, strict=True))
         as_far += abs(total) >= observed - rounding
-    return as_far / 2 ** len(terms)
+    return as_far / len(groups)
 
 
-def sign_change_interval(differences, weights, confidence=0.95):
+def sign_change_interval(differences, weights, confidence=0.95, drawn=None):
     """Return the least and the largest lead that the sign changes do not reject; infinite ends if nothing is rejected.
 
     With sign changes of a group, the sum is as far from 0 exactly if the lead lies between the mean of the group and the
     mean of the others. One of the two is at most the mean of all, the other at least.
     """
     count = len(differences)
+    groups = sign_changes(count, drawn)
     lower, upper, always = [], [], 0
-    for changed in groups_of_objects(count):
+    for changed in groups:
         if all(changed) or not any(changed):
             always += 1
             continue
@@ -222,7 +229,7 @@ def sign_change_interval(differences, weights, confidence=0.95):
             )
         lower.append(min(means))
         upper.append(max(means))
-    needed = math.ceil((1 - confidence) * 2**count - 1e-9) - always
+    needed = math.ceil((1 - confidence) * len(groups) - 1e-9) - always
     if needed <= 0:
         return -math.inf, math.inf
     return sorted(lower)[needed - 1], sorted(upper, reverse=True)[needed - 1]

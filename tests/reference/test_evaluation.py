@@ -26,6 +26,7 @@ from visuohaptic.evaluation.intervals import (
     object_interval,
 )
 from visuohaptic.evaluation.leads import DrawnAccuracies, compare_by_lead
+from visuohaptic.evaluation.sign_changes import _sign_changes, sign_change_test
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import Figure
@@ -194,6 +195,21 @@ def test_drawn_sign_changes_agree_with_all(seed):
     assert found.p_value == pytest.approx(plain.lead_p(*values), abs=error)
     ends = plain.lead_interval(*values)
     assert [found.difference.low, found.difference.high] == pytest.approx(ends, abs=0.02)
+
+
+def test_intervals_of_drawn_sign_changes():
+    # The reference gets the product's draws, 300 for 9 objects.
+    for seed in (1, 2, 3):
+        differences, weights, _ = made_differences(seed, 9)
+        bits, _ = _sign_changes(9, 300)
+        signs = np.unpackbits(bits, axis=0, bitorder="little")[:9].T.astype(bool)
+        drawn = [tuple(row) for row in signs.tolist()]
+        found = sign_change_test(differences, weights / weights.sum(), 300, 0.05)
+        values = differences.tolist(), weights.tolist()
+        assert len(drawn) == 300
+        assert found.p_value == pytest.approx(plain.sign_change_p(*values, drawn=drawn), abs=EXACT)
+        ends = plain.sign_change_interval(*values, drawn=drawn)
+        assert [found.low, found.high] == pytest.approx(ends, abs=EXACT)
 
 
 # --- draws

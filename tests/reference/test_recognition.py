@@ -191,6 +191,7 @@ def test_the_sixty_numbers(name):
 def test_the_sixty_numbers_before_scaling():
     generator = np.random.default_rng(6)
     training = generator.normal(size=(12, 5, 22)) + generator.normal(size=22)
+    training[0, :2] = 0.0  # a coefficient is 0, its level is not
     encoder = SequenceEncoder(RecognitionParameters(sequence_scaling="none")).fit(training)
     groups = plain.feature_groups(training)
     expected = [plain.sequence_statistics(plain.group_means(one, groups)) for one in training]
@@ -378,6 +379,9 @@ def test_the_quadratic_discriminant(fixed, spread):
     np.testing.assert_allclose(
         product.predict_log_proba(rows), expected.predict_log_proba(rows), rtol=0, atol=1e-8
     )
+    # Far from all classes the densities are below the least number.
+    far = product.predict_log_proba(100 * rows), expected.predict_log_proba(100 * rows)
+    np.testing.assert_allclose(*far, rtol=1e-9, atol=1e-8)
     assert (product.note_ is not None) == (fixed is None and spread == 0.005)
 
 
