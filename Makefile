@@ -67,10 +67,11 @@ installed-dvc:
 	python -m pytest tests/installed/readme_commands.py -k under_dvc
 
 # Hard cases at their full counts, some three minutes on two cores; what they find is a page of docs. Then the golden
-# runs, with the default one, and thousands of steps of the state machine of working folders, half an hour.
+# runs, with the default one, the reference on the twelve objects, and thousands of steps of the state machine of
+# working folders, half an hour.
 test-hard: $(DEVELOP)
 	pytest tests/numerics -n 2 --dist worksteal --stability docs/hard_cases.md
-	pytest tests/golden tests/workflow/test_golden_runs.py -n 2 --dist worksteal
+	pytest tests/golden tests/reference tests/workflow/test_golden_runs.py -n 2 --dist worksteal
 	pytest tests/workflow/test_folder_machine.py -k after_each_run --examples 300
 
 # Makes the golden runs and keeps their tables in tests/golden/kept, after a change that is meant to move results.
