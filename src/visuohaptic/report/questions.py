@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from visuohaptic.evaluation.leads import LEADS, LEADS_OF, Question
+from visuohaptic.evaluation.leads import LEADS_OF, Question
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.report.comparison import REFERENCE, PipelineTable
 from visuohaptic.report.estimates import Figure, both_intervals, with_interval
@@ -154,6 +154,13 @@ RULES: Mapping[Question, str] = {
 """What each question compares."""
 
 
+NEEDS: Mapping[Question, str] = {
+    "seeing": f"{PLACES['random']}, and at {PLACES['fixation']} or {PLACES['random_visible']}",
+    "salience": f"{PLACES['fixation']} and {PLACES['random_visible']}",
+}
+"""The places that a run must touch to answer each question."""
+
+
 def lead_answer(question: Question, leads: Sequence[Lead]) -> Answer:
     """Return the answer to one of the two questions by a run's own leads.
 
@@ -163,7 +170,7 @@ def lead_answer(question: Question, leads: Sequence[Lead]) -> Answer:
         The question.
     leads : sequence of Lead
         The leads of the run, of all questions, the paper's pipeline first. Without a lead of the question, the answer
-        says what the run lacks.
+        says which touches the answer needs.
 
     Returns
     -------
@@ -171,18 +178,16 @@ def lead_answer(question: Question, leads: Sequence[Lead]) -> Answer:
         The finding follows the word of `leads.verdict`. The number is the first lead of the question.
     """
     own = [lead for lead in leads if lead.name in LEADS_OF[question]]
-    missing = {name for lead in LEADS_OF[question] for name in LEADS[lead]}
     rule = (
         f"{RULES[question]} Rule: yes if each lead is ahead with p below {SIGNIFICANCE:g} after Holm's correction; no if "
         f"none is, and each interval ends at {100 * LARGEST_NO:.0f} points or below; not settled in all other cases."
     )
     if not own:
-        places = listed([words for name, words in PLACES.items() if name in missing])
         return Answer(
             QUESTIONS[question],
             "This run can't say",
             "",
-            f"it lacks touches at {'two of ' if len(missing) > 2 else ''}{places} (probing.strategies).",
+            f"the answer needs touches at {NEEDS[question]} (probing.strategies).",
             "comparison",
             rule=rule,
         )
