@@ -48,7 +48,7 @@ def odd_sentence(figures: Row) -> str:
     )
     return (
         f"Pipeline order_free classifies {percent(row['accuracy'].mean, 0)} of {figures['objects']} untypical objects of "
-        f"the same classes correctly from {counted(row['views'], 'view')} (measured on {source.date}). Its prediction "
+        f"set odd correctly from {counted(row['views'], 'view')} (measured on {source.date}). Its prediction "
         f"sets should contain the true class of {percent(row['stated'], 0)} of objects. Of these objects the sets "
         f"contain the class of {percent(row['coverage'].mean, 0)}."
     )
