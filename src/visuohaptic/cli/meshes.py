@@ -74,7 +74,7 @@ def check(
 
     Prints a line per file: width, height and depth in the unit of the file (models of the catalogue: cm), faces, whether
     the object can be touched, and notes. Without --json, writes reports/objects.png beside the folder of the meshes: each
-    object as the eye sees it from viewpoint 0, with its front and up. Parameters are those of params.yaml there.
+    object as the eye sees it from viewpoint 0, with its front and up. The parameters are read from the params.yaml of the folder.
 
     Ends with status 1 if a file can't be used, or if fewer than two classes have two objects.
 

@@ -42,7 +42,7 @@ def new(
     clone: Annotated[
         Path | None,
         typer.Option(
-            help="Clone of the repository with the workflow; by default that of this command."
+            help="Clone of the repository with the workflow; by default the clone that holds this command."
         ),
     ] = None,
 ) -> None:

@@ -41,7 +41,7 @@ def read_parameters_and_settings(
     Returns
     -------
     ExperimentParameters
-        The parameters. They equal those of a file with the new values.
+        The parameters, equal to the parameters of a file with the new values.
 
     Raises
     ------

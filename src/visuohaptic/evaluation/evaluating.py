@@ -400,7 +400,7 @@ def _routes_groups(model: Any) -> bool:
     with config_context(enable_metadata_routing=True):
         try:
             router = get_routing_for_object(part)
-        # Estimators without routing raise NotImplementedError; those of others may raise anything.
+        # Estimators without routing raise NotImplementedError; other estimators may raise anything.
         except Exception:  # noqa: BLE001
             return False
         return bool(router.consumes("fit", ["groups"]))

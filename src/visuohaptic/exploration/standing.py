@@ -44,7 +44,7 @@ def draw_standing(key: str, surface: Surface, parameters: ExperimentParameters) 
     surface : Surface
         The surface in the object frame.
     parameters : ExperimentParameters
-        Only sections `viewpoints`, `rendering` and `scene` are used. The lens is wider than that of the run, so that
+        Only sections `viewpoints`, `rendering` and `scene` are used. The lens is wider than the run's, so that
         the arrows fit, and the eye is at least 2.5 object radii away.
 
     Returns
@@ -121,7 +121,7 @@ def _draw_line(draw: ImageDraw.ImageDraw, top: int, text: str) -> None:
 
 @cache
 def _font() -> ImageFont.ImageFont | ImageFont.FreeTypeFont:
-    """Return the font that Matplotlib brings; without Matplotlib that of Pillow, which has only ASCII."""
+    """Return Matplotlib's font; without Matplotlib return Pillow's font, which has only ASCII."""
     found = find_spec("matplotlib")
     if found is None or found.origin is None:
         return ImageFont.load_default(13)

@@ -211,7 +211,7 @@ def _shown(name: str | Path) -> str:
 
 
 def check_objects(objects: Collection[object], folder: str | Path = "meshes/own") -> None:
-    """Raise `CatalogueError` if there is no object; `folder` is that of the own models, for the message."""
+    """Raise `CatalogueError` if there is no object; the message names `folder`, the folder of own models."""
     if not objects:
         raise CatalogueError(
             f"There are no objects: meshes.set is own, and {_shown(folder)} has no mesh that can be used; put meshes "

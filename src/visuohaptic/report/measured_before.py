@@ -66,7 +66,7 @@ def _subjects(
         )
     draws = (read_draws(objects, table.name) for table in run.pipelines)
     yield "Further draws of random places", tuple(kept_sentence(kept) for kept in draws if kept)
-    yield "Objects unlike those of training", (odd_sentence(context.evaluation),)
+    yield "Untypical objects", (odd_sentence(context.evaluation),)
     yield "Saliency and people's gaze", (gaze_sentence(run.files.gaze),)
     hard_cases = run.extra_path("hard_cases")
     if hard_cases is not None:
