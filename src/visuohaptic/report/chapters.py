@@ -98,7 +98,7 @@ CHAPTERS = {
             "stability", "Numerical stability in hard cases", sections.stability_values, (STABLE,),
         ),
     ),
-    "Before": (
+    "Other objects": (
         Section("before", "Other objects, measured before", measured_before_values),
     ),
     "Methods": (
