@@ -83,6 +83,9 @@ class WorkflowParameters(Section):
         description="Whether a run without a target measures outdated studies again (true) or keeps them and "
         "marks them as outdated in the report (false)",
     )
+    store_gigabytes: float = Field(
+        5.0, ge=0, description="Most GB of former tables in .cache/tables; the oldest go first"
+    )
 
 
 class CostParameters(Section):

@@ -91,19 +91,19 @@ def clean_results(names, targets=("all",)):
 
 
 def print_inspection(targets):
-    """Print as JSON what a run from nothing would make for some targets, and what `make why` and `make verify` say."""
+    """Print as JSON what a run from nothing would make for all and some targets, and what `make why` and `verify` say."""
+    from visuohaptic_workflow.sweeping import RECORDS
     from visuohaptic_workflow.why import verify, why
 
     config = json.loads(os.environ.get("TEST_CONFIG", "{}"))
     with names_of_snakefile(config) as names:
         keys, rules = names["keys"](), names["rules"]
-        stale, is_fine = verify(keys)
+        stale, is_fine = verify(keys, names["sweep"](RECORDS))
         found = {
-            "results": clean_results(names, targets),
-            "covered": keys.needed_for(files_of_targets(rules, targets)),
+            "results": clean_results(names, ("all", *targets)),
             "wanted": files_of_targets(rules, targets),
             "named": sorted({file for job in keys.jobs.values() for file in job.outputs}),
-            "why": [*why(keys, files_of_targets(rules, targets))],
+            "why": [*why(keys, files_of_targets(rules, targets), names["sweep"](RECORDS))],
             "verify": stale,
             "is_fine": is_fine,
         }

@@ -22,7 +22,7 @@ OF_THE_SHAPE = dict.fromkeys(("width_cm", "depth_cm", "height_cm"), "77.7")
 OF_THE_SHAPE |= {"rotation": "0 0 1 0 1 0 -1 0 0"}
 MESH = "meshes/paper/chair/bsby_chair3.ply.gz"
 OTHER_MESH = "meshes/paper/chair/bs0_chair2.ply.gz"
-OBJECT = "chair/bs0_chair2/00-01.parquet"
+OBJECT = "several_objects/1/00-01.parquet"
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ CHANGES = {
     "evaluation/metrics": file("metrics", "src/visuohaptic/evaluation/metrics.py", jobs=1),
     "evaluation/intervals": file("metrics", "src/visuohaptic/evaluation/intervals.py", jobs=1),
     "an edited table": alone("features", f"results/features/{OBJECT}", edited),
-    "no mesh": alone("meshes", "results/meshes/bottle/bs0_yogurtBottle/bottle/bs0_yogurtBottle.ply"),
+    "no mesh": alone("meshes", "results/meshes/several_objects/0/bottle/bs0_yogurtBottle.ply"),
     "no views": alone("fixations", f"results/views/{OBJECT}"),
     "no effects": alone("touches", f"results/effects/touches/{OBJECT}"),
     "no plot": alone("metrics", "reports/plots/accuracy.csv"),

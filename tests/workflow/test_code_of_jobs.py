@@ -18,6 +18,7 @@ from visuohaptic_workflow.code_of_jobs import (
     CODE,
     MOST_BESIDE,
     STEP,
+    CodeError,
     Runs,
     code_of,
     files_beside,
@@ -268,3 +269,17 @@ def test_a_plug_in_without_a_folder_of_its_own_is_refused(tmp_path, monkeypatch)
         (many / f"{number}.txt").touch()
     with pytest.raises(PlugInError, match=r"many has more than 1000 files"):
         files_beside(many / "mine.py")
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"a = 1\ndef broken(:\n", r", line 2 can't be read as Python: invalid syntax\.$"),
+        (b"a = '\xff'\n", r" can't be read as Python: .*codec can't decode"),
+        (b"a = 1\0\n", r" can't be read as Python: source code .*null bytes"),
+    ],
+)
+def test_code_that_is_no_python_is_named(tmp_path, content, reason):
+    (tmp_path / "a.py").write_bytes(content)
+    with pytest.raises(CodeError, match=f"{tmp_path}/a.py{reason}"):
+        imports_of(tmp_path / "a.py")

@@ -31,7 +31,7 @@ def test_the_workflow_runs_in_another_folder_with_that_folders_parameters(fresh_
     assert re.search(r"^\[1 of \d+\] preparing ", output, re.MULTILINE)
     assert (folder / "reports/report.html").exists()
     assert not (fresh_stand_in.folder / "results").exists()
-    record = (folder / "results/records/recognition/paper/fixation+random.json").read_text()
+    record = (folder / "results/records/recognition/paper.json").read_text()
     assert '"neighbours": 3' in record
     said = "Nothing to be done; the report is at reports/report.html.\n"
     assert elsewhere.snakemake(*snakefile).stdout.endswith(said)

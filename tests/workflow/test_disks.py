@@ -12,14 +12,16 @@ from workflow.test_jobs import logged_job
 
 from visuohaptic.base.errors import StorageError
 from visuohaptic_workflow.digests import Digests
-from visuohaptic_workflow.former_files import move_aside
 from visuohaptic_workflow.one_run import FolderError, check_writable
+from visuohaptic_workflow.sweeping import Sweep, carry_out
 
 FULL = OSError(errno.ENOSPC, "Error writing bytes to file")
 OTHER_DISK = Path("/dev/shm")  # noqa: S108 - a file system of its own on Linux
 
 
 FORMER = ("results/meshes/old", "results/old.parquet", "results/records/old.json")
+TO_STORE = Sweep({Path(".cache/tables/old"): FORMER}, (), {}, {})
+TO_ASIDE = Sweep({}, FORMER, {}, {})
 
 
 @pytest.fixture
@@ -44,23 +46,25 @@ def refuse_with(number):
 
 
 @pytest.mark.usefixtures("former")
-def test_former_files_are_moved_to_another_file_system(monkeypatch):
+@pytest.mark.parametrize("sweep", [TO_STORE, TO_ASIDE])
+def test_former_files_are_moved_to_another_file_system(monkeypatch, sweep):
     # Path.rename and os.rename can't move there.
     monkeypatch.setattr(os, "rename", refuse_with(errno.EXDEV))
-    assert move_aside(FORMER).startswith(".cache/aside/")
+    carry_out(sweep, 1e9)
     assert [path.name for path in Path("results").rglob("*.*")] == []
-    aside = sorted(path.name for path in Path(".cache/aside").rglob("*.*"))
-    assert aside == ["a.ply", "old.json", "old.parquet"]
+    moved = sorted(path.name for path in Path(".cache").rglob("*.*"))
+    assert moved == ["a.ply", "old.json", "old.parquet"]
 
 
 @pytest.mark.usefixtures("former")
+@pytest.mark.parametrize("sweep", [TO_STORE, TO_ASIDE])
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS])
-def test_a_move_to_a_full_or_read_only_disk_is_one_sentence(monkeypatch, number):
+def test_a_move_to_a_full_or_read_only_disk_is_one_sentence(monkeypatch, number, sweep):
     monkeypatch.setattr(os, "rename", refuse_with(errno.EXDEV))
     for copy in ("copyfile", "copytree"):
         monkeypatch.setattr(shutil, copy, refuse_with(number))
-    with pytest.raises(StorageError, match=f"can't be written: {os.strerror(number)}\\.$"):
-        move_aside(FORMER)
+    with pytest.raises(StorageError, match=f"can't be moved to .*: {os.strerror(number)}\\.$"):
+        carry_out(sweep, 1e9)
     assert len(list(Path("results").rglob("*.*"))) == 3
 
 
@@ -75,7 +79,7 @@ def test_a_run_ends_well_whose_results_are_on_another_file_system(stand_in):
         shutil.rmtree(results)
         results.symlink_to(elsewhere)
         stand_in.set(workflow={"views_per_job": 1})
-        assert "files of former jobs were moved to .cache/aside/" in stand_in.snakemake().stdout
+        assert "moved to .cache/tables" in stand_in.snakemake().stdout
         assert not [*Path(elsewhere).rglob("00-01.*")]
         assert stand_in.planned() == {}
 

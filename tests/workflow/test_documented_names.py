@@ -17,7 +17,8 @@ NOT_DOCUMENTED = {
     "storage_settings",  # whether records can be read at the start
     "is_main_process",  # whether this process plans the run, or is a job's on another machine
     "executor_plugin",  # whether this is a run or a question, such as --summary
-    "dryrun",  # whether files of former jobs stay
+    "dryrun",  # whether stale files stay
+    "touch",  # refused
 }
 LIBRARY = list(ROOT.glob("workflow/lib/visuohaptic_workflow/*.py"))
 SCRIPTS = list(ROOT.glob("workflow/scripts/*.py"))

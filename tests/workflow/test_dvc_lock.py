@@ -12,6 +12,7 @@ from visuohaptic.parameters import ExperimentParameters
 from visuohaptic_workflow import dvc_lock
 from visuohaptic_workflow.dvc_lock import LockError, check_clone, is_committed
 from visuohaptic_workflow.jobs import without_studies_of_clones
+from visuohaptic_workflow.sweeping import Sweep
 
 ROOT = Path(__file__).parents[2]
 STAGE = yaml.safe_load((ROOT / "dvc.yaml").read_text())["stages"]["experiment"]
@@ -121,6 +122,9 @@ def test_a_commit_that_fails_ends_in_a_sentence_and_the_next_one_locks(locked):
     assert "largest_size: 0.25" in lock_of(experiment)
 
 
+NOTHING = Sweep(stored={}, aside=(), returned={}, stale={})
+
+
 class Keys:
     """Keys of one job, which fits; `unchanged` says whether it still does after the commit."""
 
@@ -129,9 +133,6 @@ class Keys:
 
     def needed_for(self, targets):
         return ["record"]
-
-    def reason_to_run(self, record):
-        return None
 
     def is_unchanged(self, record):
         return self.unchanged
@@ -150,7 +151,7 @@ def test_a_lock_that_was_cut_off_is_written_anew(tmp_path, monkeypatch, content)
         return subprocess.CompletedProcess([], 0, "", "")
 
     monkeypatch.setattr(dvc_lock.subprocess, "run", commit)
-    dvc_lock.write_lock(Keys(unchanged=True), ["all"], lambda: True)
+    dvc_lock.write_lock(Keys(unchanged=True), ["all"], lambda: True, NOTHING)
     assert Path("dvc.lock").read_text() == "schema: '2.0'"
 
 
@@ -170,9 +171,9 @@ def test_a_lock_is_put_back_if_a_file_changes_while_dvc_reads(
     monkeypatch.setattr(dvc_lock.subprocess, "run", commit)
     keys = Keys(unchanged=are_files_unchanged)
     with pytest.raises(LockError, match="a file changed while DVC read the results"):
-        dvc_lock.write_lock(keys, ["all"], lambda: are_parameters_current)
+        dvc_lock.write_lock(keys, ["all"], lambda: are_parameters_current, NOTHING)
     assert Path("dvc.lock").read_text() == "written: before"
-    dvc_lock.write_lock(Keys(unchanged=True), ["all"], lambda: True)
+    dvc_lock.write_lock(Keys(unchanged=True), ["all"], lambda: True, NOTHING)
     assert Path("dvc.lock").read_text() == "after"
 
 

@@ -79,7 +79,7 @@ def test_a_run_that_failed_since_a_file_was_saved_succeeds_with_a_target(folder,
 
 
 @pytest.mark.parametrize("has_records", [True, False])
-def test_former_blocks_are_moved_aside_with_a_target(folder, has_records):
+def test_former_blocks_are_moved_with_a_target(folder, has_records):
     folder.set_parameter({"viewpoints": {"count": 3}})
     folder.run("features_all")
     folder.set_parameter({"viewpoints": {"count": 2}})
@@ -88,17 +88,21 @@ def test_former_blocks_are_moved_aside_with_a_target(folder, has_records):
     folder.run("features_all")
 
 
-def test_former_blocks_are_moved_aside_if_nothing_has_to_run(folder):
+def test_files_of_former_blocks_that_come_back_are_moved_if_nothing_has_to_run(folder):
     folder.set_parameter({"viewpoints": {"count": 3}})
     folder.run("features_all")
     folder.set_parameter({"viewpoints": {"count": 2}})
     folder.run("features_all")
-    aside = folder.folder / ".cache/aside"
-    (file,) = aside.glob("*/results/touches/bottle/bs0_yogurtBottle/02-02.parquet")
-    file.rename(folder.folder / "results/touches/bottle/bs0_yogurtBottle/02-02.parquet")
-    assert "02-02.parquet: the next run moves them aside" in folder.ask("why")
-    assert "02-02.parquet: the next run moves them aside" in folder.ask("verify")
+    name = "results/touches/several_objects/0/02-02.parquet"
+    (file,) = (folder.folder / ".cache/tables/records/touches").glob(f"**/{name}")
+    file.rename(folder.folder / name)
+    for question in ("why", "verify"):
+        assert (
+            f"1 file without a fitting record, such as {name}, move to .cache/aside."
+            in folder.ask(question)
+        )
     folder.run("features_all")
+    assert list((folder.folder / ".cache/aside").glob(f"*/{name}"))
 
 
 def test_a_dry_run_moves_nothing(folder):
@@ -108,11 +112,24 @@ def test_a_dry_run_moves_nothing(folder):
     assert folder.own_and_results() == before
 
 
-def test_tables_of_other_phases_stay_if_a_run_covers_some(folder):
+def test_stale_tables_of_other_phases_are_stored_if_a_run_covers_some(folder):
+    before = {file for file in folder.own_and_results() if file.startswith("results/features")}
     folder.set_parameter({"workflow": {"objects_per_job": 1}})
-    before = {file for file in folder.own_and_results() if "features" in file}
     folder.run("touches_all")
-    assert before <= folder.own_and_results()
+    stored = {str(file).partition("/results/")[2] for file in folder.stored()}
+    assert {file.removeprefix("results/") for file in before} <= stored
+    assert not before & folder.own_and_results()
+
+
+def test_a_way_back_runs_no_job(folder):
+    values = {"sensor": {"largest_size": 0.2}}, {"viewpoints": {"count": 3}}
+    for value in values:
+        folder.set_parameter(value)
+        folder.run("all")
+    for back in ({"viewpoints": {"count": 2}}, {"sensor": {"largest_size": 0.3}}):
+        folder.set_parameter(back)
+        assert "Nothing to be done" in folder.snakemake("all").stdout
+        folder.check("all")
 
 
 @pytest.mark.parametrize(

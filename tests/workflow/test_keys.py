@@ -11,7 +11,6 @@ import pytest
 from visuohaptic_workflow.code_of_jobs import Code, Runs
 from visuohaptic_workflow.digests import Digests
 from visuohaptic_workflow.keys import NEW, NO_RECORD, Job, Keys, read_record
-from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.records import StateError, check_inputs, check_unchanged, write_record
 
 LONG_AGO = (946_000_000, 946_000_000)
@@ -105,7 +104,7 @@ def test_what_is_another_is_named_and_times_say_nothing(run, change, mesh, touch
     assert run.reasons() == [mesh, touch]
 
 
-def test_a_reader_of_a_lost_table_is_stale_and_gets_a_marker(run):
+def test_a_reader_of_a_lost_table_is_stale(run):
     run.parameters = {"sensor": {"size": 0.2, "reach": 1}}
     Path("look.py").write_text("edited")
     for name in ("mesh.ply", "mesh.json"):
@@ -115,7 +114,37 @@ def test_a_reader_of_a_lost_table_is_stale_and_gets_a_marker(run):
     assert keys.reason_to_run("touch.json") == "parameters: sensor.size"
     run.parameters = {"sensor": {"size": 0.3, "reach": 1}}
     assert run.keys().reason_to_run("touch.json") == "from: mesh"
-    assert mark_stale("touch.json", "from: mesh")
+
+
+def test_a_job_whose_files_are_gone_is_compared_with_its_former_record(run):
+    former = read_record("touch.json")
+    for name in ("touch.parquet", "touch.json"):
+        Path(name).unlink()
+    keys = run.keys()
+    remembering = Keys(
+        keys.jobs.values(), keys._find_code, Digests(), Path.cwd(), find_former=lambda _: former
+    )
+    assert remembering.reason_not_current("touch.json") == NEW  # the key is the same
+    run.parameters["sensor"]["size"] = 0.2
+    keys = run.keys()
+    remembering = Keys(
+        keys.jobs.values(), keys._find_code, Digests(), Path.cwd(), find_former=lambda _: former
+    )
+    assert keys.reason_not_current("touch.json") == NEW
+    assert remembering.reason_not_current("touch.json") == "parameters: sensor.size"
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", "{", '{"key": "a", "parts": {}, "tables": []}',
+     '{"key": "a", "parts": {}, "tables": [], "log": "a"}',
+     '{"key": "a", "parts": {}, "tables": {}, "log": 1}',
+     '{"key": "a", "parts": {"from": [1]}, "tables": {}, "log": "a"}',
+     "[" * 200_000],
+)  # fmt: skip
+def test_a_file_that_is_no_record_has_no_content(tmp_path, text):
+    (tmp_path / "a.json").write_text(text)
+    assert read_record(tmp_path / "a.json") == {}
 
 
 def test_a_parameter_is_named(run):
@@ -176,36 +205,6 @@ def test_a_kept_study_is_taken_as_it_is_and_has_another_key(run):
     old = read_record("mesh.json")["key"]
     assert kept.parts("touch.json")["from"] == {"mesh.json": old}
     assert kept.key("mesh.json") != old
-
-
-def test_a_stale_record_is_older_than_its_marker_whatever_happened_before(run):
-    for _ in range(3):
-        (marker,) = mark_stale("touch.json", "parameters: sensor.size")
-        assert Path(marker).is_dir()
-        assert Path("touch.json").stat().st_mtime < Path(marker).stat().st_mtime < 1e9
-    assert mark_stale("none.json", "new") == []
-
-
-def test_a_marked_record_that_is_a_link_becomes_a_file_of_its_own(run):
-    os.link("touch.json", "cached.json")
-    before = Path("cached.json").stat().st_mtime_ns
-    mark_stale("touch.json", "code: touch.py")
-    assert Path("cached.json").stat().st_mtime_ns == before
-    assert Path("touch.json").read_text() == Path("cached.json").read_text()
-
-
-def test_a_table_that_is_a_write_protected_link_to_a_cache_can_be_made_again_and_the_cache_stays(
-    run,
-):
-    table, cached = Path("touch.parquet"), Path("cached")
-    before = table.read_bytes()
-    os.link(table, cached)
-    cached.chmod(0o444)
-    mark_stale("touch.json", "code: touch.py", ["touch.parquet", "gone.parquet"])
-    assert table.stat().st_mode & 0o200
-    assert table.read_bytes() == cached.read_bytes() == before
-    assert not cached.stat().st_mode & 0o200
-    assert cached.stat().st_nlink == 1
 
 
 @pytest.mark.parametrize("is_known", [True, False])

@@ -28,7 +28,7 @@ rule mine:
     shell:
         "cp {{input}} {{output}}"
 """
-TABLE = "results/features/chair/bs0_chair2/00-01.parquet"
+TABLE = "results/features/several_objects/1/00-01.parquet"
 
 
 def test_another_workflow_uses_this_one_as_a_module(whole_stand_in, tmp_path):
@@ -36,7 +36,7 @@ def test_another_workflow_uses_this_one_as_a_module(whole_stand_in, tmp_path):
     text = OUTER.format(folder=whole_stand_in.folder, table=TABLE)
     (tmp_path / "Snakefile").write_text(text)
     output = outer.snakemake().stdout
-    assert "rule visuohaptic_meshes" in output or "preparing chair/bs0_chair2" in output
+    assert "rule visuohaptic_meshes" in output or "preparing several_objects/1" in output
     assert (tmp_path / "mine.parquet").read_text().startswith(TABLE)
     assert "Nothing to be done" in outer.snakemake("-n").stdout
 

@@ -1,12 +1,11 @@
 """A folder of `visuohaptic new` runs the workflow of its clone, on own objects only; the scripts are stand-ins."""
 
+import json
 import sys
 
 import pytest
 import trimesh
 from workflow.conftest import Experiment
-
-from visuohaptic.geometry.surface import write_set_aside
 
 pytestmark = pytest.mark.workflow
 
@@ -51,8 +50,13 @@ def test_a_new_folder_runs_on_own_objects_only_and_keeps_results_when_they_are_g
     assert says in mine.snakemake().stdout
     report = mine.folder / "reports/report.html"
     before = report.read_bytes()
-    records = (mine.folder / "results/records/meshes").glob("*/*.json")
-    assert {file.parent.name for file in records} == {*CLASSES}
+    records = [*(mine.folder / "results/records/meshes").glob("*/*.json")]
+    models = [
+        model
+        for file in records
+        for model in json.loads(file.read_text())["parts"]["parameters"]["models"]
+    ]
+    assert {model.partition("/")[0] for model in models} == {*CLASSES}
     # Keys decide, as in the clone.
     (mine.folder / "meshes/own" / ENOUGH[1]).touch()
     assert "Nothing to be done" in mine.snakemake("-n").stdout
@@ -107,12 +111,26 @@ def test_a_clone_that_moved_is_named(mine):
     assert "/moved/workflow/Snakefile" in ended.stdout
 
 
+LEAVES_OUT = """
+from pathlib import Path
+
+from visuohaptic.geometry.surface import write_set_aside
+from visuohaptic_workflow.jobs import job
+
+with job(snakemake):
+    for key in snakemake.params.models:
+        path = Path(snakemake.output[0], f"{key}.ply")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if key == "bottle/a":
+            write_set_aside(path, "meshes/own/bottle/a.stl has no faces.")
+"""
+
+
 def test_a_failed_run_names_objects_that_were_left_out(mine, whole_stand_in, tmp_path):
     clone = whole_stand_in.copy(tmp_path / "broken clone")
-    (clone.folder / "workflow/scripts/meshes.py").write_text("raise SystemExit(1)\n")
+    (clone.folder / "workflow/scripts/meshes.py").write_text(LEAVES_OUT)
+    (clone.folder / "workflow/scripts/fixations.py").write_text("raise SystemExit(1)\n")
     add(mine, *ENOUGH)
-    left_out = mine.folder / "results/meshes/cup/a/cup/a.ply"
-    write_set_aside(left_out, "meshes/own/cup/a.stl has no faces.")
     ended = mine.snakemake("-s", str(clone.folder / "Snakefile"), check=False)
     assert ended.returncode == 1
-    assert ended.stdout.count("cup/a was left out: meshes/own/cup/a.stl has no faces.\n") == 1
+    assert ended.stdout.count("bottle/a was left out: meshes/own/bottle/a.stl has no faces.\n") == 1

@@ -46,7 +46,7 @@ def test_a_failed_job_is_named_below_its_error_and_options_of_snakemake_count(st
     script.write_text(good)
     quiet = stand_in.snakemake("--quiet").stdout
     assert not LINE.findall(quiet)
-    assert "The report is at reports/report.html." in quiet
+    assert "the report is at reports/report.html." in quiet
     (stand_in.folder / "reports/report.html").unlink()
     verbose = stand_in.snakemake("--verbose").stdout
     assert not LINE.findall(verbose)

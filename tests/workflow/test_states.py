@@ -17,7 +17,7 @@ from visuohaptic.geometry.surface import write_set_aside
 pytestmark = pytest.mark.workflow
 
 MODULE = "src/visuohaptic/features/imprint_shape.py"
-TABLE = "results/features/chair/bs0_chair2/00-01.parquet"
+TABLE = "results/features/several_objects/1/00-01.parquet"
 LONG_AGO = (946_000_000, 946_000_000)
 
 
@@ -49,7 +49,7 @@ def test_each_job_of_a_plan_runs_for_its_own_reason(stand_in):
     module = stand_in.folder / MODULE
     module.write_text(f"{module.read_text()}\n# edited\n")
     stand_in.snakemake()  # all but the model
-    table = stand_in.folder / "results/fixations/chair/bs0_chair2/00-01.parquet"
+    table = stand_in.folder / "results/fixations/several_objects/1/00-01.parquet"
     table.write_text(f"{table.read_text()} ")
     assert {"fixations", "model"} <= set(stand_in.planned("all", "model_all"))
 
@@ -57,15 +57,22 @@ def test_each_job_of_a_plan_runs_for_its_own_reason(stand_in):
 def test_a_value_that_changes_three_times_is_seen_each_time_and_verify_names_it(
     stand_in, whole_stand_in
 ):
+    whole = digests(stand_in.folder)
+    before = whole
     for size in (0.2, 0.25):
-        before = digests(stand_in.folder)
         stand_in.snakemake("--config", f'sensor={{"largest_size": {size}}}', "--", "touches_all")
-        changed = {name for name in before if digests(stand_in.folder)[name] != before[name]}
-        assert len(changed) == 2 * 3
+        now = digests(stand_in.folder)
+        touches = {name for name in whole if name.startswith("results/touches/")}
+        assert touches <= {name for name, digest in now.items() if digest != before.get(name)}
+        # Whatever else depends on the size is not there; the rest stays.
+        assert {name for name in now if now[name] == whole.get(name)} == {*now} & {*whole} - {
+            name for name in whole if name in now and now[name] != whole[name]
+        }
+        before = now
     verified = ask(stand_in, "verify")
     assert verified.returncode == 1
     assert "parameters: sensor.largest_size" in verified.stdout
-    stand_in.snakemake()
+    assert "Nothing to be done" in stand_in.snakemake().stdout
     assert digests(stand_in.folder) == digests(whole_stand_in.folder)
     assert stand_in.planned() == {}
 
@@ -112,8 +119,9 @@ def test_files_of_the_user_stay_and_what_is_no_longer_named_is_put_aside(stand_i
     assert "gone was left out" not in output
     assert all(file.read_text() == "mine" for file in mine)
     assert not [*results.rglob("random.parquet"), *results.rglob("00-01.parquet")]
-    assert "files of former jobs were moved to .cache/aside/" in output
-    assert list((stand_in.folder / ".cache/aside").rglob("random.parquet"))
+    assert re.search(r"\d+ files that no longer fit moved to \.cache/tables\.", output)
+    assert list((stand_in.folder / ".cache/tables").rglob("random.parquet"))
+    assert list((stand_in.folder / ".cache/aside").rglob("gone.ply"))
 
 
 def test_code_edited_while_a_job_runs_certifies_nothing(stand_in):
@@ -131,6 +139,30 @@ def test_code_edited_while_a_job_runs_certifies_nothing(stand_in):
     assert not list((stand_in.folder / "results/features").rglob("*.parquet"))
     script.write_text(whole)
     assert stand_in.planned("features_all")["features"] == 2
+
+
+def test_a_target_that_no_job_of_today_makes_is_named_and_moves_nothing(stand_in):
+    before = digests(stand_in.folder)
+    stand_in.set(sensor={"largest_size": 0.2})
+    result = stand_in.snakemake("results/touches/nope/0/00-01.parquet", check=False)
+    assert result.returncode == 1
+    sentence = "rule touches has no job for objects nope/0, views 00-01 with today's objects"
+    assert f"error: {sentence} and parameters.\n" in result.stdout
+    assert "Traceback" not in result.stdout
+    touched = stand_in.snakemake("--touch", check=False)
+    assert "error: --touch is refused here: keys decide which jobs run" in touched.stdout
+    assert digests(stand_in.folder) == before
+
+
+def test_code_with_an_error_of_syntax_moves_and_runs_nothing(stand_in):
+    module = stand_in.folder / "src/visuohaptic/sensor/cells.py"
+    module.write_text("def broken(:\n")
+    before = digests(stand_in.folder)
+    result = stand_in.snakemake(check=False)
+    assert result.returncode == 1
+    assert f"error: {module}, line 1 can't be read as Python: invalid syntax.\n" in result.stdout
+    assert "Traceback" not in result.stdout
+    assert digests(stand_in.folder) == before
 
 
 def test_an_edit_of_equal_size_within_a_second_is_what_the_next_job_runs(stand_in, tmp_path):

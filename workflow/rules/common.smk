@@ -70,20 +70,17 @@ from visuohaptic_workflow.dvc_lock import (
     make_empty_outputs,
     write_lock,
 )
-from visuohaptic_workflow.former_files import find_former_files, move_aside
 from visuohaptic_workflow.jobs import (
     make_python_a_shell_word,
     set_job_environment,
     without_studies_of_clones,
 )
 from visuohaptic_workflow.keys import Keys, read_record
-from visuohaptic_workflow.markers import mark_stale
 from visuohaptic_workflow.one_run import (
     check_folder,
     check_writable,
     claim_folder,
     claim_results,
-    is_claimed_by_another,
 )
 from visuohaptic_workflow.parameter_sources import (
     check_parameters,
@@ -97,12 +94,20 @@ from visuohaptic_workflow.planning import (
 )
 from visuohaptic_workflow.progress import show_job_lines
 from visuohaptic_workflow.records import PREFIX
+from visuohaptic_workflow.sweeping import (
+    MODEL_RECORDS,
+    RECORDS,
+    carry_out,
+    find_former,
+    plan_sweep,
+    stale_marker,
+)
 from visuohaptic_workflow.termination import (
     end_at_once,
     is_termination_received,
     pass_termination_on,
 )
-from visuohaptic_workflow.why import verify, why
+from visuohaptic_workflow.why import lines_of_sweep, verify, why
 
 make_python_a_shell_word()
 # The environment of the caller, for the process that writes DVC's lock.
@@ -122,17 +127,10 @@ DIGESTS = Digests(".cache/digests.json")
 READ_IMPORTS = partial(DIGESTS.read_cached, imports_of)
 
 
-def move_former_files_if_nothing_ran():
-    """Move files of former jobs aside at the end of a run in which all files were current; hooks are not called then."""
-    if is_run() and COVERED and not is_claimed_by_another():
-        move_former_files()
-
-
 def stop(sentence):
     """Print an error and exit; as a module of another workflow, raise `WorkflowError`."""
     if not IS_MAIN:
         raise WorkflowError(sentence)
-    atexit.unregister(move_former_files_if_nothing_ran)
     print(f"error: {sentence}", file=sys.stderr)
     sys.exit(1)
 
@@ -243,7 +241,6 @@ CONSTRAINTS = {
     "views": r"\d+-\d+",
     "pipeline": "[a-z_]+",
     "strategy": "[a-z_]+",
-    "strategies": "[a-z_+]+",
 }
 # Patterns of files of former jobs that fit no output of a rule of today, by rule.
 FORMER_PATTERNS = {}
@@ -319,8 +316,6 @@ DECLARED = {}
 # Snapshots of the jobs of this run (`Keys.snapshot`), by record. Jobs on other machines read them from the file.
 SNAPSHOTS_FILE = Path("logs/snapshots.json")
 SNAPSHOTS = {}
-# Inputs of jobs of this run that were modified in the future, and now have the present time.
-DATED = []
 # Records of the jobs that the targets of this run cover, whether they run or not.
 COVERED = set()
 
@@ -328,8 +323,8 @@ COVERED = set()
 def takes(name, script=None, own=(), **files_by_name):
     """Declare the code and inputs of a rule, and return its input function.
 
-    If a job's record is current, the times of its inputs are ignored. `script` defaults to the name of the rule. `own` are
-    modules outside of the library.
+    Snakemake asks only whether the outputs of a job exist (`sweep`), so the times of inputs are ignored. `script` defaults
+    to the name of the rule. `own` are modules outside of the library.
     """
     path = ROOT / "workflow/scripts" / (script or f"{name}.py")
     runs = Runs(path, CODE.get(name, STEP), tuple(own))
@@ -343,29 +338,75 @@ def takes(name, script=None, own=(), **files_by_name):
         if not IS_PLANNER:
             return files
         record = fill(str(getattr(rules, name).output.record), wildcards)
+        if record not in keys().jobs:
+            values = ", ".join(f"{part} {value}" for part, value in wildcards.items())
+            stop(
+                f"rule {name} has no job for {values} with today's objects and parameters."
+            )
         COVERED.add(record)
-        return inputs_by_key(record, files)
+        if record not in sweep(MODEL_RECORDS if name == "model" else RECORDS).stale:
+            return {part: inputs_of_current_job(item) for part, item in files.items()}
+        SNAPSHOTS[record] = keys().snapshot(record)
+        # A dry run moves nothing, so that the stale outputs exist.
+        return files if is_run() else {**files, "stale": stale_marker()}
 
     return unpack(inputs)
 
 
-def inputs_by_key(record, files):
-    """Return a job's inputs: with times to be ignored if the record is current, else with the reason to run the job."""
-    reason = keys().reason_to_run(record)
-    if reason is None:
-        return {
-            part: ancient(item) if isinstance(item, str) else [*map(ancient, item)]
-            for part, item in files.items()
-        }
-    # Another run makes the files, or this run will wait for it.
-    if is_claimed_by_another():
-        SNAPSHOTS[record] = keys().snapshot(record)
-        return files
+def inputs_of_current_job(files):
+    """Return the inputs of a current job so that none of them runs the job, whatever its time.
+
+    Files that this run makes again are left out: Snakemake would run the job because such a file is missing.
+    """
+    if isinstance(files, str):
+        return [] if files in files_to_make() else ancient(files)
+    return [ancient(file) for file in files if file not in files_to_make()]
+
+
+@cache
+def files_to_make():
+    """Return the outputs of all stale jobs."""
+    return {
+        file for record in sweep(RECORDS).stale for file in keys().jobs[record].outputs
+    }
+
+
+@cache
+def claim():
+    """Lock this folder for the run."""
+    or_stop(claim_folder)
+
+
+@cache
+def sweep(records):
+    """Return what is stale in this folder (`sweeping.Sweep`). A process that runs jobs moves stale files at once.
+
+    `records` are the folders of the records of the jobs, `RECORDS` or `MODEL_RECORDS`: stale models stay until a target
+    asks for a model. Snakemake calls the input functions of jobs, and so this function, before it looks for their files.
+    """
+    if workflow.touch:
+        stop("--touch is refused here: keys decide which jobs run, not times.")
     if is_run():
-        DATED.extend(or_stop(date_at_present, keys().jobs[record].inputs))
-    SNAPSHOTS[record] = keys().snapshot(record)
-    marker = or_stop(mark_stale, record, reason, keys().jobs[record].tables)
-    return {**files, "why": [*marker, *sorted(keys().stale_upstream(record))]}
+        claim()
+    names = [
+        name for name in DECLARED if (name == "model") == (records == MODEL_RECORDS)
+    ]
+    patterns = [str(file) for name in names for file in getattr(rules, name).output]
+    patterns += [file for name in names for file in FORMER_PATTERNS.get(name, ())]
+    planned = or_stop(plan_sweep, keys(), records, patterns, CONSTRAINTS)
+    if is_run():
+        most_bytes = PARAMETERS.workflow.store_gigabytes * 1e9
+        dated = or_stop(carry_out, planned, most_bytes)
+        dated += or_stop(date_at_present, keys().inputs_of(planned.stale))
+        if dated:
+            print(
+                f"{len(dated)} files were modified in the future, such as {dated[0]}; they now have the present time.",
+                file=sys.stderr,
+            )
+    if workflow.executor_plugin is not None:
+        for line in lines_of_sweep(planned, is_done=is_run()):
+            print(line, file=sys.stderr)
+    return planned
 
 
 def is_run():
@@ -399,7 +440,7 @@ def keys():
         for job in jobs
         if any(study.owns(job.outputs[0]) for study in KEPT_STUDIES)
     }
-    return Keys(jobs, find_code, DIGESTS, ROOT, kept)
+    return Keys(jobs, find_code, DIGESTS, ROOT, kept, find_former)
 
 
 @cache
@@ -413,32 +454,14 @@ def all_cores(wildcards):
     return workflow.cores or 1
 
 
-def former_files(covered):
-    """List files of former jobs in the folders of the tables of some jobs, by their records."""
-    makers = {keys().jobs[record].rule for record in covered}
-    patterns = [str(file) for name in makers for file in getattr(rules, name).output]
-    patterns += [file for name in makers for file in FORMER_PATTERNS.get(name, ())]
-    return find_former_files(keys().jobs, covered, patterns, CONSTRAINTS)
-
-
-def move_former_files():
-    """Move files of former jobs aside, so that the tables that this run covers hold only rows of this run."""
-    if former := former_files(COVERED):
-        target = or_stop(move_aside, former)
-        print(
-            f"{len(former)} files of former jobs were moved to {target}.",
-            file=sys.stderr,
-        )
-
-
 def words_of_job(message, wildcards):
-    """Return what a job does: the message of its rule, with the number of objects after the first of a block."""
-    first = wildcards.get("objects", "")
-    others = len(OBJECT_BLOCKS.get(first, ())) - 1
-    if others < 1:
+    """Return what a job does: the message of its rule, with the objects of a block instead of its name."""
+    name = wildcards.get("objects", "")
+    block = OBJECT_BLOCKS.get(name, ())
+    if len(block) < 2:
         return message
-    more = "1 other" if others == 1 else f"{others} others"
-    return message.replace(first, f"{first} and {more}", 1)
+    more = "1 other" if len(block) == 2 else f"{len(block) - 1} others"
+    return message.replace(name, f"{block[0]} and {more}", 1)
 
 
 def report_at_end():
@@ -448,7 +471,6 @@ def report_at_end():
 
 
 if DECIDES and ASKED not in os.environ:
-    atexit.register(move_former_files_if_nothing_ran)
     show_job_lines(logger, words_of_job, report_at_end)
 
 
@@ -457,57 +479,46 @@ def answer_make():
     if not DECIDES or ASKED not in os.environ:
         return
     targets, is_fine = [*map(str, rules.all.input)], True
-    former = former_files(keys().jobs)
     if os.environ[ASKED] == "lock":
         or_stop(claim_results)
-        or_stop(write_lock, keys(), targets, are_parameters_current, former)
+        or_stop(write_lock, keys(), targets, are_parameters_current, sweep(RECORDS))
         sys.exit()
-    lines = why(keys(), targets, former)
+    lines = why(keys(), targets, sweep(RECORDS))
     if os.environ[ASKED] == "verify":
-        lines, is_fine = verify(keys(), former)
+        lines, is_fine = verify(keys(), sweep(RECORDS))
     print(*lines, sep="\n")
     sys.exit(not is_fine)
 
 
 def start_run():
-    """Lock this folder for the run, and write the snapshots of its jobs."""
+    """Write the snapshots of the jobs of this run."""
     if not DECIDES:
         return
-    atexit.unregister(move_former_files_if_nothing_ran)
-    or_stop(claim_folder)
     pass_termination_on()
     or_stop(atomic_write_text, SNAPSHOTS_FILE, json.dumps(SNAPSHOTS))
-    if DATED:
-        print(
-            f"{len(DATED)} files were modified in the future, such as {DATED[0]}; they now have the present time.",
-            file=sys.stderr,
-        )
 
 
 def close_run():
-    """Move files of former jobs aside, print the results and warnings, and let DVC lock a complete run."""
+    """Print the results and warnings, and let DVC lock a complete run."""
     if not DECIDES:
         return
     # Imports Arrow, which a run without jobs does not need.
     from visuohaptic_workflow.closing import lines_at_end
 
     end_at_once()
-    move_former_files()
     read = {record: read_record(record) for record in keys().jobs}
-    key_of = {record: content.get("key") for record, content in read.items()}
-    stale = {record: key for record, key in key_of.items() if key != keys().key(record)}
-    report_is_current = "results/records/report.json" not in stale
-    lines = []
-    if any(stale.values()):
-        count = sum(key is not None for key in stale.values())
-        lines.append(f"{count} records are not current: `make verify` lists them.")
+    current = {
+        record
+        for record, content in read.items()
+        if content.get("key") == keys().key(record)
+    }
     logs = [read[record]["log"] for record in sorted(COVERED) if "log" in read[record]]
-    lines += lines_at_end(logs, report_is_current=report_is_current)
-    for line in lines:
+    report_is_current = "results/records/report.json" in current
+    for line in lines_at_end(logs, report_is_current=report_is_current):
         print(line, file=sys.stderr)
     or_stop(make_empty_outputs)
     if is_lockable() and not is_termination_received():
-        lock({*stale})
+        lock(current)
 
 
 def name_left_out():
@@ -524,8 +535,8 @@ def are_parameters_current():
     return read_parameters("params.yaml") == PARAMETERS
 
 
-def lock(stale):
-    """Let DVC lock a complete run with the parameters of params.yaml; `stale` are records that are not current."""
+def lock(current):
+    """Let DVC lock a complete run with the parameters of params.yaml; `current` are the records that are current."""
     if not or_stop(are_parameters_current):
         print(
             "dvc.lock stays as it was: this run's parameters are not those of params.yaml.",
@@ -533,7 +544,7 @@ def lock(stale):
         )
         return
     needed = {*keys().needed_for(map(str, rules.all.input))}
-    if needed & stale - {*keys().kept}:
+    if needed - current - keys().kept:
         return
     print("DVC reads the results and writes dvc.lock.", file=sys.stderr)
     is_locked = lock_in_new_process({**ENVIRONMENT, ASKED: "lock"})

@@ -1,7 +1,7 @@
 """Meshes: source models → one clean, centred, coloured surface of unit size per object.
 
 Reads meshes/catalogue.csv, meshes/paper/ and meshes/own/, and downloads missing models of the set. Writes
-results/meshes/<block>/<class>/<object>.ply; a block has the name of its first object, <class>/<object>.
+results/meshes/<block>/<class>/<object>.ply; `visuohaptic_workflow.blocks` names blocks.
 """
 
 from dataclasses import asdict

@@ -17,8 +17,11 @@ MODELS = {
 VALUES_OF_RULES["model"] = [{"model": name} for name in MODELS]
 
 
+CONSTRAINTS |= {"model": "|".join(MODELS)}
+
+
 wildcard_constraints:
-    model="|".join(MODELS),
+    **CONSTRAINTS,
 
 
 rule model_all:

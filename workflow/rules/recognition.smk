@@ -3,13 +3,10 @@
 Reads results/features/. Writes the tables results/scores/ and results/predictions/, with one job per pipeline.
 """
 
-# Part of the record's name: with other strategies the job has another record, and files of former strategies are moved
-# aside.
-STRATEGIES_ASKED = "+".join(PARAMETERS.probing.strategies)
+# Files of former strategies, which no output of today has.
 FORMER_PATTERNS["recognition"] = [
     "results/scores/{pipeline}/{strategy}.parquet",
     "results/predictions/{pipeline}/{strategy}.parquet",
-    "results/records/recognition/{pipeline}/{strategies}.json",
 ]
 
 
@@ -17,7 +14,7 @@ rule recognition_all:
     input:
         files_of("scores", "{pipeline}/{strategy}"),
         files_of("predictions", "{pipeline}/{strategy}"),
-        files_of("records/recognition", f"{{pipeline}}/{STRATEGIES_ASKED}", "json"),
+        files_of("records/recognition", "{pipeline}", "json"),
 
 
 rule recognition:
@@ -28,9 +25,9 @@ rule recognition:
     output:
         scores=files_of("scores", "{{pipeline}}/{strategy}"),
         predictions=files_of("predictions", "{{pipeline}}/{strategy}"),
-        record=f"results/records/recognition/{{pipeline}}/{STRATEGIES_ASKED}.json",
+        record="results/records/recognition/{pipeline}.json",
     log:
-        f"logs/recognition/{{pipeline}}/{STRATEGIES_ASKED}.log",
+        "logs/recognition/{pipeline}.log",
     conda:
         "../envs/visuohaptic.yaml"
     params:

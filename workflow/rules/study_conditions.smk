@@ -16,6 +16,7 @@ from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, WITHOUT_EFFECT
 from visuohaptic_workflow.studies_asked import (
     find_moved,
+    has_file,
     is_asked_for,
     names_rules_of,
     studies_to_plan,
@@ -291,13 +292,15 @@ def params_of_step(study, step):
     return params
 
 
-# The study of each file that the report shows, except studies of the run. The file exists, or this run makes it.
+# The study of each file that the report shows, except studies of the run. The file was made, or this run makes it.
 SHOWN_FILES = {
     file: study
     for study in STUDIES.values()
     if not study.is_part_of_run
     for file in study.shown
-    if file in ARGUMENTS or names_rules_of(ARGUMENTS, study.name) or Path(file).exists()
+    if file in ARGUMENTS
+    or names_rules_of(ARGUMENTS, study.name)
+    or has_file(study, file)
 }
 
 

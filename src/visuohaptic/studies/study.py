@@ -36,11 +36,12 @@ FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")
 """Files with the figures of a study's conditions; ``{}`` is the study's name."""
 
 # Patterns of the files of a study, without those of its steps; ``{}`` is the study's name.
+_RECORD_OF_FIGURES = "results/study_records/figures_of_study/{}.json"
 _OWN = (
     *FIGURES,
     *("results/study_blocks/{}/*", "results/study_features/{}/*"),
     *(f"results/study_records/{rule}/{{}}/*" for rule in ("block_of_study", "features_of_study")),
-    "results/study_records/figures_of_study/{}.json",
+    _RECORD_OF_FIGURES,
 )
 
 
@@ -239,6 +240,11 @@ class Study:
         return tuple(
             name for step in self.steps for name in (*step.takes, *step.takes_where.values())
         )
+
+    def record_of(self, file: str) -> str:
+        """Return the record, with wildcards in braces, of the job that writes one of `shown`."""
+        steps = (step.record for step in self.steps if file in step.files)
+        return next(steps, _RECORD_OF_FIGURES.format(self.name))
 
     def owns(self, file: str) -> bool:
         """Return whether a file matches one of `patterns`."""

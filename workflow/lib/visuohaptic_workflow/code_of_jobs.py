@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from visuohaptic.base.errors import PlugInError
+from visuohaptic.base.errors import PlugInError, VisuohapticError
 
 if TYPE_CHECKING:
     from visuohaptic.io.plugins import PlugIn
@@ -122,9 +122,24 @@ class Code:
     versions: dict[str, str]
 
 
+class CodeError(VisuohapticError):
+    """A file of code can't be read as Python."""
+
+
 def imports_of(file: Path) -> list[str]:
-    """Return the dotted names that a Python file imports, without relative imports and imports for type checkers."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
+    """Return the dotted names that a Python file imports, without relative imports and imports for type checkers.
+
+    Raises
+    ------
+    CodeError
+        If the file has an error of syntax.
+    """
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+    except (SyntaxError, ValueError) as error:  # ValueError: bytes that are no text, or a null byte
+        line = f", line {error.lineno}" if isinstance(error, SyntaxError) and error.lineno else ""
+        reason = error.msg if isinstance(error, SyntaxError) else error
+        raise CodeError(f"{file}{line} can't be read as Python: {reason}.") from error
     return sorted(set(_names_imported(tree)))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import importlib.util
 import json
@@ -46,7 +47,10 @@ class Digests:
                 self._known = dict(json.loads(Path(memory).read_text(encoding="utf-8")))
 
     def of(self, path: str | Path) -> str:
-        """Return the SHA-256 of a file, or of a folder's files and their names. Raises `OSError` as `open`."""
+        """Return the SHA-256 of a file, or of a folder's files and their names.
+
+        Raises `OSError` as `open`, and for pipes and devices.
+        """
         status = os.stat(path)  # noqa: PTH116 - as in `stamp`
         if stat.S_ISDIR(status.st_mode):
             path = Path(path)
@@ -57,6 +61,8 @@ class Digests:
                 if file.name != TIMESTAMP
             }
             return hashlib.sha256(json.dumps(named, sort_keys=True).encode()).hexdigest()
+        if not stat.S_ISREG(status.st_mode):  # a pipe or a device may never end
+            raise OSError(errno.EINVAL, "is no regular file", str(path))
         key, now = _key_of(path), list(stamp_of(status))
         known = self._known.get(key)
         if known is not None and known[0] == now:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,6 +15,7 @@ import yaml
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import VisuohapticError
 from visuohaptic_workflow.keys import Keys
+from visuohaptic_workflow.sweeping import Sweep
 
 LOCK = Path("dvc.lock")
 
@@ -84,7 +85,7 @@ def write_lock(
     keys: Keys,
     targets: Iterable[str],
     are_parameters_current: Callable[[], bool],
-    former: Sequence[str] = (),
+    sweep: Sweep,
 ) -> None:
     """Let DVC write its lock for the results behind `targets`.
 
@@ -96,21 +97,18 @@ def write_lock(
         Files of the run.
     are_parameters_current : callable
         Reads ``params.yaml`` again and returns whether the keys have the same parameters.
-    former : sequence of str
-        Files of former jobs, which DVC would take for results.
+    sweep : Sweep
+        What is stale in the folder.
 
     Raises
     ------
     LockError
-        If a record is not current, files of former jobs are there, an input or result changes meanwhile, or DVC fails.
+        If a result is not current, an input or result changes meanwhile, or DVC fails.
         The lock is then unchanged.
     """
-    if former:
-        raise LockError(
-            f"{_UNCHANGED}: {former[0]} is of a former job; `snakemake -j2` moves such files aside."
-        )
     records = keys.needed_for(targets)
-    if stale := [record for record in records if keys.reason_to_run(record)]:
+    stale = [*sweep.moved, *(record for record in records if record in sweep.stale)]
+    if stale:
         raise LockError(
             f"{_UNCHANGED}: {len(stale)} results do not match the current parameters, code and meshes, "
             f"such as {stale[0]}; `make why` lists the reasons."

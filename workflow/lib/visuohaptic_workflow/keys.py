@@ -75,12 +75,14 @@ def key_of(parts: Mapping[str, Any]) -> str:
 def read_record(path: str | Path) -> dict[str, Any]:
     """Read a record: a dict with ``key``, ``parts``, ``tables`` (digests by path) and ``log`` (a path).
 
-    Returns an empty dict if the file is missing, unreadable, or without one of these names.
+    Returns an empty dict if the file is missing, unreadable, or without one of these names, or if a value has another type.
     """
     try:
         record = json.loads(Path(path).read_text(encoding="utf-8"))
-        return record if {"key", "parts", "tables", "log"} <= record.keys() else {}
-    except (OSError, ValueError, AttributeError):
+        named = [record["tables"], record["parts"], *record["parts"].values()]
+        is_record = all(isinstance(value, dict) for value in named)
+        return record if is_record and "key" in record and isinstance(record["log"], str) else {}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
 
 
@@ -103,6 +105,9 @@ class Keys:
     kept : collection of str
         Records of jobs that must not run, even if they are stale. Jobs that read their files use the existing files
         and the recorded key.
+    find_former : callable
+        Returns the record of a job, named by its path, that an earlier run made and that is no longer there; an empty
+        dict without one.
     """
 
     def __init__(
@@ -112,10 +117,11 @@ class Keys:
         digests: Digests,
         root: Path,
         kept: Collection[str] = (),
+        find_former: Callable[[str], dict[str, Any]] = lambda _: {},
     ) -> None:
         self.jobs = {job.record: job for job in jobs}
         self._find_code, self._digests = find_code, digests
-        self._root, self.kept = root, frozenset(kept)
+        self._root, self.kept, self._find_former = root, frozenset(kept), find_former
         self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
 
     def makers(self, files: Iterable[str]) -> dict[str, None]:
@@ -162,12 +168,16 @@ class Keys:
         """Return why a job's files are not current; None if they are current. `kept` does not exempt the job.
 
         Only the first difference is named, such as ``parameters: sensor.size``, ``code: <file>`` or ``table: <file>``;
-        `NEW` if the job has neither record nor table. If only the key of a job upstream differs, the result is the
+        `NEW` if the job has neither record nor table, and no former record to compare with. If only the key of a job upstream differs, the result is the
         reason of that job, or ``from: <rule>`` if that job is current but ran after this job, or has lost its files.
         """
         recorded, tables = read_record(record), self.jobs[record].tables
+        if not recorded and any(map(os.path.exists, tables)):
+            return NO_RECORD
         if not recorded:
-            return NO_RECORD if any(map(os.path.exists, tables)) else NEW
+            former = self._find_former(record)
+            has_other_key = bool(former) and former["key"] != self.key(record)
+            return self._difference(former["parts"], self.parts(record)) if has_other_key else NEW
         if recorded["key"] != self.key(record):
             return self._difference(recorded["parts"], self.parts(record))
         edited = (file for file in tables if self._digest(file) != recorded["tables"].get(file))
@@ -176,24 +186,6 @@ class Keys:
     def reason_to_run(self, record: str) -> str | None:
         """Return `reason_not_current`, or None if the job is in `kept`."""
         return None if record in self.kept else self.reason_not_current(record)
-
-    @cache  # noqa: B019
-    def stale_upstream(self, record: str) -> set[str]:
-        """Return the records of stale jobs upstream of a job with at least one current job, and no stale job, between.
-
-        Snakemake reruns a job after the jobs that make its inputs, but not after a stale job upstream of a current job
-        (https://github.com/snakemake/snakemake/issues/4166). These records must therefore be inputs of the job. Stale
-        jobs that make inputs of the job itself are not returned, except those also upstream of its current jobs.
-        Jobs in `kept` count as current.
-        """
-        current = [maker for maker in self._makers_of(record) if self.reason_to_run(maker) is None]
-        nearest = {
-            stale
-            for maker in current
-            for stale in self._makers_of(maker)
-            if self.reason_to_run(stale)
-        }
-        return nearest.union(*map(self.stale_upstream, current))
 
     def needed_for(self, files: Iterable[str]) -> list[str]:
         """Return the records of the jobs that make some files, and of all jobs upstream; the order is arbitrary."""
@@ -206,6 +198,10 @@ class Keys:
                 waiting += self._makers_of(record)
         return list(needed)
 
+    def inputs_of(self, records: Iterable[str]) -> dict[str, None]:
+        """Return the inputs of some jobs as keys of a dict."""
+        return {file: None for record in records for file in self.jobs[record].inputs}
+
     def is_unchanged(self, record: str) -> bool:
         """Read a current job's files again; return whether code and sources match its key, and tables its record."""
         parts, tables = self.parts(record), read_record(record).get("tables", {})
@@ -213,6 +209,12 @@ class Keys:
         sources = self._digests_of(self._sources(record))
         digests = {file: self._digest(file) for file in tables}
         return (code, sources, digests) == (parts["code"], parts["sources"], tables)
+
+    def has_tables_of(self, recorded: Mapping[str, Any], folder: Path = Path()) -> bool:
+        """Return whether each table of a record has the recorded digest; paths of tables are relative to `folder`."""
+        return all(
+            self._digest(folder / file) == digest for file, digest in recorded["tables"].items()
+        )
 
     def _makers_of(self, record: str) -> dict[str, None]:
         """Return the records of the jobs that make a job's inputs."""
@@ -281,7 +283,7 @@ class Keys:
         """Return a file's SHA-256; ``missing`` if the file cannot be read."""
         try:
             return self._digests.of(file)
-        except OSError:
+        except (OSError, ValueError):  # ValueError: a name that no file can have
             return "missing"
 
 

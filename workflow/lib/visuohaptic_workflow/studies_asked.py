@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from visuohaptic.io import moved
 from visuohaptic_workflow.keys import read_record
+from visuohaptic_workflow.sweeping import is_stored
 
 if TYPE_CHECKING:
     from visuohaptic.studies.study import Study
@@ -39,7 +40,7 @@ def studies_to_plan(arguments: Sequence[str], studies: Mapping[str, Study]) -> d
         if study.is_part_of_run
         or is_asked_for(arguments, study)
         or any(_names_step(argument, study) for argument in arguments)
-        or any(any(Path().glob(pattern)) for pattern in study.patterns)
+        or has_files(study)
     ]
     chosen: set[str] = set()
     while waiting:
@@ -51,6 +52,19 @@ def studies_to_plan(arguments: Sequence[str], studies: Mapping[str, Study]) -> d
             if other.name not in chosen and any(map(other.owns, study.taken))
         ]
     return {name: study for name, study in studies.items() if name in chosen}
+
+
+def has_files(study: Study) -> bool:
+    """Return whether a study has files: in the folders of results, or stale files in the store."""
+    records = (pattern for pattern in study.patterns if pattern.startswith("results/study_records"))
+    return any(any(Path().glob(pattern)) for pattern in study.patterns) or any(
+        map(is_stored, records)
+    )
+
+
+def has_file(study: Study, file: str) -> bool:
+    """Return whether a file of a study exists, or the store has a stale one."""
+    return Path(file).exists() or is_stored(study.record_of(file))
 
 
 def find_moved(arguments: Sequence[str], studies: Mapping[str, Study]) -> str | None:

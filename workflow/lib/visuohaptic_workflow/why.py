@@ -3,55 +3,66 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from visuohaptic_workflow.keys import Keys
+from visuohaptic_workflow.sweeping import ASIDE, STORE, Sweep
 
 _MOST_LINES = 11
+_TODAY = "today's parameters, code, packages and meshes"
 
 
-def why(keys: Keys, targets: Iterable[str], former: Sequence[str] = ()) -> Iterator[str]:
-    """Yield at most a few lines: the jobs behind some files that would run, by reason, and how many files are `former`.
-
-    `former` are files of former jobs, which the next run moves aside (`former_files.find_former_files`).
-    """
+def why(keys: Keys, targets: Iterable[str], sweep: Sweep) -> Iterator[str]:
+    """Yield at most a few lines: the jobs behind some files that would run, by reason, and what the next run moves."""
     by_reason: dict[str, Counter[str]] = {}
     for record in keys.needed_for(targets):
-        if reason := keys.reason_to_run(record):
+        if reason := sweep.stale.get(record):
             by_reason.setdefault(reason, Counter())[keys.jobs[record].rule] += 1
-    if not by_reason and not former:
+    moves = lines_of_sweep(sweep, is_done=False)
+    if not by_reason and not moves:
         yield "Nothing to be done."
     lines = sorted(by_reason.items(), key=lambda entry: -entry[1].total())
     for reason, rules in lines[:_MOST_LINES]:
         yield f"{reason}: {', '.join(f'{count} {rule}' for rule, count in rules.items())}"
     if rest := lines[_MOST_LINES:]:
         yield f"{len(rest)} more reasons: {sum(rules.total() for _, rules in rest)} jobs"
-    yield from _former_line(former)
+    yield from moves
 
 
-def verify(keys: Keys, former: Sequence[str] = ()) -> tuple[list[str], bool]:
-    """Return one line per record that is not current, lines with numbers, and whether all is current.
-
-    Files of former jobs, `former`, are not current.
-    """
+def verify(keys: Keys, sweep: Sweep) -> tuple[list[str], bool]:
+    """Return one line per record that is not current, lines on moves, and whether all is current."""
     reasons = {
         record: keys.reason_not_current(record) for record in keys.jobs if Path(record).exists()
     }
     stale = [f"{record}: {reason}" for record, reason in reasons.items() if reason]
-    today = "today's parameters, code, packages and meshes"
     count = (
-        f"{len(stale)} of {len(reasons)} records do not fit {today}."
+        f"{len(stale)} of {len(reasons)} records do not fit {_TODAY}."
         if stale
-        else f"All {len(reasons)} records fit {today}."
+        else f"All {len(reasons)} records fit {_TODAY}."
     )
-    return [*stale, *_former_line(former), count], not (stale or former)
+    moves = lines_of_sweep(sweep, is_done=False)
+    return [*stale, *moves, count], not (stale or moves)
 
 
-def _former_line(former: Sequence[str]) -> list[str]:
-    """Return a line on files of former jobs; no line without such files."""
-    if not former:
-        return []
-    return [
-        f"{len(former)} files of former jobs, such as {former[0]}: the next run moves them aside."
-    ]
+def lines_of_sweep(sweep: Sweep, *, is_done: bool) -> list[str]:
+    """Return at most three lines on what a sweep moved, or what the sweep of the next run will move."""
+    start, moved, came = {
+        True: ("", "moved", "came"),
+        False: ("with the next run ", "move", "come"),
+    }[is_done]
+    lines = []
+    if sweep.stored:
+        files = _files(sum(map(len, sweep.stored.values())))
+        lines.append(f"{start}{files} that no longer fit {moved} to {STORE}.")
+    if sweep.aside:
+        files = f"{_files(len(sweep.aside))} without a fitting record, such as {sweep.aside[0]},"
+        lines.append(f"{start}{files} {moved} to {ASIDE}.")
+    if sweep.returned:
+        files = _files(sum(map(len, sweep.returned.values())))
+        lines.append(f"{start}{files} that fit again {came} back from {STORE}.")
+    return [line[0].upper() + line[1:] for line in lines]
+
+
+def _files(count: int) -> str:
+    return f"{count:,} file{'s' * (count != 1)}"
