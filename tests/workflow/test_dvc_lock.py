@@ -82,7 +82,7 @@ def test_other_parameters_and_parts_of_a_run_leave_the_lock_as_it_was(locked):
     assert KEPT in experiment.snakemake("--configfile", "other.yaml").stdout
     experiment.set(sensor={"largest_size": 0.25})
     for arguments in (["touches_all"], ["--until", "features"], ["--touch"]):
-        experiment.snakemake(*arguments)
+        experiment.snakemake(*arguments, check="--touch" not in arguments)
         assert lock_of(experiment) == before
     experiment.snakemake()
     assert "largest_size: 0.25" in lock_of(experiment)
