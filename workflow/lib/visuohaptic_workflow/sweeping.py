@@ -271,10 +271,7 @@ def _folders_in_store() -> Iterator[tuple[float, int, str]]:
 
 
 def _move_all(pairs: Iterable[tuple[Path, Path]]) -> None:
-    """Move existing files and folders to new places, and remove folders that are empty then.
-
-    Raises `StorageError` if a file can't be moved, for example because a disk is full or this user may not write.
-    """
+    """Move existing files and folders, and remove folders that are empty then; raise `StorageError` if a move fails."""
     for source, target in pairs:
         if not os.path.lexists(source):  # it lay in a folder that was moved
             continue
