@@ -66,7 +66,7 @@ with job(snakemake):
     code = import_module(MODULES[rule]) if rule in MODULES else None
     plug_ins = filter(None, os.environ.get("VISUOHAPTIC_PLUGINS", "").split(os.pathsep))
     contents = plug_in_contents(rule, plug_ins)
-    for file in map(Path, {{*snakemake.input}} - {{*snakemake.input.get("why", ())}}):
+    for file in map(Path, {{*snakemake.input}}):
         for part in [file] if file.is_file() else file.glob("*.ply"):
             contents[str(part)] = part.read_bytes()
     found = hash_given(rule, VERSION, getattr(code, "VALUE", 0), snakemake.params, contents)

@@ -35,8 +35,8 @@ DUMP_FOR_CONDITIONS = {"exclude": {**WITHOUT_EFFECT, "recognition": {"intervals"
 FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")
 """Files with the figures of a study's conditions; ``{}`` is the study's name."""
 
-# Patterns of the files of a study, without those of its steps; ``{}`` is the study's name.
 _RECORD_OF_FIGURES = "results/study_records/figures_of_study/{}.json"
+# Patterns of the files of a study, without the files of its steps; ``{}`` is the study's name.
 _OWN = (
     *FIGURES,
     *("results/study_blocks/{}/*", "results/study_features/{}/*"),

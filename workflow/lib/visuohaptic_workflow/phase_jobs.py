@@ -19,6 +19,6 @@ def run_block(snakemake: Any, work: Work) -> None:
         viewpoints=params.pop("viewpoints_of_block"),
         arguments=params,
         meshes=meshes_in(filter(None, [inputs.pop("meshes", None)])),
-        inputs={name: file for name, file in inputs.items() if name not in {"why", "code"}},
+        inputs={name: file for name, file in inputs.items() if name != "code"},
         outputs=outputs,
     )
