@@ -78,10 +78,8 @@ class WorkflowParameters(Section):
         ge=1,
         description="Conditions of a study per job; null: an eighth of the conditions, at most 25, but enough that the job takes longer than its start",
     )
-    keep_studies_current: bool = Field(
-        True,  # noqa: FBT003 - a field's default
-        description="Whether a run without a target measures outdated studies again (true) or keeps them and "
-        "marks them as outdated in the report (false)",
+    studies: tuple[str, ...] = Field(
+        (), description="Your studies that every run measures, such as [palm_size]"
     )
     store_gigabytes: float = Field(
         5.0, ge=0, description="Most GB of former tables in .cache/tables; the oldest go first"

@@ -107,5 +107,4 @@ STUDY = Study(
         ),
     ),
     has_figures=False,
-    is_on_request=True,
 )

@@ -55,5 +55,4 @@ STUDY = Study(
         ),
     ),
     has_figures=False,
-    is_on_request=True,
 )

@@ -114,6 +114,5 @@ STUDY = Study(
         ),
     ),
     has_figures=False,
-    is_on_request=True,
 )
 """The first touch, by ways to choose its place."""

@@ -58,5 +58,4 @@ STUDY = Study(
         ),
     ),
     has_figures=False,
-    is_on_request=True,
 )

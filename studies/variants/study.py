@@ -32,5 +32,4 @@ STUDY = Study(
         ),
     ),
     has_figures=False,
-    is_on_request=True,
 )

@@ -59,6 +59,11 @@ import visuohaptic as vh
 
 vh.register(vh.Strategy("placed", "my places", lambda viewpoint, attention, generator: None, looks=False))
 '''
+STUDY = "studies/palm.yaml"
+CONDITIONS = (
+    "title: Palm\nconditions: {palm 0.2: {sensor.largest_size: 0.2}}\n",
+    "title: Palm\nconditions: {palm 0.2: {sensor.largest_size: 0.2}, four touches: {recognition.touches: 4}}\n",
+)
 BESIDE = (PLUG_IN, "plug_ins/helper_of_mine.py", "plug_ins/more/numbers.json")
 MESH = "meshes/paper/chair/bsby_chair3.ply.gz"
 OTHER_MESH = "meshes/paper/chair/bs0_chair2.ply.gz"
@@ -66,7 +71,7 @@ OWN_MODEL = "meshes/own/chair/stool.stl"
 SCRIPTS = ("touches", "recognition")
 FOLDERS = (
     ".snakemake", ".cache", ".cache/tables", "logs", "results/records", "results/study_records", "results/touches", "results/features",
-    "results/effects", "results/scores", "reports",
+    "results/effects", "results/scores", "results/study_blocks", "reports",
 )  # fmt: skip
 DVC = (
     "dvc repro", "dvc checkout --force", "dvc checkout --force results/touches", "dvc checkout --force results/records",
@@ -274,6 +279,21 @@ class FolderMachine(RuleBasedStateMachine):
     def edit_plug_in_or_a_file_beside(self, name, value):
         text = PLUG_IN_TEXT if name == PLUG_IN else ""
         (self.folder / name).write_text(f"{text}# {value}\n")
+
+    @rule(conditions=st.sampled_from(("", *CONDITIONS)), is_listed=st.booleans())
+    def write_study(self, conditions, is_listed):
+        """Write or delete a study, and let every run measure the study or only a request."""
+        path = self.folder / STUDY
+        path.unlink(missing_ok=True)
+        if conditions:
+            path.write_text(conditions)
+        studies = ["palm"] if is_listed and conditions else []
+        set_parameters(self.folder, {"workflow": {"studies": studies}})
+
+    @precondition(lambda self: (self.folder / STUDY).exists())
+    @rule()
+    def run_study(self):
+        self.run("study_palm")
 
     # Damage
 

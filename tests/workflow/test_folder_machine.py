@@ -6,7 +6,7 @@ import pytest
 import trimesh
 from hypothesis import settings
 from hypothesis.stateful import run_state_machine_as_test
-from workflow.folder_machine import MESH, PLUG_IN, FolderMachine, add_branches
+from workflow.folder_machine import CONDITIONS, MESH, PLUG_IN, FolderMachine, add_branches
 from workflow.quick_commands import serving
 
 pytestmark = pytest.mark.workflow
@@ -98,7 +98,7 @@ def test_files_of_former_blocks_that_come_back_are_moved_if_nothing_has_to_run(f
     file.rename(folder.folder / name)
     for question in ("why", "verify"):
         assert (
-            f"1 file without a fitting record, such as {name}, move to .cache/aside."
+            f"The next run will move 1 file without a fitting record, such as {name}, to .cache/aside."
             in folder.ask(question)
         )
     folder.run("features_all")
@@ -130,6 +130,43 @@ def test_a_way_back_runs_no_job(folder):
         folder.set_parameter(back)
         assert "Nothing to be done" in folder.snakemake("all").stdout
         folder.check("all")
+
+
+def test_a_study_leaves_the_report_with_its_values_and_comes_back_with_them(folder):
+    figures = folder.folder / "reports/studies/palm.json"
+    folder.write_study(CONDITIONS[0], is_listed=False)
+    folder.run("study_palm")
+    assert figures.exists()
+    folder.set_parameter({"sensor": {"largest_size": 0.25}})
+    said = folder.snakemake("all").stdout
+    assert "The report leaves out study palm" in said
+    assert "`snakemake -j2 study_palm` measures again" in said
+    folder.check("all")
+    assert not figures.exists()
+    folder.set_parameter({"sensor": {"largest_size": 0.3}})
+    said = folder.snakemake("all").stdout
+    assert "Nothing to be done" in said
+    assert "leaves out" not in said
+    folder.check("all")
+    assert figures.exists()
+
+
+def test_a_listed_study_is_measured_by_every_run(folder):
+    figures = folder.folder / "reports/studies/palm.json"
+    folder.write_study(CONDITIONS[0], is_listed=True)
+    folder.run("all")
+    before = figures.read_bytes()
+    folder.set_parameter({"sensor": {"largest_size": 0.25}})
+    folder.run("all")
+    assert figures.read_bytes() != before
+
+
+def test_a_listed_name_without_a_study_is_refused(folder):
+    folder.set_parameter({"workflow": {"studies": ["palm_size"]}})
+    done = folder.snakemake("all")
+    folder.set_parameter({"workflow": {"studies": []}})
+    assert done.returncode == 1
+    assert "error: workflow.studies: 'palm_size' is no study;" in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ MINE = {
 FRONTIER = {"frontier_seconds": 1, "frontier": 1}
 RECOGNISED = {"recognition": 1}
 AFTER = {"metrics": 1, "report": 1}
-EARLIER = "was measured with an earlier state"
+TITLE = "Does &lt;b&gt;it&lt;/b&gt; matter?"
 FIGURES = "results/studies/mine.parquet"
 
 
@@ -77,29 +77,30 @@ def test_the_run_itself_has_the_accuracy_of_its_metrics(studied):
 
 def test_the_report_shows_it_after_the_same_call_and_nothing_is_left_to_do(studied):
     page = (studied.folder / "reports/report.html").read_text()
-    assert "Does &lt;b&gt;it&lt;/b&gt; matter?" in page
+    assert TITLE in page
     assert studied.planned("--", "study_mine", "all") == {}
 
 
-def test_a_study_that_is_not_kept_current_stays_and_the_report_says_so(studied, tmp_path):
+def test_the_report_shows_a_study_of_present_values_only(studied, tmp_path):
     experiment = studied.copy(tmp_path / "experiment")
     figures, page = (experiment.folder / file for file in (FIGURES, "reports/report.html"))
     measured = figures.read_bytes()
-    assert EARLIER not in page.read_text()
-    experiment.set(
-        workflow={"keep_studies_current": False}, recognition={"classifier": {"svm_penalty": 3.0}}
-    )
+    assert TITLE in page.read_text()
+    experiment.set(recognition={"classifier": {"svm_penalty": 3.0}})
     in_sight = {"block_of_study": 1}
     assert experiment.planned() == {**FRONTIER, **AFTER, **RECOGNISED, **in_sight}
-    experiment.snakemake()
-    assert figures.read_bytes() == measured
-    assert page.read_text().count(EARLIER) == 2  # among the warnings, and in its section
+    said = experiment.snakemake()
+    assert "The report leaves out study mine" in said.stdout
+    assert not figures.exists()
+    assert TITLE not in page.read_text()
     assert experiment.planned() == {}
-    # Asked for by name it is measured again, and the report follows.
+    # Of the study's three blocks, all have another penalty or are without a change.
     assert planned(experiment)["block_of_study"] == 3
-    experiment.snakemake("--", "study_mine")
+    experiment.set(workflow={"studies": ["mine"]})
+    assert experiment.planned() == {"block_of_study": 3, "figures_of_study": 1, "report": 1}
+    experiment.snakemake()
     assert figures.read_bytes() != measured
-    assert EARLIER not in page.read_text()
+    assert TITLE in page.read_text()
 
 
 def test_what_was_lost_added_or_changed_is_measured_again_and_nothing_else(studied, tmp_path):

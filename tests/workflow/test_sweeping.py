@@ -18,6 +18,7 @@ from visuohaptic_workflow.sweeping import (
     carry_out,
     find_former,
     folder_of,
+    is_at_hand,
     is_stored,
     plan_sweep,
     prune,
@@ -35,20 +36,18 @@ class Folder:
     def __init__(self):
         self.size = 0.3
         self.blocks = ["cup/a"]
-        self.kept = ()
 
     def keys(self):
         jobs = [
             Job(
-                "touches", {}, Runs(Path("touch.py"), ()), (),
+                "touches", {}, Runs(Path("touch.py"), ()),
                 (f"results/touches/{block}/00-15.parquet", f"results/meshes/{block}", record),
-                record, lambda: {"size": self.size},
+                record, tuple, lambda: {"size": self.size},
             )
             for block in self.blocks
             for record in [f"results/records/touches/{block}/00-15.json"]
         ]  # fmt: skip
-        kept = {job.record for job in jobs if job.record in self.kept}
-        return Keys(jobs, lambda _: Code((), {}), Digests(), Path.cwd(), kept, find_former)
+        return Keys(jobs, lambda _: Code((), {}), Digests(), Path.cwd(), find_former)
 
     def sweep(self, records=RECORDS):
         return plan_sweep(
@@ -236,11 +235,16 @@ def test_a_key_that_is_a_path_leaves_no_folder(folder):
     assert list(Path(".cache/aside").rglob("foreign.json"))
 
 
-def test_files_of_kept_jobs_stay_though_they_are_stale(folder):
-    folder.kept = (OF_A,)
+def test_files_are_at_hand_if_they_are_current_or_wait_in_the_store(folder):
+    assert is_at_hand(folder.keys(), OF_A)
     folder.size = 0.2
-    assert folder.run() == []
-    assert Path(A).read_text() == "0.3"
+    assert not is_at_hand(folder.keys(), OF_A)
+    folder.run()
+    folder.size = 0.3
+    assert is_at_hand(folder.keys(), OF_A)
+    (stored,) = Path(".cache/tables").rglob("00-15.parquet")
+    stored.write_text("edited")
+    assert not is_at_hand(folder.keys(), OF_A)
 
 
 def test_models_are_swept_only_for_their_own_records(folder):

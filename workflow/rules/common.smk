@@ -99,6 +99,7 @@ from visuohaptic_workflow.sweeping import (
     RECORDS,
     carry_out,
     find_former,
+    is_at_hand,
     plan_sweep,
     stale_marker,
 )
@@ -404,7 +405,8 @@ def sweep(records):
                 file=sys.stderr,
             )
     if workflow.executor_plugin is not None:
-        for line in lines_of_sweep(planned, is_done=is_run()):
+        left_out = studies_left_out(planned)
+        for line in lines_of_sweep(planned, left_out, is_done=is_run()):
             print(line, file=sys.stderr)
     return planned
 
@@ -435,12 +437,7 @@ def keys():
             name, declared, getattr(rules, name), VALUES_OF_RULES.get(name, VALUES)
         )
     ]
-    kept = {
-        job.record
-        for job in jobs
-        if any(study.owns(job.outputs[0]) for study in KEPT_STUDIES)
-    }
-    return Keys(jobs, find_code, DIGESTS, ROOT, kept, find_former)
+    return Keys(jobs, find_code, DIGESTS, ROOT, find_former)
 
 
 @cache
@@ -544,7 +541,7 @@ def lock(current):
         )
         return
     needed = {*keys().needed_for(map(str, rules.all.input))}
-    if needed - current - keys().kept:
+    if needed - current:
         return
     print("DVC reads the results and writes dvc.lock.", file=sys.stderr)
     is_locked = lock_in_new_process({**ENVIRONMENT, ASKED: "lock"})

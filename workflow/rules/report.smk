@@ -81,11 +81,9 @@ rule report:
             stability=files_of("stability", "{objects}"),
             pictures=files_of("pictures", "{objects}"),
             gaze=AGREEMENT_WITH_GAZE,
-            # Not part of `all`; the report shows existing files.
-            measured=[
-                *SHOWN_FILES,
-                *in_clone(filter(os.path.exists, MEASURED_BESIDE)),
-            ],
+            # Not part of `all`; the report shows the files that are there.
+            more_studies=files_of_more_studies,
+            measured=in_clone(filter(os.path.exists, MEASURED_BESIDE)),
             credits=CREDITS,
             templates=[*TEMPLATES, *SECTION_TEMPLATES],
         ),
@@ -104,7 +102,6 @@ rule report:
         parameters=PARAMETERS.model_dump(exclude={"workflow"}),
         objects=OBJECTS,
         own_objects=sorted(OWN),
-        studies=shown_studies,
     message:
         "writing the report"
     script:

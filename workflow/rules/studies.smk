@@ -5,9 +5,9 @@ studies/<study>.yaml or .py. Writes results/study_features/<study>/ (features th
 results/study_blocks/<study>/ (one file per block of conditions), results/studies/<study>.parquet,
 reports/studies/<study>.json, and the files of a study's steps (`visuohaptic.studies.study.Step`).
 
-Studies of the package are part of `all`, except study `effects`. `snakemake -j2 study_<study>` makes any study and the
-report; for studies in Python, so does `<study>_all`. Later runs update the study or keep its files
-(`workflow.keep_studies_current`). Studies have rules only if they are requested, have files, or are part of the run.
+Studies of the package are part of `all`, except study `effects`; `workflow.studies` adds studies to `all`.
+`snakemake -j2 study_<study>` makes any study and the report; for studies in Python, so does `<study>_all`. Studies have
+rules only if they are requested, have files, or are part of the run.
 """
 
 CONSTRAINTS |= {
@@ -26,7 +26,7 @@ wildcard_constraints:
 for name, study, report_of_name in [
     *((f"study_{study.name}", study, report_of_study) for study in STUDIES.values()),
     *(
-        (f"{study.name}_all", study, [] if study.is_part_of_run else report_of_study)
+        (f"{study.name}_all", study, [] if study in STUDIES_OF_RUN else report_of_study)
         for study in STUDIES.values()
         if study.is_coded
     ),

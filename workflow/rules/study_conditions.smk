@@ -16,8 +16,8 @@ from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, WITHOUT_EFFECT
 from visuohaptic_workflow.studies_asked import (
     find_moved,
-    has_file,
     is_asked_for,
+    names_of_run,
     names_rules_of,
     studies_to_plan,
 )
@@ -31,14 +31,16 @@ if IS_MAIN and IS_PLANNER:
     moved = find_moved(sys.argv[1:], STUDIES)
     if moved:
         stop(moved)
+OF_RUN = or_stop(names_of_run, STUDIES, PARAMETERS.workflow.studies)
 # Planning hundreds of conditions takes time, so plan only studies that need rules. As a module, plan all studies: the
 # requested rules are unknown.
 if IS_MAIN:
-    STUDIES = studies_to_plan([*ARGUMENTS, *sys.argv[1:]], STUDIES)
+    STUDIES = studies_to_plan([*ARGUMENTS, *sys.argv[1:]], STUDIES, OF_RUN)
 PLANS = {
     name: or_stop(plan_study, study, PARAMETERS) for name, study in STUDIES.items()
 }
-STUDIES_OF_RUN = [study for study in STUDIES.values() if study.is_part_of_run]
+STUDIES_OF_RUN = [study for study in STUDIES.values() if study.name in OF_RUN]
+MORE_STUDIES = [study for study in STUDIES.values() if study.name not in OF_RUN]
 # Each step with its study; the names of steps are unique.
 STEPS = [(study, step) for study in STUDIES.values() for step in study.steps]
 # Studies that would take very long with thousands of objects (`is_sampled`) measure only these objects.
@@ -71,17 +73,6 @@ BLOCKS = {
     )
     for study in STUDIES.values()
 }
-
-# Studies with existing files that this run must not make again, even if they are not current.
-KEPT_STUDIES = [
-    study
-    for study in STUDIES.values()
-    if DECIDES
-    and not study.is_part_of_run
-    and (study.is_on_request or not PARAMETERS.workflow.keep_studies_current)
-    and not is_asked_for(ARGUMENTS, study)
-    and Path((*study.shown, *study.targets)[0]).exists()
-]
 
 VALUES_OF_RULES |= {
     "features_of_study": [
@@ -292,30 +283,32 @@ def params_of_step(study, step):
     return params
 
 
-# The study of each file that the report shows, except studies of the run. The file was made, or this run makes it.
-SHOWN_FILES = {
-    file: study
-    for study in STUDIES.values()
-    if not study.is_part_of_run
-    for file in study.shown
-    if file in ARGUMENTS
-    or names_rules_of(ARGUMENTS, study.name)
-    or has_file(study, file)
-}
+def files_of_more_studies(wildcards):
+    """List the files of studies that are not part of the run, for the report: files that are there or requested."""
+    return [
+        file
+        for study in MORE_STUDIES
+        for file in study.shown
+        if file in ARGUMENTS or names_rules_of(ARGUMENTS, study.name) or is_there(file)
+    ]
 
 
-def shown_studies(wildcards):
-    """Return ``figures`` (a file) and ``keys`` (by record) of each study in `SHOWN_FILES`, by name of the study.
+def is_there(file):
+    """Return whether a file of a study is in its place after the sweep."""
+    if not DECIDES:
+        return Path(file).exists()
+    makers = keys().makers([file])
+    return bool(makers) and all(is_at_hand(keys(), record) for record in makers)
 
-    The report compares the keys with the records, to name studies that are not current. Empty if the run has no keys.
-    """
-    shown = {}
-    for file, study in SHOWN_FILES.items() if IS_KEYED else ():
-        figures = {"figures": study.shown[0], "keys": {}}
-        shown.setdefault(study.name, figures)["keys"] |= {
-            record: keys().key(record) for record in keys().makers([file])
-        }
-    return shown
+
+def studies_left_out(sweep):
+    """Return the names of the studies that a sweep moves out of the report, and that this run does not make again."""
+    moved = {*sweep.moved}
+    return [
+        study.name
+        for study in MORE_STUDIES
+        if not is_asked_for(ARGUMENTS, study) and not moved.isdisjoint(study.shown)
+    ]
 
 
 def report_of_study(wildcards):

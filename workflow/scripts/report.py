@@ -13,7 +13,6 @@ from visuohaptic.report.run import RunFiles, extra_paths
 from visuohaptic_workflow import jobs
 from visuohaptic_workflow.jobs import job
 from visuohaptic_workflow.keys import key_of
-from visuohaptic_workflow.studies_asked import find_earlier_studies
 
 STUDY_FOLDERS = [Path("studies").absolute(), Path(jobs.__file__).parents[3] / "studies"]
 
@@ -36,7 +35,6 @@ with job(snakemake):
             meshes=list(meshes_in(snakemake.input.meshes).values()),
             credits=snakemake.input.credits,
             gaze=next(iter(snakemake.input.gaze), None),
-            earlier_studies=find_earlier_studies(snakemake.params.studies),
             study_folders=STUDY_FOLDERS,
             logs="logs",
             extras=extra_paths(folder, checkout="."),

@@ -51,6 +51,7 @@ PARAMETERS = {
     "rendering.light_azimuth_degrees": "it is gone, both sides are lit alike",
     "viewpoints.first_azimuth_degrees": "it is gone, every ring begins at +z",
     "viewpoints.roll_degrees": "it is gone, all cameras are upright",
+    "workflow.keep_studies_current": "it is gone, workflow.studies lists the studies that every run measures",
 }
 """Former parameters and sections by dotted name."""
 

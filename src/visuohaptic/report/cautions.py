@@ -9,13 +9,9 @@ from pathlib import Path
 
 from visuohaptic.report.provenance import PhaseSeconds
 from visuohaptic.report.run import Run
-from visuohaptic.report.section import study_anchor
 from visuohaptic.report.stability import describe_checks
 from visuohaptic.report.wording import counted, listed, listed_in_short
-from visuohaptic.studies.registry import section_files
 from visuohaptic.tables.phases import key_of
-
-_SECTION_OF_STUDY = {"effects": "effects"}
 
 _TOO_FEW = "left out of recognition if it needs more touches"
 _MOST_REASONS = 20
@@ -41,28 +37,8 @@ def find_warnings(run: Run, seconds: Sequence[PhaseSeconds]) -> list[str]:
         *_unfitted_classifiers(run),
         *([no_mesh] if meshless else []),
         *(f"{sentence} See the section on numerical stability." for sentence in broken),
-        *(earlier_study(run, name) for name in sorted(run.files.earlier_studies)),
         *_warned(unfinished, "job", "did not finish; the reason is in"),
     ]
-
-
-def earlier_by_section(run: Run) -> dict[str, list[str]]:
-    """Return the sentences about outdated studies, by the section that shows the study."""
-    sentences: dict[str, list[str]] = {}
-    with_section = section_files(run.files.study_folders)
-    for name in sorted(run.files.earlier_studies):
-        default = study_anchor(name) if name in with_section else "studies"
-        section = _SECTION_OF_STUDY.get(name, default)
-        sentences.setdefault(section, []).append(earlier_study(run, name))
-    return sentences
-
-
-def earlier_study(run: Run, name: str) -> str:
-    """Return the sentence that a study was measured with an earlier state than the rest of the page."""
-    return (
-        f"Study {name} was measured with an earlier state of tables, parameters or code "
-        f"({run.files.earlier_studies[name]}): snakemake -j2 study_{name} measures it again."
-    )
 
 
 def _warned(names: Sequence[str], noun: str, what: str, end: str = ".") -> list[str]:

@@ -21,7 +21,7 @@ from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.published import PAPER
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report import figures, wording
-from visuohaptic.report.cautions import earlier_by_section, find_warnings
+from visuohaptic.report.cautions import find_warnings
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
@@ -87,7 +87,6 @@ def render_page(run: Run) -> str:
         paper_address=PAPER_ADDRESS,
         marks=run.parameters.attention.fixations,
         warnings=find_warnings(run, seconds),
-        earlier=earlier_by_section(run),
         sources={
             section.name: list(find_sources(section, run, context.explaining))
             for section in sections

@@ -70,8 +70,6 @@ class RunFiles:
         The run's folder; the page shows paths relative to this folder.
     extras : mapping of str to path
         Files and folders that not every run has, by the names of `extra_paths`. They need not exist.
-    earlier_studies : mapping of str to str
-        Each study with figures from earlier tables, parameters or code, and the date of its figures, ``YYYY-MM-DD``.
     study_folders : sequence of paths
         Folders of study definitions. Each file ``<study>/section.py`` adds a section to the page.
     gaze : path, optional
@@ -97,7 +95,6 @@ class RunFiles:
     logs: str | Path | None = None
     folder: str | Path = "."
     extras: Mapping[str, str | Path] = field(default_factory=dict)
-    earlier_studies: Mapping[str, str] = field(default_factory=dict)
     study_folders: Sequence[str | Path] = (REPOSITORY,)
     gaze: str | Path | None = None
     own_objects: Sequence[str] = ()
@@ -311,7 +308,7 @@ def find_run(folder: str | Path) -> tuple[RunFiles, ExperimentParameters, tuple[
     Returns
     -------
     files : RunFiles
-        The run's files. `gaze`, `earlier_studies`, `study_folders` and `key` keep their defaults.
+        The run's files. `gaze`, `study_folders` and `key` keep their defaults.
     parameters : ExperimentParameters
         The parameters in its ``params.yaml``.
     objects : tuple of str

@@ -35,13 +35,12 @@ DUMP_FOR_CONDITIONS = {"exclude": {**WITHOUT_EFFECT, "recognition": {"intervals"
 FIGURES = ("results/studies/{}.parquet", "reports/studies/{}.json")
 """Files with the figures of a study's conditions; ``{}`` is the study's name."""
 
-_RECORD_OF_FIGURES = "results/study_records/figures_of_study/{}.json"
 # Patterns of the files of a study, without the files of its steps; ``{}`` is the study's name.
 _OWN = (
     *FIGURES,
     *("results/study_blocks/{}/*", "results/study_features/{}/*"),
     *(f"results/study_records/{rule}/{{}}/*" for rule in ("block_of_study", "features_of_study")),
-    _RECORD_OF_FIGURES,
+    "results/study_records/figures_of_study/{}.json",
 )
 
 
@@ -188,10 +187,7 @@ class Study:
     is_sampled : bool
         Whether the study measures a sample of at most ``cost.maximum_objects`` objects.
     is_part_of_run : bool
-        Whether every run contains the study.
-    is_on_request : bool
-        Whether later runs keep the study's files, even if outdated, until the study is requested. For other studies,
-        parameter `workflow.keep_studies_current` decides.
+        Whether every run contains the study. Parameter `workflow.studies` adds studies to a run.
     is_coded : bool
         Whether the study is part of the package or a Python file. Rule ``study_<name>`` makes any study and the
         report; a coded study also has rule ``<name>_all``.
@@ -204,7 +200,6 @@ class Study:
     has_figures: bool = True
     is_sampled: bool = False
     is_part_of_run: bool = False
-    is_on_request: bool = False
     is_coded: bool = True
 
     @property
@@ -240,11 +235,6 @@ class Study:
         return tuple(
             name for step in self.steps for name in (*step.takes, *step.takes_where.values())
         )
-
-    def record_of(self, file: str) -> str:
-        """Return the record, with wildcards in braces, of the job that writes one of `shown`."""
-        steps = (step.record for step in self.steps if file in step.files)
-        return next(steps, _RECORD_OF_FIGURES.format(self.name))
 
     def owns(self, file: str) -> bool:
         """Return whether a file matches one of `patterns`."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -45,10 +45,12 @@ class Job:
         Values of the rule's wildcards.
     runs : Runs
         The script of the job, the row of `code_of_jobs.CODE`, and modules outside of the library.
-    inputs, outputs : tuple of str
-        Paths of the files or folders that the job reads and writes; `outputs` contains `record`.
+    outputs : tuple of str
+        Paths of the files or folders that the job writes, with `record`.
     record : str
         Path of the job's record, which also identifies the job in `Keys`.
+    find_inputs : callable
+        Returns the paths of the files or folders that the job reads.
     find_params : callable
         Returns the values of the parameters in the key, by name. JSON must be able to store the values.
     """
@@ -56,10 +58,15 @@ class Job:
     rule: str
     wildcards: Mapping[str, str]
     runs: Runs
-    inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     record: str
+    find_inputs: Callable[[], Iterable[str]]
     find_params: Callable[[], dict[str, Any]]
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Paths of the files or folders that the job reads."""
+        return tuple(self.find_inputs())
 
     @cached_property
     def tables(self) -> list[str]:
@@ -102,9 +109,6 @@ class Keys:
         Computes and caches the SHA-256 of files.
     root : Path
         Absolute path of the clone of this repository. Keys name files of the clone relative to this folder.
-    kept : collection of str
-        Records of jobs that must not run, even if they are stale. Jobs that read their files use the existing files
-        and the recorded key.
     find_former : callable
         Returns the record of a job, named by its path, that an earlier run made and that is no longer there; an empty
         dict without one.
@@ -116,12 +120,11 @@ class Keys:
         find_code: Callable[[Runs], Code],
         digests: Digests,
         root: Path,
-        kept: Collection[str] = (),
         find_former: Callable[[str], dict[str, Any]] = lambda _: {},
     ) -> None:
         self.jobs = {job.record: job for job in jobs}
         self._find_code, self._digests = find_code, digests
-        self._root, self.kept, self._find_former = root, frozenset(kept), find_former
+        self._root, self._find_former = root, find_former
         self._makers = {file: job.record for job in self.jobs.values() for file in job.outputs}
 
     def makers(self, files: Iterable[str]) -> dict[str, None]:
@@ -142,9 +145,7 @@ class Keys:
             "packages": self._find_code(job.runs).versions,
             "parameters": json.loads(json.dumps({**job.find_params(), **job.wildcards})),
             "sources": self._digests_of(self._sources(record)),
-            "from": {
-                maker: self._key_for_reader(maker, record) for maker in self.makers(job.inputs)
-            },
+            "from": {maker: self.key(maker) for maker in self.makers(job.inputs)},
         }
 
     @cache  # noqa: B019
@@ -165,7 +166,7 @@ class Keys:
 
     @cache  # noqa: B019
     def reason_not_current(self, record: str) -> str | None:
-        """Return why a job's files are not current; None if they are current. `kept` does not exempt the job.
+        """Return why a job's files are not current; None if they are current.
 
         Only the first difference is named, such as ``parameters: sensor.size``, ``code: <file>`` or ``table: <file>``;
         `NEW` if the job has neither record nor table, and no former record to compare with. If only the key of a job upstream differs, the result is the
@@ -182,10 +183,6 @@ class Keys:
             return self._difference(recorded["parts"], self.parts(record))
         edited = (file for file in tables if self._digest(file) != recorded["tables"].get(file))
         return next((f"table: {file}" for file in edited), None)
-
-    def reason_to_run(self, record: str) -> str | None:
-        """Return `reason_not_current`, or None if the job is in `kept`."""
-        return None if record in self.kept else self.reason_not_current(record)
 
     def needed_for(self, files: Iterable[str]) -> list[str]:
         """Return the records of the jobs that make some files, and of all jobs upstream; the order is arbitrary."""
@@ -235,12 +232,6 @@ class Keys:
                 reason = self.reason_not_current(maker)
                 return f"from: {self.jobs[maker].rule}" if reason in {None, NEW} else reason
         return "from: other files"
-
-    def _key_for_reader(self, maker: str, reader: str) -> str:
-        """Return a maker's key for ``from`` of a reader: the recorded key if only the maker is in `kept`."""
-        if maker in self.kept and reader not in self.kept and (recorded := read_record(maker)):
-            return str(recorded["key"])
-        return self.key(maker)
 
     @cache  # noqa: B019
     def _code_digests(self, runs: Runs) -> dict[str, str]:

@@ -56,17 +56,13 @@ def plan_jobs(
         values = [dict(zip(names, combination, strict=True)) for combination in combinations]
     for wildcards in values:
         namespace = SimpleNamespace(**wildcards)
-        inputs = (
-            [files] if isinstance(files, str) else files
-            for files in declared.files(namespace).values()
-        )
         yield Job(
             rule=name,
             wildcards=wildcards,
             runs=declared.runs,
-            inputs=tuple(str(file) for files in inputs for file in files),
             outputs=tuple(fill(str(file), namespace) for file in rule.output),
             record=fill(record, namespace),
+            find_inputs=partial(_inputs_of, declared, namespace),
             find_params=partial(_params_of, rule, namespace),
         )
 
@@ -94,6 +90,11 @@ def _filled(item: Any, wildcards: Any) -> Any:
     if not isinstance(item, str):
         return [_filled(part, wildcards) for part in item]
     return fill(item, wildcards) if _WILDCARD.search(item) else item  # keeps the flags of Snakemake
+
+
+def _inputs_of(declared: Declared, wildcards: Any) -> Iterator[str]:
+    for files in declared.files(wildcards).values():
+        yield from [str(files)] if isinstance(files, str) else map(str, files)
 
 
 def _params_of(rule: Any, wildcards: Any) -> dict[str, Any]:

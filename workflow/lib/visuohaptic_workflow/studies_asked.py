@@ -1,20 +1,32 @@
-"""Find the studies that a command line requests, and studies in the report that are not current."""
+"""Find the studies that a command line requests, and the studies that need rules."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from datetime import UTC, datetime
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.io import moved
-from visuohaptic_workflow.keys import read_record
 from visuohaptic_workflow.sweeping import is_stored
 
 if TYPE_CHECKING:
     from visuohaptic.studies.study import Study
+
+
+def names_of_run(studies: Mapping[str, Study], more: Iterable[str]) -> list[str]:
+    """Return the names of the studies that every run makes: parts of the run, and `workflow.studies` as `more`.
+
+    Raises `ParameterError` for a name without a study.
+    """
+    for name in more:
+        if name not in studies:
+            raise ParameterError(
+                f"workflow.studies: {name!r} is no study; {', '.join(sorted(studies))} are allowed."
+            )
+    return [name for name, study in studies.items() if study.is_part_of_run or name in more]
 
 
 def is_asked_for(arguments: Sequence[str], study: Study) -> bool:
@@ -28,16 +40,18 @@ def names_rules_of(arguments: Iterable[str], study: str) -> bool:
     return any(f"_{argument}".endswith(f"_{rule}") for argument in arguments for rule in rules)
 
 
-def studies_to_plan(arguments: Sequence[str], studies: Mapping[str, Study]) -> dict[str, Study]:
+def studies_to_plan(
+    arguments: Sequence[str], studies: Mapping[str, Study], of_run: Collection[str] = ()
+) -> dict[str, Study]:
     """Return the studies that need rules.
 
-    These are parts of the run, requested studies, studies with files, and studies whose files these take. A command
-    line requests a study by a rule, by a file, or, in a job, by the value of wildcard ``study``.
+    These are studies named in `of_run`, requested studies, studies with files, and studies whose files these take. A
+    command line requests a study by a rule, by a file, or, in a job, by the value of wildcard ``study``.
     """
     waiting = [
         study
         for study in studies.values()
-        if study.is_part_of_run
+        if study.name in of_run
         or is_asked_for(arguments, study)
         or any(_names_step(argument, study) for argument in arguments)
         or has_files(study)
@@ -60,11 +74,6 @@ def has_files(study: Study) -> bool:
     return any(any(Path().glob(pattern)) for pattern in study.patterns) or any(
         map(is_stored, records)
     )
-
-
-def has_file(study: Study, file: str) -> bool:
-    """Return whether a file of a study exists, or the store has a stale one."""
-    return Path(file).exists() or is_stored(study.record_of(file))
 
 
 def find_moved(arguments: Sequence[str], studies: Mapping[str, Study]) -> str | None:
@@ -100,24 +109,3 @@ def _names_step(argument: str, study: Study) -> bool:
     rule, _, wildcards = argument.partition(":")
     named = any(f"_{rule}".endswith(f"_{step.name}") for step in study.steps)
     return named or f"study={study.name}" in wildcards.split(",")
-
-
-def find_earlier_studies(shown: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
-    """Find studies whose figures are not current, with the date of their figures.
-
-    Parameters
-    ----------
-    shown : mapping of str to mapping
-        Per study ``figures``, the file of its figures, and ``keys``, the current keys of its jobs by record.
-
-    Returns
-    -------
-    dict of str to str
-        Date, ``YYYY-MM-DD`` in UTC, of each study that is not current.
-    """
-    return {
-        name: datetime.fromtimestamp(figures.stat().st_mtime, UTC).strftime("%Y-%m-%d")
-        for name, study in shown.items()
-        if (figures := Path(study["figures"])).is_file()
-        and any(read_record(record).get("key") != key for record, key in study["keys"].items())
-    }

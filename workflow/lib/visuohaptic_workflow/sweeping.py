@@ -89,7 +89,7 @@ def plan_sweep(
     Parameters
     ----------
     keys : Keys
-        The keys of all jobs of today. Files of jobs in `Keys.kept` stay.
+        The keys of all jobs of today.
     folders : tuple of str
         Folders with the records of the jobs, `RECORDS` or `MODEL_RECORDS`.
     patterns : iterable of str
@@ -104,7 +104,7 @@ def plan_sweep(
     """
     jobs = [record for record in keys.jobs if record.startswith(folders)]
     reasons = {
-        record: reason for record in jobs if (reason := keys.reason_to_run(record)) is not None
+        record: reason for record in jobs if (reason := keys.reason_not_current(record)) is not None
     }
     current = keys.jobs.keys() - reasons.keys()
     stays = {file for record in current for file in keys.jobs[record].outputs}
@@ -133,12 +133,9 @@ def plan_sweep(
     unfit |= {file for record in reasons for file in keys.jobs[record].outputs}
     unfit |= {file for pattern in patterns for file in _fitting(pattern, constraints)}
     returned = {
-        folder: tuple(_files_of(record, content))
+        folder_of(record, keys.key(record)): tuple(_files_of(record, content))
         for record in reasons
-        for folder in [folder_of(record, keys.key(record))]
-        if folder.is_dir()
-        for content in [read_record(folder / record)]
-        if content.get("key") == keys.key(record) and keys.has_tables_of(content, folder)
+        if (content := _read_stored(keys, record))
     }
     back = {files[-1] for files in returned.values()}
     return Sweep(
@@ -147,6 +144,11 @@ def plan_sweep(
         returned=returned,
         stale={record: reason for record, reason in reasons.items() if record not in back},
     )
+
+
+def is_at_hand(keys: Keys, record: str) -> bool:
+    """Return whether a job's files are current, or the store has files of its present key."""
+    return keys.reason_not_current(record) is None or bool(_read_stored(keys, record))
 
 
 def carry_out(sweep: Sweep, most_bytes: float) -> list[str]:
@@ -233,6 +235,16 @@ def find_former(record: str) -> dict[str, Any]:
 def is_stored(pattern: str) -> bool:
     """Return whether the store has files of any job whose record fits a pattern of `glob`."""
     return any(iglob(f"{_folders_of(pattern)}/*"))  # noqa: PTH207 - the pattern has folders too
+
+
+def _read_stored(keys: Keys, record: str) -> dict[str, Any]:
+    """Return the record of a job's present key in the store; empty if the store lacks a table of the job."""
+    if not _folders_of(record).is_dir():
+        return {}
+    folder = folder_of(record, keys.key(record))
+    content = read_record(folder / record)
+    fits = content.get("key") == keys.key(record) and keys.has_tables_of(content, folder)
+    return content if fits else {}
 
 
 def _folders_of(record: str) -> Path:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from visuohaptic_workflow.keys import Keys
 from visuohaptic_workflow.sweeping import ASIDE, STORE, Sweep
 
 _MOST_LINES = 11
+_OF_THE_NEXT_RUN = ("The next run will move", "The next run will bring")
 _TODAY = "today's parameters, code, packages and meshes"
 
 
@@ -45,24 +46,30 @@ def verify(keys: Keys, sweep: Sweep) -> tuple[list[str], bool]:
     return [*stale, *moves, count], not (stale or moves)
 
 
-def lines_of_sweep(sweep: Sweep, *, is_done: bool) -> list[str]:
-    """Return at most three lines on what a sweep moved, or what the sweep of the next run will move."""
-    start, moved, came = {
-        True: ("", "moved", "came"),
-        False: ("with the next run ", "move", "come"),
-    }[is_done]
+def lines_of_sweep(sweep: Sweep, left_out: Sequence[str] = (), *, is_done: bool) -> list[str]:
+    """Return at most four lines on what a sweep moved, or what the sweep of the next run will move.
+
+    `left_out` are the names of studies that leave the report.
+    """
+    move, bring = ("Moved", "Brought") if is_done else _OF_THE_NEXT_RUN
     lines = []
     if sweep.stored:
-        files = _files(sum(map(len, sweep.stored.values())))
-        lines.append(f"{start}{files} that no longer fit {moved} to {STORE}.")
+        lines.append(f"{move} {_files(sweep.stored.values(), 'stale ')} to {STORE}.")
     if sweep.aside:
-        files = f"{_files(len(sweep.aside))} without a fitting record, such as {sweep.aside[0]},"
-        lines.append(f"{start}{files} {moved} to {ASIDE}.")
+        files = f"{_files([sweep.aside])} without a fitting record, such as {sweep.aside[0]},"
+        lines.append(f"{move} {files} to {ASIDE}.")
     if sweep.returned:
-        files = _files(sum(map(len, sweep.returned.values())))
-        lines.append(f"{start}{files} that fit again {came} back from {STORE}.")
-    return [line[0].upper() + line[1:] for line in lines]
+        lines.append(f"{bring} {_files(sweep.returned.values())} back from {STORE}.")
+    if left_out:
+        targets = " ".join(f"study_{name}" for name in left_out)
+        studies = f"{'study' if len(left_out) == 1 else 'studies'} {', '.join(left_out)}"
+        lines.append(
+            f"The report leaves out {studies}, which {'is' if len(left_out) == 1 else 'are'} of former values: "
+            f"`snakemake -j2 {targets}` measures again."
+        )
+    return lines
 
 
-def _files(count: int) -> str:
-    return f"{count:,} file{'s' * (count != 1)}"
+def _files(groups: Iterable[Sequence[str]], kind: str = "") -> str:
+    count = sum(map(len, groups))
+    return f"{count:,} {kind}file{'s' * (count != 1)}"
