@@ -195,11 +195,9 @@ wheels: $(DEVELOP)
 	  -m "not slow and not long" tests/exploration tests/evaluation/test_evaluating.py packages/contourlets/tests
 	PYTHONPATH="$(CURDIR)/dist/installed" python -m pytest -o pythonpath=tests --confcutdir tests/installed tests/installed/tour_from_wheels.py
 
-# Copies version, date, address and authors of release/facts.yaml to every file that has them, and keeps the stable
-# interface of a new version.
+# Copies version, date, address and authors of release/facts.yaml to every file that has them.
 release: $(READY)
 	python release/write_files.py
-	python release/interface.py
 
 # A draft of the paper as a page; the journal's own PDF is made by its container (release/README.md). Pandoc 3 is needed.
 paper:

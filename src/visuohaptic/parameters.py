@@ -14,7 +14,7 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.base.section import Section
-from visuohaptic.base.wrong_values import needed_value
+from visuohaptic.base.wrong_values import needed_value, unknown_parameter
 from visuohaptic.features.parameters import FeatureParameters
 from visuohaptic.fixations.parameters import (
     LARGEST_RESOLUTION,
@@ -22,7 +22,6 @@ from visuohaptic.fixations.parameters import (
     ViewpointParameters,
 )
 from visuohaptic.fixations.probing_parameters import ProbingParameters
-from visuohaptic.io.moved import moved_value, unknown_parameter
 from visuohaptic.io.plugins import load_files, load_installed
 from visuohaptic.io.yaml_files import read_yaml
 from visuohaptic.meshes.parameters import MeshParameters
@@ -441,6 +440,5 @@ def _sentence(problem: Mapping[str, Any], arguments: Mapping[str, str]) -> str:
     if problem["type"] == "value_error":
         message = str(problem["msg"]).removeprefix("Value error, ").rstrip(".")
         return f"{path}: {message}" if path else message
-    where = moved_value(path.rstrip(".0123456789"), problem["input"])
     name = arguments.get(path, path)
-    return f"{name} is {problem['input']!r}: {where or needed_value(problem)}"
+    return f"{name} is {problem['input']!r}: {needed_value(problem)}"

@@ -91,7 +91,6 @@ def test_the_callers_python_path_is_kept(monkeypatch):
         ({}, ["--config", "nosuch=1"], "error: --config: nosuch is no parameter."),
         ({}, ["-Cseed=yes"], "error: --config: seed (line 1) is yes"),
         ({}, ["--rerun-triggers", "params"], "--rerun-triggers allows only mtime"),
-        ({}, ["gaze_all"], "error: gaze_all is no target: it is now `make gaze FOLDER=...`."),
     ],
 )
 def test_what_can_not_be_planned_is_one_sentence(fresh_stand_in, sensor, options, sentence):

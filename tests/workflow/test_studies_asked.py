@@ -2,10 +2,11 @@
 
 import pytest
 
+from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.registry import REPOSITORY, find_studies
 from visuohaptic.studies.study import Study
-from visuohaptic_workflow.studies_asked import find_moved, is_asked_for, studies_to_plan
+from visuohaptic_workflow.studies_asked import is_asked_for, names_of_run, studies_to_plan
 
 STUDIES = (
     *find_studies(ExperimentParameters(), [REPOSITORY]).values(),
@@ -51,8 +52,7 @@ def test_other_arguments_ask_for_no_study(line):
 
 
 def planned(*arguments):
-    found = studies_to_plan(arguments, {study.name: study for study in STUDIES})
-    return set(found) - {"frontier", "influence", "random_draws"}
+    return set(studies_to_plan(arguments, {study.name: study for study in STUDIES}))
 
 
 def test_rules_are_made_of_studies_that_are_asked_for_and_of_those_that_they_take_from(
@@ -75,38 +75,10 @@ def test_rules_are_made_of_studies_that_have_files(tmp_path, monkeypatch, file):
     assert planned("all") == {"palm" if "palm" in file else "trust"}
 
 
-@pytest.mark.parametrize(
-    ("line", "sentence"),
-    [
-        ("-n readings_all", "readings_all is no target: it is now variants_all."),
-        ("-j2 -- study_looking", "study_looking is no target: it is now study_eye_and_touch."),
-        ("results/reading/r017.json", "it is now results/variant/r017.json."),
-        ("--forcerun cost_seconds", "it is now settings_cost_seconds."),
-        ("reports/curves.json", "it is now reports/touch_curves.json."),
-        ("export_all", "it is now `visuohaptic export FOLDER`."),
-        ("-R guards_of_training", "leaks are what tests/leaks looks for."),
-    ],
-)
-def test_an_old_name_of_a_target_is_answered_with_where_it_is_now(line, sentence):
+def test_a_run_makes_the_studies_of_every_run_and_the_listed_ones():
     studies = {study.name: study for study in STUDIES}
-    assert find_moved(line.split(), studies).endswith(sentence)
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "-j2 variants_all reports/trust.json",
-        "-d looking --workflow-profile export -n",
-        "--configfile cost -- all",
-        "--config cost={rounds: 2}",
-        "curves_of_mine results/touches/cup/readings/00-15.parquet",
-        "",
-    ],
-)
-def test_names_of_today_and_folders_are_no_old_names(line):
-    assert find_moved(line.split(), {study.name: study for study in STUDIES}) is None
-
-
-def test_a_study_of_the_users_may_have_an_old_name():
-    studies = {study.name: study for study in (*STUDIES, Study("looking", "Mine"))}
-    assert find_moved(["looking_all", "study_looking"], studies) is None
+    of_every_run = {"frontier", "influence", "random_draws"}
+    assert set(names_of_run(studies, [])) == of_every_run
+    assert set(names_of_run(studies, ["palm", "trust"])) == {*of_every_run, "palm", "trust"}
+    with pytest.raises(ParameterError, match=r"workflow\.studies: 'plam' is no study; .*palm, "):
+        names_of_run(studies, ["palm", "plam"])

@@ -15,7 +15,6 @@ from visuohaptic.studies.registry import find_studies, section_files
 from visuohaptic.studies.sampling import sample_objects
 from visuohaptic.studies.study import DUMP_FOR_CONDITIONS, WITHOUT_EFFECT
 from visuohaptic_workflow.studies_asked import (
-    find_moved,
     is_asked_for,
     names_of_run,
     names_rules_of,
@@ -27,10 +26,6 @@ if IS_PLANNER:
     os.environ.update(VISUOHAPTIC_ARGUMENTS=json.dumps(sys.argv[1:]))
 ARGUMENTS = json.loads(os.environ.setdefault("VISUOHAPTIC_ARGUMENTS", "[]"))
 STUDIES = or_stop(find_studies, PARAMETERS, STUDY_FOLDERS)
-if IS_MAIN and IS_PLANNER:
-    moved = find_moved(sys.argv[1:], STUDIES)
-    if moved:
-        stop(moved)
 OF_RUN = or_stop(names_of_run, STUDIES, PARAMETERS.workflow.studies)
 # Planning hundreds of conditions takes time, so plan only studies that need rules. As a module, plan all studies: the
 # requested rules are unknown.

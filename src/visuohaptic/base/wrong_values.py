@@ -1,9 +1,9 @@
-"""Say in one clause which value is allowed in place of one that pydantic refused."""
+"""Say in one clause which value or name is allowed in place of a refused value or an unknown parameter."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from typing import Any
 
@@ -49,3 +49,18 @@ def needed_value(problem: Mapping[str, Any]) -> str:
         return _NEEDED[problem["type"]].format(**limits)
     message = str(problem["msg"]).removeprefix("Value error, ").rstrip(".")
     return message[0].lower() + message[1:]
+
+
+def unknown_parameter(
+    name: str, siblings: Iterable[str] = (), elsewhere: Iterable[str] = ()
+) -> str:
+    """Return the clause that no parameter has this dotted name, with a suggestion.
+
+    The most similar of `siblings`, the names of the same section, is suggested. Without such a name, the dotted names
+    `elsewhere` are suggested.
+    """
+    *section, last = name.split(".")
+    similar = get_close_matches(last, siblings, 1, SIMILAR)
+    suggested = [".".join([*section, *similar])] if similar else list(elsewhere)
+    ending = f"; did you mean {' or '.join(suggested)}?" if suggested else ""
+    return f"{name} is no parameter{ending}"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from typer.core import TyperGroup
 
 from visuohaptic import __version__
 from visuohaptic.cli import (
@@ -21,26 +20,8 @@ from visuohaptic.cli import (
     tables,
 )
 from visuohaptic.cli.printing import say
-from visuohaptic.io.moved import COMMANDS
-
-
-class _Commands(TyperGroup):
-    """The sub-commands; a former name of a command or an option raises an error with its successor."""
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command that the first argument names."""
-        name, *rest = args
-        options = rest[: rest.index("--")] if "--" in rest else rest
-        for option in ("", *(argument.partition("=")[0] for argument in options)):
-            successor = COMMANDS.get(f"{name} {option}".strip())
-            if successor and not ctx.resilient_parsing:
-                former = f"option {option} of {name}" if option else f"command {name}"
-                ctx.fail(f"there is no {former}: {successor}.")
-        return super().resolve_command(ctx, args)
-
 
 app = typer.Typer(
-    cls=_Commands,
     help="Look at a 3D object, touch the places where the eye would fixate, and recognise the object only from touch.",
     no_args_is_help=True,
     rich_markup_mode=None,

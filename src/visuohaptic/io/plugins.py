@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from visuohaptic.base.errors import PlugInError, VisuohapticError
-from visuohaptic.io.moved import FOLDERS
 
 if TYPE_CHECKING:
     from types import CodeType
@@ -200,12 +199,7 @@ class _UncachedLoader(SourceFileLoader):
 
 def _load_file(path: str, name: str) -> None:
     if not Path(path).is_file():
-        new_folders = [
-            f"; folder {old} is now {new}" for old, new in FOLDERS.items() if name.startswith(old)
-        ]
-        raise PlugInError(
-            f"plugins names {name}, which is not there{''.join(new_folders)}; a Python file is needed."
-        )
+        raise PlugInError(f"plugins names {name}, which is not there; a Python file is needed.")
     with _loading(path, name):
         module = f"visuohaptic_plug_in_{len(_loaded)}_{Path(path).stem}"
         spec = spec_from_file_location(module, path, loader=_UncachedLoader(module, path))

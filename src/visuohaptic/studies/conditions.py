@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.io.moved import unknown_parameter
+from visuohaptic.base.wrong_values import unknown_parameter
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT
 from visuohaptic.studies.study import Changes, Condition, Study

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.io import moved
 from visuohaptic_workflow.sweeping import is_stored
 
 if TYPE_CHECKING:
@@ -73,35 +70,6 @@ def has_files(study: Study) -> bool:
     records = (pattern for pattern in study.patterns if pattern.startswith("results/study_records"))
     return any(any(Path().glob(pattern)) for pattern in study.patterns) or any(
         map(is_stored, records)
-    )
-
-
-def find_moved(arguments: Sequence[str], studies: Mapping[str, Study]) -> str | None:
-    """Return a sentence about the first former target on a command line, with its present name; None without one.
-
-    Targets of present studies are never former targets.
-    """
-    for option, argument in pairwise(("", *arguments)):
-        if argument.startswith("-") or _PATHS_FOLLOW.fullmatch(option):
-            continue
-        if _is_of_any(argument, studies):
-            continue
-        if argument in moved.TARGETS:
-            return f"{argument} is no target: {moved.TARGETS[argument]}."
-        renamed = _OLD_WORD.sub(lambda match: moved.STUDIES[match[0]], argument)
-        if renamed != argument and _is_of_any(renamed, studies):
-            return f"{argument} is no target: it is now {renamed}."
-    return None
-
-
-_PATHS_FOLLOW = re.compile("-[ds]|--.*(directory|prefix|profile|snakefile|configfiles?)")
-_OLD_WORD = re.compile(rf"(?<![a-z])({'|'.join(moved.STUDIES)})(?![a-z])")
-
-
-def _is_of_any(argument: str, studies: Mapping[str, Study]) -> bool:
-    return any(
-        is_asked_for([argument], study) or _names_step(argument, study)
-        for study in studies.values()
     )
 
 
