@@ -2,7 +2,6 @@
 
 import ast
 import sys
-import tomllib
 from importlib.metadata import distributions, version
 from pathlib import Path
 
@@ -88,32 +87,13 @@ def test_every_place_of_the_table_is_there():
         assert names_of(code_of(Runs(SCRIPT, row), SOURCES))
 
 
-def forbidden_for(row):
-    """Name what a row leaves out: of a folder of which it names a part, the other parts."""
-    named = {*ALWAYS, *row}
-    heads = {
-        path.stem
-        for path in LIBRARY.iterdir()
-        if path.suffix == ".py" or (path / "__init__.py").exists()
-    }
-    found = set()
-    for head in heads - {"__init__"} - named:
-        parts = {place for place in named if place.startswith(f"{head}.")}
-        files = LIBRARY.joinpath(head).glob("*.py") if parts else ()
-        modules = {f"{head}.{file.stem}" for file in files if file.stem != "__init__"}
-        found |= modules - parts or {head}
-    return {f"visuohaptic.{name}" for name in found} | {"contourlets"} - named
-
-
 @pytest.mark.parametrize("phase", [phase.name for phase in PHASES])
-def test_a_contract_forbids_a_phase_all_that_its_row_does_not_name(phase):
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    contracts = settings["tool"]["importlinter"]["contracts"]
-    (contract,) = [
-        one for one in contracts if one.get("source_modules") == [f"visuohaptic.{phase}"]
-    ]
-    assert contract["type"] == "forbidden"
-    assert set(contract["forbidden_modules"]) == forbidden_for(CODE[phase])
+def test_what_a_folder_of_a_phase_imports_lies_in_the_places_of_its_rule(graph, phase):
+    folder = f"visuohaptic.{phase}"
+    modules = {folder, *graph.find_descendants(folder)}
+    found = modules.union(*map(graph.find_upstream_modules, modules))
+    library = {name for name in found if name.startswith(("visuohaptic.", "contourlets"))}
+    assert [name for name in sorted(library) if not is_named(name, CODE[phase])] == []
 
 
 def test_a_folder_counts_with_its_data_and_a_module_alone(tmp_path):
