@@ -76,3 +76,12 @@ def test_the_window_is_the_whole_view_where_a_point_is_not_in_front_of_the_camer
     points = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 3.0]])
     assert len(Camera(0.0, 0.0, 3.0, 40.0).window(points, 8)) == 64
     assert len(Camera(0.0, 0.0, 3.0, 40.0, "orthographic").window(points, 8)) < 64
+
+
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_projecting_undoes_casting(projection):
+    camera = Camera(30.0, 20.0, 3.0, 40.0, projection)
+    origins, directions = camera.rays(16)
+    places = camera.project(origins + 2.7 * directions, 16)
+    rows, columns = np.divmod(np.arange(256), 16)
+    np.testing.assert_allclose(places, np.column_stack([columns, rows]) + 0.5, atol=1e-9)

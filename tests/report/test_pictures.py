@@ -3,40 +3,14 @@
 import io
 
 import numpy as np
-import pyarrow as pa
-import pytest
 from PIL import Image
 from report.synthetic import png
 
-from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.report.pictures import imprint_sheet, imprint_strip, picture_size, shrink_picture
-from visuohaptic.report.projecting import project, squares_in_view
 
 
 def decoded(data):
     return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"))
-
-
-@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
-def test_projecting_undoes_casting(projection):
-    camera = Camera(30.0, 20.0, 3.0, 40.0, projection)
-    origins, directions = camera.rays(16)
-    places = project(camera, origins + 2.7 * directions, 16)
-    rows, columns = np.divmod(np.arange(256), 16)
-    np.testing.assert_allclose(places, np.column_stack([columns, rows]) + 0.5, atol=1e-9)
-
-
-def test_squares_have_the_size_of_the_sensor_and_lie_around_their_touch():
-    camera = Camera(0.0, 0.0, 3.0, 40.0, "orthographic")
-    columns = {"x": 0.1, "y": 0.2, "z": 0.9, "normal_x": 0.0, "normal_y": 0.0, "normal_z": 1.0}
-    columns |= {"tangent_x": 1.0, "tangent_y": 0.0, "tangent_z": 0.0, "sensor_size": 0.3}
-    touch = pa.table({name: [value] for name, value in columns.items()})
-    (corners,) = squares_in_view(camera, touch, 100)
-    unit = 100 / (2 * np.tan(np.radians(20)) * 3.0)
-    edges = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-    np.testing.assert_allclose(edges, 4 * [0.3 * unit])
-    np.testing.assert_allclose(corners.mean(axis=0), [50 + 0.1 * unit, 50 - 0.2 * unit])
-    np.testing.assert_allclose(corners[0], [50 - 0.05 * unit, 50 - 0.35 * unit])
 
 
 def test_imprints_lie_side_by_side_without_loss():

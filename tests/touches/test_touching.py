@@ -1,18 +1,20 @@
 """What a touch records of its place: the pose of the sensor, not that of the view."""
 
 import numpy as np
+import pyarrow as pa
 import pytest
 import trimesh
 
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.fixations.places import ProbingLocations
+from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor import SensorParameters
 from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, TANGENT_NAMES
 from visuohaptic.tables.schema import matrix
-from visuohaptic.touches.touching import touch_part
+from visuohaptic.touches.touching import touch_part, touch_squares
 
 TILTED = np.array([[0.6, 0.8, 0.0], [0.0, 0.8, 0.6]])
 UP = np.array([0.0, 1.0, 0.0])
@@ -49,3 +51,16 @@ def test_a_flat_top_is_touched_by_the_largest_square_without_penetration():
     assert touches["sensor_size"].to_pylist() == [0.2, 0.2]
     assert touches["penetration"].to_pylist() == [0.0, 0.0]
     assert (np.array(touches["image"].to_pylist()) == 1).all()
+
+
+def test_squares_have_the_size_of_the_sensor_and_lie_around_their_touch():
+    camera = Camera(0.0, 0.0, 3.0, 40.0, "orthographic")
+    columns = {"x": 0.1, "y": 0.2, "z": 0.9, "normal_x": 0.0, "normal_y": 0.0, "normal_z": 1.0}
+    columns |= {"tangent_x": 1.0, "tangent_y": 0.0, "tangent_z": 0.0, "sensor_size": 0.3}
+    touch = pa.table({name: [value] for name, value in columns.items()})
+    (corners,) = camera.project(touch_squares(touch), 100)
+    unit = 100 / (2 * np.tan(np.radians(20)) * 3.0)
+    edges = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    np.testing.assert_allclose(edges, 4 * [0.3 * unit])
+    np.testing.assert_allclose(corners.mean(axis=0), [50 + 0.1 * unit, 50 - 0.2 * unit])
+    np.testing.assert_allclose(corners[0], [50 - 0.05 * unit, 50 - 0.35 * unit])

@@ -17,9 +17,9 @@ from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.report.imprint_scale import imprint_scale
-from visuohaptic.report.projecting import project, squares_in_view
 from visuohaptic.tables.phases import POINT_NAMES
 from visuohaptic.tables.schema import images, matrix
+from visuohaptic.touches.touching import touch_squares
 
 VIEW_PIXELS = 320
 IMPRINT_PIXELS = 84
@@ -68,8 +68,8 @@ def draw_first_view(
 
 def _mark_touches(view: Image.Image, caster: RayCaster, camera: Camera, touches: pa.Table) -> None:
     points = matrix(touches, POINT_NAMES)
-    outlines = squares_in_view(camera, touches, VIEW_PIXELS)
-    pixels = project(camera, points, VIEW_PIXELS)
+    outlines = camera.project(touch_squares(touches), VIEW_PIXELS)
+    pixels = camera.project(points, VIEW_PIXELS)
     visible = is_visible(caster, camera, points)
     draw = ImageDraw.Draw(view)
     for outline in outlines[visible]:

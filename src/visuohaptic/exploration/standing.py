@@ -17,7 +17,6 @@ from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.projecting import project
 
 CELL_PIXELS = 260
 """Rows and columns of the view of an object."""
@@ -102,7 +101,7 @@ def _draw_arrow(
         (neck, _HEAD), (neck, _SHAFT), (0.0, _SHAFT),
     ]  # fmt: skip
     points = np.array([start + ahead * along + aside * across for ahead, aside in outline])
-    positions = project(camera, points, CELL_PIXELS)
+    positions = camera.project(points, CELL_PIXELS)
     draw.polygon([tuple(position) for position in positions], fill=colour, outline=_BACK)
     draw.text(
         tuple(positions[3] + (14, 0)), label, fill=colour, font=_font(),

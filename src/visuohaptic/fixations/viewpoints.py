@@ -97,6 +97,21 @@ class Camera:
             return self.eye + self.distance * plane, np.broadcast_to(-back, plane.shape)
         return np.broadcast_to(self.eye, plane.shape), plane - back
 
+    def project(self, points: FloatArray, resolution: int) -> FloatArray:
+        """Return the positions (..., 2), column and row, of points (..., 3) in front of the camera: inverse of `rays`.
+
+        Positions are in pixels from the upper left corner, so the centre of the first pixel is at 0.5. The view has
+        `resolution` × `resolution` pixels.
+        """
+        right, up, back = self.axes
+        depth = np.full(points.shape[:-1], self.distance)
+        if self.projection == "perspective":
+            depth -= points @ back
+        pixels = 0.5 * resolution / self._half_height
+        return 0.5 * resolution + pixels * np.stack(
+            [points @ right / depth, -(points @ up) / depth], axis=-1
+        )
+
     def pixel_sides(self, resolution: int, depths: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the sides of a pixel, to the right and up, at depths (n,): vectors (n, 3), object frame."""
         size = self.view_height / (self.distance * resolution)

@@ -17,12 +17,12 @@ from visuohaptic.report.imprint_scale import imprint_scale
 from visuohaptic.report.model_figure import ModelFigure
 from visuohaptic.report.object_pictures import MODEL
 from visuohaptic.report.pictures import data_uri, picture_size, webp_address
-from visuohaptic.report.projecting import squares_in_view
 from visuohaptic.report.run import Run
 from visuohaptic.report.shown import OBJECTS_AT_MOST
 from visuohaptic.report.wording import anchor_of, place_in_view, strategy_name
 from visuohaptic.tables.phases import by_object, key_of, keys_of
 from visuohaptic.tables.schema import images
+from visuohaptic.touches.touching import touch_squares
 
 PredictionCounts = Mapping[tuple[str, int], Counter[str]]
 """How often each class was predicted, by strategy and viewpoint."""
@@ -262,7 +262,7 @@ def _view_page(
     stored = {name: by_viewpoint.get(viewpoint) for name, by_viewpoint in pictures.items()}
     height, width = picture_size(pictures["views"][viewpoint])
     squares = (
-        squares_in_view(cameras[viewpoint], felt, height).tolist()
+        cameras[viewpoint].project(touch_squares(felt), height).tolist()
         if viewpoint < len(cameras)
         else []
     )

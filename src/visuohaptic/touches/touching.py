@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import numpy as np
 import pyarrow as pa
 
-from visuohaptic.base.arrays import IntArray
+from visuohaptic.base.arrays import FloatArray, IntArray
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.scene.parameters import Mode, Scene
 from visuohaptic.scene.records import EffectRecord
+from visuohaptic.sensor.frames import row_axes
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.placing import Placed
 from visuohaptic.sensor.random_fields import RandomFields
@@ -78,6 +80,15 @@ def touch_part(
     if ranks is None:
         ranks = fixations.column("touch").to_numpy()
     return Part(touch_table(fixations, felt, ranks), felt.effects)
+
+
+def touch_squares(touches: pa.Table) -> FloatArray:
+    """Compute the corners (n, 4, 3), object frame, of the sensor's squares from rows of `tables.TOUCHES`."""
+    points, columns = matrix(touches, POINT_NAMES), matrix(touches, TANGENT_NAMES)
+    half = 0.5 * touches.column("sensor_size").to_numpy()[:, None]
+    across, down = half * columns, half * row_axes(matrix(touches, NORMAL_NAMES), columns)
+    signs = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    return np.stack([points + a * across + b * down for a, b in signs], axis=1)
 
 
 def touch_table(fixations: pa.Table, felt: Touches, ranks: IntArray) -> pa.Table:
