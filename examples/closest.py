@@ -14,7 +14,7 @@ def choose_closest(viewpoint, attention, generator):
     return seen.take(np.argsort(distances, kind="stable")[: attention.fixations])
 
 
-vh.register(vh.Strategy("closest", "the closest places", choose_closest, looks=False))
+vh.register(vh.Strategy("closest", "the closest places", choose_closest, needs_view=False))
 
 if __name__ == "__main__":
     import numpy as np

@@ -56,7 +56,7 @@ class Turned:
 
 def make_known_objects(step: StepInputs) -> None:
     """Write `KNOWN_OBJECTS`, and its summary as JSON."""
-    read = features_by_key((), step.made, None)
+    read = features_by_key((), step.recomputed_features, None)
     turned = []
     for planned in plan_study(STUDY, step.run).conditions:
         features = read(planned.key)

@@ -34,12 +34,12 @@ def make_trained_upright(step: StepInputs) -> None:
     planned_of = {planned.condition.name: planned for planned in conditions}
     touches = touches_of_run(step.run)
     upright = planned_of[name_of("none", 0, "full", touches)]
-    training = read_table(FEATURES, step.made[str(upright.key)])
+    training = read_table(FEATURES, step.recomputed_features[str(upright.key)])
     parts: list[pa.Table] = []
     for turns in POSES:
         for draw in range(DRAWS if turns != "none" else 0):
             turned = planned_of[name_of(turns, draw, "full", touches)]
-            tested = read_table(FEATURES, step.made[str(turned.key)])
+            tested = read_table(FEATURES, step.recomputed_features[str(turned.key)])
             name = name_of(turns, draw, TRAINED_UPRIGHT, touches)
             for strategy in STRATEGIES:
                 key = (TURNED.name, name, PIPELINE, strategy)

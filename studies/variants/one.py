@@ -19,7 +19,12 @@ def make_variant(step: StepInputs) -> None:
     with tempfile.TemporaryDirectory() as folder:
         block = Path(folder, "variant.parquet")
         make_study_block(
-            step.study, [step.condition or {}], step.inputs["features"], step.made, block, run
+            step.study,
+            [step.condition or {}],
+            step.inputs["features"],
+            step.recomputed_features,
+            block,
+            run,
         )
         table = variant_figures([block], run.recognition.intervals)
     ordered = table.sort_by([(key, "ascending") for key in VARIANTS.keys])

@@ -96,7 +96,7 @@ def test_places_change_with_seed_viewpoint_and_view_as_their_entry_says(looks, s
     assert first.column("x").to_pylist() != other.column("x").to_pylist()
     one = looks[0]
     blind = Viewpoint(one.key, one.number, one.caster, one.camera)
-    if strategy.looks:
+    if strategy.needs_view:
         with pytest.raises(AttributeError, match="Viewpoint"):
             locate(blind, strategy.name, ATTENTION, 3)
     else:

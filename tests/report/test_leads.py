@@ -149,7 +149,7 @@ def test_an_answer_has_the_lead_of_the_run_and_what_is_excluded():
         "(new objects −2.0 to +22.0, new classes −12.0 to +32.0) is the lead of fixations over random places in reach in the "
         "paper's pipeline (mean of 5 draws of random places in reach; standard deviation over draws 2.6 points). A lead above 22.0 points is excluded (new classes: 32.0)."
     )
-    assert found.beside == ()
+    assert found.caveats == ()
 
 
 def test_a_lead_of_one_object_has_no_interval_and_excludes_nothing():
@@ -158,7 +158,7 @@ def test_a_lead_of_one_object_has_no_interval_and_excludes_nothing():
     assert plain(found.number) == "+1.0 points"
     assert found.sentence.startswith("is the lead of fixations over random places in sight")
     assert "excluded" not in found.sentence
-    assert found.beside == ()
+    assert found.caveats == ()
 
 
 @pytest.mark.parametrize(

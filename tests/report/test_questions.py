@@ -65,7 +65,7 @@ def test_the_first_answer_follows_from_the_interval_and_chance(accuracy, finding
     assert plain(found.sentence).endswith(
         "(support vector machine, 12 objects); guessing gives 25 %."
     )
-    assert found.beside == (
+    assert found.caveats == (
         "Objects are upright, turned about the vertical, in training and test.",
     )
 

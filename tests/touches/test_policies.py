@@ -497,7 +497,7 @@ def test_names_of_policies_and_strategies_are_told_apart():
     assert is_policy("seek_relief")
     assert not is_policy("fixation")
     assert policy_of("seek_relief#2").chance == "seek_relief#2"
-    assert strategy_of("seek_relief").looks is False
+    assert strategy_of("seek_relief").needs_view is False
     assert probing.has_further_draws("seek_relief")
     with pytest.raises(RegistryError, match="'random' chooses before the first touch"):
         policy_of("random")

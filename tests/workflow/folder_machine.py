@@ -57,7 +57,7 @@ PLUG_IN_TEXT = '''"""A strategy with a helper and numbers beside it."""
 
 import visuohaptic as vh
 
-vh.register(vh.Strategy("placed", "my places", lambda viewpoint, attention, generator: None, looks=False))
+vh.register(vh.Strategy("placed", "my places", lambda viewpoint, attention, generator: None, needs_view=False))
 '''
 STUDY = "studies/palm.yaml"
 CONDITIONS = (

@@ -189,19 +189,19 @@ def recomputed_features(study_name, keys):
 def features_for(study_name=None):
     """Return two input functions by name of input, for jobs that measure conditions.
 
-    ``features`` lists files of the run, if any condition of the job uses the run's features; ``made`` lists files of
-    recomputed features. `study_name` is needed only for a step with wildcard ``condition``.
+    ``features`` lists files of the run, if any condition of the job uses the run's features. ``recomputed_features``
+    lists further files. `study_name` is needed only for a step with wildcard ``condition``.
     """
 
     def of_run(wildcards):
         used = {planned.key for planned in conditions_of(wildcards, study_name)}
         return run_features(study_name or wildcards.study) if None in used else []
 
-    def made(wildcards):
+    def recomputed(wildcards):
         keys_used = recomputed_keys(wildcards, study_name)
         return recomputed_features(study_name or wildcards.study, keys_used)
 
-    return {"features": of_run, "made": made}
+    return {"features": of_run, "recomputed_features": recomputed}
 
 
 def user_code_of(step):
@@ -235,7 +235,9 @@ def inputs_of_step(study, step):
         ),
         "features": run_features(study.name),
         "blocks": study_blocks(study.name),
-        "made": recomputed_features(study.name, PLANS[study.name].recomputations),
+        "recomputed_features": recomputed_features(
+            study.name, PLANS[study.name].recomputations
+        ),
         "predictions": (
             files_of("predictions", "{pipeline}/{strategy}")
             if takes_predictions(study)
@@ -268,7 +270,7 @@ def params_of_step(study, step):
     }
     if {"meshes", "fixations"} & {*step.takes}:
         params["measured"] = measured_objects(study, step)
-    if "made" in step.takes:
+    if "recomputed_features" in step.takes:
         params["recomputed"] = list(PLANS[study.name].recomputations)
     if "condition" in step.wildcards:
         params["recomputed"] = lambda wildcards: recomputed_keys(wildcards, study.name)

@@ -12,7 +12,9 @@ with job(snakemake):
         study=snakemake.wildcards.study,
         conditions=snakemake.params.conditions,
         features=snakemake.input.features,
-        made=dict(zip(snakemake.params.recomputed, snakemake.input.made, strict=True)),
+        recomputed_features=dict(
+            zip(snakemake.params.recomputed, snakemake.input.recomputed_features, strict=True)
+        ),
         output=snakemake.output[0],
         run=ExperimentParameters.from_mapping(snakemake.params.parameters),
         objects=snakemake.params.sample,

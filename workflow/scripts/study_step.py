@@ -30,7 +30,9 @@ with job(snakemake):
             outputs=list(snakemake.output[: params.files]),
             run=ExperimentParameters.from_mapping(params.parameters),
             wildcards=dict(snakemake.wildcards.items()),
-            made=dict(zip(params.recomputed, inputs.get("made", ()), strict=True)),
+            recomputed_features=dict(
+                zip(params.recomputed, inputs.get("recomputed_features", ()), strict=True)
+            ),
             objects=params.sample,
             condition=params.condition,
             processes=snakemake.threads,

@@ -35,9 +35,9 @@ def compare(
     require("report", "pandas")
     from visuohaptic.report.compare_runs import (
         compare_runs,
+        comparison_lines,
         list_experiments,
         read_metrics,
-        write_lines,
     )
 
     sources = [*(runs or ()), *(list_experiments() if experiments else ())]
@@ -48,5 +48,5 @@ def compare(
     if as_json:
         say_json(table.astype(object).where(table.notna(), None).to_dict("records"))
         return
-    for line in write_lines(table):
+    for line in comparison_lines(table):
         say(line.rstrip())

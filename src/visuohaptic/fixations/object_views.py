@@ -88,7 +88,7 @@ class ObjectViews:
     @property
     def needs_views(self) -> bool:
         """Whether any of the strategies needs rendered views; without them `fixations` renders none."""
-        return any(strategy_of(name).looks for name in self.strategies)
+        return any(strategy_of(name).needs_view for name in self.strategies)
 
     @cached_property
     def strategy_inputs(self) -> Sequence[Viewpoint]:

@@ -136,7 +136,7 @@ class Policy:
         check_bound(f"policy {self.name}", self.longest_seconds)
 
     @property
-    def looks(self) -> bool:
+    def needs_view(self) -> bool:
         """False: no policy needs a rendered view."""
         return False
 

@@ -44,7 +44,7 @@ class Strategy:
         generator state, a smaller number of fixations must return the first of the same locations.
     random : bool
         Whether the generator changes the locations.
-    looks : bool
+    needs_view : bool
         Whether `choose` needs rendered views and saliency: its viewpoint is then an `AttendedView`. Otherwise
         `choose` must work with any `Viewpoint`.
     unreachable : {"replace", "skip", "keep"}, optional
@@ -63,7 +63,7 @@ class Strategy:
     label: str
     choose: Callable[..., Any]
     random: bool = True
-    looks: bool = True
+    needs_view: bool = True
     unreachable: Unreachable | None = None
     chance: str | None = None
 
@@ -84,14 +84,14 @@ STRATEGIES: Registry[Strategy | Policy] = Registry(
         "random",
         "random probing",
         anywhere.choose,
-        looks=False,
+        needs_view=False,
         unreachable="replace",
     ),
     Strategy(
         "random_anywhere",
         "random probing, out of reach too",
         anywhere.choose,
-        looks=False,
+        needs_view=False,
         unreachable="keep",
         chance="random",
     ),
@@ -99,19 +99,19 @@ STRATEGIES: Registry[Strategy | Policy] = Registry(
         "random_visible",
         "random probing of what is seen",
         visible.choose,
-        looks=False,
+        needs_view=False,
     ),
     Strategy(
         "random_walk",
         "a random walk over the surface",
         random_walk.choose,
-        looks=False,
+        needs_view=False,
     ),
     Strategy(
         "farthest_point",
         "farthest points",
         farthest_point.choose,
-        looks=False,
+        needs_view=False,
     ),
     Strategy(
         "curvature",
@@ -184,7 +184,7 @@ def has_further_draws(name: str) -> bool:
     Parameter `probing.random_draws` sets the number of draws. Raises `RegistryError` if the name is unknown.
     """
     entry = strategy_of(name)
-    return entry.random and not entry.looks
+    return entry.random and not entry.needs_view
 
 
 def _check_name(value: object, check: ValidatorFunctionWrapHandler) -> object:

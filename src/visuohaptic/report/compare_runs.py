@@ -183,7 +183,7 @@ def _difference(
     }
 
 
-def write_lines(table: pd.DataFrame) -> Iterator[str]:
+def comparison_lines(table: pd.DataFrame) -> Iterator[str]:
     """Yield the lines of a comparison: runs, parameters that differ, and accuracies.
 
     `table` is a result of `compare_runs` with a further column ``source``, the name of the run.

@@ -57,7 +57,7 @@ class Answer:
         The rest of the sentence that begins with `number`, and further sentences of the same paragraph.
     link : str
         The anchor of the section that shows more.
-    beside : tuple of str
+    caveats : tuple of str
         Further sentences, one paragraph each: assumptions behind the figure.
     rule : str
         Sentences on the rule that decides the finding.
@@ -70,7 +70,7 @@ class Answer:
     number: str
     sentence: str
     link: str
-    beside: tuple[str, ...] = ()
+    caveats: tuple[str, ...] = ()
     rule: str = ""
     recount: str = ""
 
@@ -81,7 +81,7 @@ def recognition_answer(
     touches: int,
     unseen: str,
     turns: Turns = "none",
-    beside: Sequence[str] = (),
+    caveats: Sequence[str] = (),
 ) -> Answer:
     """Return the answer to the question whether objects can be recognised by touch.
 
@@ -97,8 +97,8 @@ def recognition_answer(
         The test data in words, such as ``unseen objects``.
     turns : {"none", "vertical", "any"}
         How the run turned its objects.
-    beside : sequence of str
-        Further sentences for `Answer.beside`.
+    caveats : sequence of str
+        Further sentences for `Answer.caveats`.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def recognition_answer(
         f"({first.headline.name}, {counted(first.objects, 'object')}); "
         f"{', '.join([*others, f'guessing gives {percent(chance, 0)}'])}.".lstrip(),
         "comparison",
-        beside=(f"Objects are {POSES[turns]}, in training and test.", *beside),
+        caveats=(f"Objects are {POSES[turns]}, in training and test.", *caveats),
         rule="Rule: yes if the whole interval of every pipeline lies above guessing; no if every interval ends less "
         f"than {100 * GAIN:.0f} points above guessing; not shown in all other cases.",
     )
@@ -228,7 +228,7 @@ def _over_draws(lead: Lead) -> str:
 def strategies_answer(table: PipelineTable) -> Answer | None:
     """Return the answer to the question how strategies other than random places in reach and in sight compare.
 
-    Figures are of the headline classifier of a pipeline. None if the run has no other strategy beside fixations.
+    Figures are of the headline classifier of a pipeline. None if the run has no strategy except fixations.
 
     Returns
     -------

@@ -65,7 +65,7 @@ def make_study_block(
     study: str,
     conditions: Sequence[Mapping[str, Any]],
     features: Paths,
-    made: Mapping[str, str | Path],
+    recomputed_features: Mapping[str, str | Path],
     output: str | Path,
     run: ExperimentParameters,
     objects: Collection[str] | None = None,
@@ -78,7 +78,7 @@ def make_study_block(
         The study's name.
     conditions : sequence of mappings
         The conditions as `conditions.describe_conditions` returns them, in the order of `conditions.make_blocks`.
-    features, made, objects
+    features, recomputed_features, objects
         Files of features, and objects to measure, as for `features_by_key`.
     output : path
         The file to write.
@@ -93,7 +93,7 @@ def make_study_block(
         )
         for row in conditions
     ]
-    of_key = features_by_key(features, made, objects)
+    of_key = features_by_key(features, recomputed_features, objects)
     parts: list[pa.Table] = []
     for (key, _), same_training in groupby(planned, key=training_key):
         parts += measure_conditions(study, list(same_training), of_key(key or None), run.seed)
@@ -101,7 +101,7 @@ def make_study_block(
 
 
 def features_by_key(
-    features: Paths, made: Mapping[str, str | Path], objects: Collection[str] | None
+    features: Paths, recomputed_features: Mapping[str, str | Path], objects: Collection[str] | None
 ) -> Callable[[str | None], pa.Table | str]:
     """Return a function that reads features by the key of a condition.
 
@@ -109,7 +109,7 @@ def features_by_key(
     ----------
     features : sequence of paths
         The run's files of `tables.FEATURES`, for key None.
-    made : mapping of str to path
+    recomputed_features : mapping of str to path
         Files of recomputed features by key.
     objects : collection of str, optional
         Objects, ``class/name``, to select from the run's features; None for all. Files of recomputed
@@ -126,10 +126,10 @@ def features_by_key(
     def read(key: str | None) -> pa.Table | str:
         if key is None:
             return of_objects(read_table(FEATURES, features), objects)
-        metadata = pq.read_schema(made[key]).metadata or {}
+        metadata = pq.read_schema(recomputed_features[key]).metadata or {}
         if ERROR in metadata:
             return metadata[ERROR].decode("utf-8")
-        table = read_table(FEATURES, made[key])
+        table = read_table(FEATURES, recomputed_features[key])
         if REFUSED_POLICIES not in metadata:
             return table
         return table.replace_schema_metadata({REFUSED_POLICIES: metadata[REFUSED_POLICIES]})

@@ -83,8 +83,8 @@ class StepInputs:
         The parameters that the step needs; all other parameters have their defaults.
     wildcards : mapping of str to str
         Values of the wildcards, for a step with one job per pipeline or condition.
-    made : mapping of str to str
-        Files of recomputed features by key; empty if the step gets no ``made``.
+    recomputed_features : mapping of str to str
+        Files by key of the conditions; empty if the step reads only the run's features.
     objects : sequence of str, optional
         The objects, ``class/name``, of a study that measures a sample. The default is all objects.
     condition : mapping, optional
@@ -98,7 +98,7 @@ class StepInputs:
     outputs: Sequence[str]
     run: ExperimentParameters
     wildcards: Mapping[str, str] = field(default_factory=dict)
-    made: Mapping[str, str] = field(default_factory=dict)
+    recomputed_features: Mapping[str, str] = field(default_factory=dict)
     objects: Sequence[str] | None = None
     condition: Mapping[str, Any] | None = None
     processes: int = 1
@@ -123,10 +123,9 @@ class Step:
         The files to write. With ``{condition}`` or ``{pipeline}`` in all names, the step has one job per value.
     takes : tuple of str
         Inputs: tables of the run (``meshes``, ``fixations``, ``features``, ``predictions``), ``blocks`` of the
-        conditions, ``made`` (recomputed features), and files of steps of any study. If a step takes ``predictions``,
-        the blocks leave out conditions that `conditions.is_measured_by_run` finds in the run. If the study measures
+        conditions, ``recomputed_features``, and files of steps of any study. If a step takes ``predictions``, the blocks leave out conditions that `conditions.is_measured_by_run` finds in the run. If the study measures
         only a sample of the objects, ``predictions`` is empty and the blocks are complete. A step with
-        ``{condition}`` ignores `takes`: it gets the ``features`` and ``made`` of its condition.
+        ``{condition}`` ignores `takes`: it gets the ``features`` and ``recomputed_features`` of its condition.
     takes_where : mapping of str to str
         Dotted name of a parameter to file of a step. The step takes the file only if the parameter is true.
     needs : mapping

@@ -20,7 +20,7 @@ from visuohaptic.tables.schema import read_table, write_table
 
 def inputs(folder, made):
     outputs = [folder / "known_objects.parquet", folder / "known_objects.json"]
-    return StepInputs(STUDY.name, {}, outputs, RUN, made=made)
+    return StepInputs(STUDY.name, {}, outputs, RUN, recomputed_features=made)
 
 
 @pytest.mark.long

@@ -30,7 +30,7 @@ def test_every_setting_has_a_row_in_the_order_of_its_line(tmp_path, monkeypatch)
     make_study_block("settings_cost", conditions, [features], files, made[0], RUN)
     inputs = {"meshes": sources.meshes[:2], "features": [features]}
     with patch.object(seconds, "fit_model", wraps=seconds.fit_model) as fitting:
-        make_seconds(StepInputs("settings_cost", inputs, made[1:2], RUN, made=files))
+        make_seconds(StepInputs("settings_cost", inputs, made[1:2], RUN, recomputed_features=files))
     # One model serves all numbers of viewpoints, and the sizes that are the run's own.
     assert fitting.call_count == 3
     make_costs(

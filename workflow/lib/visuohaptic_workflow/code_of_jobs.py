@@ -26,14 +26,14 @@ ALWAYS = ("base",)
 
 _TABLES = ("tables.phases", "tables.schema")
 _BY_OBJECT = ("io.phase_files", "visuohaptic_workflow.phase_jobs", "geometry", *_TABLES)
-_EYE = ("fixations", "attention", "scene", *_BY_OBJECT)
-_HAND = ("touches", "sensor", *_EYE)
-_DESCRIBING = ("features", "contourlets", *_BY_OBJECT)
+_FIXATION_CODE = ("fixations", "attention", "scene", *_BY_OBJECT)
+_TOUCH_CODE = ("touches", "sensor", *_FIXATION_CODE)
+_FEATURE_CODE = ("features", "contourlets", *_BY_OBJECT)
 _PHASES = (
     "meshes",
-    *_EYE,
-    *_HAND,
-    *_DESCRIBING,
+    *_FIXATION_CODE,
+    *_TOUCH_CODE,
+    *_FEATURE_CODE,
     "recognition",
     "io",
     "parameters",
@@ -56,13 +56,13 @@ CODE = {
     "downloads": ("meshes", "geometry"),
     "credits": ("meshes", "geometry"),
     "meshes": ("meshes", "geometry"),
-    "fixations": _EYE,
-    "touches": _HAND,
-    "features": _DESCRIBING,
+    "fixations": _FIXATION_CODE,
+    "touches": _TOUCH_CODE,
+    "features": _FEATURE_CODE,
     "recognition": ("recognition", *_TABLES),
     "model": ("recognition", "__init__", *_TABLES),
     "metrics": ("evaluation", "recognition", "tables.studies", *_TABLES),
-    "stability_of_object": ("stability", "contourlets", "tables.stability", *_HAND),
+    "stability_of_object": ("stability", "contourlets", "tables.stability", *_TOUCH_CODE),
     "features_of_study": _MEASURING,
     "block_of_study": _MEASURING,
     "figures_of_study": ("studies.figures", "evaluation", "recognition", "tables.studies", *_TABLES),

@@ -98,7 +98,7 @@ def setting_rows(
             **dict.fromkeys(names_of(COST.columns)),
             **vars(setting),
             "setting": setting.name,
-            "looks": setting.viewpoints * STRATEGIES[setting.strategy].looks,
+            "looks": setting.viewpoints * STRATEGIES[setting.strategy].needs_view,
             "changes": setting.written_changes,
             **error_rate(cell, run),
             **paired("lost", "lost_p", _compare(reference, cell, run)),

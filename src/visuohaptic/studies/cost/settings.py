@@ -167,7 +167,7 @@ def cost_study(
         f"{name}_seconds",
         works[0],
         (f"results/{name}_seconds.parquet",),
-        takes=("meshes", "features", "made"),
+        takes=("meshes", "features", "recomputed_features"),
         needs={"exclude": {**DUMP_FOR_CONDITIONS["exclude"], **robot}},
         objects="timed",
         is_alone=not is_part_of_run,
