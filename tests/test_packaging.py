@@ -49,7 +49,7 @@ SOURCES = sorted(
 
 
 def pinned(lock):
-    """Give the versions of each package of a lock file."""
+    """Return the versions of each package of a lock file."""
     found = {}
     for name, version in re.findall(r"^([\w.-]+)==(\S+)", (ROOT / lock).read_text(), re.M):
         found.setdefault(canonicalize_name(name), set()).add(version)
@@ -74,7 +74,7 @@ def test_what_runs_is_pinned_at_the_same_versions_for_development():
 
 
 def imported_packages(path):
-    """Give the packages of others that a file imports, at its top or late, by the name imported."""
+    """Return the packages of others that a file imports, at its top or late, by the name imported."""
     if path.suffix not in {".py", ".pyi"}:
         found = set(re.findall(r"^ *(?:import|from) (\w+)", path.read_text(), re.M))
         return found - sys.stdlib_module_names - OWN
@@ -98,7 +98,7 @@ def names_of(requirements):
 
 
 def extras_of(path):
-    """Give the extras whose packages a file may import beside those of the core."""
+    """Return the extras whose packages a file may import beside those of the core."""
     place = path.relative_to(ROOT).as_posix()
     extras = {extra for start, (extra, _) in OF_AN_EXTRA.items() if place.startswith(start)}
     return extras | ({"workflow", "report"} if place.startswith("workflow/") else set())

@@ -56,7 +56,7 @@ def project_of(folder):
 
 
 def requirements_of(folder, extras):
-    """Give what a project asks for, with its extras, without itself."""
+    """Return what a project asks for, with its extras, without itself."""
     project = project_of(folder)
     optional = project.get("optional-dependencies", {})
     lines = [*project["dependencies"], *(line for extra in extras for line in optional[extra])]

@@ -19,7 +19,7 @@ class Item:
 
 
 def draw(items, size=256, rows=None):
-    """Give a display as (h, w, 3) float32; items is 25 long, row by row."""
+    """Return a display as (h, w, 3) float32; items is 25 long, row by row."""
     rows = size if rows is None else rows
     image = np.broadcast_to(np.array(PANEL, dtype=np.float32), (rows, size, 3)).copy()
     for place, item in enumerate(items):
@@ -34,7 +34,7 @@ def draw(items, size=256, rows=None):
 
 @cache
 def item_cover(place, item, rows, columns):
-    """Give the share of each pixel that an item covers, (h, w) float32."""
+    """Return the share of each pixel that an item covers, (h, w) float32."""
     centre_y, centre_x = cell_centre(place, rows, columns)
     y, x = np.mgrid[:rows, :columns] + 0.5
     pitch = min(rows, columns) / GRID
@@ -53,14 +53,14 @@ def cell_centre(place, rows, columns):
 
 
 def cell_mask(place, rows, columns):
-    """Give the target's cell of a display as (h, w) bool."""
+    """Return the target's cell of a display as (h, w) bool."""
     row, column = divmod(place, GRID)
     y, x = np.mgrid[:rows, :columns] + 0.5
     return (np.floor(y * GRID / rows) == row) & (np.floor(x * GRID / columns) == column)
 
 
 def as_views(image):
-    """Give the arguments of `attend` for a flat panel of unit width, seen from the front."""
+    """Return the arguments of `attend` for a flat panel of unit width, seen from the front."""
     rows, columns = image.shape[:2]
     y, x = np.mgrid[:rows, :columns]
     point = np.stack([x / columns, -y / columns, np.zeros_like(x)], axis=-1).astype(float)

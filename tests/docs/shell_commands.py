@@ -7,7 +7,7 @@ PROGRAMS = ("dvc", "make", "snakemake", "visuohaptic")
 
 
 def blocks(page, kind):
-    """Give the text of each block of a kind, such as ``sh``."""
+    """Return the text of each block of a kind, such as ``sh``."""
     return [
         text
         for found, text in re.findall(r"^```(\w+)\n(.*?)^```", page.read_text(), re.M | re.DOTALL)
@@ -16,13 +16,13 @@ def blocks(page, kind):
 
 
 def block_commands(page):
-    """Give the lines of a page's shell blocks, each as its words, without comments."""
+    """Return the lines of a page's shell blocks, each as its words, without comments."""
     lines = [line for text in blocks(page, "sh") for line in text.splitlines()]
     return [words for line in lines if (words := shlex.split(line, comments=True))]
 
 
 def line_commands(page):
-    """Give the commands with arguments that stand within the page's lines, each once, as words."""
+    """Return the commands with arguments that stand within the page's lines, each once, as words."""
     prose = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.DOTALL)
     spans = re.findall(rf"`((?:{'|'.join(PROGRAMS)}) [^`]+)`", prose)
     return [shlex.split(text) for text in dict.fromkeys(spans)]

@@ -27,7 +27,7 @@ EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 
 def codes(path):
-    """Give the Python of a file, part by part."""
+    """Return the Python of a file, part by part."""
     if path.suffix == ".py":
         return [path.read_text()]
     if path.suffix == ".ipynb":

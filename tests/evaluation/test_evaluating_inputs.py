@@ -60,7 +60,7 @@ def features():
 
 
 def touches_of(features, seed=0, side=SIDE):
-    """Give imprints to touches: noise about the first contourlet's deviation."""
+    """Add imprints to touches: noise about the first contourlet's deviation."""
     generator = np.random.default_rng(seed)
     columns = {
         name: features.column(name)

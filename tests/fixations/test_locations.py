@@ -49,7 +49,7 @@ def looks(caster):
 
 
 def places_of(table):
-    """Give points and normals."""
+    """Return points and normals."""
     return (matrix(table, [f"{prefix}{axis}" for axis in "xyz"]) for prefix in ("", "normal_"))
 
 

@@ -22,7 +22,7 @@ GRAZING = Camera(84.0, 5.0, 3.0, 40.0)
 
 
 def square(image=BOARD, times=1.0, cells=1):
-    """Give an upright square that shows an image some times a side, cut into cells × cells squares."""
+    """Return an upright square that shows an image some times a side, cut into cells × cells squares."""
     places = np.linspace(0.0, 1.0, cells + 1)
     up, across = np.meshgrid(places, places, indexing="ij")
     vertices = np.stack([across, up, np.zeros_like(up)], axis=-1).reshape(-1, 3)
@@ -100,7 +100,7 @@ def test_cutting_faces_smaller_moves_no_colour():
 
 
 def half_painted():
-    """Give the board beside a square of one colour without image."""
+    """Return the board beside a square of one colour without image."""
     board = square()
     texture = replace(board.texture, image=np.array([0, 0, NO_IMAGE, NO_IMAGE], np.int32))
     texture = replace(texture, corners=np.concatenate([board.texture.corners] * 2))

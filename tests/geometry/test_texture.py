@@ -21,7 +21,7 @@ def texture_of(*images, corners=UNIT, image=(0,), wrap=REPEAT):
 
 
 def light_at(texture, places, sides, face=0):
-    """Give the light of patches by their middles and sides in the image's own coordinates."""
+    """Return the light of patches by their middles and sides in the image's own coordinates."""
     places = np.atleast_2d(np.asarray(places, dtype=np.float64))
     weights = np.column_stack([1 - places.sum(axis=1), places])
     steps = np.broadcast_to(np.asarray(sides, dtype=np.float64), (len(places), 2, 2))
@@ -29,7 +29,7 @@ def light_at(texture, places, sides, face=0):
 
 
 def light_of(image):
-    """Give an image's light, the lowest row first."""
+    """Return an image's light, the lowest row first."""
     return decode_srgb(image[::-1] / 255.0)
 
 

@@ -26,7 +26,7 @@ SEEN = ("mask", "face", "point", "normal", "depth", "curvature", "lit", "colour"
 
 
 def object_arrays(path):
-    """Give every phase's arrays of one object, by phase and column."""
+    """Return every phase's arrays of one object, by phase and column."""
     found = vh.load(path)
     surface = as_stored(found.surface)
     chosen = as_parameters({"viewpoints.count": VIEWPOINTS, "probing.strategies": STRATEGIES})
@@ -54,7 +54,7 @@ def ray_arrays(caster):
 
 
 def columns_of(table):
-    """Give a table's columns as arrays; what is missing is NaN."""
+    """Return a table's columns as arrays; what is missing is NaN."""
     columns = {}
     for name in table.column_names:
         values = table.column(name).to_pylist()

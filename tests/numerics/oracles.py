@@ -6,14 +6,14 @@ import numpy as np
 
 
 def exact(values):
-    """Give numbers as an array of Fractions."""
+    """Return numbers as an array of Fractions."""
     values = np.asarray(values)
     whole = np.array([Fraction(value) for value in values.ravel().tolist()], dtype=object)
     return whole.reshape(values.shape)
 
 
 def near(triangles, origin, direction):
-    """Give the triangles that a line passes within a thousandth of, by float64."""
+    """Return the triangles that a line passes within a thousandth of, by float64."""
     corners = triangles - origin
     sides = np.einsum("fkd,d->fk", np.cross(corners, np.roll(corners, -1, axis=1)), direction)
     edges = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2)
@@ -22,7 +22,7 @@ def near(triangles, origin, direction):
 
 
 def exact_first_hits(triangles, origins, directions):
-    """Give the distance of each ray's first hit, rims included, decided in rationals; infinite for a miss."""
+    """Return the distance of each ray's first hit, rims included, decided in rationals; infinite for a miss."""
     rays = zip(origins, directions, strict=True)
     return np.array([float(exact_first_hit(triangles, *ray)) for ray in rays])
 
@@ -42,14 +42,14 @@ def exact_first_hit(triangles, origin, direction):
 
 
 def exact_moments(values):
-    """Give mean, variance (population) and third moment about the mean, as Fractions."""
+    """Return mean, variance (population) and third moment about the mean, as Fractions."""
     values = exact(values)
     mean = values.sum() / len(values)
     return mean, *(((values - mean) ** power).sum() / len(values) for power in (2, 3))
 
 
 def root(fraction):
-    """Give the square root of a Fraction as a float, right to the last bit or so, at any scale."""
+    """Return the square root of a Fraction as a float, right to the last bit or so, at any scale."""
     if fraction == 0:
         return 0.0
     shift = (fraction.numerator.bit_length() - fraction.denominator.bit_length()) // 2
@@ -58,7 +58,7 @@ def root(fraction):
 
 
 def skewness(values):
-    """Give m3 / m2 ** 1.5 from exact moments; 0 for constant values."""
+    """Return m3 / m2 ** 1.5 from exact moments; 0 for constant values."""
     _, second, third = exact_moments(values)
     if second == 0:
         return 0.0

@@ -23,7 +23,7 @@ PARAMETERS = ExperimentParameters.from_mapping(
 
 
 def hard_meshes(generator):
-    """Give meshes that break other tools, as (vertices, faces), by name."""
+    """Return meshes that break other tools, as (vertices, faces), by name."""
     ball, box = trimesh.creation.icosphere(3), trimesh.creation.box((1, 1, 1))
     needle = trimesh.creation.cylinder(1e-6, 2.0, sections=16)
     bar = trimesh.creation.box((0.3, 2, 0.3)).apply_translation((0.2, 0, 0.1))
@@ -80,7 +80,7 @@ def hard_meshes(generator):
 
 
 def moebius_strip():
-    """Give a strip of 59 squares with half a turn, open where its ends would meet."""
+    """Return a strip of 59 squares with half a turn, open where its ends would meet."""
     turn, ring = np.linspace(0, 2 * np.pi, 60, endpoint=False), np.arange(59)
     rims = []
     for aside in (-0.3, 0.3):

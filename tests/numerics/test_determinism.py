@@ -40,7 +40,7 @@ def test_blocks_of_viewpoints_in_any_order_give_the_same_tables(recorder, tmp_pa
 
 
 def version(seed):
-    """Give a table of a megabyte whose every value tells which version it is of."""
+    """Return a table of a megabyte whose every value tells which version it is of."""
     chance = np.random.default_rng(seed)
     found = sorted(chance.bytes(25_000).hex() for _ in range(40))
     return build_table(VERSIONS, {"row": found, "version": str(seed)})

@@ -41,7 +41,7 @@ PROCESSORS = {
 
 
 def run_experiment(file, command=(), **environment):
-    """Give the arrays of a small experiment, as this or another processor makes them."""
+    """Return the arrays of a small experiment, as this or another processor makes them."""
     experiment = str(Path(__file__).with_name("experiment_in_arrays.py"))
     subprocess.run(
         [*command, sys.executable, experiment, str(file), *MESHES],

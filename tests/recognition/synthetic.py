@@ -22,7 +22,7 @@ def features_table(
     separation=1.0,
     seed=0,
 ):
-    """Give `tables.FEATURES` of len(objects) classes with so many objects each."""
+    """Return `tables.FEATURES` of len(objects) classes with so many objects each."""
     generator = np.random.default_rng(seed)
     centres = np.random.default_rng(100).normal(size=(len(objects), 22)) * separation
     owners = [(place, number) for place, count in enumerate(objects) for number in range(count)]
@@ -45,7 +45,7 @@ def features_table(
 
 
 def sequences_of(touches, names, labels, owners, classes):
-    """Give sequences (s, t, k) of numbered objects; one without sequences is of the first class."""
+    """Return sequences (s, t, k) of numbered objects; one without sequences is of the first class."""
     of_object = dict(zip(owners.tolist(), labels.tolist(), strict=True))
     return TouchSequences(
         features=touches,
@@ -61,7 +61,7 @@ def sequences_of(touches, names, labels, owners, classes):
 
 
 def with_column(table, name, values):
-    """Give the table with one column's values replaced."""
+    """Return the table with one column's values replaced."""
     place = table.schema.get_field_index(name)
     return table.set_column(place, table.schema.field(name), [values])
 

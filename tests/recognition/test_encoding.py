@@ -23,7 +23,7 @@ def with_reduction(fitted, reduction):
 
 
 def almost_alike(**som):
-    """Give a touch of each of six objects, sequences of it that differ by rounding, and their encoder."""
+    """Return a touch of each of six objects, sequences of it that differ by rounding, and their encoder."""
     touch = np.random.default_rng(0).normal(size=(6, 22))
     alike = np.repeat(touch[:, None], 5, axis=1)
     alike *= 1 + 1e-15 * np.random.default_rng(1).uniform(-1, 1, alike.shape)

@@ -60,7 +60,7 @@ class _Reader(HTMLParser):
 
 
 def plain(text):
-    """Give a text with breaks allowed at its blanks, as a test writes it."""
+    """Return a text with breaks allowed at its blanks, as a test writes it."""
     return text.replace("\N{NO-BREAK SPACE}", " ")
 
 

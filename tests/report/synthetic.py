@@ -119,7 +119,7 @@ def write_study(folder, name, rows, **columns):
 
 
 def ball(rings):
-    """Give a unit ball, its halves red and blue."""
+    """Return a unit ball, its halves red and blue."""
     found = trimesh.creation.uv_sphere(count=(rings + 1, 2 * rings))
     left = found.triangles_center[:, 0] < 0
     colours = np.where(left[:, None], [255, 0, 0], [0, 0, 255]).astype(np.uint8)
@@ -134,7 +134,7 @@ def png(array):
 
 
 def _shaded_ball():
-    """Give a view of a ball, so that screenshots show something."""
+    """Return a view of a ball, so that screenshots show something."""
     down, across = np.mgrid[-1.2:1.2:48j, -1.2:1.2:48j]
     towards = np.sqrt(np.clip(1 - across**2 - down**2, 0, None))
     light = np.clip(0.25 + 0.75 * (0.5 * towards - 0.4 * across - 0.6 * down), 0, 1)

@@ -72,7 +72,7 @@ def test_a_classifier_without_figures_is_named():
 
 
 def run_of(ranks, distinct=5):
-    """Give a run of one object with touches of these ranks, by viewpoint and strategy."""
+    """Return a run of one object with touches of these ranks, by viewpoint and strategy."""
     mug = {"class": "cup", "object": "mug"}
     rows = [
         {**mug, "viewpoint": viewpoint, "strategy": name, "rank": rank}

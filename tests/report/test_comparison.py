@@ -39,7 +39,7 @@ def cell(mean):
 
 
 def metrics(fixation, random, p_values):
-    """Give metrics of classifiers by their accuracies and p values."""
+    """Return metrics of classifiers by their accuracies and p values."""
     cells = {
         strategy: {name: cell(mean) for name, mean in means.items()}
         for strategy, means in (("fixation", fixation), ("random", random))

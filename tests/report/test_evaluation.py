@@ -10,7 +10,7 @@ from visuohaptic.tables.studies import EVALUATION
 
 
 def evaluation_table():
-    """Give four objects that a model has not learnt, named by 1 view in two ways and by 2, and one of no known class."""
+    """Return four objects that a model has not learnt, named by 1 view in two ways and by 2, and one of no known class."""
     rows = [
         {
             "strategy": "fixation", "classifier": "naive_bayes", "class": category, "object": f"new{place}",

@@ -23,14 +23,14 @@ POINTS = [("1 touch", 0.01, 0.4), ("2 touches", 0.02, 0.5), ("5 touches", 0.1, 0
 
 
 def marks(figure, label):
-    """Give the places of the marks of one series, x and y."""
+    """Return the places of the marks of one series, x and y."""
     (axes,) = figure.axes
     (line,) = (line for line in axes.get_lines() if line.get_label() == label)
     return line.get_xydata()
 
 
 def intervals(figure, axis):
-    """Give the ends of all intervals, along the axis x (0) or y (1)."""
+    """Return the ends of all intervals, along the axis x (0) or y (1)."""
     (axes,) = figure.axes
     paths = [path for lines in axes.collections for path in lines.get_paths()]
     return {tuple(path.vertices[:, axis]) for path in paths}

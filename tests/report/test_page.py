@@ -129,7 +129,7 @@ EARLIER = re.compile(r"(?i)measured on 20\d\d|142 objects|set (benchmark|odd)|un
 
 
 def text_outside_part(source, name):
-    """Give the text of the page without one section."""
+    """Return the text of the page without one section."""
     section = re.compile(rf'<section id="{name}".*?</section>', re.DOTALL)
     assert section.search(source)
     return read_page(section.sub("", source)).text

@@ -15,13 +15,13 @@ from visuohaptic.report.questions import (
 
 
 def run_of(fixation=0.7, random=0.6):
-    """Give the tables of a run; intervals reach 5 points to either side."""
+    """Return the tables of a run; intervals reach 5 points to either side."""
     accuracies = ({SVM: fixation, BAYES: 0.99}, {SVM: random, BAYES: 0.2})
     return pipeline_tables(metrics(*accuracies, {SVM: 0.1, BAYES: 0.5}))
 
 
 def other_strategies(**leads):
-    """Give the table of a run with leads of fixations over other strategies, as (points, p)."""
+    """Return the table of a run with leads of fixations over other strategies, as (points, p)."""
     figures = metrics({SVM: 0.7}, {SVM: 0.6}, {SVM: 0.5})
     compared = figures["comparisons"]["paper"][SVM]
     compared |= {name: lead(mean, p) for name, (mean, p) in leads.items()}

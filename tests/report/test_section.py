@@ -92,7 +92,7 @@ def run(folder):
 
 
 def sources_of(run):
-    """Give what each section that reads tables of the run has read."""
+    """Return what each section that reads tables of the run has read."""
     sections = [section for chapter in chapters_of(run).values() for section in chapter]
     found = {one.name: list(find_sources(one, run, SHOWN)) for one in sections}
     return {name: sources for name, sources in found.items() if sources}

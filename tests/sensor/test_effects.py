@@ -16,7 +16,7 @@ GAPS[0] = 1.0
 
 
 def feel(scene, rows=slice(None), contact=CONTACT, gaps=GAPS):
-    """Give the readings of some touches, and the records by effect."""
+    """Return the readings of some touches, and the records by effect."""
     count = len(contact[rows])
     fields = RandomFields(0, [("touch", k) for k in range(TOUCHES)][rows])
     batch = TouchBatch(scene, gaps[rows], np.full(count, 1e-3), fields)

@@ -143,7 +143,7 @@ def _break(cluster, folder, is_over):
 
 
 def _digests(folder):
-    """Give the SHA-256 of all files that hold no seconds."""
+    """Return the SHA-256 of all files that hold no seconds."""
     files = [
         *(file for table in TABLES for file in (folder / "results" / table).rglob("*.*")),
         folder / "reports/metrics.json",

@@ -8,7 +8,7 @@ GENERATOR = np.random.default_rng(0)
 
 
 def disturbed(value):
-    """Give a result that differs in each call: noise on numbers, and one integer gone."""
+    """Return a result that differs in each call: noise on numbers, and one integer gone."""
     if isinstance(value, np.ndarray):
         return _disturbed_array(value)
     if dataclasses.is_dataclass(value):

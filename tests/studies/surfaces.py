@@ -37,7 +37,7 @@ RUN = ExperimentParameters.from_mapping(
 
 
 def small_surfaces():
-    """Give rings and boxes by their keys."""
+    """Return rings and boxes by their keys."""
     meshes = {}
     for number, width in enumerate((0.15, 0.25, 0.35)):
         meshes[f"ring/ring{number}"] = trimesh.creation.torus(0.6, width, 16, 12)
@@ -46,7 +46,7 @@ def small_surfaces():
 
 
 def surface_of(mesh):
-    """Give a mesh as a surface within the unit sphere, half of it red."""
+    """Return a mesh as a surface within the unit sphere, half of it red."""
     faces = np.asarray(mesh.faces, dtype=np.int64)
     vertices = np.asarray(mesh.vertices, dtype=np.float64)
     colours = np.full((len(faces), 3), 120, dtype=np.uint8)
@@ -55,7 +55,7 @@ def surface_of(mesh):
 
 
 def run_tables(surfaces, parameters=RUN):
-    """Give the locations, touches and features that a run would have made."""
+    """Return the locations, touches and features that a run would have made."""
     viewpoints = range(parameters.viewpoints.total)
     made = [
         run(Subject(key, partial(RayCaster, surface), viewpoints), parameters)

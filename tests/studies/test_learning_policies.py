@@ -97,7 +97,7 @@ def importable(monkeypatch):
 
 
 def leak(is_first_only):
-    """Give a policy that keeps the classes of training objects, and knows the objects by their poses."""
+    """Return a policy that keeps the classes of training objects, and knows the objects by their poses."""
     classes = {}
 
     def fit(lessons, *_):
@@ -288,7 +288,7 @@ def test_a_bound_that_is_no_positive_number_is_one_sentence():
 
 @pytest.fixture
 def registered(monkeypatch):
-    """Give the registry, which is as before after the test."""
+    """Return the registry, which is as before after the test."""
     entries = {one.name: one for one in LEARNING_POLICIES}
     monkeypatch.setattr(LEARNING_POLICIES, "_entries", dict(entries))
     return LEARNING_POLICIES

@@ -27,7 +27,7 @@ def rogue(view, touches):
 
 @pytest.fixture
 def recomputed(monkeypatch, tmp_path):
-    """Give a function that measures strategies on recomputed features."""
+    """Return a function that measures strategies on recomputed features."""
     for name, next_location in (("walk", walk), ("rogue", rogue), ("villain", rogue)):
         monkeypatch.setitem(STRATEGIES._entries, name, Policy(name, name, next_location))
     sources = Sources(write_meshes(tmp_path, small_surfaces()))

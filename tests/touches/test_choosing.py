@@ -14,7 +14,7 @@ from visuohaptic.touches.choosing import Wanted, choose_locations, touched_locat
 
 
 def located(*reached, strategy="fixation"):
-    """Give a sequence for each argument; a place is in reach where its letter is `o`."""
+    """Return a sequence for each argument; a place is in reach where its letter is `o`."""
     parts = []
     for viewpoint, letters in enumerate(reached):
         points = np.zeros((len(letters), 3))

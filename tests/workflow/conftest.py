@@ -94,7 +94,7 @@ class Experiment:
 
 @pytest.fixture(scope="session")
 def once(tmp_path_factory):
-    """Give what makes an experiment once for all processes of pytest-xdist."""
+    """Return what makes an experiment once for all processes of pytest-xdist."""
     root = tmp_path_factory.getbasetemp()
     root = root.parent if "PYTEST_XDIST_WORKER" in os.environ else root
 

@@ -53,7 +53,7 @@ def gone(content):
 
 
 def cells(**values):
-    """Give an edit of the row of one object in a CSV file: values by column."""
+    """Return an edit of the row of one object in a CSV file: values by column."""
 
     def edit(content):
         rows = pd.read_csv(io.BytesIO(content), dtype=str, keep_default_na=False)

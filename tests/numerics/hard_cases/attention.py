@@ -20,7 +20,7 @@ SIZE = 64
 
 
 def flat_view(colour, mask, curvature=None):
-    """Give the arrays of `attend` for a flat panel of width 2, seen head on."""
+    """Return the arrays of `attend` for a flat panel of width 2, seen head on."""
     rows, columns = mask.shape
     y, x = np.mgrid[:rows, :columns]
     point = np.stack([2 * x / columns - 1, 1 - 2 * y / columns, np.zeros_like(x)], axis=-1)
@@ -59,7 +59,7 @@ def judge(found, mask, label, parameters):
 
 
 def hard_masks(generator):
-    """Give silhouettes that leave little to look at, shape (SIZE, SIZE), by name."""
+    """Return silhouettes that leave little to look at, shape (SIZE, SIZE), by name."""
     row, column = np.indices((SIZE, SIZE))
     aside = np.hypot(row - 31.5, column - 31.5)
     return {
@@ -71,7 +71,7 @@ def hard_masks(generator):
 
 
 def hard_colours(generator):
-    """Give colours in which nothing stands out, or that hardly fit into float32, by name."""
+    """Return colours in which nothing stands out, or that hardly fit into float32, by name."""
     shape = (SIZE, SIZE, 3)
     peak, plateau = np.full(shape, 0.5), np.full(shape, 0.2)
     peak[30, 30] = 1.0
@@ -151,7 +151,7 @@ def way_of_the_eye(saliency, mask, places, parameters):
 
 
 def drive_at_first(saliency, mask):
-    """Give how far pixels lie inside the outline, and what drives the eye before any fixation."""
+    """Return how far pixels lie inside the outline, and what drives the eye before any fixation."""
     depth = ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
     return depth, saliency.astype(float) + INWARD_WEIGHT * depth / depth.max()
 

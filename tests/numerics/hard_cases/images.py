@@ -21,7 +21,7 @@ SIDE = 32
 
 
 def hard_images(side):
-    """Give images, shape (side, side), that an image transform may lose digits in, by name."""
+    """Return images, shape (side, side), that an image transform may lose digits in, by name."""
     generator = np.random.default_rng(2)
     one_pixel = np.zeros((side, side))
     one_pixel[13, 7] = 1.0
@@ -42,7 +42,7 @@ def hard_images(side):
 
 @cache
 def exact_bank(side):
-    """Give the transform's definition as whole numbers: (pixels, coefficients), unit, band sizes.
+    """Return the transform's definition as whole numbers: (pixels, coefficients), unit, band sizes.
 
     The matrix is made by the second implementation of the tests, not by the library.
     """
@@ -55,14 +55,14 @@ def exact_bank(side):
 
 
 def whole_numbers(values):
-    """Give Python integers and a power of two that they are to be divided by; nothing is rounded."""
+    """Return Python integers and a power of two that they are to be divided by; nothing is rounded."""
     exact = oracles.exact(values)
     unit = max(value.denominator for value in exact.flat)
     return np.frompyfunc(int, 1, 1)(exact * unit), unit
 
 
 def exact_bands(image):
-    """Give the bands of an image by the definition, in exact rationals."""
+    """Return the bands of an image by the definition, in exact rationals."""
     matrix, unit, sizes = exact_bank(len(image))
     pixels, own = whole_numbers(image.ravel())
     products = np.array([Fraction(whole, unit * own) for whole in pixels @ matrix])
@@ -70,7 +70,7 @@ def exact_bands(image):
 
 
 def exact_deviation(band):
-    """Give the sample deviation of a band."""
+    """Return the sample deviation of a band."""
     offsets = band - band.sum() / len(band)
     return oracles.root((offsets**2).sum() / (len(band) - 1))
 
@@ -90,7 +90,7 @@ def bands(_):
 
 
 def off(found, wanted):
-    """Give how far numbers are from exact rationals."""
+    """Return how far numbers are from exact rationals."""
     return np.abs(oracles.exact(found) - wanted).astype(float)
 
 

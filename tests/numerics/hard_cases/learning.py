@@ -20,7 +20,7 @@ MAY_BE_REFUSED = "one sample a class", "all samples identical", "features that v
 
 
 def hard_samples(generator):
-    """Give features, shape (n, d), and classes that are hard to learn from, by name."""
+    """Return features, shape (n, d), and classes that are hard to learn from, by name."""
     labels = np.arange(40) % 4
     plain = generator.normal(size=(40, 6)) + 3 * labels[:, None] * generator.normal(size=6)
     few = generator.normal(size=(8, 60))
@@ -125,7 +125,7 @@ def feature_units(generator):
 
 
 def degenerate_sequences(generator):
-    """Give touch sequences, shape (n, touches, 22), most of whose features hardly vary, by name; and classes."""
+    """Return touch sequences, shape (n, touches, 22), most of whose features hardly vary, by name; and classes."""
     values, labels = draw_sequences(generator)
     # Normals of a box are axes, and its flat imprints have no deviation in any sub-band.
     boxes = values.copy()

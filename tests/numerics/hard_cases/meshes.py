@@ -27,7 +27,7 @@ TOKENS = (
 
 @cache
 def whole_files(suffix):
-    """Give whole files of a format."""
+    """Return whole files of a format."""
     coloured = trimesh.creation.box()
     coloured.visual.face_colors = np.arange(12)[:, None] * [20, 10, 5, 0] + [0, 0, 0, 255]
     meshes = [trimesh.creation.box(), trimesh.creation.icosphere(1), coloured]

@@ -27,7 +27,7 @@ def press(surface, point, normal, **changes):
 
 
 def wall(slope_right, slope_up):
-    """Give z = height(x, y) as a tilted wall that faces +z, and the height over x and y down."""
+    """Return z = height(x, y) as a tilted wall that faces +z, and the height over x and y down."""
 
     def height(x, down):
         return slope_right * x - slope_up * down

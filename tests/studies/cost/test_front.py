@@ -41,7 +41,7 @@ RENDER = '{"rendering.resolution": 64}'
 
 
 def cost_rows(points, failed=()):
-    """Give rows of (setting, seconds, error, other columns), then of the names of failed settings."""
+    """Return rows of (setting, seconds, error, other columns), then of the names of failed settings."""
     first = min((time for _, time, *_ in points), default=None)
     rows = []
     for place, (name, time, error, *others) in enumerate(points):
@@ -57,7 +57,7 @@ def cost_rows(points, failed=()):
 
 
 def cost_table(points, failed=()):
-    """Give `tables.COST` of the same."""
+    """Return `tables.COST` of the same."""
     return build_rows(COST, cost_rows(points, failed))
 
 
@@ -96,7 +96,7 @@ AROUND = [0.095, 0.11, 0.1, 0.101]
 
 
 def rows_of(touches, accuracies, times):
-    """Give rows of settings by the accuracies of objects, and by seconds of four objects that differ a lot."""
+    """Return rows of settings by the accuracies of objects, and by seconds of four objects that differ a lot."""
     settings = [Setting("touches", str(place), place, one) for place, one in enumerate(touches)]
     taken = np.stack([np.multiply(time, [0.2, 0.9, 1.0, 3.0]) for time in times])
     cells = [cell(one) for one in accuracies]

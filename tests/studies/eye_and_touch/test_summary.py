@@ -28,7 +28,7 @@ TOUCHES = 2
 
 
 def rows_of(key, accuracy, seconds):
-    """Give two objects of each of two splits, a trial of each is surely right or wrong."""
+    """Return two objects of each of two splits, a trial of each is surely right or wrong."""
     for split, share in enumerate(accuracy):
         gaps = [0.0] * 9 + [4 * (share - 1)]
         for number in range(2):
@@ -36,7 +36,7 @@ def rows_of(key, accuracy, seconds):
 
 
 def table_of(accuracy_of):
-    """Give a table whose accuracy is a function of sight, answer, strategy and touches."""
+    """Return a table whose accuracy is a function of sight, answer, strategy and touches."""
     touches, strategies = range(1, TOUCHES + 1), (*STRATEGIES, ADAPTIVE)
     keys = [
         *((sight, cue, "none", 0, None, 0.5) for sight in SIGHTS for cue in CUES),

@@ -41,7 +41,7 @@ RUN = ExperimentParameters.from_mapping(
 
 @pytest.fixture(scope="module")
 def sensed():
-    """Give classes apart in the view and, less so, in touch: views of noise in every sight but the first."""
+    """Return classes apart in the view and, less so, in touch: views of noise in every sight but the first."""
     touches = most_touches(RUN)
     recognition = RUN.recognition.model_copy(update={"touches": touches})
     tables = [

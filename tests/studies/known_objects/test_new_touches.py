@@ -43,7 +43,7 @@ def test_objects_that_feel_apart_are_told_apart_and_others_are_not(separation, l
 
 
 def _objects_of_views(table, generator):
-    """Give the sequences of each viewpoint to the objects anew."""
+    """Assign the sequences of each viewpoint to other objects."""
     classes = np.array(table["class"].to_pylist(), dtype=object)
     viewpoint = table["viewpoint"].to_numpy()
     names = np.unique(classes)

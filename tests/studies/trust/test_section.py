@@ -12,7 +12,7 @@ from visuohaptic.tables.schema import build_table, write_table
 
 
 def trust_table(fits=(0.05, 0.15, 0.45, 0.95), strange=(0.25, 0.65, 0.95, 1.0), candidates=1):
-    """Give two strategies that name each of `fits` known and of `strange` unknown objects by 4 views."""
+    """Return two strategies that name each of `fits` known and of `strange` unknown objects by 4 views."""
     rows = [
         {
             "strategy": strategy, "classifier": "naive_bayes", "left_out": left_out,

@@ -25,7 +25,7 @@ ALL_ACQUIRED = dict.fromkeys(scored_variants(), 1.0)
 
 
 def cells(accuracy, variants=VARIANTS):
-    """Give cells in which a variant has the accuracy that `accuracy` gives for its options."""
+    """Return cells in which a variant has the accuracy that `accuracy` gives for its options."""
     around = np.linspace(-0.1, 0.1, len(OBJECTS))
     return {
         (variant.name, "paper", strategy, classifier): Cell(

@@ -14,7 +14,7 @@ def evidence_of(objects, variant, mean, width):
 
 
 def four(*differences, width=0.03):
-    """Give the default and the literal variant on both sets; None is not measured."""
+    """Return the default and the literal variant on both sets; None is not measured."""
     places = itertools.product(SETS, ("default", "literal"))
     found = zip(places, differences, strict=True)
     return [evidence_of(*place, mean, width) for place, mean in found if mean is not None]

@@ -67,7 +67,7 @@ def made(features, tmp_path_factory):
 
 
 def by_hand(features, strategy, reduce_touches, mode, approximations, classifier):
-    """Give the accuracy of every split, without a line of the package but its table reader."""
+    """Return the accuracy of every split, without a line of the package but its table reader."""
     table = read_table(FEATURES, features)
     table = table.filter(pa.compute.equal(table.column("strategy"), strategy))
     rows = matrix(table, [*CONTOURLET_FEATURES, *KINESTHETIC_FEATURES]).reshape(-1, 5, 22)
@@ -86,7 +86,7 @@ def by_hand(features, strategy, reduce_touches, mode, approximations, classifier
 
 
 def describe(sequence, mode, approximations):
-    """Give deviation, rms and skewness of five sequences and of three levels of each."""
+    """Return deviation, rms and skewness of five sequences and of three levels of each."""
     found = []
     for signal in sequence.T:
         levels, rest = [signal], signal
