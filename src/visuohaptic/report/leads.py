@@ -7,17 +7,17 @@ literal variant of the paper are kept with the package (`draws` and `turned`).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 
-from visuohaptic.evaluation.draws import LeadOverDraws, ObjectAccuracies, in_common, lead_over_draws
+from visuohaptic.evaluation.draws import ObjectAccuracies, in_common, lead_over_draws
 from visuohaptic.evaluation.intervals import compare_paired, holm
 from visuohaptic.evaluation.leads import LEADS, LEADS_OF, LeadName, Question
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import IntervalParameters
-from visuohaptic.report.draws import kept_accuracies, read_kept, tested_accuracies
+from visuohaptic.report.draws import KeptSet, kept_accuracies, read_kept, tested_accuracies
 from visuohaptic.report.estimates import Figure, both_intervals, estimate
 from visuohaptic.report.estimates import lead as lead_figure
 from visuohaptic.report.estimates import measured as measured_figure
@@ -28,7 +28,6 @@ from visuohaptic.report.turned import (
     STATISTICS,
     TRAINED_UPRIGHT,
     Known,
-    TurnedCell,
     TurnedSet,
     read_turned,
 )
@@ -57,6 +56,19 @@ PLACES: Mapping[str, str] = {
 
 _PIPELINES = ("paper", "literal", "order_free")
 _LEFT_OUT = (STATISTICS, TRAINED_UPRIGHT)
+
+
+_Condition = tuple[str, Turns, Known]
+"""Pipeline, turns, and known part of the frame."""
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """The accuracies of a strategy: means over `count` draws, and each draw if all were kept."""
+
+    mean: ObjectAccuracies
+    count: int
+    draws: Sequence[ObjectAccuracies] = ()
 
 
 @dataclass(frozen=True)
@@ -177,35 +189,17 @@ def read_kept_leads(intervals: IntervalParameters, name: str = LARGEST_SET) -> K
     over draws of the turns. Raises `ReportError` if a kept file is damaged.
     """
     drawn, turned = read_kept().get(name), read_turned().get(name)
-    leads: list[Lead] = []
+    by_condition: dict[_Condition, dict[str, _Measured]] = {}
     if drawn is not None:
-        for pipeline in sorted(drawn.pipelines, key=_PIPELINES.index):
-            measured = kept_accuracies(drawn, pipeline)
-            for lead, (plus, minus) in LEADS.items():
-                if plus in measured and minus in measured:
-                    pair = measured[plus].mean, measured[minus].mean
-                    over_draws = lead_over_draws(pair[0], measured[minus].draws)
-                    leads.append(
-                        _lead(lead, (pipeline, "none", "full"), over_draws, pair, intervals)
-                    )
+        by_condition |= _of_draws(drawn)
     if turned is not None:
-        upright = {lead.pipeline for lead in leads}
-        cells = _cells_by_condition(turned.cells)
-        for (pipeline, turns, known), by_strategy in cells.items():
-            if (turns, known) == ("none", "full") and pipeline in upright:
-                continue
-            for lead, (plus, minus) in LEADS.items():
-                if plus in by_strategy and minus in by_strategy:
-                    pair = (
-                        _tested(turned, by_strategy[plus]),
-                        _tested(turned, by_strategy[minus]),
-                    )
-                    leads.append(
-                        replace(
-                            _lead(lead, (pipeline, turns, known), None, pair, intervals),
-                            draws=by_strategy[minus].draws,
-                        )
-                    )
+        by_condition = {**_of_turns(turned), **by_condition}
+    leads = [
+        _lead(lead, condition, measured[plus], measured[minus], intervals)
+        for condition, measured in by_condition.items()
+        for lead, (plus, minus) in LEADS.items()
+        if plus in measured and minus in measured
+    ]
     if not leads:
         return None
     dates = tuple(sorted({kept.date for kept in (drawn, turned) if kept is not None}))
@@ -355,44 +349,52 @@ def _salience(found: Verdict) -> str:
     return f"{helps}. In none of {count} are fixations ahead of random places in sight{excluded}{behind}"
 
 
-def _cells_by_condition(
-    cells: Sequence[TurnedCell],
-) -> dict[tuple[str, Turns, Known], dict[str, TurnedCell]]:
-    found: dict[tuple[str, Turns, Known], dict[str, TurnedCell]] = {}
-    for cell in cells:
+def _of_draws(kept: KeptSet) -> dict[_Condition, dict[str, _Measured]]:
+    """Return the accuracies of upright objects, by condition and strategy."""
+    return {
+        (pipeline, "none", "full"): {
+            strategy: _Measured(drawn.mean, len(drawn.draws), drawn.draws)
+            for strategy, drawn in kept_accuracies(kept, pipeline).items()
+        }
+        for pipeline in kept.pipelines
+    }
+
+
+def _of_turns(kept: TurnedSet) -> dict[_Condition, dict[str, _Measured]]:
+    """Return the accuracies of turned objects after `HEADLINE_TOUCHES`, by condition and strategy."""
+    found: dict[_Condition, dict[str, _Measured]] = {}
+    for cell in kept.cells:
         if cell.touches == HEADLINE_TOUCHES and cell.known not in _LEFT_OUT:
-            found.setdefault((cell.pipeline, cell.turns, cell.known), {})[cell.strategy] = cell
+            mean = tested_accuracies(kept.objects, cell.accuracy, cell.weights)
+            by_strategy = found.setdefault((cell.pipeline, cell.turns, cell.known), {})
+            by_strategy[cell.strategy] = _Measured(mean, cell.draws)
     return found
-
-
-def _tested(kept: TurnedSet, cell: TurnedCell) -> ObjectAccuracies:
-    return tested_accuracies(kept.objects, cell.accuracy, cell.weights)
 
 
 def _lead(
     name: LeadName,
-    condition: tuple[str, Turns, Known],
-    over_draws: LeadOverDraws | None,
-    pair: tuple[ObjectAccuracies, ObjectAccuracies],
+    condition: _Condition,
+    first: _Measured,
+    second: _Measured,
     intervals: IntervalParameters,
 ) -> Lead:
-    first, second = in_common(*pair)
-    compared = compare_paired(
-        first.accuracy, second.accuracy, first.weights, intervals, first.classes
-    )
-    categories = np.array(first.classes)
+    """Compute a lead; the objects that both strategies tested are not empty."""
+    plus, minus = in_common(first.mean, second.mean)
+    compared = compare_paired(plus.accuracy, minus.accuracy, plus.weights, intervals, plus.classes)
+    categories = np.array(plus.classes)
     by_class = {}
     for category in np.unique(categories).tolist():
         rows = categories == category
         of_class = compare_paired(
-            first.accuracy[rows], second.accuracy[rows], first.weights[rows], intervals
+            plus.accuracy[rows], minus.accuracy[rows], plus.weights[rows], intervals
         )
         by_class[category] = estimate(of_class.difference)
+    over_draws = lead_over_draws(first.mean, second.draws) if second.draws else None
     return Lead(
         name,
         *condition,
-        over_draws.count if over_draws else 1,
-        len(first.objects),
+        second.count,
+        len(plus.objects),
         lead_figure(compared),
         over_draws.standard_deviation if over_draws else 0.0,
         by_class,
