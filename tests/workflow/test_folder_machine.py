@@ -140,7 +140,7 @@ def test_a_study_leaves_the_report_with_its_values_and_comes_back_with_them(fold
     folder.set_parameter({"sensor": {"largest_size": 0.25}})
     said = folder.snakemake("all").stdout
     assert "The report leaves out study palm" in said
-    assert "`snakemake -j2 study_palm` measures again" in said
+    assert "`snakemake -j2 study_palm` measures with today's values" in said
     folder.check("all")
     assert not figures.exists()
     folder.set_parameter({"sensor": {"largest_size": 0.3}})

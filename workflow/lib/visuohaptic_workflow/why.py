@@ -62,10 +62,9 @@ def lines_of_sweep(sweep: Sweep, left_out: Sequence[str] = (), *, is_done: bool)
         lines.append(f"{bring} {_files(sweep.returned.values())} back from {STORE}.")
     if left_out:
         targets = " ".join(f"study_{name}" for name in left_out)
-        studies = f"{'study' if len(left_out) == 1 else 'studies'} {', '.join(left_out)}"
+        studies = "study" if len(left_out) == 1 else "studies"
         lines.append(
-            f"The report leaves out {studies}, which {'is' if len(left_out) == 1 else 'are'} of former values: "
-            f"`snakemake -j2 {targets}` measures again."
+            f"The report leaves out {studies} {', '.join(left_out)}: `snakemake -j2 {targets}` measures with today's values."
         )
     return lines
 
