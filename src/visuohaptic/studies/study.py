@@ -123,7 +123,8 @@ class Step:
         The files to write. With ``{condition}`` or ``{pipeline}`` in all names, the step has one job per value.
     takes : tuple of str
         Inputs: tables of the run (``meshes``, ``fixations``, ``features``, ``predictions``), ``blocks`` of the
-        conditions, ``recomputed_features``, and files of steps of any study. If a step takes ``predictions``, the blocks leave out conditions that `conditions.is_measured_by_run` finds in the run. If the study measures
+        conditions, ``recomputed_features``, and files of steps of any study. If a step takes ``predictions``, the
+        blocks leave out conditions that `conditions.is_measured_by_run` finds in the run. If the study measures
         only a sample of the objects, ``predictions`` is empty and the blocks are complete. A step with
         ``{condition}`` ignores `takes`: it gets the ``features`` and ``recomputed_features`` of its condition.
     takes_where : mapping of str to str

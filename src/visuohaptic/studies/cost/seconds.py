@@ -78,10 +78,8 @@ def fit_settings(
     Settings that differ only in viewpoints or strategy share a model. The time of a prediction depends on the model's
     size, and the size does not depend on the strategy of the training touches.
     """
-    run, features = (
-        step.run,
-        features_by_key(step.inputs["features"], step.recomputed_features, step.objects),
-    )
+    run = step.run
+    features = features_by_key(step.inputs["features"], step.recomputed_features, step.objects)
     conditions = plan_study(study, run).conditions
     models: dict[tuple[str, str], RecognitionModel | None] = {}
     settings_with_model: list[FittedSetting] = []
