@@ -3,7 +3,7 @@
 from recognition.synthetic import features_table
 
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.recognition.model_files import make_model
+from visuohaptic.recognition.model_of_run import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import join_parts, write_table

@@ -18,7 +18,7 @@ from visuohaptic.exploration.quarter_turns import (
 from visuohaptic.exploration.recognising import note_on_few_objects
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.model import ModelAnswer, fit_model
-from visuohaptic.recognition.model_files import make_model
+from visuohaptic.recognition.model_of_run import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic.recognition.stored_models import load_model
 from visuohaptic.tables.phases import FEATURES

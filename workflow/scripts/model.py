@@ -3,7 +3,7 @@
 import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports that take time
 
 # isort: split
-from visuohaptic.recognition.model_files import make_model
+from visuohaptic.recognition.model_of_run import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters
 from visuohaptic_workflow.jobs import job
 
