@@ -119,7 +119,7 @@ def test_files_of_the_user_stay_and_what_is_no_longer_named_is_put_aside(stand_i
     assert "gone was left out" not in output
     assert all(file.read_text() == "mine" for file in mine)
     assert not [*results.rglob("random.parquet"), *results.rglob("00-01.parquet")]
-    assert re.search(r"Moved \d+ stale files to \.cache/tables\.", output)
+    assert re.search(r"Moved \d+ former files to \.cache/tables\.", output)
     assert list((stand_in.folder / ".cache/tables").rglob("random.parquet"))
     assert list((stand_in.folder / ".cache/aside").rglob("gone.ply"))
 

@@ -54,7 +54,7 @@ def lines_of_sweep(sweep: Sweep, left_out: Sequence[str] = (), *, is_done: bool)
     move, bring = ("Moved", "Brought") if is_done else _OF_THE_NEXT_RUN
     lines = []
     if sweep.stored:
-        lines.append(f"{move} {_files(sweep.stored.values(), 'stale ')} to {STORE}.")
+        lines.append(f"{move} {_files(sweep.stored.values(), 'former ')} to {STORE}.")
     if sweep.aside:
         files = f"{_files([sweep.aside])} without a fitting record, such as {sweep.aside[0]},"
         lines.append(f"{move} {files} to {ASIDE}.")
