@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
 
@@ -21,8 +22,8 @@ from visuohaptic.report.turned import KNOWN, POSES
 from visuohaptic.report.wording import probability
 
 PAGE = Path(__file__).parent / "README.md"
-SETS = ("benchmark",)
-"""Sets of objects with tables on the page."""
+SETS = {"benchmark": TOUCHES, "paper": (1, 2)}
+"""Sets of objects with tables on the page, and the numbers of touches in the table of leads."""
 RIVALS = ("random_visible", *RULES)
 """Opponents of strategy `human`."""
 
@@ -36,7 +37,7 @@ def blocks(name: str, rows: pd.DataFrame) -> dict[str, str]:
     return {
         f"sentence {name}": textwrap.fill(f"{sentence(rows)}.", 100, break_on_hyphens=False),
         f"accuracies {name}": accuracy_table(rows),
-        f"leads {name}": lead_table(rows),
+        f"leads {name}": lead_table(rows, SETS[name]),
         f"parts {name}": part_table(rows),
     }
 
@@ -59,14 +60,14 @@ def accuracy_table(rows: pd.DataFrame) -> str:
     return table(heads, lines)
 
 
-def lead_table(rows: pd.DataFrame) -> str:
+def lead_table(rows: pd.DataFrame, numbers_of_touches: Sequence[int]) -> str:
     """Return the lead of strategy `human` over each rival by measured setting; p values are corrected for the whole table."""
     settings = [
         Place(pipeline, touches, turns, known)
         for turns, frames in FRAMES.items()
         for known in frames
         for pipeline in (PIPELINES if known == "full" else ("order_free",))
-        for touches in TOUCHES
+        for touches in numbers_of_touches
     ]
     settings = [one for one in settings if measured(rows, "human", one)]
     cells = list(product(settings, RIVALS))
@@ -121,7 +122,8 @@ def sentence(rows: pd.DataFrame) -> str:
     answer = "Yes, on upright objects" if _sign(gaze) > 0 else "Not shown"
     beside = {1: "worse", 0: "as well, as far as is shown", -1: "better"}[_sign(highest)]
     saliency = "help" if _sign(channels) > 0 else "do not help"
-    stands = "stands" if _sign(later) > 0 else "is no longer shown"
+    gone = "is no longer shown" if _sign(gaze) > 0 else "is not shown either"
+    stands = "stands" if _sign(later) > 0 else gone
     return (
         f"{answer}. With one touch where people are predicted to look, {share(right)} of the views are right in our pipeline; "
         f"the lead over random places in sight is {_both(gaze)}. The highest visible place, a rule without a model, does "
