@@ -9,6 +9,7 @@ from visuohaptic.recognition.self_organising_map import (
     ORDERING_EPOCHS,
     RADII,
     _principal_weights,
+    _weighted_means,
     fit_batch_map,
     fit_map,
     fit_online_map,
@@ -114,3 +115,11 @@ def test_an_online_map_is_fitted_each_time():
     data = touches()
     maps = [fit_map(data, line(5), "online", np.random.default_rng(seed)) for seed in range(2)]
     assert (maps[0].weights != maps[1].weights).any()
+
+
+def test_a_unit_that_no_touch_reaches_keeps_its_weights():
+    data, previous = touches(10, 3), np.arange(9.0).reshape(3, 3) + 1
+    # Each unit is its only neighbour, and the first unit is nearest to every touch.
+    weights = _weighted_means(data, np.zeros(10, dtype=int), np.eye(3), previous)
+    np.testing.assert_allclose(weights[0], data.mean(axis=0), rtol=1e-12)
+    np.testing.assert_array_equal(weights[1:], previous[1:])
