@@ -1,6 +1,8 @@
 """Any classifier is evaluated on the experiment's own protocol."""
 
 from functools import cache
+from itertools import accumulate, cycle
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
@@ -18,6 +20,8 @@ from sklearn.svm import SVC, SVR
 
 import visuohaptic as vh
 from visuohaptic.base.errors import ParameterError, RecognitionError
+from visuohaptic.evaluation import evaluating
+from visuohaptic.evaluation.evaluating import Seconds
 from visuohaptic.evaluation.summary import summarise
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.experiment import run_pipeline
@@ -47,6 +51,17 @@ def test_a_registered_classifier_has_the_figures_of_the_experiment(features):
     )
     assert found.splits == figure["splits"]
     assert set(found.by_object) == set(figure["by_object"])
+
+
+def test_seconds_of_fits_and_of_predictions_are_summed_over_splits(features, monkeypatch):
+    # Each split reads the clocks at its start, after the fit and at its end.
+    processor, wall = (accumulate(cycle((step, 2 * step, 3 * step))) for step in (1.0, 10.0))
+    clocks = {"process_time": processor.__next__, "perf_counter": wall.__next__}
+    monkeypatch.setattr(evaluating, "time", SimpleNamespace(**clocks))
+    found = vh.evaluate(SVM, features, FEW)
+    assert found.splits > 1
+    assert found.fit == Seconds(2.0 * found.splits, 20.0 * found.splits)
+    assert found.predict == Seconds(3.0 * found.splits, 30.0 * found.splits)
 
 
 @pytest.mark.parametrize("given", [lambda table: table, lambda table: table.to_pandas()])

@@ -147,6 +147,8 @@ def test_a_face_has_the_smaller_of_the_folds_on_its_two_sides(degrees, random):
         ([0, 20, 40, 60, 80], [100, 160, 160, 160, 100]),
         ([5, 5, 5], [180, 180, 180]),
         ([0, 1e-4, 180.0, 180.0001], [0, 0, 0, 0]),
+        # Faces that differ by less than a thousandth of a radian are one sheet, whichever lies between.
+        ([0, 0.02, 0.04, 180], [0, 0, 0, 0]),
     ],
 )
 def test_folds_of_known_edges(degrees, folds):
