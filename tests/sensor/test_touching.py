@@ -209,3 +209,14 @@ def test_the_largest_depth_range_is_no_limit():
     assert deep.contact_state[0] == "full"
     assert (shallow.images == 0).any()
     assert shallow.contact_state[0] == "partial"
+
+
+@pytest.mark.parametrize(("share", "state"), [(0.999, "full"), (1.001, "partial")])
+def test_a_touch_is_partial_from_the_depth_range_downwards(share, state):
+    depth = 0.1
+    step = joined(
+        box((-0.5, -0.6, -0.5), (0.03, 0, 0.5)),
+        box((0.03, -0.6, -0.5), (0.5, -share * depth, 0.5)),
+    )
+    touches = touch_one(step, (0, 0, 0), (0, 1, 0), depth_range=depth)
+    assert touches.contact_state.tolist() == [state]
