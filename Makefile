@@ -15,7 +15,7 @@ PEER ?=
 PANDOC ?= pandoc
 export VENV := .venv
 PACKAGES := $(VENV)/.packages
-PROJECTS := pyproject.toml packages/contourlets/pyproject.toml
+PROJECTS := pyproject.toml packages/contourlets/pyproject.toml packages/meshreaders/pyproject.toml
 READY := $(VENV)/.ready
 DEVELOP := $(VENV)/.ready-to-develop
 RUN := snakemake
@@ -25,7 +25,7 @@ ASK := snakemake --list-rules --quiet --workflow-profile none
 INSTALLED := .venv-run
 OUTER_PATH := $(PATH)
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
-export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/packages/contourlets/src:$(CURDIR)/workflow/lib:$(CURDIR)/studies
+export PYTHONPATH := $(CURDIR)/src:$(CURDIR)/packages/contourlets/src:$(CURDIR)/packages/meshreaders/src:$(CURDIR)/workflow/lib:$(CURDIR)/studies
 
 report: $(READY)
 	@$(RUN) --cores $(JOBS)
@@ -183,16 +183,16 @@ format: $(DEVELOP)
 	ruff check --fix .
 	snakefmt Snakefile workflow/Snakefile workflow/rules
 
-# What a release consists of: sources of both distributions and the wheels that are built from them, tried without the
+# What a release consists of: sources of all distributions and the wheels that are built from them, tried without the
 # clone's own sources.
 wheels: $(DEVELOP)
 	rm -rf dist
-	for project in packages/contourlets .; do (cd $$project && hatchling build -t sdist -d "$(CURDIR)/dist"); done
+	for project in packages/contourlets packages/meshreaders .; do (cd $$project && hatchling build -t sdist -d "$(CURDIR)/dist"); done
 	mkdir dist/unpacked && for source in dist/*.tar.gz; do tar -xzf $$source -C dist/unpacked; done
 	for project in dist/unpacked/*; do (cd $$project && hatchling build -t wheel -d "$(CURDIR)/dist"); done
 	pip install --quiet --no-deps --no-index --target dist/installed dist/*.whl
-	PYTHONPATH="$(CURDIR)/dist/installed" python -m pytest -o "pythonpath=tests packages/contourlets/tests" \
-	  -m "not slow and not long" tests/exploration tests/evaluation/test_evaluating.py packages/contourlets/tests
+	PYTHONPATH="$(CURDIR)/dist/installed" python -m pytest -o "pythonpath=tests packages/contourlets/tests packages/meshreaders/tests" \
+	  -m "not slow and not long" tests/exploration tests/evaluation/test_evaluating.py packages/contourlets/tests packages/meshreaders/tests
 	PYTHONPATH="$(CURDIR)/dist/installed" python -m pytest -o pythonpath=tests --confcutdir tests/installed tests/installed/tour_from_wheels.py
 
 # Copies version, date, address and authors of release/facts.yaml to every file that has them.
@@ -208,7 +208,8 @@ paper:
 # Pins every package with its hashes; needs `uv` on PATH. requirements.lock is what runs, requirements-dev.lock
 # adds what tests: it is made first, as what runs must have versions that fit the tests' packages, too.
 PIN := uv pip compile --quiet pyproject.toml --group build --universal --python-version 3.11 --generate-hashes \
-  --no-annotate --no-emit-package contourlets --custom-compile-command "make lock"
+  --no-annotate --no-emit-package contourlets --no-emit-package meshreaders \
+  --custom-compile-command "make lock"
 lock:
 	$(PIN) --extra dev --output-file requirements-dev.lock
 	$(PIN) --extra workflow --constraint requirements-dev.lock --output-file requirements.lock

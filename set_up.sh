@@ -80,7 +80,7 @@ case $1 in
     ;;
   package)
     echo "Adding visuohaptic, and loading each package once: half a minute."
-    run_pip --quiet --no-build-isolation --editable ./packages/contourlets --editable .
+    run_pip --quiet --no-build-isolation --editable ./packages/contourlets --editable ./packages/meshreaders --editable .
     compile "snakemake.cli, snakemake.report, snakemake.script, snakemake.workflow, nbformat, yaml" &
     compile "cv2, jinja2, matplotlib.pyplot, pandas, pyarrow.parquet, pywt, scipy.stats, sklearn.tree, skops.io, trimesh"
     wait

@@ -4,4 +4,5 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-sys.path += [str(ROOT / "tests"), str(ROOT / "packages/contourlets/tests")]
+FOLDERS = ("tests", "packages/contourlets/tests", "packages/meshreaders/tests")
+sys.path += [str(ROOT / folder) for folder in FOLDERS]

@@ -92,7 +92,13 @@ def measure(folder: Path, *options: str) -> dict[str, float]:
 def _environment(jobs: Path) -> dict[str, str]:
     """Return an environment with bytecode, as users have, and with this clone's modules; jobs append a line to `jobs`."""
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    folders = ("src", "packages/contourlets/src", "workflow/lib", "benchmarks/measured_jobs")
+    folders = (
+        "src",
+        "packages/contourlets/src",
+        "packages/meshreaders/src",
+        "workflow/lib",
+        "benchmarks/measured_jobs",
+    )
     paths = os.pathsep.join(str(ROOT / folder) for folder in folders)
     return {**kept, "PYTHONPATH": paths, "MEASURED_JOBS": str(jobs.resolve())}
 

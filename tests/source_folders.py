@@ -7,7 +7,13 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
-SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib", ROOT / "studies"]
+SOURCES = [
+    ROOT / "src",
+    ROOT / "packages/contourlets/src",
+    ROOT / "packages/meshreaders/src",
+    ROOT / "workflow/lib",
+    ROOT / "studies",
+]
 PYTHONPATH = os.pathsep.join(map(str, SOURCES))
 
 

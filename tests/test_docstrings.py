@@ -6,7 +6,13 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 FILES = [
     file
-    for folder in ("src", "packages/contourlets/src", "workflow/lib", "studies")
+    for folder in (
+        "src",
+        "packages/contourlets/src",
+        "packages/meshreaders/src",
+        "workflow/lib",
+        "studies",
+    )
     for file in sorted((ROOT / folder).rglob("*.py"))
 ]
 

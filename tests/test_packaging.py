@@ -24,7 +24,7 @@ TO_DEVELOP = [
     *TO_RUN,
     *(wanted for name in ("s3", "gymnasium", "dev") for wanted in EXTRAS[name]),
 ]
-OWN = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
+OWN = {"contourlets", "meshreaders", "visuohaptic", "visuohaptic_workflow"}
 # Files that import packages of an extra, and the file that refuses in a sentence without these.
 OF_AN_EXTRA = {
     f"{folder}/{start}": (extra, f"{folder}/{refusing}")

@@ -12,7 +12,14 @@ import pytest
 ROOT = Path(__file__).parents[1]
 FILES = [
     file
-    for folder in ("src", "packages/contourlets/src", "workflow/lib", "workflow/scripts", "studies")
+    for folder in (
+        "src",
+        "packages/contourlets/src",
+        "packages/meshreaders/src",
+        "workflow/lib",
+        "workflow/scripts",
+        "studies",
+    )
     for file in sorted((ROOT / folder).rglob("*.py"))
 ]
 

@@ -11,6 +11,7 @@ import yaml
 from packaging.requirements import Requirement
 
 import contourlets
+import meshreaders
 import visuohaptic
 
 ROOT = Path(__file__).parents[1]
@@ -18,7 +19,7 @@ WRITER = runpy.run_path(str(ROOT / "release/write_files.py"))
 FACTS = WRITER["read_facts"]()
 PROJECTS = {
     folder: tomllib.loads((ROOT / folder / "pyproject.toml").read_text())
-    for folder in (".", "packages/contourlets", "src/visuohaptic/attention")
+    for folder in (".", "packages/contourlets", "packages/meshreaders", "src/visuohaptic/attention")
 }
 PUBLISHED = {
     "address": "https://example.org/group/visuohaptic",
@@ -54,18 +55,20 @@ def test_every_file_holds_the_facts_of_the_release():
     assert changed == [], "run `make release`"
 
 
-def test_both_distributions_have_the_version_of_the_release():
-    assert visuohaptic.__version__ == contourlets.__version__ == FACTS.version
-    for folder in (".", "packages/contourlets"):
+def test_all_distributions_have_the_version_of_the_release():
+    for package in (visuohaptic, contourlets, meshreaders):
+        assert package.__version__ == FACTS.version
+    for folder in (".", "packages/contourlets", "packages/meshreaders"):
         assert PROJECTS[folder]["project"]["dynamic"] == ["version"]
         path = ROOT / folder / PROJECTS[folder]["tool"]["hatch"]["version"]["path"]
         assert f'__version__ = "{FACTS.version}"' in path.read_text().splitlines()
     assert PROJECTS["src/visuohaptic/attention"]["project"]["version"] == FACTS.version
 
 
-def test_the_library_asks_for_the_contourlets_of_its_own_minor_version():
+@pytest.mark.parametrize("name", ["contourlets", "meshreaders"])
+def test_the_library_asks_for_its_packages_of_its_own_minor_version(name):
     wanted = map(Requirement, PROJECTS["."]["project"]["dependencies"])
-    bound = next(one.specifier for one in wanted if one.name == "contourlets")
+    bound = next(one.specifier for one in wanted if one.name == name)
     major, minor, _ = FACTS.version.split(".")
     assert str(bound) == f">={major}.{minor}"
 
@@ -158,7 +161,7 @@ def test_the_record_for_zenodo_has_its_fields(facts):
     assert not facts or record["creators"][1]["name"] == "Roe, Max"
 
 
-@pytest.mark.parametrize("folder", [".", "packages/contourlets"])
+@pytest.mark.parametrize("folder", [".", "packages/contourlets", "packages/meshreaders"])
 def test_a_recipe_for_conda_asks_for_what_the_project_asks_for(folder):
     project = PROJECTS[folder]["project"]
     recipe = yaml.safe_load((ROOT / "recipes" / project["name"] / "recipe.yaml").read_text())

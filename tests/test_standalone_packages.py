@@ -1,4 +1,4 @@
-"""`contourlets` and `attention` can each be published alone: they use nothing of the rest."""
+"""`contourlets`, `meshreaders` and `attention` can each be published alone: they use nothing of the rest."""
 
 import shutil
 import subprocess
@@ -14,6 +14,7 @@ ROOT = Path(__file__).parents[1]
 FOLDERS = {
     "visuohaptic_attention": ROOT / "src/visuohaptic/attention",
     "contourlets": ROOT / "packages/contourlets",
+    "meshreaders": ROOT / "packages/meshreaders",
 }
 
 ISOLATED = """
@@ -47,6 +48,11 @@ transform = package.Contourlet((4,))
 assert np.allclose(transform.inverse(transform.forward(images)), images)
 assert package.directional_deviations(images).shape == (2, 16)
 assert {name.partition(".")[0] for name in sys.modules} & {"pywt", "scipy", "sklearn"} == set()
+""",
+    "meshreaders": """
+assert {name.partition(".")[0] for name in sys.modules} & {"trimesh", "scipy", "open3d"} == set()
+mesh = package.read(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+assert mesh.face_areas.tolist() == [0.5]
 """,
 }
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eye_and_touch.study import CLEAN, CUES
+from meshreaders.base.srgb import decode_srgb, encode_srgb
 from visuohaptic.fixations.rendering import Views
-from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
 
 FINEST = 128
 """Largest number of rows and columns of the eye's picture (pixels). Finer views are subsampled by a whole step."""

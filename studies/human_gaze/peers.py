@@ -19,8 +19,8 @@ from human_gaze.recordings import (
     read_bounded,
     read_recording,
 )
+from meshreaders.base.ply_header import LONGEST, check_ply_size, read_ply_header
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
 
 ENDINGS = ("", "_pred")
 """Endings of file names after the name of the object."""

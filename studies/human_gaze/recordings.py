@@ -17,11 +17,11 @@ from zipfile import ZipFile
 
 import numpy as np
 
+from meshreaders import MODEL_SUFFIXES
+from meshreaders.base.regular_files import open_regular
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import TableError, VisuohapticError
-from visuohaptic.base.regular_files import open_regular
 from visuohaptic.io.text_tables import TextTable, read_text_table
-from visuohaptic.meshes.catalogue import MODEL_SUFFIXES
 
 GAZE_SUFFIXES = (".txt", ".npz")
 """Endings of files of recorded gaze."""

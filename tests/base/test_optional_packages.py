@@ -23,7 +23,7 @@ def core(tmp_path_factory):
     """A folder that holds the packages of the core, and no others."""
     folder = tmp_path_factory.mktemp("core")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    link_installed(project["dependencies"], folder, known=["contourlets"])
+    link_installed(project["dependencies"], folder, known=["contourlets", "meshreaders"])
     return folder
 
 

@@ -12,6 +12,7 @@ from docs.shell_commands import blocks
 ROOT = Path(__file__).parents[2]
 PACKAGES = (
     "contourlets",
+    "meshreaders",
     *(
         "visuohaptic",
         *(
@@ -54,7 +55,7 @@ def not_public(code):
     return [
         f"{module}.{name}" if name else module
         for module, name in names_of(code)
-        if module.partition(".")[0] in {"visuohaptic", "contourlets"}
+        if module.partition(".")[0] in {"visuohaptic", "contourlets", "meshreaders"}
         and not (
             module in PACKAGES
             and (

@@ -4,15 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from meshes.generated import BOARD
+from mesh_files.generated import BOARD
 
+from meshreaders.base.srgb import decode_srgb, encode_srgb
+from meshreaders.base.texture import NO_IMAGE, REPEAT, Texture
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.srgb import decode_srgb, encode_srgb
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.geometry.texture import NO_IMAGE, REPEAT, Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, EffectModes
 
 HALF = 0.6  # of the square's side

@@ -1,16 +1,12 @@
-"""Elementary functions against Python's decimals, and the same bits whatever NumPy's kernels are."""
+"""Functions of angles against Python's, and the same bits in any batch."""
 
 import math
-from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
 
 from visuohaptic.geometry.elementary import (
     arc_tangent,
-    exponential,
-    logarithm,
-    power,
     sin_cos,
     tangent,
 )
@@ -21,13 +17,6 @@ ULP = np.finfo(np.float64).eps
 
 def relative(found, expected):
     return np.max(np.abs(found / expected - 1))
-
-
-def decimals(function, values):
-    """Apply a function of decimals with forty digits."""
-    with localcontext() as context:
-        context.prec = 40
-        return np.array([float(function(Decimal(value))) for value in values.tolist()])
 
 
 def test_sine_and_cosine_are_exact_to_the_last_place_and_turn_after_turn():
@@ -55,24 +44,6 @@ def test_arc_tangents_are_exact_relative_to_themselves_also_where_small():
     np.testing.assert_allclose(axes, np.pi * np.array([0, 1, 0.5, 0, 0.25]), rtol=2 * ULP)
 
 
-def test_exponentials_and_logarithms_agree_with_decimals_of_forty_digits():
-    values = GENERATOR.uniform(-40, 40, 500)
-    assert relative(exponential(values), decimals(Decimal.exp, values)) < 4 * ULP
-    positive = 10.0 ** GENERATOR.uniform(-12, 12, 500)
-    assert relative(logarithm(positive), decimals(Decimal.ln, positive)) < 4 * ULP
-    assert logarithm(1.0) == 0
-    assert exponential(0.0) == 1
-
-
-def test_powers_agree_with_decimals_and_keep_zero_and_one():
-    values = 10.0 ** GENERATOR.uniform(-6, 0, 500)
-    for exponent in (2.4, 1 / 2.4):
-        wanted = decimals(lambda value, p=exponent: value ** Decimal(p), values)
-        assert relative(power(values, exponent), wanted) < 64 * ULP
-    np.testing.assert_array_equal(power([0.0, 1.0], 0.4), [0, 1])
-
-
 def test_values_do_not_depend_on_what_else_is_in_the_batch():
     values = GENERATOR.random((300, 100))
-    np.testing.assert_array_equal(power(values, 0.4)[7], power(values[7], 0.4))
     np.testing.assert_array_equal(arc_tangent(values, 0.5)[9], arc_tangent(values[9], 0.5))

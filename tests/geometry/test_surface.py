@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numerics.surfaces import build_plain_surface
 
+from meshreaders.base.texture import CLAMP, MIRROR, NO_IMAGE, REPEAT, Texture
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import (
     Surface,
@@ -17,7 +18,6 @@ from visuohaptic.geometry.surface import (
     write_set_aside,
     write_surface,
 )
-from visuohaptic.geometry.texture import CLAMP, MIRROR, NO_IMAGE, REPEAT, Texture
 
 
 @pytest.fixture

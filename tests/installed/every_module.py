@@ -6,16 +6,17 @@ import pkgutil
 import pytest
 
 import contourlets
+import meshreaders
 import visuohaptic
 import visuohaptic_workflow
 
 # What needs an extra that `make` does not bring refuses in a sentence before it imports these.
 OF_AN_EXTRA = {
-    "visuohaptic.meshes.collada",
+    "meshreaders.formats.collada",
 }
 
 
-@pytest.mark.parametrize("package", [contourlets, visuohaptic, visuohaptic_workflow])
+@pytest.mark.parametrize("package", [contourlets, meshreaders, visuohaptic, visuohaptic_workflow])
 def test_every_module_can_be_imported(package):
     names = [
         found.name for found in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")

@@ -18,6 +18,7 @@ from docs.shell_commands import block_commands, blocks
 from report.synthetic import lay_out
 
 import contourlets
+import meshreaders
 import visuohaptic
 
 ROOT = Path(__file__).parents[2]
@@ -59,7 +60,7 @@ def run(folder, *words):
 
 
 def test_the_packages_are_those_of_the_wheels():
-    for package in (visuohaptic, contourlets):
+    for package in (visuohaptic, contourlets, meshreaders):
         parents = Path(package.__file__).parents
         assert ROOT / "src" not in parents
         assert ROOT / "packages" not in parents

@@ -1,5 +1,6 @@
 """Which objects take part, and which names may."""
 
+import csv
 import os
 from collections import Counter
 from contextlib import suppress
@@ -7,7 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from visuohaptic.base.errors import CatalogueError, MeshError
+from meshreaders.base.errors import MeshError
+from meshreaders.companions import FolderCompanions
+from visuohaptic.base.errors import CatalogueError
+from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.catalogue import (
     check_classes,
     check_name,
@@ -17,7 +21,6 @@ from visuohaptic.meshes.catalogue import (
     models_of_set,
     read_catalogue,
 )
-from visuohaptic.meshes.companions import FolderCompanions
 
 CATALOGUE = Path(__file__).parents[2] / "meshes" / "catalogue.csv"
 
@@ -177,3 +180,11 @@ def test_no_object_at_all_is_said_with_the_folder_for_objects():
     check_objects(["cup/a"])
     with pytest.raises(CatalogueError, match=r"and meshes/own has no mesh .* at least two per"):
         check_objects([])
+
+
+def test_the_papers_objects_are_packed_with_their_images():
+    with CATALOGUE.open(newline="", encoding="utf-8") as stream:
+        rows = [row for row in csv.DictReader(stream) if row["set"] == "paper"]
+    for row in rows:
+        packed = read_surface(CATALOGUE.parent / f"paper/{row['class']}/{row['object']}.ply.gz")
+        assert (packed.texture is not None) == (row["textured"] == "y"), row["object"]

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from meshes.generated import packed
+from mesh_files.generated import packed
 
 from visuohaptic.base.errors import DownloadError, StorageError
 from visuohaptic.geometry.surface import read_surface

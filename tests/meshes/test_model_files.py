@@ -1,34 +1,29 @@
-"""Model files of every kind are read with their colours, whatever they refer to stays in their folder."""
+"""Models and meshes in memory become surfaces; what is wrong with them is said by this package's errors."""
 
+import gzip
+import io
 import shutil
+import tracemalloc
+from importlib import import_module
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
-import trimesh
-from meshes.generated import BOARD, FACES, POINTS, SQUARE, as_gltf, write_square
-from PIL import Image
+from mesh_files.generated import FACES, POINTS, SQUARE, as_obj, as_ply, packed, write_square
 
+import meshreaders
 import visuohaptic as vh
 from visuohaptic.base.errors import MeshError, MeshWarning
-from visuohaptic.geometry.surface import notes_of
+from visuohaptic.exploration.pressing import press
+from visuohaptic.geometry.surface import Surface, notes_of
+from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
-from visuohaptic.meshes.model_files import read_mesh
+from visuohaptic.meshes.model_files import read_mesh, surface_from_archive
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.parts import GREY
+from visuohaptic.meshes.preparing import prepare_object
 from visuohaptic_workflow import closing
 from visuohaptic_workflow.closing import lines_at_end
-
-
-@pytest.mark.parametrize("image", ["", "map_Kd gone.png\n", "map_Kd ../secret.png\n"])
-def test_a_material_gives_its_diffuse_colour_where_its_image_is_not_there_or_outside(
-    tmp_path, image
-):
-    Image.fromarray(BOARD).save(tmp_path / "secret.png")
-    (tmp_path / "models").mkdir()
-    surface = read_mesh(write_square(tmp_path / "models", material=f"Kd 1 0.5 0\n{image}"))
-    np.testing.assert_allclose(surface.face_colours, [[255, 128, 0]] * 2, atol=1)
-    assert surface.texture is None
 
 
 def test_what_a_file_names_and_is_not_there_is_one_note_and_a_warning_of_load(tmp_path):
@@ -68,12 +63,8 @@ def test_the_mesh_file_of_an_own_model_has_its_notes_and_a_run_says_them_at_its_
     assert rest == "Lines of this kind that the report has, but this list has not: 1."
 
 
-def test_vertex_colours_are_averaged_over_the_corners_and_a_file_without_is_grey(tmp_path):
-    mesh = trimesh.Trimesh(POINTS, FACES, vertex_colors=255 * np.eye(3), process=False)
-    for suffix, colour in ((".ply", 85), (".stl", GREY)):
-        mesh.export(tmp_path / f"a{suffix}")
-        found = read_mesh(tmp_path / f"a{suffix}").face_colours
-        np.testing.assert_array_equal(found, np.broadcast_to(colour, (1, 3)))
+SQUARE_POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+SQUARE_FACES = np.array([[0, 1, 2], [0, 2, 3]])
 
 
 @pytest.mark.parametrize(
@@ -92,32 +83,64 @@ def test_a_file_above_the_limit_is_refused_before_it_is_read(tmp_path):
         read_mesh(path, largest_megabytes=1e-6)
 
 
+def test_a_surface_and_a_mesh_of_open3d_are_sources(tmp_path):
+    surface = read_mesh((SQUARE_POINTS, SQUARE_FACES))
+    assert isinstance(surface, Surface)
+    assert read_mesh(surface) is surface
+    import_module("visuohaptic.geometry.compiled_open3d")
+    open3d = import_module("open3d")
+    vector = open3d.utility
+    mesh = open3d.geometry.TriangleMesh(
+        vector.Vector3dVector(SQUARE_POINTS), vector.Vector3iVector(SQUARE_FACES)
+    )
+    for form in (mesh, open3d.t.geometry.TriangleMesh.from_legacy(mesh), surface):
+        assert press(form, [[0.5, 0.5, 0]], [[0, 0, 1]], 0.1, resolution=4).images.min() == 1
+
+
+@pytest.mark.parametrize("source", [7, (np.array(POINTS) * 1j, FACES), "a.stl", io.BytesIO(b"?")])
+def test_what_the_readers_refuse_is_an_error_of_this_package_with_the_same_sentence(
+    tmp_path, monkeypatch, source
+):
+    monkeypatch.chdir(tmp_path)
+    Path("a.stl").write_bytes(b"no solid")
+    kind = "obj" if hasattr(source, "read") else None
+    with pytest.raises(meshreaders.MeshError) as told:
+        meshreaders.read(source, kind)
+    if kind:
+        source.seek(0)
+    with pytest.raises(MeshError) as raised:
+        read_mesh(source, kind)
+    assert str(raised.value) == str(told.value)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("address", "says"),
+    ("name", "content", "says"),
     [
-        ("../secret.bin", "outside its folder"),
-        ("/etc/passwd", "not there|outside its folder"),
-        ("http://localhost/a.bin", "outside its folder"),
-        ("link.bin", "outside its folder"),
-        ("cut.bin", "truncated"),
+        ("text.ply.gz", gzip.compress(as_ply(np.array(POINTS), FACES, "ascii")), "its rows are text; binary rows are needed"),
+        ("bomb.ply.gz", gzip.compress(bytes(60_000_000), 9), "unpacks to more than 50 MB"),
     ],
-)
-def test_a_buffer_that_is_cut_not_there_or_outside_the_folder_is_refused(tmp_path, address, says):
-    scene = trimesh.Scene(trimesh.Trimesh(POINTS, FACES))
-    data = trimesh.exchange.gltf.export_gltf(scene, merge_buffers=True)["gltf_buffer.bin"]
-    (tmp_path / "models").mkdir()
-    (tmp_path / "secret.bin").write_bytes(data)
-    (tmp_path / "models/link.bin").symlink_to(tmp_path / "secret.bin")
-    (tmp_path / "models/cut.bin").write_bytes(data[:-1])
-    (tmp_path / "models/whole.bin").write_bytes(data)
-    path = tmp_path / "models/mug.gltf"
-
-    def refer_to(address):
-        buffers = [{"uri": address, "byteLength": len(data)}]
-        path.write_bytes(as_gltf(POINTS, FACES, buffers=buffers))
-        return read_mesh(path)
-
-    assert len(refer_to("whole.bin").faces) == 1
+)  # fmt: skip
+def test_a_hostile_packed_surface_is_named_and_takes_little_memory(tmp_path, name, content, says):
+    path = tmp_path / name
+    path.write_bytes(content)
+    tracemalloc.start()
     with pytest.raises(MeshError, match=says) as caught:
-        refer_to(address)
-    assert "Resolver" not in str(caught.value)
+        prepare_object(Model("a", "b"), path, MeshParameters(largest_megabytes=50))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 500
+    assert peak < 100e6
+
+
+# A closed solid of a pentagon that is not flat, and of five triangles to an apex.
+SOLID = [[-5, 0, 5], [5, 0, 5], [5, 0, -5], [-5, 0, -5], [0, 5, -5], [0, -6, 0]]
+SIDES = [[0, 1, 2, 3, 4], [1, 0, 5], [2, 1, 5], [3, 2, 5], [4, 3, 5], [0, 4, 5]]
+
+
+def test_models_of_the_catalogue_stay_as_they_are_pinned():
+    data = packed({"a.obj": as_obj(SOLID, SIDES)})
+    with ZipFile(io.BytesIO(data)) as archive:
+        assert len(surface_from_archive(archive.read("a.obj"), "a.obj", archive).faces) == 7

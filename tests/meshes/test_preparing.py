@@ -5,12 +5,12 @@ import io
 import numpy as np
 import pytest
 import trimesh
-from meshes.written_gltf import Gltf
+from mesh_files.written_gltf import Gltf
 from numerics.surfaces import build_plain_surface, of_trimesh
 
+from meshreaders.base.texture import Texture
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface, write_surface
-from visuohaptic.geometry.texture import Texture
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import (

@@ -50,7 +50,7 @@ def forget_results():
     ours = [
         module
         for name, module in sys.modules.items()
-        if name.partition(".")[0] in {"contourlets", "numerics", "visuohaptic"}
+        if name.partition(".")[0] in {"contourlets", "meshreaders", "numerics", "visuohaptic"}
     ]
     # The transform's definition is the tests' own, and takes a second.
     for found in [value for module in ours for value in vars(module).values()]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-CHECKED = {"visuohaptic", "visuohaptic_workflow", "contourlets"}
+CHECKED = {"visuohaptic", "visuohaptic_workflow", "contourlets", "meshreaders"}
 MODULES = sorted(
     path for path in Path(__file__).parent.glob("*.py") if not path.name.startswith("test_")
 )

@@ -6,14 +6,14 @@ from reference import views as reference
 from reference.scenes import SCENES, ball, box, of_mesh
 
 import visuohaptic as vh
+from meshreaders.base.srgb import decode_srgb, dim_srgb, encode_srgb
+from meshreaders.base.texture import Texture
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
 from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.curvature import shape_of
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.srgb import decode_srgb, dim_srgb, encode_srgb
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.geometry.texture import Texture
 
 SIZE = 24
 # float64 on both sides; the sums are taken in another order.

@@ -111,7 +111,7 @@ def print_inspection(targets):
 
 
 def main():
-    sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
+    sys.path[:0] = ["src", "packages/contourlets/src", "packages/meshreaders/src", "workflow/lib"]
     with names_of_snakefile({}) as names:
         results = clean_results(names)
     sys.stdout.write(json.dumps(results))

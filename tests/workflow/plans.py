@@ -118,6 +118,12 @@ CHANGES = {
     "contourlets/directional": file(
         "features", "packages/contourlets/src/contourlets/directional.py"
     ),
+    "meshreaders/stl_files": file(
+        "meshes", "packages/meshreaders/src/meshreaders/formats/stl_files.py"
+    ),
+    "meshreaders/texture": file(
+        "meshes", "packages/meshreaders/src/meshreaders/base/texture.py"
+    ),
     "recognition/classifiers": file(
         "recognition", "src/visuohaptic/recognition/classifiers.py", jobs=1
     ),
@@ -158,7 +164,7 @@ def plan(change):
 
 
 def main():
-    sys.path[:0] = ["src", "packages/contourlets/src", "workflow/lib"]
+    sys.path[:0] = ["src", "packages/contourlets/src", "packages/meshreaders/src", "workflow/lib"]
     with redirect_stderr(io.StringIO()):
         plans = {name: plan(change) for name, change in CHANGES.items()}
     sys.stdout.write(json.dumps(plans))

@@ -91,7 +91,15 @@ def serving():
             shim.chmod(0o755)
         paths = (
             TESTS,
-            *(ROOT / name for name in ("src", "packages/contourlets/src", "workflow/lib")),
+            *(
+                ROOT / name
+                for name in (
+                    "src",
+                    "packages/contourlets/src",
+                    "packages/meshreaders/src",
+                    "workflow/lib",
+                )
+            ),
         )
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, paths))}
         command = (sys.executable, "-m", "workflow.quick_commands", str(address))
@@ -168,7 +176,12 @@ def run_request(argv, folder, environment):
 def relocate_modules(folder):
     """Let modules that this process imported have the paths of an experiment's own files, which keys name."""
     for name, module in [*sys.modules.items()]:
-        if name.partition(".")[0] in {"visuohaptic", "visuohaptic_workflow", "contourlets"}:
+        if name.partition(".")[0] in {
+            "visuohaptic",
+            "visuohaptic_workflow",
+            "contourlets",
+            "meshreaders",
+        }:
             spec = module.__spec__
             spec.origin = spec.origin and spec.origin.replace(str(ROOT), folder)
             if spec.submodule_search_locations:

@@ -27,7 +27,8 @@ from visuohaptic_workflow.code_of_jobs import (
 )
 
 ROOT = Path(__file__).parents[2]
-SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
+PACKAGES = [ROOT / f"packages/{name}/src" for name in ("contourlets", "meshreaders")]
+SOURCES = [ROOT / "src", *PACKAGES, ROOT / "workflow/lib"]
 LIBRARY = ROOT / "src/visuohaptic"
 SCRIPTS = ROOT / "workflow/scripts"
 SCRIPT = SCRIPTS / "features.py"
@@ -37,13 +38,13 @@ MACHINERY = "visuohaptic_workflow.jobs"
 
 @pytest.fixture(scope="module")
 def graph():
-    packages = ("visuohaptic", "contourlets", "visuohaptic_workflow")
+    packages = ("visuohaptic", "contourlets", "meshreaders", "visuohaptic_workflow")
     return grimp.build_graph(*packages, exclude_type_checking_imports=True, cache_dir=None)
 
 
 @pytest.fixture(scope="module")
 def whole_graph():
-    packages = ("visuohaptic", "contourlets", "visuohaptic_workflow")
+    packages = ("visuohaptic", "contourlets", "meshreaders", "visuohaptic_workflow")
     return grimp.build_graph(
         *packages,
         include_external_packages=True,
@@ -78,7 +79,9 @@ def start_of(rule):
 def test_what_a_script_imports_lies_in_the_places_of_its_rule(graph, rule):
     start = start_of(rule) & graph.modules
     found = start.union(*(graph.find_upstream_modules(module) for module in start))
-    library = {name for name in found if name.startswith(("visuohaptic.", "contourlets"))}
+    library = {
+        name for name in found if name.startswith(("visuohaptic.", "contourlets", "meshreaders."))
+    }
     assert [name for name in sorted(library) if not is_named(name, CODE[rule])] == []
 
 
@@ -92,7 +95,9 @@ def test_what_a_folder_of_a_phase_imports_lies_in_the_places_of_its_rule(graph, 
     folder = f"visuohaptic.{phase}"
     modules = {folder, *graph.find_descendants(folder)}
     found = modules.union(*map(graph.find_upstream_modules, modules))
-    library = {name for name in found if name.startswith(("visuohaptic.", "contourlets"))}
+    library = {
+        name for name in found if name.startswith(("visuohaptic.", "contourlets", "meshreaders."))
+    }
     assert [name for name in sorted(library) if not is_named(name, CODE[phase])] == []
 
 
@@ -109,7 +114,7 @@ def test_versions_are_those_of_the_packages_that_the_folders_import():
     versions = code_of(Runs(SCRIPT, CODE["features"]), SOURCES).versions
     assert versions["pywt"] == version("PyWavelets")
     assert "cv2" not in versions
-    assert not {"os", "visuohaptic", "contourlets"} & {*versions}
+    assert not {"os", "visuohaptic", "contourlets", "meshreaders"} & {*versions}
 
 
 @pytest.mark.parametrize(
@@ -125,7 +130,7 @@ def test_the_packages_of_a_place_are_those_that_an_import_graph_has(whole_graph,
         for one in modules
         for name in whole_graph.find_modules_directly_imported_by(one)
     }
-    ours = {"contourlets", "visuohaptic", "visuohaptic_workflow"}
+    ours = {"contourlets", "meshreaders", "visuohaptic", "visuohaptic_workflow"}
     always = code_of(Runs(SCRIPT, ()), SOURCES).versions
     found = code_of(Runs(SCRIPT, (place,)), SOURCES).versions
     assert {*found} - {*always} == imported - ours - {*sys.stdlib_module_names} - {*always}
@@ -140,7 +145,11 @@ def test_what_only_type_checkers_import_and_relative_imports_are_no_packages(tmp
 
 
 def test_versions_are_those_of_the_packages_metadata():
-    installed = {one.name for one in distributions()} - {"visuohaptic", "contourlets"}
+    installed = {one.name for one in distributions()} - {
+        "visuohaptic",
+        "contourlets",
+        "meshreaders",
+    }
     assert {name: version_of(name) for name in installed} == {
         name: version(name) for name in installed
     }

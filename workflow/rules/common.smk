@@ -18,7 +18,12 @@ if IS_PLANNER:
 
 # By the path of this file, because the main Snakefile may be another workflow's.
 ROOT = Path(os.path.abspath(sys._getframe().f_code.co_filename)).parents[2]
-SOURCES = [ROOT / "src", ROOT / "packages/contourlets/src", ROOT / "workflow/lib"]
+SOURCES = [
+    ROOT / "src",
+    ROOT / "packages/contourlets/src",
+    ROOT / "packages/meshreaders/src",
+    ROOT / "workflow/lib",
+]
 # Folders with studies: of the working folder, and of the clone.
 STUDY_FOLDERS = [Path("studies").absolute(), ROOT / "studies"]
 sys.path[:0] = map(str, SOURCES)

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from meshreaders.base.regular_files import open_regular, read_bounded
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import ParameterError, TableError
-from visuohaptic.base.regular_files import open_regular, read_bounded
 from visuohaptic.exploration.checking import FARTHEST, lengths_of, numbers
 from visuohaptic.io.text_tables import TextTable, read_text_table
 from visuohaptic.sensor.imprints import Poses, make_poses

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
+from meshreaders.reading import name_of
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import MeshError, ParameterError
 from visuohaptic.exploration.checking import FARTHEST, numbers, point_rows, unit_rows
@@ -18,7 +19,7 @@ from visuohaptic.exploration.showing import png_of
 from visuohaptic.exploration.units import UNITS
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.meshes.model_files import Source, name_of, read_mesh
+from visuohaptic.meshes.model_files import Source, read_mesh
 from visuohaptic.parameters import as_parameters
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.effect_pipeline import TouchBatch

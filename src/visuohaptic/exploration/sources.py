@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from meshreaders.reading import name_of
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import Model, read_catalogue
-from visuohaptic.meshes.model_files import PACKED, Source, name_of
+from visuohaptic.meshes.model_files import PACKED, Source
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import prepare_with_matrix
 from visuohaptic.meshes.up_axis import AXES, are_perpendicular

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from meshreaders.base.srgb import dim_srgb, encode_srgb
+from meshreaders.base.texture import Texture
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.fixations.parameters import RenderingParameters
 from visuohaptic.fixations.viewpoints import Camera
@@ -16,8 +18,6 @@ from visuohaptic.fixations.visual_effects import VisualPlan, plan_visual, seen_c
 from visuohaptic.geometry.curvature import SurfaceShape, shape_of
 from visuohaptic.geometry.elementary import sin_cos
 from visuohaptic.geometry.raycasting import RayCaster
-from visuohaptic.geometry.srgb import dim_srgb, encode_srgb
-from visuohaptic.geometry.texture import Texture
 from visuohaptic.geometry.vectors import dot, dot_rows
 from visuohaptic.scene.parameters import VisualModes
 from visuohaptic.scene.records import EffectRecord

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from meshreaders.base.texture import Texture
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.geometry.texture import Texture
 from visuohaptic.scene.parameters import VISUAL_EFFECTS, Mode, VisualModes
 from visuohaptic.scene.records import EffectRecord
 

@@ -12,18 +12,19 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, BinaryIO, Literal
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 from plyfile import PlyData, PlyElement, PlyParseError
 
-from visuohaptic.base.arrays import FloatArray, IntArray
+from meshreaders.base.mesh import Mesh
+from meshreaders.base.ply_header import LONGEST, check_ply_size, read_ply_header
+from meshreaders.base.regular_files import open_regular
+from meshreaders.base.texture import NO_IMAGE, WRAPS, Texture
+from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import MeshError
-from visuohaptic.base.regular_files import open_regular
-from visuohaptic.geometry.ply_header import LONGEST, check_ply_size, read_ply_header
-from visuohaptic.geometry.texture import NO_IMAGE, WRAPS, Texture
 
 _BLOCK_BYTES = 1 << 20
 
@@ -37,8 +38,8 @@ _COLOUR = [(name, "u1") for name in _CHANNELS]
 _IMAGE = [("width", "<i4"), ("height", "<i4"), ("wrap_u", "u1"), ("wrap_v", "u1")]
 
 
-@dataclass(frozen=True, eq=False)
-class Surface:
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface(Mesh):
     """A triangle mesh with colours and images on its faces. Surfaces are compared by identity.
 
     Attributes
@@ -58,16 +59,6 @@ class Surface:
         Axis that points up according to the file; None if the file has no such axis or the surface has been turned.
     """
 
-    vertices: FloatArray
-    faces: IntArray
-    face_colours: NDArray[np.uint8]
-    texture: Texture | None = None
-    notes: tuple[str, ...] = ()
-    up_axis: Literal["x", "y", "z"] | None = None
-
-    def __repr__(self) -> str:
-        return f"<Surface: {len(self.vertices):,} vertices, {len(self.faces):,} triangles>"
-
     def stored_colours(self) -> NDArray[np.uint8]:
         """Return the colours of all faces and of all texels, shape (n, 3)."""
         if self.texture is None:
@@ -75,32 +66,9 @@ class Surface:
         return np.concatenate([self.face_colours, self.texture.texels()])
 
     @cached_property
-    def triangles(self) -> FloatArray:
-        """Corners of each face, shape (f, 3, 3)."""
-        return self.vertices[self.faces]
-
-    @cached_property
-    def face_crosses(self) -> FloatArray:
-        """Cross product of two edges of each face, shape (f, 3); its length is twice the area."""
-        corners = self.triangles
-        return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-
-    @cached_property
-    def face_areas(self) -> FloatArray:
-        """Area of each face in squared units of the vertices, shape (f,)."""
-        return 0.5 * np.linalg.norm(self.face_crosses, axis=1)
-
-    @cached_property
     def centroid(self) -> FloatArray:
         """Mean of all points of the surface, weighted by area, shape (3,)."""
         return np.average(self.triangles.mean(axis=1), axis=0, weights=self.face_areas)
-
-    @cached_property
-    def face_normals(self) -> FloatArray:
-        """Unit normal of each face on the side of its winding, shape (f, 3); zero for a face without area."""
-        crosses = self.face_crosses
-        lengths = np.linalg.norm(crosses, axis=1, keepdims=True)
-        return np.divide(crosses, lengths, out=np.zeros_like(crosses), where=lengths > 0)
 
 
 def as_stored(surface: Surface) -> Surface:

@@ -10,8 +10,8 @@ from typing import Any
 
 import yaml
 
+from meshreaders.base.regular_files import open_regular, read_bounded
 from visuohaptic.base.errors import ParameterError
-from visuohaptic.base.regular_files import open_regular, read_bounded
 
 LARGEST_BYTES = 5 * 10**6
 MOST_VALUES = 1_000_000

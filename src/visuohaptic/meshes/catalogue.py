@@ -11,10 +11,11 @@ from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Literal
 
+from meshreaders.base.regular_files import check_regular
+from meshreaders.base.suffixes import COMPANION_SUFFIXES, WITH_COMPANIONS, why_unreadable
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.csv_cells import is_formula
 from visuohaptic.base.errors import CatalogueError
-from visuohaptic.base.regular_files import check_regular
 
 ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd", "own"]
 """Names of sets of objects. The user's own models are added to each set.
@@ -23,15 +24,6 @@ ObjectSet = Literal["paper", "benchmark", "outside", "hard", "odd", "own"]
 130 objects of `benchmark` that are not in `paper`. `hard`: the plants. `odd`: 22 unusual objects of four of the twelve
 classes, only for tests. `own`: no object of the catalogue.
 """
-
-MODEL_SUFFIXES = (".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".3mf", ".dae")
-COMPANION_SUFFIXES = (
-    *(".mtl", ".bin"),
-    *(".png", ".jpg", ".jpeg", ".bmp", ".tga", ".webp", ".tif", ".tiff", ".gif"),
-)
-"""Suffixes of materials, buffers and textures, which a model may refer to in its folder or below."""
-
-_WITH_COMPANIONS = (".obj", ".ply", ".glb", ".gltf", ".dae")
 
 # Files that are ignored in the folder of own models.
 _NO_MODEL_SUFFIXES = (*COMPANION_SUFFIXES, ".txt", ".md", ".csv", ".pdf")
@@ -197,14 +189,6 @@ def _reason_against(model: Model, file: Path, folder: Path) -> str | None:
     return None
 
 
-def why_unreadable(suffix: str) -> str | None:
-    """Return why files of a suffix can't be read; None if they can."""
-    if suffix.lower() in MODEL_SUFFIXES:
-        return None
-    ending = repr(suffix) if suffix else "nothing"
-    return f"ends in {ending}, which can't be read; export it as .glb or .obj."
-
-
 def _shown(name: str | Path) -> str:
     """Escape undecodable bytes of a name."""
     return str(name).encode("utf-8", "backslashreplace").decode("utf-8")
@@ -238,7 +222,7 @@ def companions(models: Iterable[str | Path]) -> dict[Path, list[Path]]:
     files_in: dict[Path, list[Path]] = {}
     for file in map(Path, models):
         files_of[file] = []
-        if file.suffix.lower() in _WITH_COMPANIONS:
+        if file.suffix.lower() in WITH_COMPANIONS:
             if file.parent not in files_in:
                 below = sorted(file.parent.rglob("*"))
                 files_in[file.parent] = [

@@ -23,7 +23,7 @@ import requests
 from joblib import Parallel, delayed
 from tqdm import tqdm
 
-from visuohaptic.base.archives import read_member as read_bounded
+from meshreaders.base.archives import read_member as read_bounded
 from visuohaptic.base.atomic_files import atomic_file, storage_fault
 from visuohaptic.base.errors import DownloadError, StorageError
 from visuohaptic.geometry.surface import write_surface

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from meshreaders.reading import name_of
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
 from visuohaptic.base.errors import MeshError
 from visuohaptic.geometry.surface import Surface, as_stored
 from visuohaptic.geometry.turning import take_faces
 from visuohaptic.geometry.vectors import product
 from visuohaptic.meshes.catalogue import Model
-from visuohaptic.meshes.model_files import PACKED, Source, name_of, read_mesh
+from visuohaptic.meshes.model_files import PACKED, Source, read_mesh
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.up_axis import (
     are_perpendicular,

@@ -15,10 +15,10 @@ import skops.io
 from sklearn.pipeline import Pipeline
 from sklearn.svm import SVC
 
-from visuohaptic.base.archives import count_members, read_member
+from meshreaders.base.archives import count_members, read_member
+from meshreaders.base.regular_files import read_regular
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import RecognitionError
-from visuohaptic.base.regular_files import read_regular
 from visuohaptic.recognition.certainty import Certainty, Reference
 from visuohaptic.recognition.frames import WaveBasis
 from visuohaptic.recognition.model import RecognitionModel

@@ -14,9 +14,9 @@ import numpy as np
 import pandas as pd
 from pydantic import BaseModel, Field, PositiveFloat, ValidationError
 
+from meshreaders.base.regular_files import read_regular
 from visuohaptic.base.errors import ReportError
 from visuohaptic.base.optional_packages import require
-from visuohaptic.base.regular_files import read_regular
 from visuohaptic.evaluation.intervals import compare_paired, plain_comparison
 from visuohaptic.parameters import leaves
 from visuohaptic.recognition.parameters import IntervalParameters

@@ -17,7 +17,15 @@ from visuohaptic.io.job_logs import JobSeconds, read_seconds
 PHASES = ("downloads", *(phase.name for phase in phases.PHASES), "metrics")
 _PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
-    *("contourlets", "numpy", "scipy", "opencv-contrib-python-headless", "open3d-cpu", "open3d"),
+    *(
+        "contourlets",
+        "meshreaders",
+        "numpy",
+        "scipy",
+        "opencv-contrib-python-headless",
+        "open3d-cpu",
+        "open3d",
+    ),
     *("trimesh", "PyWavelets", "minisom", "scikit-learn", "pyarrow", "pydantic"),
     *("snakemake", "dvc", "Jinja2", "matplotlib"),
 )

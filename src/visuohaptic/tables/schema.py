@@ -16,10 +16,10 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from meshreaders.base.regular_files import check_regular
 from visuohaptic.base.arrays import masked_fault
 from visuohaptic.base.atomic_files import atomic_file
 from visuohaptic.base.errors import TableError
-from visuohaptic.base.regular_files import check_regular
 
 MOST_VALUES = 100_000_000
 """Largest number of values in one Parquet file, elements of lists included; a table of 64-bit numbers takes 1.8 GB.

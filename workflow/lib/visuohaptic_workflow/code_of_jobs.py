@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 LIBRARY = "visuohaptic"
 MOST_BESIDE = 1000
 """The largest number of files in the folder of a plug-in."""
-ALWAYS = ("base",)
-"""Folders that belong to every row of `CODE`."""
+ALWAYS = ("base", "meshreaders.base")
+"""Folders that belong to every row of `CODE`. They import no other folder."""
 
 _TABLES = ("tables.phases", "tables.schema")
 _BY_OBJECT = ("io.phase_files", "visuohaptic_workflow.phase_jobs", "geometry", *_TABLES)
@@ -31,6 +31,7 @@ _TOUCH_CODE = ("touches", "sensor", *_FIXATION_CODE)
 _FEATURE_CODE = ("features", "contourlets", *_BY_OBJECT)
 _PHASES = (
     "meshes",
+    "meshreaders",
     *_FIXATION_CODE,
     *_TOUCH_CODE,
     *_FEATURE_CODE,
@@ -53,9 +54,9 @@ STEP = (*_PHASES, "evaluation", "studies", "tables")
 """The row of steps of studies without a row of their own: all folders below the report."""
 
 CODE = {
-    "downloads": ("meshes", "geometry"),
+    "downloads": ("meshes", "meshreaders", "geometry"),
     "credits": ("meshes", "geometry"),
-    "meshes": ("meshes", "geometry"),
+    "meshes": ("meshes", "meshreaders", "geometry"),
     "fixations": _FIXATION_CODE,
     "touches": _TOUCH_CODE,
     "features": _FEATURE_CODE,
@@ -237,8 +238,8 @@ def files_beside(plug_in: Path) -> tuple[Path, ...]:
 
 def module_of(name: str) -> str:
     """Return the full dotted name of a folder or module of `CODE`."""
-    head = name.partition(".")[0]
-    return name if head in {LIBRARY, "contourlets", "visuohaptic_workflow"} else f"{LIBRARY}.{name}"
+    packages = {LIBRARY, "contourlets", "meshreaders", "visuohaptic_workflow"}
+    return name if name.partition(".")[0] in packages else f"{LIBRARY}.{name}"
 
 
 def _is_within(module: str, names: Iterable[str]) -> bool:

@@ -1,0 +1,87 @@
+"""Meshes of trimesh and Open3D in memory are the surfaces that their files would be."""
+
+import ctypes
+from importlib import import_module
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+import trimesh
+from mesh_files.generated import BOARD, SQUARE, write_square
+
+import meshreaders
+from meshreaders.base.errors import MeshError
+from meshreaders.parts import GREY
+
+POINTS, FACES = (
+    np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]),
+    np.array([[0, 1, 2], [0, 2, 3]]),
+)
+
+
+def load_open3d():
+    """Return Open3D, after loading the USB library that a bare machine lacks, if a package has it."""
+    if find_spec("libusb_package") is not None:
+        ctypes.CDLL(str(import_module("libusb_package").get_library_path()), ctypes.RTLD_GLOBAL)
+    return pytest.importorskip("open3d")
+
+
+def open3d_square():
+    open3d = load_open3d()
+    vector = open3d.utility
+    return open3d.geometry.TriangleMesh(vector.Vector3dVector(POINTS), vector.Vector3iVector(FACES))
+
+
+def forms(mesh):
+    return mesh, load_open3d().t.geometry.TriangleMesh.from_legacy(mesh)
+
+
+def test_a_mesh_of_open3d_is_read_with_the_colours_of_its_vertices():
+    plain, red = open3d_square(), open3d_square()
+    red.paint_uniform_color([1, 0.5, 0])
+    for mesh in forms(plain):
+        surface = meshreaders.read(mesh)
+        np.testing.assert_array_equal(surface.triangles, POINTS[FACES])
+        np.testing.assert_array_equal(surface.face_colours, [GREY] * 2)
+    for mesh in forms(red):
+        np.testing.assert_array_equal(meshreaders.read(mesh).face_colours, [[255, 128, 0]] * 2)
+
+
+def test_an_image_of_a_mesh_of_open3d_lies_where_that_of_its_file_does(tmp_path):
+    open3d = load_open3d()
+    text = SQUARE.replace("f 1/1 2/2 3/3 4/4", "f 1/1 2/2 3/3\nf 1/1 3/3 4/4")
+    path = write_square(tmp_path, BOARD[:4], text=text)
+    expected = meshreaders.read(path).texture
+    found = meshreaders.read(
+        open3d.io.read_triangle_mesh(str(path), enable_post_processing=True)
+    ).texture
+    np.testing.assert_array_equal(found.images[0], expected.images[0])
+    np.testing.assert_allclose(
+        np.sort(found.corners.reshape(-1, 2), axis=0),
+        np.sort(expected.corners.reshape(-1, 2), axis=0),
+    )
+
+
+def test_a_mesh_of_this_package_is_a_source_and_stays_as_it_is():
+    mesh = meshreaders.read((POINTS, FACES))
+    assert meshreaders.read(mesh) is mesh
+    with pytest.raises(MeshError, match="type Mesh"):
+        meshreaders.read_parts(mesh)
+
+
+@pytest.mark.parametrize(
+    ("source", "says"),
+    [
+        (7, "type int; a path, .* are? needed|type int"),
+        ([POINTS, FACES], "type list"),
+        ((POINTS, FACES, FACES), "type tuple"),
+        (trimesh.PointCloud(POINTS), "type PointCloud"),
+        (trimesh.Scene(), "no faces"),
+        ((POINTS, FACES.astype(bool)), "faces of bool"),
+        ((POINTS * 1j, FACES), "vertices of complex"),
+        ((POINTS, FACES - 1), "names vertex -1"),
+    ],
+)
+def test_what_is_no_mesh_is_refused_by_its_type(source, says):
+    with pytest.raises(MeshError, match=says):
+        meshreaders.read(source)
