@@ -6,6 +6,7 @@ import ast
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 
 from filling import table
 from gallery import EXAMPLES, gallery_page
@@ -13,6 +14,7 @@ from make_params import allowed_texts, first_sentence, with_choices
 from pydantic import BaseModel
 
 import contourlets
+import meshreaders
 import visuohaptic
 from visuohaptic.cli.tables import describe_column
 from visuohaptic.parameters import ExperimentParameters
@@ -24,6 +26,7 @@ MADE = {
     "Reference": {
         "reference/visuohaptic": "see all public names, with their parameters",
         "reference/contourlets": "see the public names of the contourlet transform",
+        "reference/meshreaders": "see the public names of the readers of meshes",
         "reference/parameters": "see all parameters, with defaults, bounds and meanings",
         "reference/tables": "see all tables, with columns and units",
     },
@@ -52,7 +55,8 @@ def make_pages(write: Write, source: Path, report: Path, address: str) -> None:
     write("reference/parameters.md", parameters_page())
     write("reference/tables.md", tables_page())
     write("reference/visuohaptic.md", public_names_page())
-    write("reference/contourlets.md", contourlets_page())
+    for package in (contourlets, meshreaders):
+        write(f"reference/{package.__name__}.md", package_page(package))
     links = {
         path.stem: f"{address}/blob/HEAD/examples/{path.name}" for path in EXAMPLES.glob("*.py")
     }
@@ -145,11 +149,12 @@ def public_names_page() -> str:
     )
 
 
-def contourlets_page() -> str:
-    """Return the list of the names of `contourlets`, each with a page of its own."""
-    names = [name for name in contourlets.__all__ if callable(getattr(contourlets, name))]
-    about = (contourlets.__doc__ or "").split("\n\n")[0]
-    return f"# contourlets\n\n{about}\n\n{_summaries('contourlets', names)}"
+def package_page(package: ModuleType) -> str:
+    """Return the list of the names of a package of its own, each with a page of its own."""
+    name = package.__name__
+    names = [one for one in package.__all__ if callable(getattr(package, one))]
+    about = (package.__doc__ or "").split("\n\n")[0]
+    return f"# {name}\n\n{about}\n\n{_summaries(name, names)}"
 
 
 def _summaries(module: str, names: list[str]) -> str:

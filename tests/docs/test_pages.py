@@ -24,6 +24,7 @@ from docs.shell_commands import block_commands, blocks
 from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
+from meshreaders.command import make_parser
 from visuohaptic.cli.commands import app
 from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
@@ -123,8 +124,13 @@ def read_pytest(arguments):
     assert all((ROOT / path).exists() for path in arguments)
 
 
+def read_meshreaders(arguments):
+    make_parser().parse_args(arguments)
+
+
 READERS = {
     "make": read_make,
+    "meshreaders": read_meshreaders,
     "snakemake": read_snakemake,
     "dvc": read_dvc,
     "visuohaptic": read_visuohaptic,
@@ -146,6 +152,7 @@ def test_every_command_of_the_pages_is_one(words):
         "snakemake -j2 modle_all",
         "visuohaptic touch mug.obj --colour red",
         "visuohaptic meshes bring",
+        "meshreaders show mug.obj",
         "dvc exp run -S sensor.largest=1",
         "dvc plots draw",
         "make everything",

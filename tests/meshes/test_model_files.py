@@ -6,11 +6,12 @@ import shutil
 import tracemalloc
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from zipfile import ZipFile
 
 import numpy as np
 import pytest
-from mesh_files.generated import FACES, POINTS, SQUARE, as_obj, as_ply, packed, write_square
+from mesh_files.generated import BOARD, FACES, POINTS, SQUARE, as_obj, as_ply, packed, write_square
 
 import meshreaders
 import visuohaptic as vh
@@ -95,6 +96,25 @@ def test_a_surface_and_a_mesh_of_open3d_are_sources(tmp_path):
     )
     for form in (mesh, open3d.t.geometry.TriangleMesh.from_legacy(mesh), surface):
         assert press(form, [[0.5, 0.5, 0]], [[0, 0, 1]], 0.1, resolution=4).images.min() == 1
+
+
+def test_a_surface_goes_to_trimesh_and_back(tmp_path):
+    surface = vh.load(write_square(tmp_path, BOARD), up="y").surface
+    back = read_mesh(meshreaders.to_trimesh(surface))
+    np.testing.assert_array_equal(back.triangles, surface.triangles)
+    np.testing.assert_array_equal(back.face_colours, surface.face_colours)
+    np.testing.assert_array_equal(back.texture.images, surface.texture.images)
+    np.testing.assert_array_equal(back.texture.corners, surface.texture.corners)
+
+
+def test_a_mesh_of_pyvista_is_loaded_as_one_object():
+    data = type("Data", (dict,), {"active_scalars_name": None})
+    mesh = SimpleNamespace(
+        points=SQUARE_POINTS, faces=np.array([4, 0, 1, 2, 3]), strips=(),
+        cell_data=data(RGB=np.array([[9, 8, 7]], np.uint8)), point_data=data(),
+    )  # fmt: skip
+    surface = vh.load(mesh, up="y").surface
+    np.testing.assert_array_equal(surface.face_colours, [[9, 8, 7]] * 2)
 
 
 @pytest.mark.parametrize("source", [7, (np.array(POINTS) * 1j, FACES), "a.stl", io.BytesIO(b"?")])

@@ -3,6 +3,7 @@
 import ctypes
 from importlib import import_module
 from importlib.util import find_spec
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -60,6 +61,58 @@ def test_an_image_of_a_mesh_of_open3d_lies_where_that_of_its_file_does(tmp_path)
         np.sort(found.corners.reshape(-1, 2), axis=0),
         np.sort(expected.corners.reshape(-1, 2), axis=0),
     )
+
+
+class FakeData(dict):
+    active_scalars_name = None
+
+
+def poly_data(points, faces, lines=(), cells=(), colours=(), strips=()):
+    """Return a mesh of PyVista, or a stand-in where PyVista is not installed."""
+    if find_spec("pyvista") is None:
+        return SimpleNamespace(
+            points=np.array(points), faces=np.array(faces), strips=np.array(strips),
+            cell_data=FakeData(cells), point_data=FakeData(colours),
+        )  # fmt: skip
+    pyvista = import_module("pyvista")
+    mesh = pyvista.PolyData(
+        np.array(points, float), faces=faces if len(faces) else None,
+        lines=lines if len(lines) else None, strips=strips if len(strips) else None,
+    )  # fmt: skip
+    for data, arrays in ((mesh.cell_data, cells), (mesh.point_data, colours)):
+        for name, array in dict(arrays).items():
+            data[name] = array
+    return mesh
+
+
+PIECES = [[0, 0, 0], [4, 0, 0], [4, 4, 0], [2, 1, 0], [0, 4, 0], [9, 0, 0]]
+WITH_TRIANGLE = [5, 0, 1, 2, 3, 4, 3, 1, 5, 2]
+
+
+def test_polygons_of_pyvista_are_cut_and_keep_the_colours_of_their_cells():
+    colours = np.array([[7, 7, 7], [1, 2, 3], [4, 5, 6]], np.uint8)
+    mesh = meshreaders.read(
+        poly_data(
+            PIECES, WITH_TRIANGLE, lines=[2, 0, 1], cells={"heat": np.arange(3.0), "RGB": colours}
+        )
+    )
+    assert mesh.face_areas[:3].sum() == pytest.approx(10)
+    assert mesh.face_areas[3] == pytest.approx(10)
+    np.testing.assert_array_equal(mesh.face_colours, [[1, 2, 3]] * 3 + [[4, 5, 6]])
+
+
+def test_colours_of_points_of_pyvista_are_averaged_and_a_mesh_without_is_grey():
+    colours = np.zeros((6, 4), np.uint8)
+    colours[5] = 255
+    mesh = meshreaders.read(poly_data(PIECES, WITH_TRIANGLE, colours={"RGBA": colours}))
+    np.testing.assert_array_equal(mesh.face_colours, [[0, 0, 0]] * 3 + [[85, 85, 85]])
+    plain = meshreaders.read(poly_data(PIECES, [3, 0, 1, 2]))
+    np.testing.assert_array_equal(plain.face_colours, [GREY])
+
+
+def test_strips_of_pyvista_are_refused_with_advice():
+    with pytest.raises(MeshError, match=r"strips; `mesh\.triangulate\(\)`"):
+        meshreaders.read(poly_data(PIECES, [], strips=[4, 0, 1, 2, 3]))
 
 
 def test_a_mesh_of_this_package_is_a_source_and_stays_as_it_is():

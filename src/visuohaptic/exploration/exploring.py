@@ -583,7 +583,7 @@ def load(
 
     Parameters
     ----------
-    source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
+    source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, pyvista.PolyData, (vertices, faces) or Surface
         A mesh file; an open file; a mesh in memory; or two arrays, shapes (v, 3) and (f, 3). A packed model of
         the repository, ``meshes/<set>/<class>/<name>.ply.gz``, is rotated and scaled per axis as
         ``meshes/catalogue.csv`` says.

@@ -136,7 +136,7 @@ def press(
 
     Parameters
     ----------
-    mesh : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
+    mesh : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, pyvista.PolyData, (vertices, faces) or Surface
         The object, as `load` takes it; arrays of the shapes (v, 3) and (f, 3).
     points : array_like, optional
         Shape (n, 3): centres of the sensors' planes, on the surface or anywhere else.

@@ -83,7 +83,8 @@ def mesh_parameters(
 
 def _is_whole(value: Any) -> bool:
     return isinstance(value, str | Path) or any(
-        hasattr(value, name) for name in ("vertices", "vertex", "geometry", "read", "surface")
+        hasattr(value, name)
+        for name in ("vertices", "vertex", "points", "geometry", "read", "surface")
     )
 
 

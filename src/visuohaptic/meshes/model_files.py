@@ -30,7 +30,7 @@ def read_mesh(
 
     Parameters
     ----------
-    source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Surface
+    source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, pyvista.PolyData, (vertices, faces) or Surface
         The mesh, as `meshreaders.read` takes it. A path may also name a packed surface, ``.ply.gz``. A `Surface` is
         returned unchanged.
     file_type : str, optional

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from meshreaders.parts import Part
     from meshreaders.reading import Parts, Source, read, read_parts
     from meshreaders.textures import Paint
+    from meshreaders.trimesh_export import to_trimesh
 
 __version__ = "0.2.0"
 
@@ -31,6 +32,7 @@ __all__ = [
     "TooLargeError",
     "read",
     "read_parts",
+    "to_trimesh",
 ]
 
 # Names are imported on first use, so that a program that needs only some modules does not load all readers.
@@ -48,6 +50,7 @@ _MODULES = {
     "TooLargeError": "base.errors",
     "read": "reading",
     "read_parts": "reading",
+    "to_trimesh": "trimesh_export",
 }
 
 

@@ -1,4 +1,4 @@
-"""Convert meshes in memory (trimesh, Open3D, or two arrays) to parts."""
+"""Convert meshes in memory (trimesh, Open3D, PyVista, or two arrays) to parts."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ from meshreaders.base.mesh import Mesh
 from meshreaders.base.texture import REPEAT
 from meshreaders.colours import as_bytes, mean_of_corners
 from meshreaders.parts import GREY, Paint, Part
+from meshreaders.polygons import check_corners, triangulate_points
 
 _ALLOWED = (
-    "a path, a trimesh.Trimesh or Scene, an Open3D TriangleMesh, (vertices, faces) or an open binary "
-    "file is needed"
+    "a path, a trimesh.Trimesh or Scene, an Open3D TriangleMesh, a pyvista.PolyData, (vertices, faces) "
+    "or an open binary file is needed"
 )
 
 
 def parts_in_memory(mesh: Any) -> list[Part]:
-    """Return the parts of a mesh or scene of trimesh, a triangle mesh of Open3D, or two arrays.
+    """Return the parts of a mesh or scene of trimesh, a triangle mesh of Open3D, a `PolyData` of PyVista, or two arrays.
 
     Raises `MeshError` with the reason if `mesh` has another type, or an array another shape.
     """
@@ -36,6 +37,8 @@ def parts_in_memory(mesh: Any) -> list[Part]:
         return list(_parts_of_open3d(mesh))
     if hasattr(mesh, "triangle") and hasattr(mesh, "vertex") and hasattr(mesh, "to_legacy"):
         return list(_parts_of_open3d(mesh.to_legacy()))
+    if hasattr(mesh, "points") and hasattr(mesh, "strips"):
+        return [_part_of_pyvista(mesh)]
     raise MeshError(f"it is of type {type(mesh).__name__}; {_ALLOWED}")
 
 
@@ -149,3 +152,45 @@ def _parts_of_open3d(mesh: Any) -> Iterator[Part]:
             else None
         )
         yield Part(vertices, faces[chosen], colours[chosen], paint)
+
+
+def _part_of_pyvista(mesh: Any) -> Part:
+    """Return the polygons of a ``pyvista.PolyData``, with its colours of cells, or else of points."""
+    if len(mesh.strips):
+        raise MeshError("it has triangle strips; `mesh.triangulate()` turns them into triangles")
+    points = np.asarray(mesh.points)
+    corners, counts = _runs(np.asarray(mesh.faces, dtype=np.int64))
+    check_corners(corners, len(points))
+    faces, pieces = triangulate_points(points, corners, counts)
+    colours = _colours_of(mesh.cell_data)
+    if colours is None:
+        return Part(points, faces, mean_of_corners(_colours_of(mesh.point_data), faces))
+    # Single points and lines are cells too, and come before the polygons.
+    return Part(points, faces, np.repeat(colours[len(colours) - len(counts) :], pieces, axis=0))
+
+
+def _runs(padded: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the corners (c,) and their number per polygon (p,) from an array of VTK: number, corners, number, corners, ...."""
+    if len(padded) % 4 == 0 and (padded[::4] == 3).all():
+        return padded.reshape(-1, 4)[:, 1:].reshape(-1), padded[::4]
+    starts, start = [], 0
+    while start < len(padded):
+        starts.append(start)
+        start += 1 + int(padded[start])
+    is_corner = np.ones(len(padded), dtype=bool)
+    is_corner[starts] = False
+    return padded[is_corner], padded[starts]
+
+
+def _colours_of(data: Any) -> NDArray[np.uint8] | None:
+    """Return the colours (n, 3) of points or cells: the active array, else the first, of three or four bytes each."""
+    names = dict.fromkeys([data.active_scalars_name, *data.keys()])
+    arrays = (np.asarray(data[name]) for name in names if name is not None)
+    return next(
+        (
+            array[:, :3]
+            for array in arrays
+            if array.dtype == np.uint8 and array.ndim == 2 and array.shape[1] in (3, 4)
+        ),
+        None,
+    )

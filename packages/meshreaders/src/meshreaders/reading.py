@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from trimesh import Scene, Trimesh
 
 Source: TypeAlias = "str | Path | BinaryIO | Trimesh | Scene | Mesh | tuple[ArrayLike, ArrayLike]"
-"""Types of sources of a mesh; also a `TriangleMesh` of Open3D, legacy or tensor."""
+"""Types of sources of a mesh; also a `TriangleMesh` of Open3D, legacy or tensor, and a `PolyData` of PyVista."""
 
 UNNAMED = "object"
 """Name in messages of a mesh that has no file name."""
@@ -69,7 +69,7 @@ def read(source: Source, file_type: str | None = None, largest_megabytes: float 
 
     Parameters
     ----------
-    source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, (vertices, faces) or Mesh
+    source : path, binary file, trimesh.Trimesh or Scene, open3d TriangleMesh, pyvista.PolyData, (vertices, faces) or Mesh
         The mesh. A `Mesh` is returned unchanged.
     file_type : str, optional
         Format of an open file, such as ``obj``; by default the suffix of its name. Ignored for other sources.
