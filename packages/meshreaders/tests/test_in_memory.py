@@ -1,6 +1,7 @@
 """Meshes of trimesh and Open3D in memory are the surfaces that their files would be."""
 
 import ctypes
+import io
 from importlib import import_module
 from importlib.util import find_spec
 from types import SimpleNamespace
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 from mesh_files.generated import BOARD, SQUARE, write_square
+from mesh_files.written_gltf import Gltf
 
 import meshreaders
 from meshreaders.base.errors import MeshError
@@ -120,6 +122,21 @@ def test_a_mesh_of_this_package_is_a_source_and_stays_as_it_is():
     assert meshreaders.read(mesh) is mesh
     with pytest.raises(MeshError, match="type Mesh"):
         meshreaders.read_parts(mesh)
+
+
+@pytest.mark.parametrize("factor", [None, [0.5, 0.2, 0.05, 1]])
+def test_a_gltf_has_the_same_colour_from_its_file_and_through_trimesh(factor):
+    file = Gltf()
+    material = {} if factor is None else {"pbrMetallicRoughness": {"baseColorFactor": factor}}
+    file.show({"mesh": file.mesh(material=file.add("materials", material))})
+    data = file.binary()
+    through = trimesh.load(io.BytesIO(data), file_type="glb", force="mesh")
+    found, wanted = (
+        mesh.face_colours.astype(int)
+        for mesh in (meshreaders.read(through), meshreaders.read(io.BytesIO(data), "glb"))
+    )
+    # trimesh keeps a byte of light, which in the dark is up to two steps of sRGB.
+    np.testing.assert_allclose(found, wanted, atol=2)
 
 
 @pytest.mark.parametrize(

@@ -155,7 +155,8 @@ def test_places_that_do_not_fit_the_vertices_leave_the_material():
     mesh.visual.vertex_attributes["uv"] = np.zeros((3, 2))
     surface = meshreaders.read(mesh)
     assert surface.texture is None
-    np.testing.assert_array_equal(surface.face_colours, np.tile([200, 100, 50], (2, 1)))
+    light = np.array([200, 100, 50]) / 255
+    np.testing.assert_array_equal(surface.face_colours, [np.rint(255 * encode_srgb(light))] * 2)
 
 
 def test_a_broken_image_is_named(tmp_path):

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshreaders.base.arrays import IntArray
 from meshreaders.base.errors import MeshError
 from meshreaders.base.mesh import Mesh
+from meshreaders.base.srgb import encode_bytes
 from meshreaders.base.texture import REPEAT
 from meshreaders.colours import as_bytes, mean_of_corners
 from meshreaders.parts import GREY, Paint, Part
@@ -94,13 +95,20 @@ def _part(mesh: Any, vertices: NDArray[Any], faces: NDArray[Any]) -> Part:
 def _face_colours(visual: Any, faces: IntArray) -> NDArray[np.uint8] | None:
     """Return the colours (f, 3), sRGB, of material, faces, or corners (mean); None without colours."""
     if visual.kind == "texture":
-        colour = np.asarray(visual.material.main_color)[:3].astype(np.uint8)
-        return np.tile(colour, (len(faces), 1))
+        return np.tile(_material_colour(visual.material), (len(faces), 1))
     if visual.kind == "vertex":
         return mean_of_corners(np.asarray(visual.vertex_colors)[:, :3], faces)
     if visual.kind == "face":
         return np.asarray(visual.face_colors)[:, :3].astype(np.uint8)
     return None
+
+
+def _material_colour(material: Any) -> NDArray[np.uint8]:
+    """Return the colour (3,), sRGB, of a material of trimesh; a base colour of glTF is linear light, white by default."""
+    if not hasattr(material, "baseColorFactor"):
+        return np.asarray(material.main_color)[:3].astype(np.uint8)
+    factor = material.baseColorFactor
+    return encode_bytes(np.ones(3) if factor is None else np.asarray(factor)[:3] / 255.0)
 
 
 def _paint(mesh: Any, faces: IntArray) -> Paint | None:
