@@ -151,6 +151,45 @@ def test_a_study_leaves_the_report_with_its_values_and_comes_back_with_them(fold
     assert figures.exists()
 
 
+def test_the_title_of_a_study_counts_for_its_figures(folder):
+    folder.write_study(CONDITIONS[0], is_listed=True)
+    folder.run("all")
+    folder.write_study(CONDITIONS[0].replace("title: Palm", "title: Hand"), is_listed=True)
+    assert "1 figures_of_study" in folder.ask("why")
+    folder.run("all")
+
+
+def test_a_study_that_comes_back_is_an_input_of_a_new_report(folder):
+    folder.write_study(CONDITIONS[0], is_listed=False)
+    folder.run("study_palm")
+    folder.set_parameter({"sensor": {"largest_size": 0.25}})
+    folder.run("all")
+    folder.set_parameter({"sensor": {"largest_size": 0.3}})
+    other = folder.folder / "studies/hand.yaml"
+    other.write_text(CONDITIONS[1])
+    said = folder.snakemake("study_hand").stdout
+    assert "leaves out" not in said
+    folder.check("study_hand")
+    other.unlink()
+
+
+def test_a_lost_block_of_a_study_that_no_run_makes_is_no_reason_for_a_job(folder):
+    folder.write_study(CONDITIONS[0], is_listed=False)
+    folder.run("study_palm")
+    folder.delete_folder("results/study_blocks/palm")
+    folder.run("all")
+    folder.run("study_palm")
+
+
+def test_a_study_with_the_name_of_a_phase_is_not_asked_for_by_the_phase(folder):
+    study = folder.folder / "studies/touches.yaml"
+    study.write_text(CONDITIONS[0])
+    folder.run("all")
+    folder.run("touches_all")
+    assert (folder.folder / "reports/report.html").exists()
+    study.unlink()
+
+
 def test_a_listed_study_is_measured_by_every_run(folder):
     figures = folder.folder / "reports/studies/palm.json"
     folder.write_study(CONDITIONS[0], is_listed=True)

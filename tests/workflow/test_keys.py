@@ -2,6 +2,7 @@
 
 import os
 import time
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -101,6 +102,17 @@ def forget_times(run, draw=None):
 def test_what_is_another_is_named_and_times_say_nothing(run, change, mesh, touch):
     change(run)
     assert run.reasons() == [mesh, touch]
+
+
+def test_a_parameter_with_the_name_of_a_wildcard_counts(run):
+    def key(changes, condition="few"):
+        (job,) = [job for job in run.keys().jobs.values() if job.rule == "touch"]
+        other = replace(
+            job, wildcards={"condition": condition}, find_params=lambda: {"condition": changes}
+        )
+        return Keys([other], lambda runs: Code((), {}), Digests(), Path.cwd()).key("touch.json")
+
+    assert len({key({"touches": 2}), key({"touches": 3}), key({"touches": 2}, "more")}) == 3
 
 
 def test_a_reader_of_a_lost_table_is_stale(run):

@@ -10,7 +10,7 @@ from visuohaptic_workflow.studies_asked import is_asked_for, names_of_run, studi
 
 STUDIES = (
     *find_studies(ExperimentParameters(), [REPOSITORY]).values(),
-    *(Study(name, "Mine") for name in ("palm", "palm_cover", "touches")),
+    *(Study(name, "Mine", is_coded=False) for name in ("palm", "palm_cover", "touches")),
 )
 
 
@@ -43,6 +43,7 @@ def test_a_rule_or_a_file_of_a_study_asks_for_it_alone(target, study):
         "--configfile studies/palm.yaml",
         "results/touches/cup/mug/00-15.parquet",
         "results/records/touches/palm/mug/00-15.json",
+        "touches_all",
         "study_palms",
         "",
     ],

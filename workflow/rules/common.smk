@@ -485,7 +485,8 @@ def answer_make():
         or_stop(claim_results)
         or_stop(write_lock, keys(), targets, are_parameters_current, sweep(RECORDS))
         sys.exit()
-    lines = why(keys(), targets, sweep(RECORDS))
+    planned = sweep(RECORDS)
+    lines = why(keys(), targets, planned, studies_left_out(planned))
     if os.environ[ASKED] == "verify":
         lines, is_fine = verify(keys(), sweep(RECORDS))
     print(*lines, sep="\n")

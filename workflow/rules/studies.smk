@@ -36,9 +36,7 @@ for name, study, report_of_name in [
         name:
             name
         input:
-            study.targets,
-            # Listed, so that Snakemake makes a lost block again although the figures exist.
-            study_blocks(study.name),
+            files_of_study(study.name),
             report_of_name,
 
 

@@ -94,6 +94,18 @@ VALUES_OF_RULES |= {
 }
 
 
+def files_of_study(study_name):
+    """List all files of a study: of its steps and figures, of blocks of conditions, and of recomputed features.
+
+    Every file is listed, so that Snakemake makes a lost one again although the figures exist.
+    """
+    return [
+        *STUDIES[study_name].targets,
+        *study_blocks(study_name),
+        *recomputed_features(study_name, PLANS[study_name].recomputations),
+    ]
+
+
 def study_blocks(study_name):
     """List the files with the measured conditions of a study: of its blocks, and of its steps with `is_block`."""
     steps = (step for step in STUDIES[study_name].steps if step.is_block)
@@ -286,21 +298,26 @@ def files_of_more_studies(wildcards):
         file
         for study in MORE_STUDIES
         for file in study.shown
-        if file in ARGUMENTS or names_rules_of(ARGUMENTS, study.name) or is_there(file)
+        if names_rules_of(ARGUMENTS, study) or is_requested_or_there(file)
     ]
 
 
-def is_there(file):
-    """Return whether a file of a study is in its place after the sweep."""
+# Asked first by the key of the report, before the sweep brings files back from the store: the inputs of the report are
+# those of its key.
+@cache
+def is_requested_or_there(file):
+    """Return whether the command names a file of a study or its record, or the file is in its place after the sweep."""
     if not DECIDES:
-        return Path(file).exists()
+        return file in ARGUMENTS or Path(file).exists()
     makers = keys().makers([file])
-    return bool(makers) and all(is_at_hand(keys(), record) for record in makers)
+    is_requested = not {file, *makers}.isdisjoint(ARGUMENTS)
+    return is_requested or any(is_at_hand(keys(), record) for record in makers)
 
 
 def studies_left_out(sweep):
     """Return the names of the studies that a sweep moves out of the report, and that this run does not make again."""
-    moved = {*sweep.moved}
+    returned = {file for files in sweep.returned.values() for file in files}
+    moved = {*sweep.moved} - returned
     return [
         study.name
         for study in MORE_STUDIES

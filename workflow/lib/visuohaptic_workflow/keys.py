@@ -14,7 +14,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
@@ -136,14 +136,16 @@ class Keys:
         """Return the parts of a job's key.
 
         ``code`` and ``sources`` are digests by file, or ``missing``. ``packages`` are versions by name. ``parameters``
-        are values by name, including the values of wildcards. ``from`` are the keys, by record, of the jobs that make
+        are values by name; ``wildcards`` has the values of the wildcards. ``from`` are the keys, by record, of the jobs that make
         the inputs.
         """
         job = self.jobs[record]
         return {
             "code": self._code_digests(job.runs),
             "packages": self._find_code(job.runs).versions,
-            "parameters": json.loads(json.dumps({**job.find_params(), **job.wildcards})),
+            "parameters": json.loads(
+                json.dumps({**job.find_params(), "wildcards": dict(job.wildcards)})
+            ),
             "sources": self._digests_of(self._sources(record)),
             "from": {maker: self.key(maker) for maker in self.makers(job.inputs)},
         }
@@ -184,13 +186,16 @@ class Keys:
         edited = (file for file in tables if self._digest(file) != recorded["tables"].get(file))
         return next((f"table: {file}" for file in edited), None)
 
-    def needed_for(self, files: Iterable[str]) -> list[str]:
-        """Return the records of the jobs that make some files, and of all jobs upstream; the order is arbitrary."""
+    def needed_for(self, files: Iterable[str], stale: Collection[str] | None = None) -> list[str]:
+        """Return the records of the jobs that make some files, and of all jobs upstream; the order is arbitrary.
+
+        With `stale`, return only records in `stale`: a current job does not need the jobs upstream of it.
+        """
         needed: dict[str, None] = {}
         waiting = list(self.makers(files))
         while waiting:
             record = waiting.pop()
-            if record not in needed:
+            if record not in needed and (stale is None or record in stale):
                 needed[record] = None
                 waiting += self._makers_of(record)
         return list(needed)

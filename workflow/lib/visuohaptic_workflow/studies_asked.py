@@ -28,12 +28,12 @@ def names_of_run(studies: Mapping[str, Study], more: Iterable[str]) -> list[str]
 
 def is_asked_for(arguments: Sequence[str], study: Study) -> bool:
     """Return whether a command line of Snakemake names a rule or file of a study."""
-    return names_rules_of(arguments, study.name) or any(map(study.owns, arguments))
+    return names_rules_of(arguments, study) or any(map(study.owns, arguments))
 
 
-def names_rules_of(arguments: Iterable[str], study: str) -> bool:
+def names_rules_of(arguments: Iterable[str], study: Study) -> bool:
     """Return whether a command line names a rule of a study, with or without the prefix of a workflow module."""
-    rules = (f"study_{study}", f"{study}_all")
+    rules = [f"study_{study.name}", *([f"{study.name}_all"] if study.is_coded else [])]
     return any(f"_{argument}".endswith(f"_{rule}") for argument in arguments for rule in rules)
 
 

@@ -14,13 +14,17 @@ _OF_THE_NEXT_RUN = ("The next run will move", "The next run will bring")
 _TODAY = "today's parameters, code, packages and meshes"
 
 
-def why(keys: Keys, targets: Iterable[str], sweep: Sweep) -> Iterator[str]:
-    """Yield at most a few lines: the jobs behind some files that would run, by reason, and what the next run moves."""
+def why(
+    keys: Keys, targets: Iterable[str], sweep: Sweep, left_out: Sequence[str] = ()
+) -> Iterator[str]:
+    """Yield at most a few lines: the jobs behind some files that would run, by reason, and what the next run moves.
+
+    `left_out` are the names of studies that leave the report.
+    """
     by_reason: dict[str, Counter[str]] = {}
-    for record in keys.needed_for(targets):
-        if reason := sweep.stale.get(record):
-            by_reason.setdefault(reason, Counter())[keys.jobs[record].rule] += 1
-    moves = lines_of_sweep(sweep, is_done=False)
+    for record in keys.needed_for(targets, sweep.stale):
+        by_reason.setdefault(sweep.stale[record], Counter())[keys.jobs[record].rule] += 1
+    moves = lines_of_sweep(sweep, left_out, is_done=False)
     if not by_reason and not moves:
         yield "Nothing to be done."
     lines = sorted(by_reason.items(), key=lambda entry: -entry[1].total())
@@ -56,7 +60,9 @@ def lines_of_sweep(sweep: Sweep, left_out: Sequence[str] = (), *, is_done: bool)
     if sweep.stored:
         lines.append(f"{move} {_files(sweep.stored.values(), 'former ')} to {STORE}.")
     if sweep.aside:
-        files = f"{_files([sweep.aside])} without a fitting record, such as {sweep.aside[0]},"
+        tables = (file for file in sweep.aside if not file.endswith((".json", ".log")))
+        example = next(tables, sweep.aside[0])
+        files = f"{_files([sweep.aside])} without a fitting record, such as {example},"
         lines.append(f"{move} {files} to {ASIDE}.")
     if sweep.returned:
         lines.append(f"{bring} {_files(sweep.returned.values())} back from {STORE}.")
