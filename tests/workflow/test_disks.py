@@ -79,7 +79,7 @@ def test_a_run_ends_well_whose_results_are_on_another_file_system(stand_in):
         shutil.rmtree(results)
         results.symlink_to(elsewhere)
         stand_in.set(workflow={"views_per_job": 1})
-        assert "moved to .cache/tables" in stand_in.snakemake().stdout
+        assert " former files to .cache/tables." in stand_in.snakemake().stdout
         assert not [*Path(elsewhere).rglob("00-01.*")]
         assert stand_in.planned() == {}
 
