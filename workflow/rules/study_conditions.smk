@@ -302,8 +302,8 @@ def files_of_more_studies(wildcards):
     ]
 
 
-# Asked first by the key of the report, before the sweep brings files back from the store: the inputs of the report are
-# those of its key.
+# Cached, so that the key and the job of the report have the same inputs: the key is computed before the sweep brings
+# files back from the store, and the job's inputs are listed after it.
 @cache
 def is_requested_or_there(file):
     """Return whether the command names a file of a study or its record, or the file is in its place after the sweep."""

@@ -45,15 +45,15 @@ def theirs(path: Path) -> np.ndarray:
 
 def compare(path: Path) -> tuple[str, str]:
     """Return the verdict on a file, and the reason of a refusal or the sizes that differ."""
-    found, reasons = [], []
+    measured, reasons = [], []
     for read in (ours, theirs):
         try:
-            found.append(sizes(read(path)))
+            measured.append(sizes(read(path)))
         # trimesh and what it calls raise errors of any class for a file that they can't read.
         except Exception as error:  # noqa: BLE001
             reasons.append(f"{read.__name__}: {' '.join(str(error).split())[:150]}")
-            found.append(None)
-    here, there = found
+            measured.append(None)
+    here, there = measured
     if here is None or there is None:
         verdict = NEITHER if here is there else THEIRS if here is None else OURS
         return verdict, "; ".join(reasons)

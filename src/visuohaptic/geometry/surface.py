@@ -40,23 +40,10 @@ _IMAGE = [("width", "<i4"), ("height", "<i4"), ("wrap_u", "u1"), ("wrap_v", "u1"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Surface(Mesh):
-    """A triangle mesh with colours and images on its faces. Surfaces are compared by identity.
+    """A triangle mesh with colours and images on its faces, with the attributes of `meshreaders.Mesh`.
 
-    Attributes
-    ----------
-    vertices : ndarray of shape (v, 3), float64
-        Right-handed coordinates, y up. In the object frame the bounding sphere has its centre at the origin and
-        radius 1.
-    faces : ndarray of shape (f, 3), int64
-        Indices of vertices.
-    face_colours : ndarray of shape (f, 3), uint8
-        sRGB colour of each face; the mean colour for a face with an image.
-    texture : Texture, optional
-        None if no face has an image.
-    notes : tuple of str
-        Sentences for the user about the file of the surface, such as that an image was missing.
-    up_axis : {"x", "y", "z"}, optional
-        Axis that points up according to the file; None if the file has no such axis or the surface has been turned.
+    Vertices are right-handed coordinates, y up; in the object frame the bounding sphere has its centre at the origin
+    and radius 1. `up_axis` is None also if the surface has been turned. Surfaces are compared by identity.
     """
 
     def stored_colours(self) -> NDArray[np.uint8]:
