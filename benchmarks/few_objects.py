@@ -54,7 +54,7 @@ def answers(
             owner[0] in conformal_set(model, tables[owner]),
             owner[0] in (found.candidates or ()),
             # The rule of `unknown` for any number of training objects.
-            (found.strangeness or 0.0) >= model.parameters.order_free.coverage - 1e-12,
+            (found.novelty_rank or 0.0) >= model.parameters.order_free.coverage - 1e-12,
             bool(found.unknown),
         )
 

@@ -62,7 +62,7 @@ def answers(model: RecognitionModel, touches: pa.Table, views: int) -> Iterator[
         found = model.answer(touches.filter(pa.array(np.isin(viewpoint, seen[places]))))
         name, stated = next(iter(found.probabilities.items()))
         # The rule of `unknown`, which models of eleven objects do not state.
-        is_novel = (found.strangeness or 0.0) >= model.parameters.order_free.coverage - 1e-12
+        is_novel = (found.novelty_rank or 0.0) >= model.parameters.order_free.coverage - 1e-12
         yield name == category, stated, category in (found.candidates or ()), is_novel
 
 

@@ -177,7 +177,7 @@ def _classify(
             "covered": bool(sure.candidates[label]),
             "covered_at": [stated for stated, candidates in sets.items() if candidates[label]],
             "candidates": int(sure.candidates.sum()),
-            "strangeness": sure.strangeness,
+            "novelty_rank": sure.novelty_rank,
             "evidence": sure.novelty,
             "unknown": sure.unknown,
         }

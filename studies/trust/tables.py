@@ -31,7 +31,7 @@ TRUST = Schema(
             STATED_COVERAGES[-1],
         ),
         CANDIDATES,
-        share("strangeness", "share of known objects that are less strange"),
+        share("novelty_rank", "share of known objects that are less strange"),
         Column("evidence", REAL, "distance from the nearest training object; larger is stranger"),
         UNKNOWN,
     ),

@@ -106,7 +106,7 @@ def test_recognise_names_an_object_that_was_in_no_training_set(visuohaptic, tmp_
     assert values["class"] in values["candidates"]
     assert values["coverage"] == 0.9
     assert values["unknown"] is None
-    assert (values["compared"], values["strangeness"]) == (4, pytest.approx(0.8))
+    assert (values["compared"], values["novelty_rank"]) == (4, pytest.approx(0.8))
     assert list(values["turned"]) == ["90", "180", "270"]
     said = visuohaptic("recognise", "ring.obj", "--model", model, "--viewpoints", 1)
     assert (said.code, said.err) == (0, "")

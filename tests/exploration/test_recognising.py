@@ -74,7 +74,7 @@ def test_touches_that_the_model_did_not_learn_from_get_probabilities_and_a_sente
     assert found.caution in found._repr_html_()
     assert sum(found.probabilities.values()) == pytest.approx(1)
     assert found.name == next(iter(found.probabilities))
-    stated = (found.candidates, found.strangeness, found.unknown, found.coverage)
+    stated = (found.candidates, found.novelty_rank, found.unknown, found.coverage)
     assert stated == (None, None, None, None)
     assert found.touches == made.touches.num_rows
 
@@ -95,7 +95,7 @@ def test_a_model_of_few_objects_says_that_they_are_too_few_instead_of_unknown(ba
     found = by("fixation")(ball, recogniser).recognise(recogniser)
     assert found.unknown is None
     assert found.compared == 4
-    assert found.strangeness == pytest.approx(4 / 5)
+    assert found.novelty_rank == pytest.approx(4 / 5)
     sentence = (
         "4 known objects are too few to call an object unknown (29 are needed); this one lies farther out than all of "
         "them, so it may be of another class."

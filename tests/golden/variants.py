@@ -246,7 +246,7 @@ def _recognition_parameters(parameters: Mapping[str, Any]) -> Any:
 
 
 def _answers() -> pa.Table:
-    """Return the answers of a model, with prediction set and strangeness, to objects that it did not learn."""
+    """Return the answers of a model, with prediction set and novelty rank, to objects that it did not learn."""
     learnt, unknown = _features("fixation", 0.5, 5), _features("fixation", 0.5, 6)
     recognition = _recognition_parameters({"order_free": {"coverage": 0.6}})
     model = fit_model(learnt, "order_free", "linear_discriminant", recognition, SEED)
@@ -264,7 +264,7 @@ def _answers() -> pa.Table:
                 "object": key,
                 **{f"probability_of_{name}": value for name, value in answer.probabilities.items()},
                 "candidates": " ".join(answer.candidates),
-                "strangeness": answer.strangeness,
+                "novelty_rank": answer.novelty_rank,
                 "unknown": answer.unknown,
             }
         )

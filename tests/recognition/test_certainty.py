@@ -104,7 +104,7 @@ def test_known_objects_are_seldom_called_unknown_and_far_ones_are():
     assert np.mean([assessment.unknown for assessment in known]) < 0.25
     strange = assessed(model, 20 + rows[:4], 0.9)
     assert strange.unknown
-    assert strange.strangeness == pytest.approx(1 - 1 / 46)
+    assert strange.novelty_rank == pytest.approx(1 - 1 / 46)
 
 
 @pytest.mark.parametrize(("coverage", "least"), [(0.9, 29), (0.6, 6), (0.95, 59)])

@@ -229,7 +229,7 @@ def test_a_model_of_too_few_objects_does_not_say_whether_an_object_is_unknown(ob
     answer = with_scores(model, novelty=nearest).answer(rows_of(OTHER, "class1", "object3"))
     assert answer.unknown is unknown
     assert answer.compared == sum(objects)
-    assert answer.strangeness == pytest.approx(sum(objects) / (sum(objects) + 1))
+    assert answer.novelty_rank == pytest.approx(sum(objects) / (sum(objects) + 1))
 
 
 def test_a_model_of_the_papers_pipeline_answers_and_is_not_saved(tmp_path):

@@ -204,7 +204,7 @@ def recognise(
             "candidates": recognition.candidates,
             "coverage": recognition.coverage,
             "unknown": recognition.unknown,
-            "strangeness": recognition.strangeness,
+            "novelty_rank": recognition.novelty_rank,
             "compared": recognition.compared,
             "turned": dict(recognition.turned),
             "remarks": recognition.notes,
@@ -266,7 +266,7 @@ def _answer_line(mesh: Path, recognition: Recognition) -> str:
     novelty = (
         None
         if recognition.unknown is None
-        else novelty_phrase(recognition.strangeness, recognition.compared)
+        else novelty_phrase(recognition.novelty_rank, recognition.compared)
     )
     named = f"{mesh}: {recognition.name}"
     parts = (

@@ -379,8 +379,8 @@ class Exploration:
         Returns
         -------
         Recognition
-            The likeliest class, the class probabilities, the prediction set and the strangeness. If the model did
-            not learn from touches by this strategy, prediction set and strangeness are None, and
+            The likeliest class, the class probabilities, the prediction set and the novelty rank. If the model did
+            not learn from touches by this strategy, prediction set and novelty rank are None, and
             `Recognition.caution` says why. If the model uses the azimuth, the touches are also classified after
             quarter turns about the vertical.
 
@@ -407,7 +407,7 @@ class Exploration:
             self.features.num_rows,
             seconds,
             answer.candidates,
-            answer.strangeness,
+            answer.novelty_rank,
             answer.unknown,
             answer.coverage,
             caution_about(self.strategy, recogniser),
@@ -506,12 +506,12 @@ class Recognition:
         The prediction set: classes that the object may have, the likeliest first. It holds the likeliest class.
         Of objects like the training objects, at least the share `coverage` have their class in their set; the
         share is measured (docs/certainty.md). None if the model is not calibrated for the strategy of the
-        touches; then `strangeness`, `unknown`, `coverage` and `compared` are None, too.
-    strangeness : float or None
+        touches; then `novelty_rank`, `unknown`, `coverage` and `compared` are None, too.
+    novelty_rank : float or None
         k / (n + 1), in [0, 1): k of the n held-out training objects have a lower novelty score than this
         object.
     unknown : bool or None
-        Whether `strangeness` is `coverage` or more, so that the object seems to be of no class of the model. Also
+        Whether `novelty_rank` is `coverage` or more, so that the object seems to be of no class of the model. Also
         None if the model learnt too few objects to say so (29 are needed for a coverage of 0.9).
     coverage : float or None
         Stated coverage of `candidates` and `unknown`: parameter `recognition.order_free.coverage` of the model.
@@ -519,7 +519,7 @@ class Recognition:
         A warning with the strategies of the training touches and the strategy of these touches, if the model did
         not learn from the latter; otherwise None.
     compared : int or None
-        The number n of training objects with which `strangeness` compares.
+        The number n of training objects with which `novelty_rank` compares.
     turned : mapping of int to str
         The likeliest class if the touches are turned by 90, 180 or 270 degrees about the vertical, from +z towards
         +x. Empty if the model does not use the azimuth (`recognition.frame`).
@@ -534,7 +534,7 @@ class Recognition:
     touches: int
     seconds: Mapping[str, float]
     candidates: tuple[str, ...] | None = None
-    strangeness: float | None = None
+    novelty_rank: float | None = None
     unknown: bool | None = None
     coverage: float | None = None
     caution: str | None = None

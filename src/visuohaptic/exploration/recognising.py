@@ -124,21 +124,21 @@ def set_phrase(candidates: Sequence[str] | None, coverage: float | None) -> str 
     return f"one of: {', '.join(candidates)} (right for {share})"
 
 
-def novelty_phrase(strangeness: float | None, compared: int | None) -> str | None:
+def novelty_phrase(novelty_rank: float | None, compared: int | None) -> str | None:
     """Return in words how many of `compared` known objects are less novel than an object; None without scores."""
-    if strangeness is None or compared is None:
+    if novelty_rank is None or compared is None:
         return None
-    return f"farther out than {_less_novel(strangeness, compared)} of {compared} known objects"
+    return f"farther out than {_less_novel(novelty_rank, compared)} of {compared} known objects"
 
 
 def note_on_few_objects(answer: ModelAnswer) -> str | None:
     """Return a sentence that a model knows too few objects to call one unknown; None if it knows enough, or no scores."""
     from visuohaptic.recognition.certainty import least_known_objects
 
-    compared, strangeness, coverage = answer.compared, answer.strangeness, answer.coverage
-    if answer.unknown is not None or compared is None or strangeness is None or coverage is None:
+    compared, novelty_rank, coverage = answer.compared, answer.novelty_rank, answer.coverage
+    if answer.unknown is not None or compared is None or novelty_rank is None or coverage is None:
         return None
-    less_novel = _less_novel(strangeness, compared)
+    less_novel = _less_novel(novelty_rank, compared)
     distance = (
         "all of them, so it may be of another class"
         if less_novel == compared
@@ -150,8 +150,8 @@ def note_on_few_objects(answer: ModelAnswer) -> str | None:
     )
 
 
-def _less_novel(strangeness: float, compared: int) -> int:
-    return round(strangeness * (compared + 1))
+def _less_novel(novelty_rank: float, compared: int) -> int:
+    return round(novelty_rank * (compared + 1))
 
 
 def check_acquired(features: pa.Table, parameters: ExperimentParameters) -> None:

@@ -45,15 +45,15 @@ class Assessment:
         The prediction set: True for each class in the set.
     novelty : float
         Distance of the object from the nearest training object, by `Reference.novelty`.
-    strangeness : float
+    novelty_rank : float
         Share of objects with a lower novelty, among the n training objects and the new object: in [0, n / (n + 1)].
     unknown : bool
-        Whether the strangeness is at least the stated coverage.
+        Whether `novelty_rank` is at least the stated coverage.
     """
 
     candidates: BoolArray
     novelty: float
-    strangeness: float
+    novelty_rank: float
     unknown: bool
 
 

@@ -32,8 +32,8 @@ class Standardiser:
         """Subtract the mean and divide by the scale: (..., k) to (..., k)."""
         return (rows - self.mean) / self.scale
 
-    def sizes(self, rows: FloatArray) -> FloatArray:
-        """Return the size of the numbers from which `apply` computes its results, shape (..., k)."""
+    def rounding_scale(self, rows: FloatArray) -> FloatArray:
+        """Return the largest magnitude in the sum of `apply`, shape (..., k); rounding is some 1e-12 of the magnitude."""
         return (np.abs(rows) + np.abs(self.mean)) / self.scale
 
 
@@ -99,10 +99,10 @@ class SequenceEncoder(TransformerMixin, BaseEstimator):  # type: ignore[misc]
         entry = MAPS[self._parameters.self_organising_map.output]
         reduced = entry.reduce(self.reduction_, self.touch_scaling_.apply(touches))
         reduced = reduced.reshape(*sequences.shape[:2], -1)
-        if entry.sizes is None:
+        if entry.rounding_scale is None:
             return reduced
-        sizes = entry.sizes(self.reduction_, self.touch_scaling_.sizes(touches))
-        return _without_rounding(reduced, sizes.reshape(reduced.shape))
+        scale = entry.rounding_scale(self.reduction_, self.touch_scaling_.rounding_scale(touches))
+        return _without_rounding(reduced, scale.reshape(reduced.shape))
 
     @property
     def _parameters(self) -> RecognitionParameters:
@@ -124,9 +124,9 @@ def fit_standardiser(
     return Standardiser(rows.mean(axis=0), np.where(deviation > noise, deviation, np.inf))
 
 
-def _without_rounding(sequences: FloatArray, sizes: FloatArray) -> FloatArray:
-    """Replace sequences that vary only by rounding of `sizes` by their mean, or by 0 if the mean is rounding, too."""
-    noise = ROUNDING * sizes.max(axis=1, keepdims=True)
+def _without_rounding(sequences: FloatArray, scale: FloatArray) -> FloatArray:
+    """Replace sequences that vary only by rounding, at magnitude `scale`, by their mean; a mean that is rounding is 0."""
+    noise = ROUNDING * scale.max(axis=1, keepdims=True)
     middle = sequences.mean(axis=1, keepdims=True)
     middle = np.where(np.abs(middle) > noise, middle, 0.0)
     constant = np.ptp(sequences, axis=1, keepdims=True) <= noise

@@ -33,17 +33,17 @@ class Map:
         is the section `recognition.self_organising_map`.
     reduce : callable
         ``reduce(fitted, touches)`` returns the numbers of touches: (n, k) to (n, m).
-    sizes : callable, optional
-        ``sizes(fitted, input_sizes)`` returns the size of the numbers from which each result is computed: (n, k) to
-        (n, m). `input_sizes` are the same for the features. If the results of a sequence differ only by rounding of
-        these sizes, they are made equal. Without `sizes` no result is changed.
+    rounding_scale : callable, optional
+        ``rounding_scale(fitted, input_scale)`` returns the largest magnitude in the sum of each result: (n, k) to
+        (n, m), from the largest magnitude in each feature. Results of a sequence that differ only by rounding are
+        made equal. Without `rounding_scale` no result is changed.
     """
 
     name: str
     description: str
     fit: Callable[..., Any]
     reduce: Callable[[Any, FloatArray], FloatArray]
-    sizes: Callable[[Any, FloatArray], FloatArray] | None = None
+    rounding_scale: Callable[[Any, FloatArray], FloatArray] | None = None
 
 
 @dataclass(frozen=True)
@@ -84,12 +84,12 @@ def _average(fitted: FeatureGroups, touches: FloatArray) -> FloatArray:
     return touches @ fitted.weights
 
 
-def _average_sizes(fitted: FeatureGroups, sizes: FloatArray) -> FloatArray:
-    return sizes @ abs(fitted.weights)
+def _average_scale(fitted: FeatureGroups, scale: FloatArray) -> FloatArray:
+    return scale @ abs(fitted.weights)
 
 
-def _distance_sizes(fitted: Any, sizes: FloatArray) -> FloatArray:
-    return np.linalg.norm(sizes, axis=1)[:, None] + np.linalg.norm(fitted.weights, axis=1)
+def _distance_scale(fitted: Any, scale: FloatArray) -> FloatArray:
+    return np.linalg.norm(scale, axis=1)[:, None] + np.linalg.norm(fitted.weights, axis=1)
 
 
 def _one_hot(fitted: Any, touches: FloatArray) -> FloatArray:
@@ -100,7 +100,7 @@ MAPS = Registry(
     "map of touches",
     Map(
         "unit_distances", "its distance to each of five units", _fit_line,
-        lambda fitted, touches: fitted.distances(touches), sizes=_distance_sizes,
+        lambda fitted, touches: fitted.distances(touches), rounding_scale=_distance_scale,
     ),
     Map(
         "one_hot", "1 for the nearest of five units and 0 for the others", _fit_line, _one_hot,
@@ -111,10 +111,10 @@ MAPS = Registry(
     ),
     Map(
         "feature_groups", "the means of five groups of features, found by a map over the features",
-        _fit_groups, _average, sizes=_average_sizes,
+        _fit_groups, _average, rounding_scale=_average_scale,
     ),
     Map(
         "none", "there is no map, and a touch keeps all its features", _keep_features, _average,
-        sizes=_average_sizes,
+        rounding_scale=_average_scale,
     ),
 )  # fmt: skip

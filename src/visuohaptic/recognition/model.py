@@ -55,10 +55,10 @@ class ModelAnswer:
         sequences that were classified as the class.
     candidates : tuple of str, optional
         The prediction set and the likeliest class, the likeliest class first.
-    strangeness : float, optional
+    novelty_rank : float, optional
         Share of objects with a lower novelty, among the n training objects and this object: in [0, n / (n + 1)].
     unknown : bool, optional
-        Whether the strangeness is at least `coverage`, so that the object seems to be of no known class. Also None if
+        Whether the novelty_rank is at least `coverage`, so that the object seems to be of no known class. Also None if
         n is below `certainty.least_known_objects`.
     coverage : float, optional
         Stated smallest share of objects of known classes with their class in `candidates`, in (0, 1).
@@ -72,7 +72,7 @@ class ModelAnswer:
 
     probabilities: dict[str, float]
     candidates: tuple[str, ...] | None = None
-    strangeness: float | None = None
+    novelty_rank: float | None = None
     unknown: bool | None = None
     coverage: float | None = None
     compared: int | None = None
@@ -178,7 +178,7 @@ class RecognitionModel:
         return ModelAnswer(
             probabilities,
             tuple(self.classes[index] for index in order if in_set[index]),
-            assessment.strangeness,
+            assessment.novelty_rank,
             assessment.unknown if self.can_call_unknown(strategy) else None,
             coverage,
             len(certainty.labels),

@@ -20,7 +20,7 @@ def trust_table(fits=(0.05, 0.15, 0.45, 0.95), strange=(0.25, 0.65, 0.95, 1.0), 
             "known": known, "correct": known, "covered": known and value > 0.1,
             "covered_at": [stated for stated in STATED_COVERAGES if known and value > 1 - stated / 100 + 1e-12],
             "candidates": candidates,
-            "strangeness": 0.35 if known else value, "evidence": 0.35 if known else value,
+            "novelty_rank": 0.35 if known else value, "evidence": 0.35 if known else value,
             "unknown": not known and value > 0.9,
         }
         for strategy in ("fixation", "random")
