@@ -124,9 +124,7 @@ def read_data(data: bytes, kind: str, name: str, companions: Companions) -> Mesh
     `kind` is a suffix of `MODEL_SUFFIXES` without the dot, in upper or lower case; another kind raises `KeyError`.
     `companions` reads the files that the model refers to. Raises `MeshError` with `name` and the reason if the content is broken.
     """
-    holder = [data]
-    del data
-    mesh, notes, up_axis = _read_content(holder, kind, name, companions, join_parts)
+    mesh, notes, up_axis = _read_content(data, kind, name, companions, join_parts)
     return replace(mesh, notes=notes, up_axis=up_axis)
 
 
@@ -138,55 +136,50 @@ def _read(
 ) -> tuple[_Result, tuple[str, ...], _Axis]:
     """Return the result of `finish` for the parts of a source, with notes and the up axis."""
     name = name_of(source)
-    companions = Companions()
+    # Contents are passed on without a variable here, so that `_read_content` has the only reference.
     if isinstance(source, str | Path):
         path = Path(source)
-        holder = [_content_of(path, name, largest_megabytes)]
-        return _read_content(holder, path.suffix[1:], name, FolderCompanions(path), finish)
+        companions = FolderCompanions(path)
+        return _read_content(
+            _content_of(path, name, largest_megabytes), path.suffix[1:], name, companions, finish
+        )
     if hasattr(source, "read"):
         kind = _kind_of(source, file_type)
-        holder = [_read_bounded(source, name, largest_megabytes)]
-        return _read_content(holder, kind, name, companions, finish)
-    return _finished([source], _parts_in_memory, name, "a mesh", companions, finish)
+        return _read_content(
+            _read_bounded(source, name, largest_megabytes), kind, name, Companions(), finish
+        )
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return finish(parts_in_memory(source)), (), None
+    except Exception as error:
+        raise MeshError(f"{name} can't be read as a mesh: {_reason_of(error)}.") from error
 
 
 def _read_content(
-    holder: list[bytes],
+    data: bytes,
     kind: str,
     name: str,
     companions: Companions,
     finish: Callable[[Sequence[Part]], _Result],
 ) -> tuple[_Result, tuple[str, ...], _Axis]:
+    """Return the result of `finish` for the parts in the content of a file, with notes and the up axis."""
     kind = kind.lower()
+    read_parts_of = _READERS[kind]
     if kind in _TEXT_KINDS:
-        holder[0] = holder[0].removeprefix(codecs.BOM_UTF8)
-    return _finished(holder, _READERS[kind], name, kind.upper(), companions, finish)
-
-
-def _finished(
-    holder: list[Any],
-    read_parts_of: Callable[[Any, Companions], Sequence[Part]],
-    name: str,
-    kind: str,
-    companions: Companions,
-    finish: Callable[[Sequence[Part]], _Result],
-) -> tuple[_Result, tuple[str, ...], _Axis]:
-    """Read the only item of `holder`; the item is removed from the list so that `read_parts_of` can free it."""
-    beginning = holder[0][:BEGINNING] if isinstance(holder[0], bytes) else b""
+        data = data.removeprefix(codecs.BOM_UTF8)
+    beginning = data[:BEGINNING]
+    # Readers free the content before the mesh is built; a variable here would keep the content alive.
+    only_reference = [data]
+    del data
     # A parser may raise any error for a broken file.
     try:
         # Vertices that overflow are refused where the mesh is used, in a sentence that names the first.
         with np.errstate(over="ignore", invalid="ignore"):
-            # No variable here refers to the content, so that `read_parts_of` can free it.
-            finished = finish(read_parts_of(holder.pop(), companions))
+            finished = finish(read_parts_of(only_reference.pop(), companions))
     except Exception as error:
-        reason = other_content(beginning, kind.lower()) or _reason_of(error)
-        raise MeshError(f"{name} can't be read as {kind}: {reason}.") from error
+        reason = other_content(beginning, kind) or _reason_of(error)
+        raise MeshError(f"{name} can't be read as {kind.upper()}: {reason}.") from error
     return finished, _notes(name, companions), companions.up_axis
-
-
-def _parts_in_memory(mesh: Any, companions: Companions) -> Sequence[Part]:  # noqa: ARG001
-    return parts_in_memory(mesh)
 
 
 def _notes(name: str, companions: Companions) -> tuple[str, ...]:
