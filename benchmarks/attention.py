@@ -36,7 +36,7 @@ def run() -> dict[str, object]:
 def every_paper_object(step: int) -> list[Surface]:
     """Read and normalise every `step`-th of the twelve objects of the repository."""
     files = sorted(PAPER.rglob("*.ply.gz"))[::step]
-    return [normalise(read_surface(path), path.name) for path in files]
+    return [normalise(read_surface(path), path.name).surface for path in files]
 
 
 def _rows(surfaces: Sequence[Surface]) -> list[dict[str, float]]:

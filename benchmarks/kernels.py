@@ -81,7 +81,7 @@ def run() -> dict[str, object]:
 
 
 def _measure(path: Path) -> dict[str, dict[str, float]]:
-    surface = normalise(read_surface(path), path.name)
+    surface = normalise(read_surface(path), path.name).surface
     caster = RayCaster(surface)
     views = render_views(caster, CAMERAS, RENDERING)
     paths = [attention.scanpath for attention in attend_to(views, ATTENTION)]

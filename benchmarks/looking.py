@@ -64,7 +64,7 @@ def run(rounds: int = 7) -> dict[str, object]:
 
 def _measure(path: Path, rounds: int) -> dict[str, float]:
     """Return median processor milliseconds per view or imprint of an object."""
-    surface = normalise(read_surface(path), path.name)
+    surface = normalise(read_surface(path), path.name).surface
     caster, bare = RayCaster(surface), open3d_cast(surface)
     views = render_views(caster, CAMERAS, RENDERING)
     paths = [attention.scanpath for attention in attend_to(views, ATTENTION)]

@@ -37,7 +37,7 @@ def run() -> dict[str, object]:
         "convex": _ellipsoid(),
         "bumpy": _bumpy_ball(),
         "rooms": _shelves(),
-        "car": normalise(read_surface(CAR), CAR.name),
+        "car": normalise(read_surface(CAR), CAR.name).surface,
     }
     return {
         "probes": PROBES,

@@ -222,7 +222,7 @@ def look_at(
         mesh = read_mesh(file.mesh, largest_megabytes=settings.largest_megabytes)
         raw = grey_surface(mesh.vertices, mesh.faces)
     points = _recorded_points(recording, raw)
-    surface = normalise(raw, file.name)
+    surface = normalise(raw, file.name).surface
     caster = RayCaster(surface)
     placed, error = align(points, caster, file.name, settings.largest_error)
     area, density = _spread(placed, recording.seconds, surface, settings.spread, seed)

@@ -20,7 +20,7 @@ def block():
     mesh = trimesh.creation.box((1.0, 2.0, 0.2))
     colours = np.full((len(mesh.faces), 3), (255, 0, 0), np.uint8)
     surface = Surface(np.array(mesh.vertices), np.array(mesh.faces), colours)
-    return normalise(surface, "block")
+    return normalise(surface, "block").surface
 
 
 def pixels_of(cell, colour):

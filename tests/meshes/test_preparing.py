@@ -16,7 +16,6 @@ from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.meshes.preparing import (
     clean,
     normalise,
-    normalise_with_matrix,
     prepare_object,
 )
 from visuohaptic.meshes.up_axis import rotation_upright
@@ -33,7 +32,7 @@ def lopsided():
 
 
 def test_the_centroid_is_at_the_origin_and_the_farthest_vertex_at_one(lopsided):
-    result = normalise(lopsided, "lopsided")
+    result = normalise(lopsided, "lopsided").surface
     assert np.linalg.norm(result.vertices, axis=1).max() == pytest.approx(1, abs=1e-7)
     centroid = np.average(result.triangles.mean(axis=1), axis=0, weights=result.face_areas)
     np.testing.assert_allclose(centroid, 0, atol=1e-7)
@@ -42,10 +41,10 @@ def test_the_centroid_is_at_the_origin_and_the_farthest_vertex_at_one(lopsided):
 
 def test_dimensions_stretch_each_axis_but_an_extent_of_zero():
     box = surface_of(trimesh.creation.box((1, 1, 1)))
-    extent = np.ptp(normalise(box, "box", dimensions=(10, 40, 20)).vertices, axis=0)
+    extent = np.ptp(normalise(box, "box", dimensions=(10, 40, 20)).surface.vertices, axis=0)
     np.testing.assert_allclose(extent / extent[0], [1, 4, 2], rtol=1e-6)
     sheet = build_plain_surface([[0, 0, 0], [1, 0, 0], [0, 0, 1]], [[0, 1, 2]])
-    extent = np.ptp(normalise(sheet, "sheet", dimensions=(2, 1, 1)).vertices, axis=0)
+    extent = np.ptp(normalise(sheet, "sheet", dimensions=(2, 1, 1)).surface.vertices, axis=0)
     np.testing.assert_allclose(extent / extent[0], [1, 0, 0.5], rtol=1e-6)
 
 
@@ -83,7 +82,7 @@ def test_the_way_leads_to_the_vertices_also_where_faces_go(lopsided):
         np.concatenate([lopsided.faces, twice]),
         np.concatenate([lopsided.face_colours, lopsided.face_colours[:300]]),
     )
-    made, way = normalise_with_matrix(doubled, "doubled", rotation_upright("z"), (1, 2, 3))
+    made, way = normalise(doubled, "doubled", rotation_upright("z"), (1, 2, 3))
     led = doubled.triangles @ way[:3, :3].T + way[:3, 3]
     np.testing.assert_allclose(led[: len(made.faces)], made.triangles, atol=1e-6)
 
@@ -100,7 +99,7 @@ def test_colours_and_images_stay_with_their_faces():
         np.concatenate([[[9, 9, 9]], box.face_colours]).astype(np.uint8),
         Texture(corners, numbers, images, np.zeros((2, 2), np.uint8)),
     )
-    made = normalise(spoiled, "box", rotation_upright("z"))
+    made = normalise(spoiled, "box", rotation_upright("z")).surface
     np.testing.assert_array_equal(made.face_colours, box.face_colours)
     np.testing.assert_array_equal(made.texture.corners, corners[1:])
     np.testing.assert_array_equal(made.texture.image, numbers[1:])
@@ -129,7 +128,7 @@ def test_what_can_not_be_touched_is_refused_by_name(vertices, faces, sentence):
 def test_own_models_with_z_up_are_turned(tmp_path):
     trimesh.creation.box((1, 1, 4)).export(tmp_path / "tower.stl")
     model = Model("tower", "tower")
-    result = prepare_object(model, tmp_path / "tower.stl", MeshParameters(own_up_axis="z"))
+    result = prepare_object(model, tmp_path / "tower.stl", MeshParameters(own_up_axis="z")).surface
     assert np.ptp(result.vertices, axis=0).argmax() == 1
 
 
@@ -138,8 +137,8 @@ def test_own_models_with_z_up_are_turned(tmp_path):
 def test_coordinates_of_any_size_make_the_same_surface_without_a_warning(scale):
     box = trimesh.creation.box((1, 1, 1))
     model = Model("box", "box")
-    wanted = prepare_object(model, (box.vertices, box.faces), MeshParameters())
-    found = prepare_object(model, (scale * box.vertices, box.faces), MeshParameters())
+    wanted = prepare_object(model, (box.vertices, box.faces), MeshParameters()).surface
+    found = prepare_object(model, (scale * box.vertices, box.faces), MeshParameters()).surface
     np.testing.assert_array_equal(found.vertices, wanted.vertices)
     assert found.notes == wanted.notes
 
@@ -168,7 +167,9 @@ def ball_with_a_face_at(distance):
 
 
 def test_stray_faces_that_decide_the_size_are_noted():
-    near, far, farthest = (normalise(ball_with_a_face_at(d), "a.off") for d in (5, 1e3, 1e6))
+    near, far, farthest = (
+        normalise(ball_with_a_face_at(d), "a.off").surface for d in (5, 1e3, 1e6)
+    )
     assert near.notes == ()
     says = "a.off is 1,000 times as large as the part with nearly all its area, because of 1 of 321 faces"
     assert far.notes == (f"{says}; delete stray faces.",)
@@ -188,12 +189,12 @@ def test_a_surface_whose_faces_all_vanish_by_merging_is_refused_with_the_reason(
 def test_faces_that_are_twice_or_have_no_area_are_dropped_without_a_note(lopsided):
     faces = np.concatenate([lopsided.faces, lopsided.faces[:, ::-1], lopsided.faces[:, [0, 0, 1]]])
     doubled = Surface(lopsided.vertices, faces, np.tile(lopsided.face_colours, (3, 1)))
-    assert normalise(doubled, "a.off").notes == ()
+    assert normalise(doubled, "a.off").surface.notes == ()
 
 
 def test_a_model_of_the_catalogue_keeps_its_notes_only(tmp_path):
     surface = ball_with_a_face_at(1e3)
     for name, notes in (("a.ply", 1), ("a.ply.gz", 0)):
         write_surface(surface, tmp_path / name)
-        made = prepare_object(Model("ball", "a"), tmp_path / name, MeshParameters())
+        made = prepare_object(Model("ball", "a"), tmp_path / name, MeshParameters()).surface
         assert len([note for note in made.notes if "stray" in note]) == notes

@@ -15,7 +15,7 @@ from visuohaptic.geometry.surface import read_surface
 from visuohaptic.meshes.catalogue import Model
 from visuohaptic.meshes.files import make_mesh
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import prepare_with_matrix
+from visuohaptic.meshes.preparing import prepare_object
 from visuohaptic.meshes.up_axis import (
     AXES,
     are_perpendicular,
@@ -48,12 +48,8 @@ def test_a_table_is_found_upright_in_either_axis_and_placed_as_that_axis_does():
     assert steadiest_axis(of_trimesh(table()), Y_OR_Z) == "y"
     turned = of_trimesh(table().apply_transform(Y_TO_Z))
     assert steadiest_axis(turned, Y_OR_Z) == "z"
-    found, way = prepare_with_matrix(
-        Model("a", "table"), turned, MeshParameters(own_up_axis="auto")
-    )
-    named, named_way = prepare_with_matrix(
-        Model("a", "table"), turned, MeshParameters(own_up_axis="z")
-    )
+    found, way = prepare_object(Model("a", "table"), turned, MeshParameters(own_up_axis="auto"))
+    named, named_way = prepare_object(Model("a", "table"), turned, MeshParameters(own_up_axis="z"))
     np.testing.assert_array_equal(found.vertices, named.vertices)
     np.testing.assert_array_equal(way, named_way)
 
@@ -85,7 +81,7 @@ def test_without_a_front_the_rotations_are_those_of_earlier_versions():
 def test_the_axis_that_stands_is_sought_among_those_perpendicular_to_the_front():
     for front, up in (("y", "z"), ("-z", "y"), ("x", "y"), (None, "y")):
         parameters = MeshParameters(own_up_axis="auto", own_front_axis=front)
-        _, way = prepare_with_matrix(Model("a", "table"), of_trimesh(table()), parameters)
+        _, way = prepare_object(Model("a", "table"), of_trimesh(table()), parameters)
         assert named_axis(way[1, :3]) == up
         assert front in (None, named_axis(way[2, :3]))
 
@@ -93,14 +89,14 @@ def test_the_axis_that_stands_is_sought_among_those_perpendicular_to_the_front()
 def test_a_front_along_the_axis_that_the_file_states_is_refused():
     tower = replace(of_trimesh(trimesh.creation.box((1, 2, 3))), up_axis="z")
     with pytest.raises(MeshError, match="has up axis z, and the front axis is -z; perpendicular"):
-        prepare_with_matrix(Model("a", "b"), tower, MeshParameters(own_front_axis="-z"))
+        prepare_object(Model("a", "b"), tower, MeshParameters(own_front_axis="-z"))
 
 
 @pytest.mark.parametrize("axis", "xyz")
 def test_the_file_says_which_axis_points_up_unless_the_user_does(axis):
     tower = replace(of_trimesh(trimesh.creation.box((1, 2, 3))), up_axis=axis)
     for asked, taken in (("file", axis), ("y", "y"), ("z", "z")):
-        made, way = prepare_with_matrix(Model("a", "b"), tower, MeshParameters(own_up_axis=asked))
+        made, way = prepare_object(Model("a", "b"), tower, MeshParameters(own_up_axis=asked))
         assert np.abs(way[1, :3]).argmax() == "xyz".index(taken)
         assert (made.notes, made.up_axis) == ((), None)
 
@@ -113,7 +109,7 @@ def test_a_model_that_hardly_stands_is_said_to_be_taken_as_y_up_where_nobody_say
         (replace(lying, up_axis="y"), "file", 0),
         (of_trimesh(table()), "file", 0),
     ):
-        made, way = prepare_with_matrix(Model("a", "b"), surface, MeshParameters(own_up_axis=asked))
+        made, way = prepare_object(Model("a", "b"), surface, MeshParameters(own_up_axis=asked))
         assert np.abs(way[1, :3]).argmax() == 1
         assert ["taken as y-up" in note for note in made.notes] == [True] * count
 
@@ -131,4 +127,4 @@ def test_a_run_turns_an_own_model_as_load_does(tmp_path):
 def test_a_surface_without_area_is_refused_as_always():
     flat = build_plain_surface(np.zeros((3, 3)), [[0, 1, 2]])
     with pytest.raises(MeshError):
-        prepare_with_matrix(Model("a", "flat"), flat, MeshParameters(own_up_axis="auto"))
+        prepare_object(Model("a", "flat"), flat, MeshParameters(own_up_axis="auto"))

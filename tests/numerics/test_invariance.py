@@ -46,12 +46,12 @@ def hard(*values):
 
 @pytest.mark.parametrize("base", ["box", *hard("lopsided", "cone", "torus")])
 def test_a_finer_tessellation_of_the_same_surface_feels_alike(recorder, base):
-    surface = normalise(bases()[base], base, merge_tolerance=0)
+    surface = normalise(bases()[base], base, merge_tolerance=0).surface
     vertices, faces = trimesh.remesh.subdivide(surface.vertices, surface.faces)
     # Each triangle is cut into four, one after the other.
     parents = np.repeat(np.arange(len(surface.faces)), 4)
     finer = Surface(vertices, faces.astype(np.int64), surface.face_colours[parents])
-    finer = normalise(finer, base, merge_tolerance=0)
+    finer = normalise(finer, base, merge_tolerance=0).surface
     drawn = draw_by_area(finer, 60, np.random.default_rng(1))
     pressed = (drawn.points, drawn.normals, SensorParameters(), Scene())
     coarse = touch(RayCaster(surface), *pressed, faces=parents[drawn.faces]).images
@@ -116,7 +116,7 @@ def compare_views(kind, label, base, others, *, flip):
 
 @pytest.mark.parametrize("path", [REAL[0], *hard(*REAL[1:])])
 def test_turning_the_object_permutes_its_viewpoints_and_mirroring_mirrors(recorder, full, path):
-    surface = normalise(read_surface(PAPER / path), path)
+    surface = normalise(read_surface(PAPER / path), path).surface
     cameras, resolution = (CAMERAS, 256) if full else (CAMERAS[:4], 128)
     label, found = path.removesuffix(".ply.gz"), []
     # Both sides are rounded to float32 alike, as every mesh file is.

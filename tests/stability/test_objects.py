@@ -30,7 +30,7 @@ AGAIN = ["touches by themselves"]
 
 @pytest.fixture(scope="module")
 def sensed():
-    surface = normalise(of_trimesh(trimesh.creation.torus(0.6, 0.25, 24, 16)), "torus")
+    surface = normalise(of_trimesh(trimesh.creation.torus(0.6, 0.25, 24, 16)), "torus").surface
     made = run(Subject("ring/torus", lambda: RayCaster(surface), range(2)), PARAMETERS)
     touches = made["touches"]
     located = touched_locations(made["fixations"], touches)

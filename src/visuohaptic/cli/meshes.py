@@ -167,9 +167,9 @@ def _prepare(
 ) -> tuple[Surface, dict[str, Any]]:
     """Return the surface of a model, and what the check says of the model; `MeshError` as of `prepare_object`."""
     from visuohaptic.exploration.file_frame import FileFrame
-    from visuohaptic.meshes.preparing import prepare_with_matrix
+    from visuohaptic.meshes.preparing import prepare_object
 
-    surface, matrix = prepare_with_matrix(model, file, parameters)
+    surface, matrix = prepare_object(model, file, parameters)
     frame = FileFrame(matrix)
     size = model.dimensions
     if size is None and frame.has_way_back:

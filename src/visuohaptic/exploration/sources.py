@@ -13,7 +13,7 @@ from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.catalogue import Model, read_catalogue
 from visuohaptic.meshes.model_files import PACKED, Source
 from visuohaptic.meshes.parameters import MeshParameters
-from visuohaptic.meshes.preparing import prepare_with_matrix
+from visuohaptic.meshes.preparing import prepare_object
 from visuohaptic.meshes.up_axis import AXES, are_perpendicular
 from visuohaptic.parameters import ExperimentParameters, as_parameters
 
@@ -32,7 +32,7 @@ def read_source(
     object, can't be read, or has no surface.
     """
     model = _model_of(source)
-    return model.key, *prepare_with_matrix(model, source, parameters, file_type, UP_ADVICE)
+    return model.key, *prepare_object(model, source, parameters, file_type, UP_ADVICE)
 
 
 def with_axes(

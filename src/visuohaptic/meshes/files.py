@@ -43,7 +43,7 @@ def make_mesh(
     """
     category, name = key.split("/")
     try:
-        surface = prepare_object(model or Model(category, name), source, parameters)
+        surface = prepare_object(model or Model(category, name), source, parameters).surface
         if parameters.turns != "none":
             rotation = draw_rotation(parameters.turns, key, seed, parameters.turn_draw)
             surface = turn_surface(surface, rotation)

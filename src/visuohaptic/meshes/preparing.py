@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,7 +37,32 @@ _MANY_MERGED = 0.1  # share of the faces that vanish by merging, above which the
 _NEAR, _FAR = 1e-60, 1e60
 
 
-def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> Surface:
+class Prepared(NamedTuple):
+    """A surface in the object frame, and how its source was brought there.
+
+    Attributes
+    ----------
+    surface : Surface
+        The centroid, weighted by area, is the origin, and the farthest vertex has distance 1, up to float32 rounding.
+        Every face has an area, and every vertex a face. Vertices are float64 with values that float32 represents
+        exactly, so that float64 checks and the float32 ray caster see the same surface.
+    matrix : numpy.ndarray
+        Shape (4, 4): `matrix @ (x, y, z, 1)` is a point of the source in the object frame. Vertices of `surface` differ
+        from transformed vertices only by merging and float32 rounding. Entries are infinite or NaN if the scale
+        overflows float64.
+    """
+
+    surface: Surface
+    matrix: FloatArray
+
+
+def prepare_object(
+    model: Model,
+    source: Source,
+    parameters: MeshParameters,
+    file_type: str | None = None,
+    advice: str = "set meshes.own_up_axis to z",
+) -> Prepared:
     """Read a mesh, turn it upright and normalise it into the object frame.
 
     Parameters
@@ -49,32 +75,21 @@ def prepare_object(model: Model, source: Source, parameters: MeshParameters) -> 
     parameters : MeshParameters
         Only `largest_megabytes`, `own_up_axis` and `own_front_axis` are used. The axes turn every source but a packed
         surface.
+    file_type : str, optional
+        Argument of `read_mesh`.
+    advice : str
+        End of the note on a doubtful up axis.
 
     Returns
     -------
-    Surface
-        As of `normalise`. Its notes include a doubtful up axis.
+    Prepared
+        As of `normalise`. Notes of the surface include a doubtful up axis.
 
     Raises
     ------
     MeshError
         If the source can't be read, has a vertex that is not finite, has no area, or has an up axis that is parallel
         to `own_front_axis`. The message begins with the name of the source.
-    """
-    return prepare_with_matrix(model, source, parameters)[0]
-
-
-def prepare_with_matrix(
-    model: Model,
-    source: Source,
-    parameters: MeshParameters,
-    file_type: str | None = None,
-    advice: str = "set meshes.own_up_axis to z",
-) -> tuple[Surface, FloatArray]:
-    """Return the surface of `prepare_object`, and the matrix (4, 4) from the file's frame to the object frame.
-
-    `matrix @ (x, y, z, 1)` transforms a point. `source` and `file_type` are arguments of `read_mesh`. `advice` ends the
-    note on a doubtful up axis.
     """
     surface = read_mesh(source, file_type, parameters.largest_megabytes)
     name = name_of(source)
@@ -83,11 +98,11 @@ def prepare_with_matrix(
     else:
         rotation, notes = _upright(surface, name, parameters, advice)
         surface = replace(surface, notes=(*surface.notes, *notes))
-    prepared, matrix = normalise_with_matrix(surface, name, rotation, model.dimensions)
+    prepared, matrix = normalise(surface, name, rotation, model.dimensions)
     if name.endswith(PACKED):
         # Users can't mend models of the catalogue, so doubts about their size are dropped.
         prepared = replace(prepared, notes=surface.notes)
-    return prepared, matrix
+    return Prepared(prepared, matrix)
 
 
 def _upright(
@@ -132,7 +147,7 @@ def normalise(
     rotation: FloatArray | None = None,
     dimensions: tuple[float, float, float] | None = None,
     merge_tolerance: float = MERGE_TOLERANCE,
-) -> Surface:
+) -> Prepared:
     """Turn, stretch, clean, centre and scale a surface of any frame and unit into the object frame.
 
     Parameters
@@ -151,32 +166,15 @@ def normalise(
 
     Returns
     -------
-    Surface
-        The centroid, weighted by area, is the origin, and the farthest vertex has distance 1, up to float32 rounding.
-        Every face has an area, and every vertex a face. Vertices are float64 with values that float32 represents
-        exactly, so that float64 checks and the float32 ray caster see the same surface. Its notes include faces that
-        decide the size of the object though nearly all area is near the centre, and many faces that vanish by merging.
+    Prepared
+        Notes of the surface include faces that decide the size of the object though nearly all area is near the centre,
+        and many faces that vanish by merging.
 
     Raises
     ------
     MeshError
         If there is no face, a vertex of a face is missing, NaN or infinite, or the surface has no area, also if all
         faces vanish by merging.
-    """
-    return normalise_with_matrix(surface, name, rotation, dimensions, merge_tolerance)[0]
-
-
-def normalise_with_matrix(
-    surface: Surface,
-    name: str,
-    rotation: FloatArray | None = None,
-    dimensions: tuple[float, float, float] | None = None,
-    merge_tolerance: float = MERGE_TOLERANCE,
-) -> tuple[Surface, FloatArray]:
-    """Return the surface of `normalise`, and the matrix (4, 4) from the given frame to the object frame.
-
-    `matrix @ (x, y, z, 1)` transforms a point. Vertices of the surface differ from transformed vertices only by merging
-    and float32 rounding. Entries of the matrix are infinite or NaN if the scale overflows float64.
     """
     _check_faces_and_vertices(surface, name)
     used = surface.vertices[np.unique(surface.faces)]
@@ -202,7 +200,7 @@ def normalise_with_matrix(
     rounded = as_stored(cleaned)
     result = take_faces(rounded, rounded.face_areas > 0)
     _check_area(result, name)
-    return result, _compose(last_matrix, _compose(first_matrix, matrix))
+    return Prepared(result, _compose(last_matrix, _compose(first_matrix, matrix)))
 
 
 def _translate_and_divide(shift: FloatArray, length: float) -> FloatArray:

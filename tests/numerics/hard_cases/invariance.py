@@ -56,7 +56,7 @@ class Sensed:
 
 def sense(surface, merge_tolerance=0):
     """Go from a raw surface to what is sensed of it from four viewpoints."""
-    made = normalise(surface, "object", merge_tolerance=merge_tolerance)
+    made = normalise(surface, "object", merge_tolerance=merge_tolerance).surface
     views, attended = look(made, place_cameras(ViewpointParameters(count=4)), RESOLUTION)
     saliency = np.stack([found.saliency for found in attended])
     points, normals, faces = (
@@ -207,7 +207,7 @@ def branching_edges(generator):
     """Describe a surface with edges of more than two faces in another way."""
     name, kind = (str(generator.choice(each)) for each in (list(branching()), KINDS))
     requirement, label = "edges of more than two faces: ", f"{name}: {kind}"
-    surface = normalise(branching()[name], name)
+    surface = normalise(branching()[name], name).surface
     other = describe(kind, surface, generator)
     weights = generator.dirichlet([1.0, 1.0, 1.0], size=len(surface.faces))
     one, two = (
@@ -239,7 +239,8 @@ def mesh_places(generator):
     """Move a mesh far from the origin."""
     away, size, offset = far_off(generator, lopsided())
     found, wanted = (
-        normalise(each, "object", merge_tolerance=0).triangles for each in (away, lopsided())
+        normalise(each, "object", merge_tolerance=0).surface.triangles
+        for each in (away, lopsided())
     )
     error = np.linalg.norm(found - wanted, axis=2).max()
     label = f"size 1e{size:.1f}, 1e{offset:.2f} sizes off"

@@ -79,7 +79,7 @@ def _break_once(data, files, generator):
 def judge(path):
     """Read a file; give what is wrong with what came, None where it is a surface or a clear refusal."""
     try:
-        surface = normalise(read_mesh(path), path.name)
+        surface = normalise(read_mesh(path), path.name).surface
     except MeshError as error:
         text = str(error)
         clear = is_one_sentence(text) and path.name in text

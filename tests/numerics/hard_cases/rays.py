@@ -190,7 +190,9 @@ def off_centre(generator):
     """Cast the same rays at a ball and at the same ball far off, both prepared as meshes are."""
     home = closed_shapes()["ball"]
     away, size, offset = far_off(generator, home)
-    casters = [RayCaster(normalise(surface, "ball", merge_tolerance=0)) for surface in (home, away)]
+    casters = [
+        RayCaster(normalise(surface, "ball", merge_tolerance=0).surface) for surface in (home, away)
+    ]
     targets = random_vectors(generator, 200, 0.8)
     near, far = (caster.first_hits(2.5 * targets, -targets) for caster in casters)
     apart = np.abs(near.distance - far.distance) * 0.8
