@@ -27,8 +27,8 @@ from variants.weighing import summarise_variants
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ReportError
 from visuohaptic.evaluation.published import TABLE_1
+from visuohaptic.pictures.page_head import content_policy, page_style
 from visuohaptic.report.page import make_environment
-from visuohaptic.report.policy import content_policy
 from visuohaptic.report.wording import classifier_name, listed, percent, points, spaced
 from visuohaptic.studies.figures import Row
 from visuohaptic.studies.study import StepInputs
@@ -65,18 +65,18 @@ def render_variants_page(table: str | Path | None) -> str:
     environment.loader = ChoiceLoader(
         [PackageLoader("visuohaptic.report"), PackageLoader("variants")]
     )
-    script = _text("variants", "variants.js")
+    script = _text("variants.js")
     return environment.get_template("frame.html.jinja").render(
         policy=content_policy(script),
         variants=figures,
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        style=_text("visuohaptic.report", "style.css") + _text("variants", "variants.css"),
+        style=page_style() + _text("variants.css"),
         script=script,
     )
 
 
-def _text(package: str, name: str) -> str:
-    return files(package).joinpath("templates", name).read_text("utf-8")
+def _text(name: str) -> str:
+    return files("variants").joinpath("templates", name).read_text("utf-8")
 
 
 def variants_figures(

@@ -10,7 +10,7 @@ import nbformat
 import pytest
 from source_folders import PYTHONPATH
 
-from visuohaptic.report.imprint_scale import imprint_scale
+from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 

@@ -20,7 +20,7 @@ import pyarrow.parquet as pq
 from PIL import Image
 
 from visuohaptic.geometry.surface import read_surface
-from visuohaptic.report.models import COORDINATE_STEPS
+from visuohaptic.pictures.models import COORDINATE_STEPS
 from visuohaptic.tables.schemas import SCHEMAS
 
 METRICS = ("metrics", "headline", "studies/ablations", "studies/claims", "studies/touch_curves")

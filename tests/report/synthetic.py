@@ -13,7 +13,7 @@ from visuohaptic.evaluation.summary import summarise
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.surface import Surface, object_of, write_surface
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.object_pictures import make_pictures
+from visuohaptic.pictures.object_pictures import make_pictures
 from visuohaptic.report.run import RunFiles
 from visuohaptic.sensor.frames import column_axes
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS

@@ -1,19 +1,18 @@
 """Charts are the same bytes each time, fit into a page, and stand out from it."""
 
 import re
-from importlib.resources import files
 from xml.etree import ElementTree as ET
 
 import matplotlib as mpl
 import pytest
 
+from visuohaptic.pictures.page_head import page_style
 from visuohaptic.report import figures
 from visuohaptic.report.drawing import COLOURS, inline_svg, write_svg
 
-STYLE = files("visuohaptic.report").joinpath("templates", "style.css").read_text("utf-8")
 LIGHT, DARK = (
     dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6})", block))
-    for block in re.findall(r":root[^{]*\{(.*?)\}", STYLE, re.DOTALL)[:2]
+    for block in re.findall(r":root[^{]*\{(.*?)\}", page_style(), re.DOTALL)[:2]
 )
 
 

@@ -14,7 +14,7 @@ from report.synthetic import OBJECTS, PARAMETERS, write_run
 from visuohaptic.base.errors import ReportError
 from visuohaptic.io.plugins import PlugIn
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.object_pictures import make_pictures
+from visuohaptic.pictures.object_pictures import make_pictures
 from visuohaptic.report.page import PAPER_ADDRESS, make_environment, make_report, render_page
 from visuohaptic.report.run import read_run
 from visuohaptic.report.section import ReportContext

@@ -5,7 +5,11 @@ reports/plots/.
 """
 
 TEMPLATES = in_clone(
-    sorted(Path(shipped("src/visuohaptic/report/templates")).glob("*.*"))
+    sorted(
+        file
+        for folder in ("pictures", "report")
+        for file in Path(shipped(f"src/visuohaptic/{folder}/templates")).glob("*.*")
+    )
 )
 # Sections of studies, and their templates.
 SECTIONS = section_files(STUDY_FOLDERS)

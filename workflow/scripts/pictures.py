@@ -4,7 +4,7 @@ import visuohaptic_workflow.interruptible  # noqa: F401 - before all imports tha
 
 # isort: split
 from visuohaptic.geometry.surface import meshes_in
-from visuohaptic.report.object_pictures import make_pictures
+from visuohaptic.pictures.object_pictures import make_pictures
 from visuohaptic_workflow.jobs import job
 
 with job(snakemake):

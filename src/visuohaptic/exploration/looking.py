@@ -18,14 +18,14 @@ from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.recognising import GIVEN
+from visuohaptic.fixations.probing import strategy_of
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.imprint_scale import imprint_scale
-from visuohaptic.report.model_figure import ModelFigure, model_page
-from visuohaptic.report.models import pack_model
-from visuohaptic.report.object_pictures import PACKED
-from visuohaptic.report.pictures import imprint_sheet, webp_address
-from visuohaptic.report.wording import strategy_name
+from visuohaptic.pictures.encoding import imprint_sheet, webp_address
+from visuohaptic.pictures.imprint_scale import imprint_scale
+from visuohaptic.pictures.model_figure import ModelFigure, model_page
+from visuohaptic.pictures.models import pack_model
+from visuohaptic.pictures.object_pictures import PACKED
 from visuohaptic.tables.phases import NORMAL_NAMES
 from visuohaptic.tables.schema import images, matrix
 
@@ -71,7 +71,7 @@ def exploration_figure(
             for viewpoint, number, state in zip(viewpoints, numbers, states, strict=True)
         ],
         sheets={strategy: webp_address(imprint_sheet(images(touches), *cells))},
-        strategies={strategy: "given points" if strategy == GIVEN else strategy_name(strategy)},
+        strategies={strategy: "given points" if strategy == GIVEN else strategy_of(strategy).label},
         views=[
             (viewpoint, azimuth, elevation)
             for viewpoint, (azimuth, elevation) in zip(seen_from, _angles(eyes), strict=True)

@@ -16,7 +16,7 @@ from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.report.imprint_scale import imprint_scale
+from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.tables.phases import POINT_NAMES
 from visuohaptic.tables.schema import images, matrix
 from visuohaptic.touches.touching import touch_squares

@@ -14,7 +14,7 @@ from visuohaptic.fixations.rendering import render_views
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.report.pictures import data_uri
+from visuohaptic.pictures.encoding import data_uri
 from visuohaptic.scene.parameters import EffectModes
 
 CLASSES_PRINTED = 3

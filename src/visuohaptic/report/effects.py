@@ -12,8 +12,8 @@ from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import read_surface
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pictures.encoding import imprint_strip, webp_address
 from visuohaptic.report.estimates import Row
-from visuohaptic.report.pictures import imprint_strip, webp_address
 from visuohaptic.report.run import Run
 from visuohaptic.report.wording import counted, listed
 from visuohaptic.scene.parameters import PRESETS, VISUAL_EFFECTS, EffectModes

@@ -12,11 +12,11 @@ import pyarrow as pa
 
 from visuohaptic.evaluation.summary import select
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
+from visuohaptic.pictures.encoding import data_uri, picture_size, webp_address
+from visuohaptic.pictures.imprint_scale import imprint_scale
+from visuohaptic.pictures.model_figure import ModelFigure
+from visuohaptic.pictures.object_pictures import MODEL
 from visuohaptic.report.estimates import Row
-from visuohaptic.report.imprint_scale import imprint_scale
-from visuohaptic.report.model_figure import ModelFigure
-from visuohaptic.report.object_pictures import MODEL
-from visuohaptic.report.pictures import data_uri, picture_size, webp_address
 from visuohaptic.report.run import Run
 from visuohaptic.report.shown import OBJECTS_AT_MOST
 from visuohaptic.report.wording import anchor_of, place_in_view, strategy_name

@@ -20,15 +20,15 @@ from markupsafe import Markup
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.published import PAPER
 from visuohaptic.parameters import ExperimentParameters
+from visuohaptic.pictures.imprint_scale import imprint_scale
+from visuohaptic.pictures.model_figure import model_script, model_style
+from visuohaptic.pictures.page_head import content_policy, page_style
 from visuohaptic.report import figures, wording
 from visuohaptic.report.cautions import find_warnings
 from visuohaptic.report.chapters import chapters_of
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
-from visuohaptic.report.imprint_scale import imprint_scale
-from visuohaptic.report.model_figure import model_script, model_style
 from visuohaptic.report.objects import describe_objects
-from visuohaptic.report.policy import content_policy
 from visuohaptic.report.provenance import phase_seconds
 from visuohaptic.report.run import Run, RunFiles, read_run
 from visuohaptic.report.section import ReportContext, Section, find_sources
@@ -77,7 +77,8 @@ def render_page(run: Run) -> str:
         "pipeline": run.pipelines[0] if run.pipelines else None,
         "several": len(run.pipelines) > 1,
     }
-    script = model_script() + _text("page.js")
+    page_script = package_files("visuohaptic.report").joinpath("templates", "page.js")
+    script = model_script() + page_script.read_text("utf-8")
     return environment.get_template("page.html.jinja").render(
         policy=content_policy(script),
         chapters=_render_chapters(environment, context, chapters),
@@ -92,7 +93,7 @@ def render_page(run: Run) -> str:
             for section in sections
         },
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        style=_text("style.css") + model_style(),
+        style=page_style() + model_style(),
         script=script,
     )
 
@@ -163,7 +164,3 @@ def make_environment(sections: Iterable[Section] = ()) -> Environment:
     macros = environment.get_template("macros.html.jinja").module
     environment.globals |= {"charts": figures, "draw": macros, "each": each}
     return environment
-
-
-def _text(name: str) -> str:
-    return package_files("visuohaptic.report").joinpath("templates", name).read_text("utf-8")

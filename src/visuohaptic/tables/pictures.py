@@ -17,7 +17,7 @@ PICTURES = Schema(
         Column("saliency", _OF_VIEWS, "saliency map of each viewpoint at half the size, lossy WebP"),
         Column("imprints", _OF_VIEWS, "imprints of strategy fixation by viewpoint, side by side in order, WebP"),
         Column("sheets", pa.map_(TEXT, pa.binary()), "imprints by strategy, one row per viewpoint and one column per touch, lossy WebP"),
-        Column("model", pa.binary(), "thinned mesh and touches as packed by `report.models.pack_model`, gzip; missing without a mesh", nullable=True),
+        Column("model", pa.binary(), "thinned mesh and touches as packed by `pictures.models.pack_model`, gzip; missing without a mesh", nullable=True),
         count("vertices", "vertices of the thinned mesh", nullable=True),
         count("faces", "faces of the thinned mesh", nullable=True),
         count("touches", "touches packed with the mesh", nullable=True),

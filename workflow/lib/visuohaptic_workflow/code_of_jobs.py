@@ -71,9 +71,9 @@ CODE = {
     "frontier": STEP,
     "effect_influence": ("studies.effects.influence", *_MEASURING),
     "pictures": (
-        "report.object_pictures", "report.models", "report.pictures", "geometry", "tables",
+        "pictures.object_pictures", "pictures.models", "pictures.encoding", "geometry", "tables",
     ),
-    "report": (*STEP, "report", "stability", "__init__"),
+    "report": (*STEP, "report", "pictures", "stability", "__init__"),
 }  # fmt: skip
 """Folders and modules of the library by rule. An edit of any of their files reruns the rule's jobs.
 

@@ -7,11 +7,10 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence, Sized
 from dataclasses import dataclass, field
 from html import escape
-from importlib.resources import files
 from typing import Any
 
-from visuohaptic.report.models import COORDINATE_STEPS
-from visuohaptic.report.policy import content_policy
+from visuohaptic.pictures.models import COORDINATE_STEPS
+from visuohaptic.pictures.page_head import content_policy, page_style, template_text
 
 TouchKey = tuple[str, int, int, str]
 """Strategy, viewpoint, number from 1 and contact state of a touch."""
@@ -30,7 +29,7 @@ class ModelFigure:
     touch_keys : sequence of TouchKey
         One key per touch, in the order of the packed model.
     sheets : mapping of str to str
-        By strategy, the imprints as a ``data:`` URI of `pictures.imprint_sheet`.
+        By strategy, the imprints as a ``data:`` URI of `encoding.imprint_sheet`.
     strategies : mapping of str to str
         Strategies of the touches, and their names in words.
     views : sequence of (int, float, float)
@@ -138,12 +137,12 @@ _TOUCHED = '<span class="touched" role="group" aria-label="Touches of this view 
 
 def model_script() -> str:
     """Return the script that draws all figures of a page."""
-    return f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{_text('model.js')}"
+    return f"const COORDINATE_STEPS = {COORDINATE_STEPS};\n{template_text('model.js')}"
 
 
 def model_style() -> str:
     """Return the style of the figures."""
-    return _text("model.css")
+    return template_text("model.css")
 
 
 def model_page(figure: ModelFigure, line: str) -> str:
@@ -158,7 +157,7 @@ def model_page(figure: ModelFigure, line: str) -> str:
 <meta http-equiv="Content-Security-Policy" content="{escape(content_policy(script))}">
 <title>{escape(figure.name)}</title>
 <link rel="icon" href="data:,">
-<style>{_text("style.css")}{model_style()}</style>
+<style>{page_style()}{model_style()}</style>
 </head>
 <body class="of-one-model">
 <main>
@@ -180,7 +179,3 @@ def _hidden(choices: Sized) -> str:
 def _json(values: Any) -> str:
     """Return values as JSON that ends no script element."""
     return json.dumps(values).replace("<", "\\u003c")
-
-
-def _text(name: str) -> str:
-    return files("visuohaptic.report").joinpath("templates", name).read_text("utf-8")

@@ -7,8 +7,8 @@ import numpy as np
 from report.pages import read_page
 from report.synthetic import ball
 
-from visuohaptic.report.model_figure import ModelFigure, model_page
-from visuohaptic.report.models import pack_model
+from visuohaptic.pictures.model_figure import ModelFigure, model_page
+from visuohaptic.pictures.models import pack_model
 
 EVIL = '</script><script>alert(1)</script>"><b>&'
 

@@ -11,8 +11,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from visuohaptic.geometry.surface import read_surface
-from visuohaptic.report.models import pack_model
-from visuohaptic.report.pictures import imprint_sheet, imprint_strip, shrink_picture
+from visuohaptic.pictures.encoding import imprint_sheet, imprint_strip, shrink_picture
+from visuohaptic.pictures.models import pack_model
 from visuohaptic.tables.phases import (
     NORMAL_NAMES,
     POINT_NAMES,

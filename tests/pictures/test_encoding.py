@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image
 from report.synthetic import png
 
-from visuohaptic.report.pictures import imprint_sheet, imprint_strip, picture_size, shrink_picture
+from visuohaptic.pictures.encoding import imprint_sheet, imprint_strip, picture_size, shrink_picture
 
 
 def decoded(data):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import visuohaptic as vh
-from visuohaptic.report.imprint_scale import imprint_scale
+from visuohaptic.pictures.imprint_scale import imprint_scale
 from visuohaptic.scene.parameters import PRESETS, Scene
 from visuohaptic.sensor.parameters import SensorParameters
 

@@ -6,7 +6,7 @@ import numpy as np
 from report.synthetic import ball
 
 from visuohaptic.geometry.surface import Surface
-from visuohaptic.report.models import COORDINATE_STEPS, pack_model, thin
+from visuohaptic.pictures.models import COORDINATE_STEPS, pack_model, thin
 from visuohaptic.report.shown import faces_of_model
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image
 from report.synthetic import OBJECTS, STRATEGIES, TOUCHES, VIEWPOINTS, write_run
 
-from visuohaptic.report.object_pictures import make_pictures
+from visuohaptic.pictures.object_pictures import make_pictures
 from visuohaptic.tables.phases import TOUCHES as TOUCHED
 from visuohaptic.tables.phases import key_of
 from visuohaptic.tables.pictures import PICTURES
