@@ -129,8 +129,19 @@ def test_a_gltf_has_the_same_colour_from_its_file_and_through_trimesh(factor):
     file = Gltf()
     material = {} if factor is None else {"pbrMetallicRoughness": {"baseColorFactor": factor}}
     file.show({"mesh": file.mesh(material=file.add("materials", material))})
+    compare_with_trimesh(file)
+
+
+def test_vertex_colours_of_a_gltf_are_the_same_from_its_file_and_through_trimesh():
+    file = Gltf()
+    colours = file.put(np.float32([[0.5, 0.2, 0.05], [0.5, 0.2, 1.0], [0.0, 0.2, 0.05], *[[0.3, 0.4, 0.5]] * 5]))
+    file.show({"mesh": file.mesh(attributes={"COLOR_0": colours})})
+    compare_with_trimesh(file)
+
+
+def compare_with_trimesh(file):
     data = file.binary()
-    through = trimesh.load(io.BytesIO(data), file_type="glb", force="mesh")
+    through = trimesh.load_scene(io.BytesIO(data), file_type="glb")
     found, wanted = (
         mesh.face_colours.astype(int)
         for mesh in (meshreaders.read(through), meshreaders.read(io.BytesIO(data), "glb"))

@@ -89,18 +89,28 @@ def _part(mesh: Any, vertices: NDArray[Any], faces: NDArray[Any]) -> Part:
     """Return the part of a mesh, with the given vertices and faces."""
     # Arrays of trimesh track changes, which costs time.
     vertices, faces = np.asarray(vertices), np.asarray(faces)
-    return Part(vertices, faces, _face_colours(mesh.visual, faces), _paint(mesh, faces))
+    return Part(vertices, faces, _face_colours(mesh, faces), _paint(mesh, faces))
 
 
-def _face_colours(visual: Any, faces: IntArray) -> NDArray[np.uint8] | None:
+def _face_colours(mesh: Any, faces: IntArray) -> NDArray[np.uint8] | None:
     """Return the colours (f, 3), sRGB, of material, faces, or corners (mean); None without colours."""
+    visual = mesh.visual
     if visual.kind == "texture":
         return np.tile(_material_colour(visual.material), (len(faces), 1))
+    if visual.kind == "vertex" and _is_of_gltf(mesh):
+        # trimesh keeps the vertex colours of a glTF as the file has them: linear light.
+        light = np.asarray(visual.vertex_colors)[:, :3] / 255.0
+        return encode_bytes(light[faces].mean(axis=1))
     if visual.kind == "vertex":
         return mean_of_corners(np.asarray(visual.vertex_colors)[:, :3], faces)
     if visual.kind == "face":
         return np.asarray(visual.face_colors)[:, :3].astype(np.uint8)
     return None
+
+
+def _is_of_gltf(mesh: Any) -> bool:
+    """Return whether trimesh loaded a mesh from a glTF file."""
+    return getattr(getattr(mesh, "source", None), "file_type", None) in {"gltf", "glb"}
 
 
 def _material_colour(material: Any) -> NDArray[np.uint8]:
