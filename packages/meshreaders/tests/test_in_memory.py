@@ -134,7 +134,9 @@ def test_a_gltf_has_the_same_colour_from_its_file_and_through_trimesh(factor):
 
 def test_vertex_colours_of_a_gltf_are_the_same_from_its_file_and_through_trimesh():
     file = Gltf()
-    colours = file.put(np.float32([[0.5, 0.2, 0.05], [0.5, 0.2, 1.0], [0.0, 0.2, 0.05], *[[0.3, 0.4, 0.5]] * 5]))
+    colours = file.put(
+        np.float32([[0.5, 0.2, 0.05], [0.5, 0.2, 1.0], [0.0, 0.2, 0.05], *[[0.3, 0.4, 0.5]] * 5])
+    )
     file.show({"mesh": file.mesh(attributes={"COLOR_0": colours})})
     compare_with_trimesh(file)
 
