@@ -1,3 +1,6 @@
+from .active.policies import Felt as Felt
+from .active.policies import Policy as Policy
+from .active.policies import PolicyView as PolicyView
 from .attention.registry import Channel as Channel
 from .base.errors import VisuohapticError as VisuohapticError
 from .evaluation.evaluating import Evaluation as Evaluation
@@ -16,9 +19,6 @@ from .exploration.pressing import press as press
 from .exploration.recognising import Recogniser as Recogniser
 from .exploration.recognising import read_recogniser as read_recogniser
 from .features.descriptors import Descriptor as Descriptor
-from .fixations.policies import Felt as Felt
-from .fixations.policies import Policy as Policy
-from .fixations.policies import PolicyView as PolicyView
 from .fixations.probing import Strategy as Strategy
 from .geometry.raycasting import RayCaster as RayCaster
 from .io.plugins import register as register

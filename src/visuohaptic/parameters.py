@@ -10,6 +10,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationError, model_validator
 
+from visuohaptic.active.parameters import ProbingParameters
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import ParameterError
@@ -21,7 +22,6 @@ from visuohaptic.fixations.parameters import (
     RenderingParameters,
     ViewpointParameters,
 )
-from visuohaptic.fixations.probing_parameters import ProbingParameters
 from visuohaptic.io.plugins import load_files, load_installed
 from visuohaptic.io.yaml_files import read_yaml
 from visuohaptic.meshes.parameters import MeshParameters

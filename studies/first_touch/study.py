@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.base.draws import draw_of, name_of_draw
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import Frame
@@ -84,7 +84,7 @@ def _of_pose(
     frames: tuple[Frame, ...] | None = None,
 ) -> Iterator[Condition]:
     # Without the plug-in the strategies of the package are left, so that a later run of another study can start.
-    registered = tuple(name for name in strategies if draw_of(name)[0] in STRATEGIES.names)
+    registered = tuple(name for name in strategies if draw_of(name)[0] in PLANNED.names)
     for frame in frames or FRAMES[turns]:
         for touches in TOUCHES:
             pipelines = tuple(HEADLINE_CLASSIFIERS) if frame == "full" else ("order_free",)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import FIXATION_ONLY
 from visuohaptic.studies.study import (

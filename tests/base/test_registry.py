@@ -56,3 +56,18 @@ def test_an_entry_is_replaced_by_its_source_alone():
         with pytest.raises(RegistryError, match=f"'{name}' can't name a nut; .* each name once"):
             nuts.add(Fruit(name, 3), "b.py")
         assert nuts[name].seeds < 3
+
+
+def test_a_registry_that_extends_another_has_the_entries_of_both_and_one_set_of_names():
+    nuts = Registry("nut", Fruit("acorn", 1))
+    snacks = Registry("snack", Fruit("raisin", 0), extends=nuts)
+    nuts.add(Fruit("hazel", 1), "a.py")
+    snacks.add(Fruit("date", 1), "a.py")
+    assert nuts.names == ("acorn", "hazel")
+    assert snacks.names == ("acorn", "hazel", "raisin", "date")
+    assert (snacks["hazel"], [*snacks][-1].name) == (nuts["hazel"], "date")
+    for registry, name in ((nuts, "raisin"), (nuts, "date"), (snacks, "acorn"), (snacks, "hazel")):
+        with pytest.raises(RegistryError, match=f"'{name}' can't name a .* each name once"):
+            registry.add(Fruit(name, 3), "b.py")
+    with pytest.raises(RegistryError, match="'acorn' can't name a feed"):
+        Registry("feed", Fruit("acorn", 1), extends=nuts)

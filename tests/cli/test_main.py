@@ -8,7 +8,7 @@ from cli.models import fit_on_nonsense
 from cli.processes import run
 
 import visuohaptic as package
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.active.registry import STRATEGIES
 
 ROOT = Path(__file__).parents[2]
 # A thread sends the signal, for it knows when the command takes signals, which a clock does not.

@@ -25,8 +25,8 @@ from recognition.synthetic import features_table
 from report.synthetic import lay_out
 
 from meshreaders.command import make_parser
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.cli.commands import app
-from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, PHASES, Phase
 from visuohaptic.recognition.parameters import IntervalParameters, RecognitionParameters

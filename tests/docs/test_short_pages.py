@@ -10,7 +10,7 @@ from docs.shell_commands import blocks
 from matplotlib import pyplot as plt
 from PIL import Image
 
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.active.registry import STRATEGIES
 
 ROOT = Path(__file__).parents[2]
 SCRIPT = runpy.run_path(str(ROOT / "docs/make_short_pages.py"))

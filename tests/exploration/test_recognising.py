@@ -9,6 +9,7 @@ from cli.models import fit_on_nonsense
 from recognition.synthetic import features_table, with_column
 
 import visuohaptic as vh
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.errors import MeshError, ParameterError, RecognitionError
 from visuohaptic.exploration.quarter_turns import (
     classes_when_turned,
@@ -16,7 +17,6 @@ from visuohaptic.exploration.quarter_turns import (
     turn_touches,
 )
 from visuohaptic.exploration.recognising import note_on_few_objects
-from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.model import ModelAnswer, fit_model
 from visuohaptic.recognition.model_of_run import make_model
 from visuohaptic.recognition.parameters import RecognitionParameters

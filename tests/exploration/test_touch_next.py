@@ -8,11 +8,11 @@ import pytest
 import trimesh
 
 import visuohaptic as vh
+from visuohaptic.active import touching as driving
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration import touching
 from visuohaptic.exploration.touching import SCHEMAS
-from visuohaptic.fixations.probing import STRATEGIES
-from visuohaptic.touches import policies as driving
 
 PLACES = np.array([[1.0, 0, 0], [0, 1.0, 0], [0, 0, -1.0]])
 NOISY = {"scene.preset": "worn_fsr"}

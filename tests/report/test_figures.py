@@ -8,8 +8,8 @@ from report.synthetic import write_run, write_study
 from report.test_stability import EXACT, GRAZING
 from studies.cost.test_front import cost_rows, cost_table
 
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.errors import ReportError
-from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.report import figures
 from visuohaptic.report.comparison import pipeline_tables
 from visuohaptic.report.drawing import look

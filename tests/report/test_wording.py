@@ -1,6 +1,6 @@
 """Words and anchors."""
 
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 from visuohaptic.report.wording import (
     anchor_of,

@@ -5,8 +5,8 @@ import pyarrow as pa
 import pytest
 from studies.surfaces import RUN, small_surfaces, write_meshes
 
-from visuohaptic.fixations.policies import Policy
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.active.policies import Policy
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.studies.conditions import FIXATION_ONLY, plan_study
 from visuohaptic.studies.measuring import features_by_key, measure_conditions
 from visuohaptic.studies.recomputing import Sources, make_study_features

@@ -242,6 +242,20 @@ def test_a_plug_in_is_code_of_the_jobs_that_run_what_it_registered_with(toy, rul
     assert found.versions.get("pytest") == (version("pytest") if homes == 2 else None)
 
 
+@pytest.mark.parametrize(
+    ("rule", "counts"), [("fixations", False), ("touches", True), ("stability_of_object", False)]
+)
+def test_policies_are_code_of_touches_and_not_of_fixations(toy, rule, counts):
+    plug_in = Path("plug_ins/mine.py")
+    plug_in.parent.mkdir()
+    plug_in.touch()
+    registries = frozenset({"visuohaptic.active.registry"})
+    mine = PlugIn(str(plug_in.absolute()), registries)
+    found = code_of(Runs(SCRIPT, CODE[rule]), SOURCES, [toy], [mine])
+    assert (plug_in in found.files) == counts
+    assert ("src/visuohaptic/active/seek_relief.py" in names_of_library(found)) == counts
+
+
 def test_a_plug_in_without_a_folder_of_its_own_is_refused(tmp_path, monkeypatch):
     folder = tmp_path / "work"
     folder.mkdir()

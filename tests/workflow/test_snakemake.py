@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from small_experiment import SMALL_OBJECTS, write_catalogue
 
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.geometry.surface import object_of
 from visuohaptic.recognition.stored_models import load_model
 from visuohaptic.report.run import find_run

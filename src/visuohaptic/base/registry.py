@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 
@@ -34,6 +34,9 @@ class Registry(Generic[Entry]):
         The kind in error messages, such as ``probing strategy``.
     *entries : Named
         The first entries, in order.
+    extends : Registry, optional
+        Its entries come before those of the new registry. Both share one set of names, also for entries that are
+        added later.
 
     Raises
     ------
@@ -41,8 +44,11 @@ class Registry(Generic[Entry]):
         If a name occurs twice, or has other characters than ``a`` to ``z`` and ``_``. Names become parts of file names.
     """
 
-    def __init__(self, kind: str, *entries: Entry) -> None:
+    def __init__(self, kind: str, *entries: Entry, extends: Registry[Any] | None = None) -> None:
         self.kind = kind
+        self._extends = extends
+        self._sharing: list[Registry[Any]] = [] if extends is None else extends._sharing
+        self._sharing.append(self)
         self._entries: dict[str, Entry] = {}
         self._sources: dict[str, str] = {}
         for entry in entries:
@@ -52,7 +58,14 @@ class Registry(Generic[Entry]):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of all entries, in order."""
-        return tuple(self._entries)
+        return tuple(self._by_name)
+
+    @property
+    def _by_name(self) -> dict[str, Entry]:
+        """All entries, of this registry and of the registry that it extends."""
+        if self._extends is None:
+            return self._entries
+        return {**self._extends._by_name, **self._entries}
 
     def add(self, entry: Entry, source: str, before: str | None = None) -> None:
         """Add an entry of a plug-in: before the entry named `before`, or else as the last entry.
@@ -76,15 +89,16 @@ class Registry(Generic[Entry]):
         self._entries.update((other.name, other) for other in entries)
 
     def __getitem__(self, name: str) -> Entry:
-        if name not in self._entries:
+        if name not in self._by_name:
             raise RegistryError(f"{name!r} is no {self.kind}; {', '.join(self.names)} are allowed.")
-        return self._entries[name]
+        return self._by_name[name]
 
     def __iter__(self) -> Iterator[Entry]:
-        return iter(self._entries.values())
+        return iter(self._by_name.values())
 
     def _check_name(self, name: str) -> None:
-        if not re.fullmatch("[a-z_]+", name) or name in self._entries:
+        is_taken = any(name in registry._entries for registry in self._sharing)
+        if not re.fullmatch("[a-z_]+", name) or is_taken:
             raise RegistryError(
                 f"{name!r} can't name a {self.kind}; letters a to z and _ are allowed, and each "
                 "name once."

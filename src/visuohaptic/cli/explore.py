@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.errors import MeshWarning, VisuohapticError
 from visuohaptic.base.optional_packages import keep_pandas_out
 from visuohaptic.cli.printing import (
@@ -31,7 +32,6 @@ from visuohaptic.exploration.recognising import (
     read_recogniser,
     set_phrase,
 )
-from visuohaptic.fixations.probing import STRATEGIES
 
 if TYPE_CHECKING:
     from visuohaptic.exploration.exploring import Exploration, Recognition, TouchableObject

@@ -15,6 +15,7 @@ import pyarrow as pa
 from numpy.typing import ArrayLike, NDArray
 from tqdm.auto import tqdm
 
+from visuohaptic.active.registry import is_policy
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import unfinished_folder
 from visuohaptic.base.errors import MeshError, MeshWarning, ParameterError
@@ -54,7 +55,6 @@ from visuohaptic.exploration.touching import (
     touch_given_points,
     touch_seen_points,
 )
-from visuohaptic.fixations.probing import is_policy
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.meshes.parameters import MeshParameters
 from visuohaptic.parameters import ExperimentParameters, as_parameters, check_run

@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import ArrayLike
 
+from visuohaptic.active.policies import Felt
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.checking import numbers
@@ -18,7 +19,6 @@ from visuohaptic.exploration.recognising import GIVEN
 from visuohaptic.exploration.touching import SCHEMAS, Explored, nearest_locations
 from visuohaptic.features.describing import describe_touches
 from visuohaptic.fixations.locations import location_table
-from visuohaptic.fixations.policies import Felt
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.io.phase_files import Tables

@@ -9,12 +9,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
+from visuohaptic.active.policies import FARTHEST_POINT, MAX_SURFACE_DISTANCE
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.checking import point_rows, unit_rows
 from visuohaptic.exploration.recognising import GIVEN
 from visuohaptic.fixations.locations import location_table
 from visuohaptic.fixations.places import ProbingLocations
-from visuohaptic.fixations.policies import FARTHEST_POINT
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
@@ -25,9 +25,6 @@ from visuohaptic.parameters import MOST_SENSING_POINTS, ExperimentParameters
 from visuohaptic.phases import OF_OBJECT, Phase, phases_after
 from visuohaptic.pipeline import blocks_of, run_phase, touch_all_locations
 from visuohaptic.tables.schema import join_parts
-
-FARTHEST_FROM_SURFACE = 0.1
-"""Largest distance of a given point from the surface (object radii): points beyond are probably in another frame."""
 
 _BY_POLICIES = "policy_fixations"
 
@@ -64,7 +61,7 @@ def touch_given_points(
     """Touch an object at given points (n, 3) without rendering views; see `TouchableObject.touch`.
 
     Raises `ParameterError` if n is 0, points or normals are not finite numbers of this shape, a normal has length 0,
-    or a point is farther from the surface than `FARTHEST_FROM_SURFACE`.
+    or a point is farther from the surface than `MAX_SURFACE_DISTANCE`.
     """
     subject = Subject(key, lambda: RayCaster(surface))
     locations, parameters = nearest_locations(subject.caster, at, normals, parameters)
@@ -91,11 +88,11 @@ def nearest_locations(
         )
     nearest, faces = caster.nearest(points)
     distances = np.linalg.norm(points - nearest, axis=1)
-    off = np.flatnonzero(distances > FARTHEST_FROM_SURFACE)
+    off = np.flatnonzero(distances > MAX_SURFACE_DISTANCE)
     if len(off):
         raise ParameterError(
             f"point {off[0]} of at is {distances[off[0]]:.2g} object radii off the surface; at most "
-            f"{FARTHEST_FROM_SURFACE} is allowed, in the object frame, in which `surface.vertices` are."
+            f"{MAX_SURFACE_DISTANCE} is allowed, in the object frame, in which `surface.vertices` are."
         )
     if normals is None:
         outwards = orient_outwards(caster, nearest, caster.surface.face_normals[faces])

@@ -10,12 +10,10 @@ import pyarrow as pa
 from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.attention.scanpath import Scanpath
 from visuohaptic.base.draws import draw_of
-from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.attended_views import Viewpoint
 from visuohaptic.fixations.places import ProbingLocations, is_visible, turn_towards
-from visuohaptic.fixations.policies import Policy
-from visuohaptic.fixations.probing import STRATEGIES, strategy_of
+from visuohaptic.fixations.probing import PLANNED, Strategy, entry_of
 from visuohaptic.tables.phases import FIXATIONS, NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 from visuohaptic.tables.schema import build_table
 
@@ -46,13 +44,9 @@ def locate(
     Raises
     ------
     RegistryError
-        If there is no such strategy, or it is a policy.
+        If no planned strategy has the name.
     """
-    entry = strategy_of(strategy)
-    if isinstance(entry, Policy):
-        raise RegistryError(
-            f"{strategy!r} is a policy, which chooses by earlier touches; phase touches runs it."
-        )
+    entry: Strategy = entry_of(PLANNED, strategy)
     generator = spawn_generator(seed, entry.chance or strategy, viewpoint.key, viewpoint.number)
     with_spares = attention.model_copy(update={"fixations": attention.fixations + SPARE})
     chosen = entry.choose(viewpoint, with_spares, generator)
@@ -75,8 +69,8 @@ def location_table(
     Only a `Scanpath` has pixels and saliency; other locations have missing values there.
     """
     # Study touch_curves passes `adaptive`, which is not in the registry.
-    is_registered = draw_of(strategy)[0] in STRATEGIES.names
-    entry = strategy_of(strategy) if is_registered else None
+    is_registered = draw_of(strategy)[0] in PLANNED.names
+    entry = entry_of(PLANNED, strategy) if is_registered else None
     count = len(chosen.faces)
     pixels: Sequence[object] = [[None] * count] * 3
     if isinstance(chosen, Scanpath):

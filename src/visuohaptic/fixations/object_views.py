@@ -16,7 +16,7 @@ from visuohaptic.attention.parameters import AttentionParameters
 from visuohaptic.fixations.attended_views import AttendedView, Viewpoint
 from visuohaptic.fixations.locations import locate
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.probing import strategy_of
+from visuohaptic.fixations.probing import PLANNED, entry_of
 from visuohaptic.fixations.rendering import Views, render_views
 from visuohaptic.fixations.viewpoints import Camera, place_cameras
 from visuohaptic.geometry.subject import Subject
@@ -88,7 +88,7 @@ class ObjectViews:
     @property
     def needs_views(self) -> bool:
         """Whether any of the strategies needs rendered views; without them `fixations` renders none."""
-        return any(strategy_of(name).needs_view for name in self.strategies)
+        return any(entry_of(PLANNED, name).needs_view for name in self.strategies)
 
     @cached_property
     def strategy_inputs(self) -> Sequence[Viewpoint]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
 from visuohaptic.base.arrays import BoolArray, FloatArray, IntArray
+from visuohaptic.base.errors import RegistryError
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.orientation import orient_outwards
 from visuohaptic.geometry.raycasting import RayCaster
@@ -20,6 +22,21 @@ BATCH = 256
 
 FRUITLESS_BATCHES = 64
 """Rejected batches in a row after which drawing ends."""
+
+Unreachable = Literal["replace", "skip", "keep"]
+"""Treatment of a location out of the sensor's reach.
+
+``replace``: the next location is touched instead. ``skip``: no location is touched instead, so the sequence is shorter.
+``keep``: the sensor comes as near as it can.
+"""
+
+
+def check_unreachable(owner: str, value: object) -> None:
+    """Raise `RegistryError` about `owner` if the treatment of locations out of reach is unknown."""
+    if value is not None and value not in get_args(Unreachable):
+        raise RegistryError(
+            f"{owner}: unreachable is {value!r}; 'replace', 'skip', 'keep' or None is allowed."
+        )
 
 
 @dataclass(frozen=True)

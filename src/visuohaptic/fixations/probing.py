@@ -1,21 +1,16 @@
-"""The registry of strategies and policies, and look-up by name.
-
-A strategy chooses all locations before the first touch. A policy chooses each location by the touches before.
-"""
+"""The registry of strategies that choose all locations before the first touch, and the look-up of draws."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
-
-from pydantic import ValidatorFunctionWrapHandler, WrapValidator
+from typing import Any
 
 from visuohaptic.base.draws import DRAW_MARK
 from visuohaptic.base.errors import RegistryError
 from visuohaptic.base.registry import Registry
-from visuohaptic.fixations.policies import Policy, Unreachable, check_unreachable
+from visuohaptic.fixations.places import Unreachable, check_unreachable
 from visuohaptic.fixations.strategies import (
     anywhere,
     contour,
@@ -24,7 +19,6 @@ from visuohaptic.fixations.strategies import (
     fixation,
     human,
     random_walk,
-    seek_relief,
     visible,
 )
 
@@ -72,7 +66,7 @@ class Strategy:
         check_unreachable(f"strategy {self.name}", self.unreachable)
 
 
-STRATEGIES: Registry[Strategy | Policy] = Registry(
+PLANNED: Registry[Strategy] = Registry(
     "probing strategy",
     Strategy(
         "fixation",
@@ -131,17 +125,12 @@ STRATEGIES: Registry[Strategy | Policy] = Registry(
         human.choose,
         random=False,
     ),
-    Policy(
-        "seek_relief",
-        "where relief is expected from touch",
-        seek_relief.next_location,
-    ),
 )
-"""Every strategy and every policy, in the order of the report."""
+"""The strategies that choose all locations before the first touch; `active.registry.STRATEGIES` adds the policies."""
 
 
-def strategy_of(name: str) -> Strategy | Policy:
-    """Return a strategy or policy by its name, or by the name of a further draw such as ``random#2``.
+def entry_of(registry: Registry[Any], name: str) -> Any:
+    """Return an entry of a registry by its name, or by the name of a further draw such as ``random#2``.
 
     A draw is a random choice of locations; the plain name ``random`` is draw 0. For ``random#2`` the entry of
     ``random`` is returned with new `name`, `label` and `chance`, so its random numbers differ from those of
@@ -153,9 +142,9 @@ def strategy_of(name: str) -> Strategy | Policy:
         If the name is unknown, the entry is not random, or the number of the draw is not in 1 to 999999.
     """
     if DRAW_MARK not in name:
-        return STRATEGIES[name]
+        return registry[name]
     strategy, _, draw = name.partition(DRAW_MARK)
-    entry = STRATEGIES[strategy]
+    entry = registry[strategy]
     if not entry.random or not re.fullmatch("[1-9][0-9]{0,5}", draw):
         raise RegistryError(
             f"{name!r} is no draw of a random strategy; the name of a random strategy, {DRAW_MARK} and a number "
@@ -163,39 +152,3 @@ def strategy_of(name: str) -> Strategy | Policy:
         )
     chance = f"{entry.chance or strategy}{DRAW_MARK}{draw}"
     return replace(entry, name=name, label=f"{entry.label}, draw {draw}", chance=chance)
-
-
-def is_policy(name: str) -> bool:
-    """Return whether a registered name, or the name of a draw, is of a policy; raise `RegistryError` if unknown."""
-    return isinstance(strategy_of(name), Policy)
-
-
-def policy_of(name: str) -> Policy:
-    """Return a policy by its name or the name of a draw; raise `RegistryError` if unknown or of a strategy."""
-    entry = strategy_of(name)
-    if not isinstance(entry, Policy):
-        raise RegistryError(f"{name!r} chooses before the first touch; a policy is needed.")
-    return entry
-
-
-def has_further_draws(name: str) -> bool:
-    """Return whether a run adds draws 1, 2, … of a strategy or policy: it must be random and need no view.
-
-    Parameter `probing.random_draws` sets the number of draws. Raises `RegistryError` if the name is unknown.
-    """
-    entry = strategy_of(name)
-    return entry.random and not entry.needs_view
-
-
-def _check_name(value: object, check: ValidatorFunctionWrapHandler) -> object:
-    """Return a valid name; `check` validates names without ``#``, `strategy_of` names of draws."""
-    if not isinstance(value, str) or DRAW_MARK not in value:
-        return check(value)
-    try:
-        return strategy_of(value).name
-    except RegistryError as error:
-        raise ValueError(str(error)) from None
-
-
-StrategyName = Annotated[str, STRATEGIES, WrapValidator(_check_name)]
-"""Type of a parameter: name of a strategy or policy, or of a draw of a random strategy or policy."""

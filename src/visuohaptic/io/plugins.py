@@ -34,8 +34,8 @@ ENVIRONMENT_VARIABLE = "VISUOHAPTIC_PLUGINS"
 
 # By import path: a job imports only the registries in which its plug-ins register entries.
 _KINDS = {
-    "Strategy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
-    "Policy": ("visuohaptic.fixations.probing", "STRATEGIES.add"),
+    "Strategy": ("visuohaptic.fixations.probing", "PLANNED.add"),
+    "Policy": ("visuohaptic.active.registry", "STRATEGIES.add"),
     "LearningPolicy": ("visuohaptic.studies.learning_policies", "add_learning_policy"),
     "Channel": ("visuohaptic.attention.parameters", "add_channel"),
     "Effect": ("visuohaptic.sensor.effects", "add_effect"),

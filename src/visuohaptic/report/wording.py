@@ -6,8 +6,8 @@ import hashlib
 import re
 from collections.abc import Sequence
 
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.evaluation.published import PAPER_PIPELINE
-from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.recognition.classifiers import CLASSIFIERS
 
 ADAPTIVE = "adaptive touching"

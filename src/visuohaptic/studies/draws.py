@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from operator import attrgetter
 
+from visuohaptic.active.registry import has_further_draws, strategy_of
 from visuohaptic.base.draws import name_of_draw
-from visuohaptic.fixations.probing import has_further_draws, strategy_of
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS
 from visuohaptic.studies.study import Changes, Condition, Study

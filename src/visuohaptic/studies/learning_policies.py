@@ -14,6 +14,8 @@ import pyarrow as pa
 from joblib import wrap_non_picklable_objects
 from joblib.externals.loky import ProcessPoolExecutor
 
+from visuohaptic.active.policies import check_bound
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.arrays import FloatArray, IntArray, masked_fault
 from visuohaptic.base.errors import (
     PolicyError,
@@ -23,8 +25,6 @@ from visuohaptic.base.errors import (
 )
 from visuohaptic.base.registry import Registry
 from visuohaptic.base.seeds import spawn_generator
-from visuohaptic.fixations.policies import check_bound
-from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.io.plugins import child_environment
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import POSE

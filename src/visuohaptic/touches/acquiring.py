@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
@@ -14,9 +16,14 @@ from visuohaptic.scene.effect_log import effect_table
 from visuohaptic.scene.parameters import Scene
 from visuohaptic.scene.records import merge_records
 from visuohaptic.sensor.parameters import SensorParameters
+from visuohaptic.sensor.touching import join_touches
 from visuohaptic.tables.phases import EFFECTS, FIXATIONS, TOUCHES
-from visuohaptic.touches.choosing import Wanted, choose_locations
-from visuohaptic.touches.touching import Part, touch_part
+from visuohaptic.tables.schema import build_rows, join_parts
+from visuohaptic.touches.choosing import Wanted, choose_locations, with_touch_numbers
+from visuohaptic.touches.touching import Part, touch_part, touch_table
+
+if TYPE_CHECKING:
+    from visuohaptic.active.touching import Tries
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +82,8 @@ def acquire_touches(
     Returns
     -------
     Acquired
-        The tables of the phase.
+        The tables of the phase. If `wanted.when_exhausted` is ``begin_again``, a sequence that ended early repeats its
+        locations in their order; a sequence without a touch stays empty.
 
     Raises
     ------
@@ -89,13 +97,31 @@ def acquire_touches(
     if not policies:
         return _join(subject.key, parts, scene)
     # Imported here, so that runs without policies do not import the strategies.
-    from visuohaptic.touches.policies import touch_by_policies
+    from visuohaptic.active.touching import touch_by_policies
 
-    by_policy = touch_by_policies(subject, policies, viewpoints, sensor, scene, seed, wanted)
-    acquired = _join(subject.key, [*parts, by_policy.part], scene)
-    return replace(
-        acquired, policy_fixations=by_policy.fixations, seconds={"choose": by_policy.seconds}
+    tries = touch_by_policies(
+        subject, policies, viewpoints, sensor, scene, seed, wanted.touches, wanted.unreachable
     )
+    located, part = _tables_of(tries)
+    is_short = any(0 < session.touches < wanted.touches for session in tries.sessions)
+    if is_short and wanted.when_exhausted == "begin_again":
+        repeated, ranks = choose_locations(subject.caster, located, sensor, wanted)
+        part = touch_part(subject.caster, repeated, sensor, scene, seed, ranks)
+    seconds = {"choose": sum(session.seconds for session in tries.sessions)}
+    acquired = _join(subject.key, [*parts, part], scene)
+    return replace(acquired, policy_fixations=located, seconds=seconds)
+
+
+def _tables_of(tries: Tries) -> tuple[pa.Table, Part]:
+    """Return tries as `tables.FIXATIONS`, and the touches, both sorted by their keys."""
+    by_round = build_rows(FIXATIONS, tries.rows)
+    located = join_parts(FIXATIONS, [by_round])
+    if not tries.batches:
+        return located, Part(TOUCHES.arrow.empty_table(), ())
+    touched = by_round.take(tries.touched)
+    ranks, felt = touched.column("touch").to_numpy(), join_touches(tries.batches)
+    numbered = with_touch_numbers(touched, np.array(tries.numbers))
+    return located, Part(join_parts(TOUCHES, [touch_table(numbered, felt, ranks)]), felt.effects)
 
 
 def _join(key: str, parts: Sequence[Part], scene: Scene) -> Acquired:

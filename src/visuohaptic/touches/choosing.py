@@ -12,7 +12,7 @@ import pyarrow.compute as pc
 
 from visuohaptic.base.arrays import BoolArray, IntArray
 from visuohaptic.base.bounded_loops import turns
-from visuohaptic.fixations.policies import Unreachable
+from visuohaptic.fixations.places import Unreachable
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.reaching import reachable

@@ -8,10 +8,10 @@ from studies.surfaces import RUN, run_tables, small_surfaces
 
 from settings_cost.study import STUDY, settings_of
 from visuohaptic import pipeline
+from visuohaptic.active.policies import Policy
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.features import describing
 from visuohaptic.fixations import object_views
-from visuohaptic.fixations.policies import Policy
-from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.studies.conditions import plan_study, with_changes

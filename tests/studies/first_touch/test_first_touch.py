@@ -15,7 +15,7 @@ from first_touch.summary import LABELS, Place, accuracies, lead
 from visuohaptic.attention.registry import CHANNELS
 from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import ReportError
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.fixations.probing import PLANNED
 from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.studies.figures import Cell
 
@@ -28,7 +28,7 @@ def changes():
     """The changes of each condition by name, with the strategies of the plug-in."""
     with pytest.MonkeyPatch.context() as patch:
         for held in ("_entries", "_sources"):
-            patch.setattr(STRATEGIES, held, dict(getattr(STRATEGIES, held)))
+            patch.setattr(PLANNED, held, dict(getattr(PLANNED, held)))
         runpy.run_path(str(PLUG_IN))
         yield {one.name: one.changes for one in conditions(RUN)}
 
@@ -36,7 +36,7 @@ def changes():
 def test_without_the_plug_in_the_strategies_of_the_package_are_left():
     for condition in conditions(RUN):
         named = {draw_of(name)[0] for name in condition.changes["probing.strategies"]}
-        assert named <= {*STRATEGIES.names}
+        assert named <= {*PLANNED.names}
         assert "fixation" in named
 
 

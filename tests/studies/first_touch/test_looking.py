@@ -9,7 +9,7 @@ import pytest
 
 import visuohaptic as vh
 from visuohaptic.attention.parameters import read_fitted_weights
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.fixations.probing import PLANNED
 
 PLUG_IN = Path(__file__).parents[3] / "studies/first_touch/plug_in/looking.py"
 
@@ -19,7 +19,7 @@ def parts():
     """The parts of the gaze model, with all strategies of the plug-in registered."""
     with pytest.MonkeyPatch.context() as patch:
         for held in ("_entries", "_sources"):
-            patch.setattr(STRATEGIES, held, dict(getattr(STRATEGIES, held)))
+            patch.setattr(PLANNED, held, dict(getattr(PLANNED, held)))
         yield runpy.run_path(str(PLUG_IN))["PARTS"]
 
 

@@ -1,1 +1,1 @@
-"""The strategies and the policy, one module each."""
+"""The strategies, one module each."""

@@ -9,10 +9,10 @@ import numpy as np
 import pyarrow as pa
 from scipy.special import stdtrit
 
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.base.arrays import BoolArray, FloatArray
 from visuohaptic.base.bounded_loops import turns
 from visuohaptic.evaluation.intervals import PairedComparison, holm
-from visuohaptic.fixations.probing import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.studies.conditions import is_measured_by_run, plan_study
 from visuohaptic.studies.cost.cost_rows import Row, mark_front, seconds_and_errors

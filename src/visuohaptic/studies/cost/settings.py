@@ -14,7 +14,7 @@ from itertools import product
 from operator import getitem
 from typing import Any
 
-from visuohaptic.fixations.probing import STRATEGIES
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.classifiers import ClassifierName
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, touches_of_run

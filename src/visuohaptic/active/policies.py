@@ -1,33 +1,35 @@
-"""Policies: strategies that choose each location by the touches before."""
+"""A policy, the view that it is given, and the results of its tries."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.errors import RegistryError
-from visuohaptic.fixations.places import ProbingLocations, is_visible, turn_towards
+from visuohaptic.fixations.places import (
+    ProbingLocations,
+    Unreachable,
+    check_unreachable,
+    is_visible,
+    turn_towards,
+)
 from visuohaptic.fixations.viewpoints import Camera
 from visuohaptic.geometry.raycasting import RayCaster
 
 PLACES = 256
 """Locations that are spread over an object; a viewpoint offers the locations that it sees."""
 
-Unreachable = Literal["replace", "skip", "keep"]
-"""Treatment of a location out of the sensor's reach.
-
-``replace``: the next location is touched instead. ``skip``: no location is touched instead, so the sequence is shorter.
-``keep``: the sensor comes as near as it can.
-"""
-
 FARTHEST_POINT = 1e6
 """Limit of the coordinates of a point, object radii: the nearest face is found in float32, which overflows at 1e19."""
+
+MAX_SURFACE_DISTANCE = 0.1
+"""Largest allowed distance of a chosen point from the surface, object radii: points beyond are probably in another
+frame."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,14 +87,6 @@ class PolicyView:
         spread = self.find_places()
         visible = np.flatnonzero(is_visible(self.caster, self.camera, spread.points))
         return turn_towards(spread.take(visible), self.camera)
-
-
-def check_unreachable(owner: str, value: object) -> None:
-    """Raise `RegistryError` about `owner` if the treatment of locations out of reach is unknown."""
-    if value is not None and value not in get_args(Unreachable):
-        raise RegistryError(
-            f"{owner}: unreachable is {value!r}; 'replace', 'skip', 'keep' or None is allowed."
-        )
 
 
 @dataclass(frozen=True)

@@ -9,26 +9,19 @@ import pytest
 import trimesh
 from numerics.surfaces import of_trimesh
 
+from visuohaptic.active import touching as driving
+from visuohaptic.active.policies import Policy
+from visuohaptic.active.registry import STRATEGIES
 from visuohaptic.attention.parameters import AttentionParameters
-from visuohaptic.base.errors import PolicyError, RegistryError
-from visuohaptic.fixations import probing
+from visuohaptic.base.errors import PolicyError
 from visuohaptic.fixations.object_views import ObjectViews
 from visuohaptic.fixations.parameters import RenderingParameters, ViewpointParameters
-from visuohaptic.fixations.policies import Policy
-from visuohaptic.fixations.probing import (
-    STRATEGIES,
-    Strategy,
-    is_policy,
-    policy_of,
-    strategy_of,
-)
 from visuohaptic.geometry.raycasting import RayCaster
 from visuohaptic.geometry.subject import Subject
 from visuohaptic.scene.parameters import Scene, VisualModes
 from visuohaptic.sensor import SensorParameters
 from visuohaptic.tables.phases import EFFECTS, FIXATIONS, POINT_NAMES, SPARE, TOUCHES
 from visuohaptic.tables.schema import check_table, join_parts, matrix
-from visuohaptic.touches import policies as driving
 from visuohaptic.touches.acquiring import acquire_touches
 from visuohaptic.touches.choosing import (
     Wanted,
@@ -358,7 +351,7 @@ def test_a_choice_slower_than_the_policys_bound_is_one_sentence(caster, stops):
     (view,) = [
         session.view
         for session in driving.start_sessions(
-            Subject("ring/torus", lambda: caster, (2,)), [policy], VIEWPOINTS, SEED
+            Subject("ring/torus", lambda: caster, (2,)), [policy], VIEWPOINTS, SEED, "replace"
         )
     ]
     session = driving.PolicySession("ring/torus", 2, policy, view, clock=lambda: now[0])
@@ -394,23 +387,6 @@ def test_a_slow_policy_that_raises_is_named_by_its_error(caster):
     session = driving.PolicySession("ring/torus", 0, policy, None, clock=lambda: now[0])
     with pytest.raises(PolicyError, match=r"it raised ValueError: no place left\.$"):
         session.choose()
-
-
-@pytest.mark.parametrize("bound", [0, -1.0, float("nan"), "long", None, True])
-def test_a_bound_that_is_no_positive_number_is_one_sentence(bound):
-    with pytest.raises(
-        RegistryError, match=r"policy walk: longest_seconds is .*; a positive number"
-    ):
-        Policy("walk", "walk", walk, longest_seconds=bound)
-
-
-@pytest.mark.parametrize("entry", [Policy, Strategy])
-def test_a_treatment_of_places_out_of_reach_that_is_unknown_is_one_sentence(entry):
-    with pytest.raises(
-        RegistryError,
-        match=r"y walk: unreachable is 'banana'; 'replace', 'skip', 'keep' or None is allowed\.$",
-    ):
-        entry("walk", "walk", walk, unreachable="banana")
 
 
 class Broken:
@@ -491,16 +467,6 @@ def test_a_policy_that_misbehaves_is_one_sentence(caster, with_policy, next_loca
     with pytest.raises(PolicyError, match=sentence) as caught:
         acquire(caster, with_policy("rogue", next_location))
     assert str(caught.value).startswith("policy rogue, ring/torus, viewpoint 0, try ")
-
-
-def test_names_of_policies_and_strategies_are_told_apart():
-    assert is_policy("seek_relief")
-    assert not is_policy("fixation")
-    assert policy_of("seek_relief#2").chance == "seek_relief#2"
-    assert strategy_of("seek_relief").needs_view is False
-    assert probing.has_further_draws("seek_relief")
-    with pytest.raises(RegistryError, match="'random' chooses before the first touch"):
-        policy_of("random")
 
 
 def test_another_draw_of_a_policy_chooses_other_places(caster):

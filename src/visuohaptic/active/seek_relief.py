@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from visuohaptic.active.policies import Felt, PolicyView
 from visuohaptic.base.arrays import FloatArray
-from visuohaptic.fixations.policies import Felt, PolicyView
 from visuohaptic.geometry.elementary import arc_tangent
 
 VARIANCE_WEIGHT = 1.0

@@ -1,7 +1,4 @@
-"""Section `probing` of `params.yaml`.
-
-It is not in `fixations.parameters`, because the strategies import that module.
-"""
+"""Section `probing` of `params.yaml`, which names planned strategies and policies."""
 
 from __future__ import annotations
 
@@ -9,9 +6,9 @@ from typing import Literal
 
 from pydantic import Field
 
+from visuohaptic.active.registry import StrategyName, is_policy
 from visuohaptic.base.section import Section
-from visuohaptic.fixations.policies import Unreachable
-from visuohaptic.fixations.probing import StrategyName, is_policy
+from visuohaptic.fixations.places import Unreachable
 
 MOST_DRAWS = 1000
 

@@ -13,19 +13,26 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 from itertools import groupby
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-import pyarrow as pa
 from numpy.typing import NDArray
 
+from visuohaptic.active.policies import (
+    FARTHEST_POINT,
+    MAX_SURFACE_DISTANCE,
+    PLACES,
+    Felt,
+    Policy,
+    PolicyView,
+)
+from visuohaptic.active.registry import policy_of
 from visuohaptic.base.arrays import FloatArray, masked_fault
 from visuohaptic.base.bounded_loops import turns
 from visuohaptic.base.errors import PolicyError
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.fixations.parameters import ViewpointParameters
-from visuohaptic.fixations.policies import FARTHEST_POINT, PLACES, Felt, Policy, PolicyView
-from visuohaptic.fixations.probing import policy_of
+from visuohaptic.fixations.places import Unreachable
 from visuohaptic.fixations.strategies.farthest_point import spread_far
 from visuohaptic.fixations.viewpoints import place_cameras
 from visuohaptic.geometry.orientation import orient_outwards
@@ -35,21 +42,8 @@ from visuohaptic.scene.parameters import Scene
 from visuohaptic.sensor.parameters import SensorParameters
 from visuohaptic.sensor.random_fields import RandomFields
 from visuohaptic.sensor.reaching import reachable
-from visuohaptic.sensor.touching import Touches, join_touches, touch
-from visuohaptic.tables.phases import (
-    FIXATIONS,
-    NORMAL_NAMES,
-    POINT_NAMES,
-    SPARE,
-    TOUCHES,
-    owner_columns,
-)
-from visuohaptic.tables.schema import build_rows, join_parts
-from visuohaptic.touches.choosing import Wanted, choose_locations, with_touch_numbers
-from visuohaptic.touches.touching import Part, touch_part, touch_table
-
-MAX_SURFACE_DISTANCE = 0.1
-"""Largest allowed distance of a chosen point from the surface, object radii."""
+from visuohaptic.sensor.touching import Touches, touch
+from visuohaptic.tables.phases import NORMAL_NAMES, POINT_NAMES, SPARE, owner_columns
 
 SAME_LOCATION = 1e-6
 """Points within this distance of each other, object radii, are the same location."""
@@ -74,6 +68,8 @@ class PolicySession:
         The policy.
     view : PolicyView
         First argument of the policy: the surface, the camera and a random generator.
+    unreachable : {"replace", "skip", "keep"}
+        Treatment of locations out of reach.
     felt : list of Felt
         The results of all tries so far, touched or passed over.
     touches : int
@@ -90,21 +86,22 @@ class PolicySession:
     viewpoint: int
     policy: Policy
     view: PolicyView
+    unreachable: Unreachable = "replace"
     felt: list[Felt] = field(default_factory=list)
     touches: int = 0
     stopped: bool = False
     seconds: float = 0.0
     clock: Callable[[], float] = time.perf_counter
 
-    def needs_try(self, wanted: Wanted) -> bool:
+    def needs_try(self, most: int) -> bool:
         """Return whether the sequence makes another try.
 
-        A sequence ends with `wanted.touches` touches, if its policy has stopped, or if it is exhausted, as in
-        `choosing.choose_locations`. If locations out of reach are skipped, it ends with as many tries.
+        A sequence ends with `most` touches, if its policy has stopped, or if it is exhausted. If locations out of reach
+        are skipped, it ends with `most` tries.
         """
-        if (self.policy.unreachable or wanted.unreachable) == "skip":
-            return not self.stopped and len(self.felt) < wanted.touches
-        return not self.stopped and not self.exhausted and self.touches < wanted.touches
+        if self.unreachable == "skip":
+            return not self.stopped and len(self.felt) < most
+        return not self.stopped and not self.exhausted and self.touches < most
 
     @property
     def exhausted(self) -> bool:
@@ -214,10 +211,12 @@ class PolicySession:
 
 @dataclass(eq=False)
 class Tries:
-    """All tries of an object, round after round, and the m tries that were touched.
+    """All tries of policies on an object, round after round, and the m tries that were touched.
 
     Attributes
     ----------
+    sessions : list of PolicySession
+        One session per policy and viewpoint, policy after policy.
     rows : list of dict
         All tries, rows of `tables.FIXATIONS`.
     touched : list of int
@@ -228,40 +227,11 @@ class Tries:
         The m touches in the order of `touched`, one batch per round with a touch.
     """
 
+    sessions: list[PolicySession]
     rows: list[dict[str, object]] = field(default_factory=list)
     touched: list[int] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
     batches: list[Touches] = field(default_factory=list)
-
-    def tables(self) -> tuple[pa.Table, Part]:
-        """Return the tries as `tables.FIXATIONS`, and the touches, both sorted by their keys."""
-        by_round = build_rows(FIXATIONS, self.rows)
-        fixations = join_parts(FIXATIONS, [by_round])
-        if not self.batches:
-            return fixations, Part(TOUCHES.arrow.empty_table(), ())
-        touched = by_round.take(self.touched)
-        ranks, felt = touched.column("touch").to_numpy(), join_touches(self.batches)
-        numbered = with_touch_numbers(touched, np.array(self.numbers))
-        touches = join_parts(TOUCHES, [touch_table(numbered, felt, ranks)])
-        return fixations, Part(touches, felt.effects)
-
-
-class PolicyTouches(NamedTuple):
-    """Results of all policies on one object.
-
-    Attributes
-    ----------
-    fixations : pyarrow.Table
-        One row per try, rows of `tables.FIXATIONS`.
-    part : Part
-        The touches and the records of their effects.
-    seconds : float
-        Wall time of all choices.
-    """
-
-    fixations: pa.Table
-    part: Part
-    seconds: float
 
 
 def touch_by_policies(
@@ -271,14 +241,13 @@ def touch_by_policies(
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
-    wanted: Wanted,
-) -> PolicyTouches:
+    most: int,
+    unreachable: Unreachable,
+) -> Tries:
     """Touch an object at locations that policies choose by their earlier touches.
 
     Each sequence makes one try per round, at the surface's nearest point to the point that the policy chose. A
-    sequence ends with `wanted.touches` touches, if its policy stops, or if more than `SPARE` tries are passed over.
-    If `wanted.when_exhausted` is ``begin_again``, the locations of a sequence that ended early are then touched again
-    in their order, up to `wanted.touches` touches. A sequence without a touch stays empty.
+    sequence ends with `most` touches, if its policy stops, or if more than `SPARE` tries are passed over.
 
     Parameters
     ----------
@@ -294,13 +263,15 @@ def touch_by_policies(
         The simulated effects.
     seed : int
         Seed of the run.
-    wanted : Wanted
-        The most touches of a sequence. A policy's own ``unreachable`` overrides `wanted.unreachable`.
+    most : int
+        The most touches of a sequence.
+    unreachable : {"replace", "skip", "keep"}
+        Treatment of locations out of reach. A policy's own ``unreachable`` overrides it.
 
     Returns
     -------
-    PolicyTouches
-        All tries, the touches, and the time of the choices.
+    Tries
+        All tries and touches.
 
     Raises
     ------
@@ -308,29 +279,27 @@ def touch_by_policies(
         If a policy raises an error, takes longer than its bound, returns anything but three finite numbers or
         None, chooses a point more than `MAX_SURFACE_DISTANCE` off the surface, or chooses a location twice.
     """
-    caster = subject.caster
-    sessions = start_sessions(subject, [policy_of(name) for name in policies], viewpoints, seed)
-    tries = Tries()
+    chosen = [policy_of(name) for name in policies]
+    tries = Tries(start_sessions(subject, chosen, viewpoints, seed, unreachable))
     # Each turn is a touch, a location that is passed over, or the end of the session.
-    for _ in turns(wanted.touches + SPARE + 2, "the choice of locations by policies"):
-        active = [session for session in sessions if session.needs_try(wanted)]
+    for _ in turns(most + SPARE + 2, "the choice of locations by policies"):
+        active = [session for session in tries.sessions if session.needs_try(most)]
         if not active:
             break
         choices = {session: session.choose() for session in active}
         points = {session: point for session, point in choices.items() if point is not None}
         if points:
-            _try_locations(caster, points, sensor, scene, seed, wanted, tries)
-    _log_ended_and_slow(sessions, wanted.touches)
-    fixations, part = tries.tables()
-    is_short = any(0 < session.touches < wanted.touches for session in sessions)
-    if is_short and wanted.when_exhausted == "begin_again":
-        repeated, ranks = choose_locations(caster, fixations, sensor, wanted)
-        part = touch_part(caster, repeated, sensor, scene, seed, ranks)
-    return PolicyTouches(fixations, part, sum(session.seconds for session in sessions))
+            _try_locations(subject.caster, points, sensor, scene, seed, tries)
+    _log_ended_and_slow(tries.sessions, most)
+    return tries
 
 
 def start_sessions(
-    subject: Subject, policies: Sequence[Policy], viewpoints: ViewpointParameters, seed: int
+    subject: Subject,
+    policies: Sequence[Policy],
+    viewpoints: ViewpointParameters,
+    seed: int,
+    unreachable: Unreachable,
 ) -> list[PolicySession]:
     """Return one session without tries per policy and viewpoint of an object, policy after policy."""
     caster, cameras = subject.caster, place_cameras(viewpoints)
@@ -343,7 +312,8 @@ def start_sessions(
         for number in subject.viewpoints:
             generator = spawn_generator(seed, chance, subject.key, number)
             view = PolicyView(caster, cameras[number], generator, find_places)
-            sessions.append(PolicySession(subject.key, number, policy, view))
+            treatment = policy.unreachable or unreachable
+            sessions.append(PolicySession(subject.key, number, policy, view, treatment))
     return sessions
 
 
@@ -353,7 +323,6 @@ def _try_locations(
     sensor: SensorParameters,
     scene: Scene,
     seed: int,
-    wanted: Wanted,
     tries: Tries,
 ) -> None:
     """Make one try per session at the surface's nearest point, and record it in the session and in `tries`."""
@@ -363,7 +332,7 @@ def _try_locations(
         session.check_location(point, location)
     normals = orient_outwards(caster, locations, caster.surface.face_normals[faces])
     reached = reachable(caster, locations, normals, sensor, faces)
-    keeps = [(session.policy.unreachable or wanted.unreachable) == "keep" for session in sessions]
+    keeps = [session.unreachable == "keep" for session in sessions]
     rows = np.flatnonzero(reached | keeps)
     tries.touched += (len(tries.rows) + rows).tolist()
     tries.numbers += [sessions[row].touches for row in rows]
@@ -394,21 +363,21 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
     return copy
 
 
-def _log_ended_and_slow(sessions: Sequence[PolicySession], wanted: int) -> None:
-    """Log sequences that ended before `wanted` touches, and policies slower than `SLOW_SECONDS` per choice."""
+def _log_ended_and_slow(sessions: Sequence[PolicySession], most: int) -> None:
+    """Log sequences that ended before `most` touches, and policies slower than `SLOW_SECONDS` per choice."""
     for name, group in groupby(sessions, key=lambda session: session.policy.name):
         of_policy = list(group)
         stopped = ", ".join(str(session.viewpoint) for session in of_policy if session.stopped)
         if stopped:
             logger.warning(
                 "policy %s stopped before touch %d of %s, viewpoints %s.",
-                name, wanted, of_policy[0].key, stopped,
+                name, most, of_policy[0].key, stopped,
             )  # fmt: skip
         exhausted = ", ".join(str(session.viewpoint) for session in of_policy if session.exhausted)
         if exhausted:
             logger.warning(
                 "policy %s ended before touch %d of %s, viewpoints %s: %d places were out of reach.",
-                name, wanted, of_policy[0].key, exhausted, SPARE + 1,
+                name, most, of_policy[0].key, exhausted, SPARE + 1,
             )  # fmt: skip
         seconds = sum(session.seconds for session in of_policy)
         choices = sum(len(session.felt) + session.stopped for session in of_policy)
