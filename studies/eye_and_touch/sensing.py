@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from eye_and_touch.seeing import SIGHTS, describe_views
 from eye_and_touch.study import CUES
+from touch_curves.learning import gather_candidates
 from touch_curves.study import LONGEST_SEQUENCE
 from visuohaptic.base.seeds import spawn_generator
 from visuohaptic.evaluation.summary import select
@@ -31,10 +32,9 @@ from visuohaptic.recognition.sequences import (
     whole_sequences,
 )
 from visuohaptic.studies.conditions import touches_of_run, with_changes
-from visuohaptic.studies.learning_policies import gather_candidates
 
 if TYPE_CHECKING:
-    from visuohaptic.studies.learning_policies import Candidates
+    from touch_curves.learning import Candidates
 
 ADAPTIVE = "adaptive"
 BLIND = "random"

@@ -40,13 +40,13 @@ from eye_and_touch.study import (
 from eye_and_touch.summary import sum_up_senses
 from eye_and_touch.tables import CONFIDENCE_BINS, EYE_AND_TOUCH
 from touch_curves.choosing import ADAPTIVE as ADAPTIVE_POLICY
+from touch_curves.learning import choose_in_split
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.parameters import CostParameters, ExperimentParameters
 from visuohaptic.recognition.descriptors import describe_sequences, draw_waves
 from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.studies.conditions import touches_of_run
 from visuohaptic.studies.figures import write_json
-from visuohaptic.studies.learning_policies import choose_in_split
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES
 from visuohaptic.tables.schema import build_table, read_table, write_table

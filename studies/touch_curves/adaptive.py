@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import pyarrow as pa
 
 import touch_curves.choosing  # noqa: F401 - registers `adaptive`
+from touch_curves.learning import choose_in_splits, gather_candidates
 from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.seeds import spawn_generator
@@ -29,12 +30,7 @@ from visuohaptic.recognition.pipelines import pipeline_of
 from visuohaptic.recognition.sequences import TouchSequences, classes_of_two, gather_pipeline
 from visuohaptic.recognition.splits import Split, draw_splits
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, Planned, plan_study
-from visuohaptic.studies.learning_policies import (
-    LEARNING_POLICIES,
-    LearningPolicy,
-    choose_in_splits,
-    gather_candidates,
-)
+from visuohaptic.studies.learning_policies import LEARNING_POLICIES, LearningPolicy
 from visuohaptic.studies.measuring import Predictions, cell_rows, error_rows
 from visuohaptic.studies.refusals import REFUSALS
 from visuohaptic.studies.study import StepInputs

@@ -18,10 +18,10 @@ from eye_and_touch.study import (
 )
 from eye_and_touch.tables import EYE_AND_TOUCH
 from eye_and_touch.trials import measure_senses
+from touch_curves.learning import gather_candidates
 from visuohaptic.evaluation.summary import select
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.sequences import gather_pipeline
-from visuohaptic.studies.learning_policies import gather_candidates
 from visuohaptic.tables.schema import check_table
 
 pytestmark = pytest.mark.slow

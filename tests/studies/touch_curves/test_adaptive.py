@@ -5,16 +5,15 @@ import pytest
 from recognition.synthetic import PAPER_FEATURES, features_table
 from studies.surfaces import RUN, small_surfaces, write_sources
 
-from touch_curves import adaptive
+from touch_curves import adaptive, learning
 from touch_curves.adaptive import CANDIDATES, learning_rows, make_candidates
 from touch_curves.choosing import ADAPTIVE
+from touch_curves.learning import choose_in_split
 from touch_curves.study import LONGEST_SEQUENCE, touches_name
 from touch_curves.study import STUDY as TOUCH_CURVES
 from visuohaptic.parameters import ExperimentParameters
-from visuohaptic.studies import learning_policies
 from visuohaptic.studies.conditions import HEADLINE_CLASSIFIERS, plan_study
 from visuohaptic.studies.figures import cells_of
-from visuohaptic.studies.learning_policies import choose_in_split
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.phases import FEATURES, OUT_OF_REACH
 from visuohaptic.tables.schema import read_table
@@ -33,8 +32,8 @@ TABLE = features_table("adaptive", touches=8, viewpoints=2, separation=4.0)
 
 @pytest.fixture(autouse=True)
 def in_this_process(monkeypatch):
-    """Start no process; `test_learning_policies` tests what it finds."""
-    monkeypatch.setattr(learning_policies, "choose_afresh", choose_in_split)
+    """Start no process; `test_learning` tests what it finds."""
+    monkeypatch.setattr(learning, "choose_afresh", choose_in_split)
 
 
 def cells(pipeline, counts):

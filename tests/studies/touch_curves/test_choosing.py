@@ -16,15 +16,11 @@ from touch_curves.choosing import (
     fit_touch_model,
     scale_poses,
 )
+from touch_curves.learning import choose_in_split, gather_candidates, lessons_of
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.descriptors import POSE
 from visuohaptic.recognition.parameters import OrderFreeParameters, ProtocolParameters
 from visuohaptic.recognition.splits import draw_splits
-from visuohaptic.studies.learning_policies import (
-    choose_in_split,
-    gather_candidates,
-    lessons_of,
-)
 from visuohaptic.tables.phases import CONTOURLET_FEATURES, IMPRINT_FEATURES
 
 PARAMETERS = OrderFreeParameters()
