@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := report
-.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch turned baselines bench wheels release paper readme params format lock clean
+.PHONY: report why verify check test test-all test-hard golden test-slurm test-installed meshes gaze draws cues first_touch turned keep baselines bench wheels release paper readme params format lock clean
 .PHONY: site lint lint-types lint-code lint-workflow installed-alone installed-dvc
 
 export PYTHON ?= python3
@@ -11,6 +11,9 @@ SET ?= paper
 # Of `make gaze`: recordings of people's gaze, and predictions of others.
 FOLDER ?=
 PEER ?=
+# Of `make keep`: a study, and a measured file where the study does not name its result.
+STUDY ?=
+FILE ?=
 # Of `make paper`.
 PANDOC ?= pandoc
 export VENV := .venv
@@ -112,7 +115,7 @@ first_touch: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs
 first_touch: $(READY)
 	@$(RUN) --cores $(JOBS) --config meshes="{set: $(SET)}" plugins="[studies/first_touch/plug_in/looking.py]" \
 	  -- results/first_touch.parquet
-	@python -m first_touch.keeping $(SET)
+	@python -m visuohaptic.studies.keeping first_touch $(SET)
 	@python -m first_touch.make_page
 
 # Objects turned about the vertical and in any way, kept with the package (studies/turned/README.md): make turned SET=benchmark
@@ -122,6 +125,10 @@ turned: $(READY)
 	@python -m turned.keeping $(SET)
 	@python -m turned.make_page
 	@python docs/make_two_questions.py
+
+# Copies the measured result of a study into its folder, with set, commit and day: make keep STUDY=draws SET=benchmark
+keep: $(READY)
+	@python -m visuohaptic.studies.keeping $(STUDY) $(SET) $(FILE)
 
 # Simple classifiers of the same touches beside our pipeline (studies/baselines/README.md): make baselines SET=benchmark
 baselines: export PYTHONPATH := $(PYTHONPATH):$(CURDIR)/docs

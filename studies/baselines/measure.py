@@ -25,9 +25,9 @@ from classifier_settings.choose import choosing_half
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.evaluation.evaluating import Evaluation
 from visuohaptic.evaluation.inputs import Inputs
+from visuohaptic.io.checkout import find_commit
 from visuohaptic.meshes.catalogue import models_of_set
 from visuohaptic.recognition.parameters import RecognitionParameters
-from visuohaptic.report.provenance import find_commit
 from visuohaptic.tables.phases import FEATURES, TOUCHES, keys_of
 from visuohaptic.tables.schema import read_table
 

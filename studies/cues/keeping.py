@@ -16,8 +16,8 @@ import pyarrow.parquet as pq
 
 import visuohaptic.report
 from visuohaptic.base.errors import ReportError
+from visuohaptic.io.checkout import find_commit
 from visuohaptic.report.cues import KEPT, SCHEMA
-from visuohaptic.report.provenance import find_commit
 from visuohaptic.studies.figures import Cell, CellKey, read_cells
 from visuohaptic.studies.study import StepInputs
 from visuohaptic.tables.schema import build_rows, read_table, write_table

@@ -16,9 +16,9 @@ import visuohaptic.report
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.draws import draw_of
 from visuohaptic.base.errors import ReportError
+from visuohaptic.io.checkout import find_commit
 from visuohaptic.report.draws import KEPT, KeptPipeline, KeptSet, read_kept
 from visuohaptic.report.estimates import read_json
-from visuohaptic.report.provenance import find_commit
 from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
 from visuohaptic.studies.study import StepInputs
 

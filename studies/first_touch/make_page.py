@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 from filling import DOCS, fill_page, points, share, table
 
-from first_touch.keeping import KEPT
 from first_touch.study import FRAMES, RULES, TOUCHES
 from first_touch.summary import LABELS, Place, accuracies, lead, read_kept
 from visuohaptic.attention.registry import CHANNELS
@@ -20,6 +19,7 @@ from visuohaptic.recognition.parameters import IntervalParameters
 from visuohaptic.report.estimates import estimate, with_interval
 from visuohaptic.report.turned import KNOWN, POSES
 from visuohaptic.report.wording import probability
+from visuohaptic.studies.keeping import kept_files
 
 PAGE = Path(__file__).parent / "README.md"
 SETS = {"benchmark": TOUCHES, "paper": (1, 2)}
@@ -191,9 +191,8 @@ def counted(touches: int) -> str:
 PIPELINES = {"order_free": "ours", "paper": "the paper's pipeline"}
 
 if __name__ == "__main__":
-    for name in SETS:
-        if PAGE.with_name(KEPT.format(name)).exists():
-            fill_page(PAGE, blocks(name, read_kept(name)))
+    for name in kept_files(PAGE.parent):
+        fill_page(PAGE, blocks(name, read_kept(name)))
     said = f"**Does a model of gaze help to choose the first touch?** {sentence(read_kept('benchmark'))}"
     link = " ([first_touch]({}studies/first_touch/README.md))"
     for page, more in (

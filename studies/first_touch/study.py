@@ -108,11 +108,12 @@ STUDY = Study(
     steps=(
         Step(
             "first_touch",
-            "first_touch.keeping:make_first_touch",
+            "first_touch.accuracies:make_first_touch",
             ("results/first_touch.parquet",),
             needs={"include": {"meshes": {"set"}}},
         ),
     ),
     has_figures=False,
+    kept="results/first_touch.parquet",
 )
 """The first touch, by ways to choose its place."""

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import pyarrow.parquet as pq
 
-from first_touch.keeping import KEPT
 from visuohaptic.evaluation.draws import ObjectAccuracies, mean_over_draws
 from visuohaptic.evaluation.intervals import PairedComparison
 from visuohaptic.evaluation.leads import compare_accuracies
 from visuohaptic.geometry.turning import Turns
 from visuohaptic.recognition.parameters import Frame, IntervalParameters
+from visuohaptic.studies.keeping import kept_file, read_source
 
 LABELS = {
     "human": "where people are predicted to look",
@@ -54,9 +53,9 @@ class Place:
 
 def read_kept(name: str, folder: Path = Path(__file__).parent) -> pd.DataFrame:
     """Read the kept rows of a set of objects, with the day of the measurement as attribute ``date``."""
-    table = pq.read_table(folder / KEPT.format(name))
-    rows = table.to_pandas()
-    rows.attrs["date"] = (table.schema.metadata or {}).get(b"date", b"").decode()
+    path = kept_file(folder, name)
+    rows = pd.read_parquet(path)
+    rows.attrs["date"] = read_source(path).date
     return rows
 
 

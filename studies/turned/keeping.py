@@ -16,8 +16,8 @@ import visuohaptic.report
 from turned.study import LITERAL
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ReportError
+from visuohaptic.io.checkout import find_commit
 from visuohaptic.report.estimates import read_json
-from visuohaptic.report.provenance import find_commit
 from visuohaptic.report.turned import KEPT, TurnedCell, TurnedSet, read_turned
 from visuohaptic.studies.figures import Cell, CellKey, read_cells, write_json
 from visuohaptic.studies.study import StepInputs

@@ -104,7 +104,11 @@ def bring_section(folder, text):
 
 @pytest.mark.parametrize(
     ("text", "sentence"),
-    [("1 / 0", "can't be run: ZeroDivisionError"), ("", "has no SECTION; one Section is needed")],
+    [
+        ("1 / 0", "can't be run: ZeroDivisionError"),
+        ("", "has no SECTION; one Section, or a sequence SECTIONS, is needed"),
+        ("SECTIONS = ()", "has no SECTION; one Section, or a sequence SECTIONS, is needed"),
+    ],
 )
 def test_a_section_that_a_study_brings_is_refused_in_one_sentence(
     tmp_path, monkeypatch, text, sentence
@@ -129,5 +133,42 @@ def test_a_study_brings_its_section_with_its_template(tmp_path, monkeypatch):
     )
     sections = chapters_of(run)["Studies"]
     assert [(one.name, one.title) for one in sections[:1]] == [("study-brought", "Brought")]
-    template = make_environment(sections).get_template(sections[0].template)
+    template = make_environment(sections).get_template(sections[0].template_path)
     assert template.render(sections[0].values("so much.")) == "So much."
+
+
+SECTIONS = """
+from visuohaptic.report.section import Section, sentences_section
+SECTIONS = (
+    Section("brought", "Brought", lambda context: {}),
+    sentences_section("kept_before", "Kept", lambda context: context, CHAPTER),
+)
+"""
+
+
+def brought_sections(folder, text):
+    run = SimpleNamespace(files=SimpleNamespace(study_folders=[bring_section(folder, text)]))
+    return chapters_of(run)
+
+
+def test_a_study_brings_sentences_to_another_chapter_with_a_template_of_the_report(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr("sys.path", [*sys.path])
+    chapters = brought_sections(tmp_path, SECTIONS.replace("CHAPTER", '"Other objects"'))
+    assert chapters["Studies"][0].name == "study-brought"
+    kept = chapters["Other objects"][0]
+    assert (kept.name, kept.title) == ("study-brought-kept-before", "Kept")
+    values = kept.values(["First.", "", "Second."])
+    template = make_environment([kept]).get_template(kept.template_path)
+    assert template.render(values) == "<p>First.</p>\n<p>Second.</p>\n"
+    assert kept.values([""]) is None
+
+
+def test_a_chapter_that_the_page_does_not_have_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.path", [*sys.path])
+    with pytest.raises(
+        VisuohapticError,
+        match=r"brought/section\.py: 'Others' is no chapter of the report; one of ",
+    ):
+        brought_sections(tmp_path, SECTIONS.replace("CHAPTER", '"Others"'))

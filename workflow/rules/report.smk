@@ -11,12 +11,13 @@ TEMPLATES = in_clone(
         for file in Path(shipped(f"src/visuohaptic/{folder}/templates")).glob("*.*")
     )
 )
-# Sections of studies, and their templates.
+# Sections of studies, their templates, and the results that are kept beside them.
 SECTIONS = section_files(STUDY_FOLDERS)
-SECTION_TEMPLATES = in_clone(
-    os.path.relpath(template)
+SECTION_FILES = in_clone(
+    os.path.relpath(file)
     for section in SECTIONS.values()
-    for template in sorted(section.parent.glob("templates/*.*"))
+    for pattern in ("templates/*.*", "kept_*.*")
+    for file in sorted(section.parent.glob(pattern))
 )
 # Table of study human_gaze, which is not part of the workflow.
 AGREEMENT_WITH_GAZE = in_clone(
@@ -89,7 +90,7 @@ rule report:
             more_studies=files_of_more_studies,
             measured=in_clone(filter(os.path.exists, MEASURED_BESIDE)),
             credits=CREDITS,
-            templates=[*TEMPLATES, *SECTION_TEMPLATES],
+            templates=[*TEMPLATES, *SECTION_FILES],
         ),
     output:
         page=report(

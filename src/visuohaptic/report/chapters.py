@@ -7,9 +7,10 @@ its name, and an entry in `CHAPTERS`. Studies outside the package bring their ow
 
 from __future__ import annotations
 
+from visuohaptic.base.errors import ReportError
 from visuohaptic.report import sections
 from visuohaptic.report.glossary import WORDS
-from visuohaptic.report.measured_before import measured_before_values
+from visuohaptic.report.measured_before import MEASURED_BEFORE, OTHER_OBJECTS
 from visuohaptic.report.run import Run
 from visuohaptic.report.section import Section, SourceTable, figures_of, study_sections
 from visuohaptic.report.studies import names_of_own_studies
@@ -98,9 +99,7 @@ CHAPTERS = {
             "stability", "Numerical stability in hard cases", sections.stability_values, (STABLE,),
         ),
     ),
-    "Other objects": (
-        Section("before", "Other objects, measured before", measured_before_values),
-    ),
+    OTHER_OBJECTS: MEASURED_BEFORE,
     "Methods": (
         Section("methods", "Methods text", sections.methods_values),
         Section("parameters", "Parameters", sections.parameters_values),
@@ -116,6 +115,16 @@ CHAPTERS = {
 
 
 def chapters_of(run: Run) -> dict[str, tuple[Section, ...]]:
-    """Return the sections of a run's page by chapter; chapter ``Studies`` begins with sections of studies."""
-    of_studies = study_sections(run.files.study_folders)
-    return {**CHAPTERS, "Studies": (*of_studies, *CHAPTERS["Studies"])}
+    """Return the sections of a run's page by chapter; a chapter begins with the sections that studies bring to it.
+
+    Raises `ReportError` if a study names an unknown chapter.
+    """
+    chapters: dict[str, list[Section]] = {name: [] for name in CHAPTERS}
+    for section in study_sections(run.files.study_folders):
+        if section.chapter not in CHAPTERS:
+            raise ReportError(
+                f"{section.folder}/section.py: {section.chapter!r} is no chapter of the report; one of "
+                f"{', '.join(CHAPTERS)} is needed."
+            )
+        chapters[section.chapter].append(section)
+    return {name: (*chapters[name], *sections) for name, sections in CHAPTERS.items()}

@@ -25,7 +25,7 @@ from visuohaptic.pictures.model_figure import model_script, model_style
 from visuohaptic.pictures.page_head import content_policy, page_style
 from visuohaptic.report import figures, wording
 from visuohaptic.report.cautions import find_warnings
-from visuohaptic.report.chapters import chapters_of
+from visuohaptic.report.chapters import OTHER_OBJECTS, chapters_of
 from visuohaptic.report.drawing import inline_svg
 from visuohaptic.report.glossary import explained
 from visuohaptic.report.objects import describe_objects
@@ -82,6 +82,7 @@ def render_page(run: Run) -> str:
     return environment.get_template("page.html.jinja").render(
         policy=content_policy(script),
         chapters=_render_chapters(environment, context, chapters),
+        folded=OTHER_OBJECTS,
         objects=len(run.objects),
         classes=len({key.split("/")[0] for key in run.objects}),
         paper=PAPER,
@@ -107,7 +108,7 @@ def _render_chapters(
         for section in sections:
             values = section.values(context)
             if values is not None:
-                body = environment.get_template(section.template).render(values)
+                body = environment.get_template(section.template_path).render(values)
                 title = values.get("title", section.title)
                 rendered.setdefault(chapter, []).append((section.name, title, body))
     return rendered
@@ -118,13 +119,14 @@ def make_environment(sections: Iterable[Section] = ()) -> Environment:
 
     `sections` may bring templates in their own folders. Text is escaped unless it is marked as safe.
     """
+    of_report = PackageLoader("visuohaptic.report")
     of_studies = {
-        section.name: FileSystemLoader(section.folder / "templates")
+        section.name: ChoiceLoader([FileSystemLoader(section.folder / "templates"), of_report])
         for section in sections
         if section.folder
     }
     environment = Environment(
-        loader=ChoiceLoader([PackageLoader("visuohaptic.report"), PrefixLoader(of_studies)]),
+        loader=ChoiceLoader([of_report, PrefixLoader(of_studies)]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -1,11 +1,9 @@
-"""Versions, commit, machine, and the seconds of each phase."""
+"""Versions, machine, and the seconds of each phase."""
 
 from __future__ import annotations
 
 import os
 import platform
-import shutil
-import subprocess
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -15,7 +13,6 @@ from visuohaptic import phases
 from visuohaptic.io.job_logs import JobSeconds, read_seconds
 
 PHASES = ("downloads", *(phase.name for phase in phases.PHASES), "metrics")
-_PACKAGE = Path(visuohaptic.__file__).parent
 _DISTRIBUTIONS = (
     *(
         "contourlets",
@@ -65,20 +62,6 @@ def find_versions() -> list[tuple[str, str]]:
     return versions
 
 
-def find_commit(package: str | Path = _PACKAGE) -> str:
-    """Return the commit of the checkout that holds a package.
-
-    The text also says whether tracked files were edited since, or that there is no checkout.
-    """
-    # Installed packages may lie in another project's checkout, which does not track them.
-    is_tracked = _git(package, "ls-files", "--error-unmatch", "__init__.py") is not None
-    head = _git(package, "rev-parse", "HEAD") if is_tracked else None
-    if head is None:
-        return "unknown: this is no git checkout"
-    edited = _git(package, "status", "--porcelain", "--untracked-files=no")
-    return f"{head}, with edits that are not committed" if edited else head
-
-
 def describe_machine() -> list[tuple[str, str]]:
     """Return system, processor, cores and memory of the machine, without its host name."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
@@ -108,24 +91,6 @@ def phase_seconds(folder: str | Path) -> list[PhaseSeconds]:
         summed.append(PhaseSeconds(phase, len(done), imports, work, unfinished))
     order = {phase: index for index, phase in enumerate(PHASES)}
     return sorted(summed, key=lambda row: (order.get(row.phase, len(PHASES)), row.phase))
-
-
-def _git(folder: str | Path, *arguments: str) -> str | None:
-    program = shutil.which("git")
-    if program is None:
-        return None
-    try:
-        done = subprocess.run(  # noqa: S603 - a fixed program and fixed arguments
-            [program, *arguments],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            timeout=5,
-            check=True,
-        )
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return done.stdout.strip()
 
 
 def _processor() -> str:

@@ -99,6 +99,11 @@ class Section:
         Returns the values of the template, or None to leave the section out. A value ``title`` replaces the heading.
     reads : sequence of SourceTable, or callable
         The tables that the section reads.
+    chapter : str
+        The chapter of the page in which a section of a study stands, a key of `chapters.CHAPTERS`.
+    template : str
+        The file name of the template, in ``templates`` of the study's folder or else of the report. The default is
+        ``section.html.jinja`` for a study, and the section's name with ``.html.jinja`` for the report.
     folder : Path, optional
         The folder of the study that brings the section.
     """
@@ -107,12 +112,16 @@ class Section:
     title: str
     values: Callable[[ReportContext], Values | None]
     reads: Sequence[SourceTable] | Callable[[Run], Sequence[SourceTable]] = ()
+    chapter: str = "Studies"
+    template: str = ""
     folder: Path | None = None
 
     @property
-    def template(self) -> str:
-        """The template's name; a study has its template in `folder`, as ``templates/section.html.jinja``."""
-        return f"{self.name}{'/section' if self.folder else ''}.html.jinja"
+    def template_path(self) -> str:
+        """The template's name for `page.make_environment`; names of studies have the section's name as a folder."""
+        if self.folder is None:
+            return self.template or f"{self.name}.html.jinja"
+        return f"{self.name}/{self.template or 'section.html.jinja'}"
 
 
 def figures_of(study: str) -> SourceTable:
@@ -120,16 +129,17 @@ def figures_of(study: str) -> SourceTable:
     return SourceTable(f"Study {study}", STUDY_FIGURES, f"studies/{study}")
 
 
-def study_anchor(study: str) -> str:
-    """Return the anchor of the section that a study brings to the page."""
-    return f"study-{study.replace('_', '-')}"
+def study_anchor(study: str, section: str = "") -> str:
+    """Return the anchor of a section that a study brings to the page; the study's main section has the study's name."""
+    names = [study] if section in {"", study} else [study, section]
+    return "-".join(("study", *names)).replace("_", "-")
 
 
 def study_sections(folders: Iterable[str | Path]) -> list[Section]:
     """Import the sections of the studies in some folders, sorted by the studies' names.
 
-    A study brings a section as a `Section` named ``SECTION`` in its file ``section.py``, with the template
-    ``templates/section.html.jinja``.
+    A study brings a `Section` named ``SECTION`` or several named ``SECTIONS`` in its file ``section.py``. Their
+    templates are in its folder ``templates``, or are templates of the report.
 
     Raises
     ------
@@ -138,13 +148,34 @@ def study_sections(folders: Iterable[str | Path]) -> list[Section]:
     ParameterError
         If a file can't be imported.
     """
-    sections = []
+    sections: list[Section] = []
     for study, path in section_files(folders).items():
-        section = getattr(import_file(path, study), "SECTION", None)
-        if not isinstance(section, Section):
-            raise ReportError(f"{path} has no SECTION; one Section is needed.")
-        sections.append(replace(section, name=study_anchor(study), folder=path.parent))
+        module = import_file(path, study)
+        brought = getattr(module, "SECTIONS", (getattr(module, "SECTION", None),))
+        if not brought or not all(isinstance(section, Section) for section in brought):
+            raise ReportError(
+                f"{path} has no SECTION; one Section, or a sequence SECTIONS, is needed."
+            )
+        sections += [
+            replace(section, name=study_anchor(study, section.name), folder=path.parent)
+            for section in brought
+        ]
     return sections
+
+
+def sentences_section(
+    name: str,
+    title: str,
+    sentences: Callable[[ReportContext], Iterable[str]],
+    chapter: str,
+) -> Section:
+    """Return a section of paragraphs, one per sentence; without a sentence the section is left out."""
+
+    def values(context: ReportContext) -> Values | None:
+        said = [sentence for sentence in sentences(context) if sentence]
+        return {"sentences": said} if said else None
+
+    return Section(name, title, values, chapter=chapter, template="sentences.html.jinja")
 
 
 @dataclass(frozen=True)

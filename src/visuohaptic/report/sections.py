@@ -15,6 +15,7 @@ from visuohaptic.attention.levels import CENTRE_LEVELS, SURROUND_OFFSETS
 from visuohaptic.evaluation.intervals import EXTRA
 from visuohaptic.evaluation.summary import confusion, select
 from visuohaptic.fixations.viewpoints import FIELD_OF_VIEW_DEGREES
+from visuohaptic.io.checkout import find_commit
 from visuohaptic.io.plugins import loaded
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.recognition.parameters import IntervalParameters, Protocol
@@ -41,7 +42,7 @@ from visuohaptic.report.own_fixations import (
     own_fixations_rows,
     own_fixations_sentence,
 )
-from visuohaptic.report.provenance import describe_machine, find_commit, find_versions
+from visuohaptic.report.provenance import describe_machine, find_versions
 from visuohaptic.report.questions import (
     MAIN_OPPONENT,
     QUESTIONS,

@@ -2,7 +2,7 @@
 
 Studies of the package are entries of `registry.STUDIES`. All other studies are files in folder ``studies/``: YAML for
 studies with conditions only, or Python with a `Study` named ``STUDY``, which may have steps. A study in a folder of its
-own may also have a section of the report (`report.section.study_sections`).
+own may also have sections of the report (`report.section.study_sections`) and kept results (`keeping`).
 """
 
 from __future__ import annotations
@@ -191,6 +191,8 @@ class Study:
     is_coded : bool
         Whether the study is part of the package or a Python file. Rule ``study_<name>`` makes any study and the
         report; a coded study also has rule ``<name>_all``.
+    kept : str
+        The Parquet file of a step that `keeping` copies into the study's folder; empty if no result is kept.
     """
 
     name: str
@@ -201,6 +203,7 @@ class Study:
     is_sampled: bool = False
     is_part_of_run: bool = False
     is_coded: bool = True
+    kept: str = ""
 
     @property
     def shown(self) -> tuple[str, ...]:

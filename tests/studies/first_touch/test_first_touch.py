@@ -4,12 +4,10 @@ import runpy
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
-import pyarrow.parquet as pq
 import pytest
 from studies.surfaces import RUN
 
-from first_touch.keeping import arrange, keep
+from first_touch.accuracies import arrange
 from first_touch.study import FRAMES, PARTS, RULES, TOUCHES, conditions
 from first_touch.summary import LABELS, Place, accuracies, lead
 from visuohaptic.attention.registry import CHANNELS
@@ -125,13 +123,3 @@ def test_a_failed_condition_is_refused():
     failed = {("default none 0 full 5", "paper", "human", SVM): cell(error="no view has 5 touches")}
     with pytest.raises(ReportError, match="default none 0 full 5 could not be measured: no view"):
         arrange(failed)
-
-
-def test_only_the_named_set_is_kept(tmp_path):
-    measured = tmp_path / "measured.parquet"
-    pq.write_table(arrange(CELLS).replace_schema_metadata({"set": "paper"}), measured)
-    with pytest.raises(ReportError, match="has set paper; set benchmark is needed"):
-        keep("benchmark", measured, tmp_path)
-    keep("paper", measured, tmp_path)
-    kept = pd.read_parquet(tmp_path / "kept_paper.parquet")
-    pd.testing.assert_frame_equal(kept, arrange(CELLS).to_pandas())

@@ -83,7 +83,7 @@ def test_a_refused_strategy_is_named_with_its_reason(measured, error):
     environment.globals["confidence"] = "95 %"
     found = curves("paper", "naive_bayes", BEHIND, points if error else measured)
     values = {"pipelines": [found], "draw_curves": draw_curves}
-    page = read_page(environment.get_template(section.template).render(values)).text
+    page = read_page(environment.get_template(section.template_path).render(values)).text
     assert ("has no area" in page) == bool(error)
     assert not error or f"Rogue has no area under the curve: {error}" in page
 

@@ -1,11 +1,11 @@
-"""The commit that a page names is that of the code that ran."""
+"""The commit that is named is that of the code that ran."""
 
 import shutil
 import subprocess
 
 import pytest
 
-from visuohaptic.report.provenance import find_commit
+from visuohaptic.io.checkout import find_commit
 
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 

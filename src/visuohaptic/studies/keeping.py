@@ -1,0 +1,111 @@
+"""Keep the measured result of a study beside the study: `python -m visuohaptic.studies.keeping STUDY SET [FILE]`.
+
+The kept file is ``kept_<set>.parquet`` in the folder of the study. `FILE` is the measured table; by default the command
+keeps `Study.kept`.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from visuohaptic.base.atomic_files import atomic_file
+from visuohaptic.base.errors import ReportError
+from visuohaptic.io.checkout import find_commit
+from visuohaptic.studies.registry import REPOSITORY, load_study
+from visuohaptic.tables.schema import open_parquet
+
+_KEPT = "kept_{}.parquet"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Source of a kept table: set of objects, commit of the code, and day of the measurement (UTC)."""
+
+    set: str
+    commit: str
+    date: str
+
+
+def write_measured(table: pa.Table, name: str, path: str | Path) -> None:
+    """Write a measured table with the name of its set of objects in its metadata, whole or not at all."""
+    _write(table, {"set": name}, path)
+
+
+def keep(measured: str | Path, name: str, folder: str | Path) -> None:
+    """Copy a measured table to the kept table of a set in a folder, with the present commit and date.
+
+    Raises
+    ------
+    ReportError
+        If the table was measured on another set.
+    TableError
+        If the file is missing or no Parquet file.
+    """
+    table = open_parquet(measured).read()
+    found = _metadata(table.schema).get("set", name)
+    if found != name:
+        raise ReportError(f"{measured} has set {found}; set {name} is needed.")
+    source = Source(name, find_commit(), datetime.now(UTC).strftime("%Y-%m-%d"))
+    _write(table, asdict(source), kept_file(folder, name))
+
+
+def kept_file(folder: str | Path, name: str) -> Path:
+    """Return the path of the kept table of a set."""
+    return Path(folder, _KEPT.format(name))
+
+
+def kept_files(folder: str | Path) -> dict[str, Path]:
+    """Find the kept tables in a folder, by set in the order of their names."""
+    start, end = _KEPT.split("{}")
+    paths = sorted(Path(folder).glob(_KEPT.format("*")))
+    return {path.name.removeprefix(start).removesuffix(end): path for path in paths}
+
+
+def read_source(path: str | Path) -> Source:
+    """Read the source of a kept table.
+
+    Raises `ReportError` if the table has none, and `TableError` if the file is missing or no Parquet file.
+    """
+    metadata = _metadata(open_parquet(path).schema_arrow)
+    missing = [name for name in Source.__dataclass_fields__ if name not in metadata]
+    if missing:
+        raise ReportError(
+            f"{path} does not name its {missing[0]}; `git checkout {path}` restores the kept table."
+        )
+    return Source(*(metadata[name] for name in Source.__dataclass_fields__))
+
+
+def _metadata(schema: pa.Schema) -> dict[str, str]:
+    return {key.decode(): value.decode() for key, value in (schema.metadata or {}).items()}
+
+
+def _write(table: pa.Table, named: dict[str, str], path: str | Path) -> None:
+    """Write a table with further entries in its metadata."""
+    metadata = {**_metadata(table.schema), **named}
+    with atomic_file(path) as unfinished:
+        pq.write_table(table.replace_schema_metadata(metadata), unfinished, compression="zstd")
+
+
+def keep_study(study: str, name: str, measured: str | Path | None = None) -> None:
+    """Keep the result of a study of the repository; by default `Study.kept`, relative to the working folder.
+
+    Raises `ReportError` if the study names no result and `measured` is None; further errors as in `keep`.
+    """
+    folder = REPOSITORY / study
+    if measured is None:
+        measured = load_study(folder / "study.py", study).kept
+        if not measured:
+            raise ReportError(
+                f"Study {study} has no field `kept`; name the measured file after the set."
+            )
+    keep(measured, name, folder)
+
+
+if __name__ == "__main__":
+    keep_study(*sys.argv[1:])
