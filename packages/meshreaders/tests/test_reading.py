@@ -22,6 +22,16 @@ def test_a_material_gives_its_diffuse_colour_where_its_image_is_not_there_or_out
     assert surface.texture is None
 
 
+def test_vertices_of_faces_that_are_no_places_are_counted_in_a_note(tmp_path):
+    points = [*POINTS, [np.nan, 0, 0], [0, np.inf, 0], [np.nan, 0, 0]]
+    text = "".join(f"v {x} {y} {z}\n" for x, y, z in points) + "f 1 2 3\nf 1 4 5\n"
+    (tmp_path / "a.obj").write_text(text)
+    assert meshreaders.read(tmp_path / "a.obj").notes == (
+        f"{tmp_path / 'a.obj'} has 2 NaN or infinite vertices.",
+    )
+    assert meshreaders.read((np.array(points), np.array([[0, 1, 2]]))).notes == ()
+
+
 def test_vertex_colours_are_averaged_over_the_corners_and_a_file_without_is_grey(tmp_path):
     mesh = trimesh.Trimesh(POINTS, FACES, vertex_colors=255 * np.eye(3), process=False)
     for suffix, colour in ((".ply", 85), (".stl", GREY)):

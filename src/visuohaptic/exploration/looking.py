@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
+from visuohaptic.active.registry import strategy_of
 from visuohaptic.base.arrays import FloatArray
 from visuohaptic.base.atomic_files import atomic_write_text
 from visuohaptic.base.errors import ParameterError
 from visuohaptic.exploration.recognising import GIVEN
-from visuohaptic.fixations.probing import strategy_of
 from visuohaptic.geometry.surface import Surface
 from visuohaptic.parameters import ExperimentParameters
 from visuohaptic.pictures.encoding import imprint_sheet, webp_address
